@@ -1,0 +1,1 @@
+//! Revolution to affinity W.

@@ -1,0 +1,1 @@
+//! Embedding U to a partition of the returns.

@@ -1,0 +1,1 @@
+//! Configuration, registry, engine and the streaming pipeline.

@@ -1,0 +1,1 @@
+//! Partition to walls, openings, place and the results line.

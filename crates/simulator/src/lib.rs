@@ -1,0 +1,1 @@
+//! Mines with known truth, a lidar, flights.

@@ -1,0 +1,1 @@
+//! Affinity W to Laplacian, eigenvalues, their zeros and the embedding U.

@@ -1,0 +1,124 @@
+//! The frame: every intermediate value of one revolution, with one owner at a time.
+
+use std::fmt;
+
+use crate::{Affinity, Junction, Partition, Revolution, Spectrum};
+
+/// All that is known of one revolution. It goes from stage to stage, each filling its part, then back to a pool.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// The returns, from ingest.
+    pub revolution: Revolution,
+    /// W and D, from the affinity stage.
+    pub affinity: Affinity,
+    /// λ, k and U, from the spectral stage.
+    pub spectrum: Spectrum,
+    /// Clusters, from the kmeans stage.
+    pub partition: Partition,
+    /// Walls and openings, from the report stage.
+    pub junction: Junction,
+    /// What was dropped, repaired or fallen back to on the way.
+    pub notes: Notes,
+    /// How long each step took; measured by the worker around it.
+    pub timings: Timings,
+    /// Set when a step failed; the parts after it are then not of this revolution.
+    pub failure: Option<Failure>,
+}
+
+/// One step of the flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // the names say it all
+pub enum Step {
+    Ingest,
+    Affinity,
+    Spectral,
+    Kmeans,
+    Report,
+}
+
+impl Step {
+    /// All steps, in the order in which they run.
+    pub const ALL: [Self; 5] = [Self::Ingest, Self::Affinity, Self::Spectral, Self::Kmeans, Self::Report];
+
+    /// Its name in results, configuration and recordings.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ingest => "ingest",
+            Self::Affinity => "affinity",
+            Self::Spectral => "spectral",
+            Self::Kmeans => "kmeans",
+            Self::Report => "report",
+        }
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Sentences about one revolution: every drop, repair and fallback stands in the results.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Notes(Vec<String>);
+
+impl Notes {
+    /// Adds a sentence.
+    pub fn add(&mut self, note: impl Into<String>) {
+        self.0.push(note.into());
+    }
+
+    /// All sentences, in the order in which they were taken.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.0.iter().map(String::as_str)
+    }
+
+    /// Whether nothing was noted.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// Nanoseconds that each step took, in the order of [`Step::ALL`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timings([u64; Step::ALL.len()]);
+
+impl Timings {
+    /// Sets the time of a step.
+    pub fn set_ns(&mut self, step: Step, ns: u64) {
+        self.0[step as usize] = ns;
+    }
+
+    /// The time of a step.
+    pub fn ns(&self, step: Step) -> u64 {
+        self.0[step as usize]
+    }
+}
+
+/// A step that could not do its work on a revolution. It travels in the frame.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{step} failed on revolution {seq}: {cause}")]
+pub struct Failure {
+    /// Which step.
+    pub step: Step,
+    /// On which revolution.
+    pub seq: u64,
+    /// Why.
+    pub cause: FailureCause,
+}
+
+/// Why a step failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FailureCause {
+    /// The stage returned an error.
+    #[error("{0}")]
+    Error(String),
+    /// The stage panicked: a defect in the stage. The panic was caught.
+    #[error("it panicked: {0}")]
+    Panic(String),
+}

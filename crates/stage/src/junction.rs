@@ -1,0 +1,105 @@
+//! What is reported: walls, openings, and the name of the place.
+
+use std::fmt;
+
+use crate::Point;
+
+/// The answer for one revolution.
+#[derive(Clone, Debug, Default)]
+pub struct Junction {
+    /// The paper's count: the number of walls, islands left out. A plain tunnel has 2, a dead end 1.
+    pub junctions: usize,
+    /// The walls, numbered by their smallest beam index.
+    pub walls: Vec<Wall>,
+    /// The ways on, by bearing ascending.
+    pub openings: Vec<Opening>,
+    /// Wall of each return, n entries; `None` for a return of no wall.
+    pub wall_of_return: Vec<Option<u32>>,
+    /// What kind of place this is.
+    pub place: Place,
+    /// How sure the answer is, 0 to 1.
+    pub confidence: f64,
+}
+
+/// The returns between two consecutive openings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall {
+    /// Its number.
+    pub id: u32,
+    /// How many returns it has.
+    pub returns: usize,
+    /// Anticlockwise from the first to the last return (from > to crosses ±π).
+    pub bearing_rad: [f64; 2],
+    /// A pillar: counted in k, not in `junctions`.
+    pub island: bool,
+}
+
+/// A way on, wide enough for the vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opening {
+    /// Direction towards the branch.
+    pub bearing_rad: f64,
+    /// Clear width across the branch, metres.
+    pub width_m: f64,
+    /// The walls on its clockwise and anticlockwise side; the same twice at a dead end.
+    pub walls: [u32; 2],
+    /// Why it is believed.
+    pub evidence: Evidence,
+    /// The two ends of the edge of the visible free space that it is made of, metres, clockwise end first.
+    pub edge_m: [Point; 2],
+}
+
+/// Why an opening is believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// A wall farther away is seen past the edge of a nearer one.
+    SeenThrough,
+    /// Beams in its direction came back with nothing.
+    NoReturn,
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SeenThrough => "seen_through",
+            Self::NoReturn => "no_return",
+        })
+    }
+}
+
+/// What kind of place the sensor is in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Place {
+    /// No way on.
+    #[default]
+    Closed,
+    /// One way on.
+    DeadEnd,
+    /// Two ways on, opposite each other.
+    Corridor,
+    /// Two ways on, at an angle.
+    Bend,
+    /// Three ways on.
+    Tee,
+    /// Four ways on.
+    Cross,
+    /// This many ways on, five or more.
+    Junction(usize),
+    /// The sensor does not see all around, so the place cannot be named.
+    PartialView,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Closed => f.write_str("closed"),
+            Self::DeadEnd => f.write_str("dead_end"),
+            Self::Corridor => f.write_str("corridor"),
+            Self::Bend => f.write_str("bend"),
+            Self::Tee => f.write_str("tee"),
+            Self::Cross => f.write_str("cross"),
+            Self::Junction(ways) => write!(f, "junction_{ways}"),
+            Self::PartialView => f.write_str("partial_view"),
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The vocabulary of crosscut: what travels through the pipeline, and the traits that a stage implements.
+//!
+//! ```text
+//! Revolution --affinity--> Affinity --spectral--> Spectrum --kmeans--> Partition --report--> Junction
+//!  n points                W (n×n), D             λ, k, U (n×k)        n labels             walls, openings, place
+//! ```
+//!
+//! All five parts of one revolution, with the notes taken on the way, live in a [`Frame`]. A stage borrows the parts
+//! that it reads and writes its own part in place, so that buffers are reused from one revolution to the next. A
+//! stage knows nothing of channels, threads, files, clocks or recordings.
+//!
+//! To write a stage of your own: implement one of [`AffinityStage`], [`SpectralStage`], [`KmeansStage`] or
+//! [`ReportStage`], describe it by a [`Kind`] (name, parameters with unit and range, how to build it), and append the
+//! kind to the registry.
+
+mod affinity;
+mod frame;
+mod junction;
+mod kind;
+mod params;
+mod partition;
+mod revolution;
+mod spectrum;
+mod traits;
+
+pub use affinity::{Affinity, Csr, Weights};
+pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings};
+pub use junction::{Evidence, Junction, Opening, Place, Wall};
+pub use kind::{Kind, StageKind};
+pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
+pub use partition::Partition;
+pub use revolution::{Beam, Revolution, Sweep, wrap_angle_rad};
+pub use spectrum::Spectrum;
+pub use traits::{
+    AffinityStage, KmeansStage, Observer, ObserverError, ReportStage, Source, SourceError, SpectralStage, StageError,
+};
+
+/// Points are in R³ (metres); a 2D lidar has z = 0.
+pub type Point = nalgebra::Point3<f64>;

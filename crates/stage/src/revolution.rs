@@ -1,0 +1,132 @@
+//! One full sweep of the lidar: its returns, and the beams that they came from.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::Point;
+
+/// One revolution: n returns in the body frame (x forward, y left), in message beam order.
+#[derive(Clone, Debug, Default)]
+pub struct Revolution {
+    /// Index of the scan message in its topic, counted over all messages.
+    pub seq: u64,
+    /// The sensor's stamp, nanoseconds since the epoch.
+    pub stamp_ns: u64,
+    /// The sensor's frame, as the message names it.
+    pub frame_id: String,
+    /// The n returns, metres.
+    pub points_m: Vec<Point>,
+    /// The beams behind the returns; a point cloud has none.
+    pub sweep: Option<Sweep>,
+}
+
+/// The beams of a 2D sweep, in message order: one entry per beam in each vector.
+#[derive(Clone, Debug, Default)]
+pub struct Sweep {
+    /// Ranges exactly as on the wire, metres.
+    pub ranges_m: Vec<f32>,
+    /// Bearing of each beam in the body frame, in (-π, π], sensor mounting applied.
+    pub bearings_rad: Vec<f64>,
+    /// What each beam saw.
+    pub beams: Vec<Beam>,
+    /// Angle from one beam to the next, positive (the direction is in `bearings_rad`).
+    pub step_rad: f64,
+    /// A beam without a return saw free space up to here; infinite if the sensor states no limit.
+    pub range_max_m: f64,
+    /// The beams cover the full turn, so that the first and the last are neighbours.
+    pub full_turn: bool,
+    /// The message's own `angle_min`, `angle_increment`, `range_min`, `range_max`, untouched.
+    pub wire_geometry: [f32; 4],
+}
+
+/// What one beam saw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beam {
+    /// A return; the index of its point in [`Revolution::points_m`].
+    Return(u32),
+    /// Nothing within the sensor's range.
+    NoReturn,
+    /// Masked, too near or unreadable: nothing is known in this direction.
+    Unknown,
+}
+
+impl Revolution {
+    /// Number of returns, n.
+    pub fn len(&self) -> usize {
+        self.points_m.len()
+    }
+
+    /// Whether there is no return at all.
+    pub fn is_empty(&self) -> bool {
+        self.points_m.is_empty()
+    }
+
+    /// Makes this an empty revolution, keeping its buffers.
+    pub fn clear(&mut self) {
+        self.seq = 0;
+        self.stamp_ns = 0;
+        self.frame_id.clear();
+        self.points_m.clear();
+        if let Some(sweep) = &mut self.sweep {
+            sweep.clear();
+        }
+    }
+
+    /// Bearing of return `i`, in (-π, π].
+    pub fn bearing_rad(&self, i: usize) -> f64 {
+        let p = self.points_m[i];
+        p.y.atan2(p.x)
+    }
+
+    /// Horizontal distance of return `i` from the sensor, metres.
+    pub fn range_m(&self, i: usize) -> f64 {
+        let p = self.points_m[i];
+        p.x.hypot(p.y)
+    }
+}
+
+impl Sweep {
+    /// Number of beams.
+    pub fn len(&self) -> usize {
+        self.beams.len()
+    }
+
+    /// Whether there are no beams.
+    pub fn is_empty(&self) -> bool {
+        self.beams.is_empty()
+    }
+
+    /// Removes all beams, keeping the buffers.
+    pub fn clear(&mut self) {
+        self.ranges_m.clear();
+        self.bearings_rad.clear();
+        self.beams.clear();
+        self.step_rad = 0.0;
+        self.range_max_m = 0.0;
+        self.full_turn = false;
+        self.wire_geometry = [0.0; 4];
+    }
+}
+
+/// The same angle in (-π, π].
+pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
+    let turned = angle_rad.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_keeps_the_direction_and_lands_in_the_half_open_interval() {
+        for turns in -3..=3 {
+            for step in 0..360 {
+                let angle = f64::from(step).to_radians() + f64::from(turns) * TAU;
+                let wrapped = wrap_angle_rad(angle);
+                assert!(wrapped > -PI && wrapped <= PI, "{angle} wrapped to {wrapped}");
+                assert!((wrapped.cos() - angle.cos()).abs() < 1e-9 && (wrapped.sin() - angle.sin()).abs() < 1e-9);
+            }
+        }
+        assert_eq!(wrap_angle_rad(-PI), PI);
+    }
+}

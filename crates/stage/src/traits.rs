@@ -1,0 +1,114 @@
+//! The traits at the joints of the pipeline.
+
+use crate::{Affinity, Frame, Junction, Notes, Partition, Revolution, Spectrum};
+
+/// Why a stage cannot answer.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StageError {
+    /// The decomposition did not converge.
+    #[error("the eigendecomposition of the {n}x{n} Laplacian did not converge")]
+    NoConvergence {
+        /// Number of returns.
+        n: usize,
+    },
+    /// A value that has to be finite is not.
+    #[error("{what} is not finite at return {index}")]
+    NotFinite {
+        /// Which value.
+        what: &'static str,
+        /// At which return.
+        index: usize,
+    },
+    /// The stage cannot work on what the stage before it made.
+    #[error("{0}")]
+    Unsupported(String),
+}
+
+/// First stage: the weighted graph over the returns.
+pub trait AffinityStage: Send {
+    /// Writes W and D of `revolution` into `out`, whatever `out` held before.
+    ///
+    /// n = 0 gives an empty W. The result depends on nothing but `revolution` and the stage's parameters.
+    ///
+    /// # Errors
+    /// When no graph can be made of the returns.
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError>;
+
+    /// Bytes that W of n returns takes in a frame.
+    fn memory_bytes(&self, n: usize) -> u64;
+}
+
+/// Second stage: eigenvalues of the Laplacian, how many are zero, and their eigenvectors.
+pub trait SpectralStage: Send {
+    /// Writes λ, k, margin and U into `out`, whatever `out` held before.
+    ///
+    /// # Errors
+    /// When the decomposition fails.
+    fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError>;
+
+    /// Bytes of working memory that a decomposition of n returns takes, beyond W.
+    fn memory_bytes(&self, n: usize) -> u64;
+}
+
+/// Third stage: the clusters of the rows of U.
+pub trait KmeansStage: Send {
+    /// Writes a cluster for each return into `out`, whatever `out` held before; clusters are numbered by their first
+    /// return. Randomness restarts from the configured seed at every call.
+    ///
+    /// # Errors
+    /// When the rows of U cannot be clustered.
+    fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError>;
+}
+
+/// Last stage: walls, openings and the name of the place.
+pub trait ReportStage: Send {
+    /// Writes the answer into `out`, whatever `out` held before.
+    ///
+    /// # Errors
+    /// When the parts do not fit each other.
+    fn report(
+        &mut self,
+        revolution: &Revolution,
+        spectrum: &Spectrum,
+        partition: &Partition,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) -> Result<(), StageError>;
+}
+
+/// Where revolutions come from: a recording, a simulator, a live sensor.
+pub trait Source: Send {
+    /// Writes the next revolution into `out`, whatever `out` held before; `false` at the end.
+    ///
+    /// # Errors
+    /// When nothing more can be read. What was read before stays valid.
+    fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError>;
+}
+
+/// Why a source ended early: what was wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct SourceError(pub String);
+
+/// Sees every finished frame, in order, on a thread of its own, after the results were written.
+pub trait Observer: Send {
+    /// Looks at one frame.
+    ///
+    /// # Errors
+    /// When the observer can do no more. It is then left out; the run goes on.
+    fn observe(&mut self, frame: &Frame) -> Result<(), ObserverError>;
+
+    /// Called once, after the last frame.
+    ///
+    /// # Errors
+    /// When what was observed could not be brought to an end.
+    fn finish(&mut self) -> Result<(), ObserverError> {
+        Ok(())
+    }
+}
+
+/// Why an observer gave up: what was wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ObserverError(pub String);
