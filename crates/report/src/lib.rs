@@ -1,1 +1,24 @@
-//! Partition to walls, openings, place and the results line.
+//! Partition of the returns -> walls, openings, the name of the place, and the line of results.
+//!
+//! In: a [`Revolution`](crosscut_stage::Revolution) of n returns, its [`Spectrum`](crosscut_stage::Spectrum) and its
+//! [`Partition`](crosscut_stage::Partition) into clusters.
+//! Out: a [`Junction`](crosscut_stage::Junction): walls with their bearings (rad, anticlockwise), openings with
+//! bearing (rad), clear width (m) and evidence, the place, and a confidence in [0, 1].
+//!
+//! - A **wall** is a cluster ([`walls`]); `junctions`, the paper's count, is the number of walls.
+//! - An **opening** is an edge of the visible free space between two returns that follow each other around the
+//!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
+//! - The **place** is named by the number of openings and by the angle between two ([`place`]).
+//! - **Confidence** is 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the
+//!   nearest eigenvalue: it says how firmly *this rule* stands by its count, and is not calibrated against truth.
+//!
+//! [`ResultsLine`] is the one JSON object that a revolution becomes.
+
+pub mod openings;
+pub mod place;
+mod reporter;
+mod results;
+pub mod walls;
+
+pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};
+pub use results::{MAX_EIGENVALUES, NO_RETURN, NO_WALL, OpeningLine, ResultsLine, WallLine};

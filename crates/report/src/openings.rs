@@ -1,0 +1,228 @@
+//! Edges of the visible free space that the vehicle can pass.
+//!
+//! Going around the sensor anticlockwise, every two returns p, q that follow each other (returns of no wall skipped)
+//! bound an edge. It is an opening when
+//!
+//! 1. ‖p - q‖ is at least the vehicle's width,
+//! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on
+//!    one line: either the two belong to different walls and beams between them came back with nothing
+//!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge;
+//! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
+//! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
+
+use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
+use nalgebra::Vector2;
+
+/// The free space beyond an opening is at least this deep, or not seen to be shallower.
+pub const DEPTH_M: f64 = 3.0;
+
+/// An opening's bearing and width are taken at most this far from the sensor.
+pub const LOOKOUT_M: f64 = 8.0;
+
+/// The line of a wall behind its end is taken over this stretch.
+const LINE_M: f64 = 1.5;
+
+/// Finds openings; holds its buffers from one revolution to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Finder {
+    /// Returns that belong to a wall, anticlockwise around the sensor.
+    ring: Vec<usize>,
+}
+
+/// Two returns that follow each other around the sensor, by their places in the ring.
+struct Edge {
+    clockwise: usize,
+    anticlockwise: usize,
+}
+
+impl Finder {
+    /// Writes the openings between the walls of `revolution`, by bearing ascending.
+    ///
+    /// `wall_of_return` has n entries. Without beam geometry (a cloud) there is no free space to see: no openings.
+    pub fn find(
+        &mut self,
+        revolution: &Revolution,
+        vehicle_width_m: f64,
+        wall_of_return: &[Option<u32>],
+        out: &mut Vec<Opening>,
+    ) {
+        out.clear();
+        let Some(sweep) = &revolution.sweep else { return };
+        let ring_beams = self.order(sweep, wall_of_return);
+        let view = View { revolution, sweep, vehicle_width_m, wall_of_return, ring: &self.ring };
+        let edges = if sweep.full_turn { self.ring.len() } else { self.ring.len().saturating_sub(1) };
+        for clockwise in 0..edges {
+            let edge = Edge { clockwise, anticlockwise: (clockwise + 1) % self.ring.len() };
+            let between = beams_between(&ring_beams, &edge, sweep.len());
+            out.extend(view.opening(&edge, between));
+        }
+        out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+    }
+
+    /// Fills the ring and returns each entry's beam, both anticlockwise.
+    fn order(&mut self, sweep: &Sweep, wall_of_return: &[Option<u32>]) -> Vec<BeamIndex> {
+        self.ring.clear();
+        let mut beams: Vec<BeamIndex> = Vec::with_capacity(wall_of_return.len());
+        for (beam, seen) in sweep.beams.iter().enumerate() {
+            if let Beam::Return(i) = *seen
+                && wall_of_return[i as usize].is_some()
+            {
+                self.ring.push(i as usize);
+                beams.push(BeamIndex { beam, anticlockwise: true });
+            }
+        }
+        if clockwise(sweep) {
+            self.ring.reverse();
+            beams.reverse();
+            beams.iter_mut().for_each(|b| b.anticlockwise = false);
+        }
+        beams
+    }
+}
+
+#[derive(Clone, Copy)]
+struct BeamIndex {
+    beam: usize,
+    anticlockwise: bool,
+}
+
+/// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
+fn clockwise(sweep: &Sweep) -> bool {
+    let turn = |pair: &[f64]| crosscut_stage::wrap_angle_rad(pair[1] - pair[0]);
+    sweep.bearings_rad.windows(2).map(turn).sum::<f64>() < 0.0
+}
+
+/// The beams strictly between the two ends of an edge.
+fn beams_between<'a>(
+    ring_beams: &'a [BeamIndex],
+    edge: &Edge,
+    beams: usize,
+) -> impl Iterator<Item = usize> + Clone + use<'a> {
+    let (from, to) = (ring_beams[edge.clockwise], ring_beams[edge.anticlockwise]);
+    let step = if from.anticlockwise { 1 } else { beams - 1 };
+    let count = if from.anticlockwise { to.beam + beams - from.beam } else { from.beam + beams - to.beam };
+    let count = (count - 1) % beams;
+    (1..=count).map(move |s| (from.beam + s * step) % beams)
+}
+
+/// One revolution seen as a ring of wall returns.
+struct View<'a> {
+    revolution: &'a Revolution,
+    sweep: &'a Sweep,
+    vehicle_width_m: f64,
+    wall_of_return: &'a [Option<u32>],
+    ring: &'a [usize],
+}
+
+impl View<'_> {
+    fn point(&self, place: usize) -> Point {
+        self.revolution.points_m[self.ring[place]]
+    }
+
+    fn wall(&self, place: usize) -> u32 {
+        self.wall_of_return[self.ring[place]].expect("the ring holds returns of walls")
+    }
+
+    fn range_m(&self, place: usize) -> f64 {
+        self.revolution.range_m(self.ring[place])
+    }
+
+    fn opening(&self, edge: &Edge, between: impl Iterator<Item = usize> + Clone) -> Option<Opening> {
+        let (p, q) = (self.point(edge.clockwise), self.point(edge.anticlockwise));
+        if (p - q).norm() < self.vehicle_width_m {
+            return None;
+        }
+        let beams = between.clone().count();
+        let unknown = between.clone().filter(|&beam| self.sweep.beams[beam] == Beam::Unknown).count();
+        if beams > 0 && unknown == beams {
+            return None;
+        }
+        let dark = between.clone().any(|beam| self.sweep.beams[beam] == Beam::NoReturn);
+        let walls = [self.wall(edge.clockwise), self.wall(edge.anticlockwise)];
+        let passable = (dark && walls[0] != walls[1]) || self.leaves_the_line(edge);
+        if !passable || !self.deep(p, q) {
+            return None;
+        }
+        let (bearing_rad, width_m) = self.mouth(edge);
+        let evidence = if dark { Evidence::NoReturn } else { Evidence::SeenThrough };
+        Some(Opening { bearing_rad, width_m, walls, evidence, edge_m: [p, q] })
+    }
+
+    /// Whether neither wall goes on along its own line across the edge, so that the vehicle can pass between them:
+    /// the nearer end clears the line of the farther wall by the vehicle's width, and the farther end leaves the line
+    /// of the nearer wall by half of it.
+    fn leaves_the_line(&self, edge: &Edge) -> bool {
+        let ends = [(edge.clockwise, true), (edge.anticlockwise, false)];
+        let (near, far) = if self.range_m(edge.clockwise) <= self.range_m(edge.anticlockwise) {
+            (ends[0], ends[1])
+        } else {
+            (ends[1], ends[0])
+        };
+        self.distance_from_line_m(far, self.point(near.0)) >= self.vehicle_width_m
+            && self.distance_from_line_m(near, self.point(far.0)) >= self.vehicle_width_m / 2.0
+    }
+
+    /// Distance of a point from the line of the wall that ends at `place`; 0 where the wall has no direction.
+    fn distance_from_line_m(&self, (place, backwards): (usize, bool), point: Point) -> f64 {
+        let end = self.point(place);
+        let along = (end - self.stretch_start(place, backwards)).xy();
+        let across = along.perp(&(point - end).xy()).abs() / along.norm();
+        if across.is_nan() { 0.0 } else { across }
+    }
+
+    /// The return of the same wall about [`LINE_M`] before its end at `place`.
+    fn stretch_start(&self, place: usize, backwards: bool) -> Point {
+        let end = self.point(place);
+        self.along_wall(place, backwards)
+            .map(|at| self.point(at))
+            .find(|p| (p - end).norm() >= LINE_M)
+            .unwrap_or_else(|| self.along_wall(place, backwards).last().map_or(end, |at| self.point(at)))
+    }
+
+    /// The places of one wall from its end at `place` onward, away from the edge, half way round the ring at most.
+    fn along_wall(&self, place: usize, backwards: bool) -> impl Iterator<Item = usize> {
+        let (n, wall) = (self.ring.len(), self.wall(place));
+        let step = if backwards { n - 1 } else { 1 };
+        (0..n.div_ceil(2)).map(move |s| (place + s * step) % n).take_while(move |&at| self.wall(at) == wall)
+    }
+
+    /// Whether a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`].
+    fn deep(&self, p: Point, q: Point) -> bool {
+        let middle = nalgebra::center(&p, &q).xy();
+        let edge = (q - p).xy();
+        let normal = Vector2::new(edge.y, -edge.x).normalize();
+        // The edge runs anticlockwise around the sensor, so its right-hand normal points outward.
+        !self.revolution.points_m.iter().any(|point| {
+            let ahead = point.xy() - middle;
+            let depth_m = ahead.dot(&normal);
+            let aside_m = ahead.dot(&edge) / edge.norm();
+            depth_m > 0.0 && depth_m < DEPTH_M && aside_m.abs() < self.vehicle_width_m / 2.0
+        })
+    }
+
+    /// Bearing and clear width of the branch, at most [`LOOKOUT_M`] from the sensor.
+    ///
+    /// From the last return of each side within that distance, the nearest point of the other side gives the width
+    /// across the branch; the middle of the narrower of the two crossings gives the bearing.
+    fn mouth(&self, edge: &Edge) -> (f64, f64) {
+        let crossing = |place: usize, backwards: bool, other: usize| {
+            let anchor = self
+                .along_wall(place, backwards)
+                .find(|&at| self.range_m(at) <= LOOKOUT_M)
+                .map_or_else(|| self.point(place), |at| self.point(at));
+            let distance = |at: &usize| (self.point(*at) - anchor).norm();
+            let nearest = self
+                .along_wall(other, !backwards)
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .map_or(anchor, |at| self.point(at));
+            (anchor, nearest)
+        };
+        let from_clockwise = crossing(edge.clockwise, true, edge.anticlockwise);
+        let from_anticlockwise = crossing(edge.anticlockwise, false, edge.clockwise);
+        let width_m = |(a, b): (Point, Point)| (a - b).norm();
+        let (a, b) =
+            if width_m(from_clockwise) <= width_m(from_anticlockwise) { from_clockwise } else { from_anticlockwise };
+        let middle = nalgebra::center(&a, &b);
+        (middle.y.atan2(middle.x), width_m((a, b)))
+    }
+}

@@ -1,0 +1,66 @@
+//! The name of the place.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_stage::{Opening, Place};
+
+/// Two openings at least this far apart make a corridor, nearer ones a bend.
+const CORRIDOR_RAD: f64 = 0.75 * PI;
+
+/// Names a place by its openings; what lies outside a limited view could be anything, so then it has no name.
+pub fn name(full_turn: bool, openings: &[Opening]) -> Place {
+    if !full_turn {
+        return Place::PartialView;
+    }
+    match openings {
+        [] => Place::Closed,
+        [_] => Place::DeadEnd,
+        [a, b] if angle_between_rad(a.bearing_rad, b.bearing_rad) >= CORRIDOR_RAD => Place::Corridor,
+        [_, _] => Place::Bend,
+        [_, _, _] => Place::Tee,
+        [_, _, _, _] => Place::Cross,
+        more => Place::Junction(more.len()),
+    }
+}
+
+/// The smaller angle between two directions, in [0, π].
+fn angle_between_rad(a_rad: f64, b_rad: f64) -> f64 {
+    let turn = (a_rad - b_rad).rem_euclid(TAU);
+    turn.min(TAU - turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_stage::{Evidence, Point};
+
+    fn named(full_turn: bool, bearings_deg: &[f64]) -> String {
+        let opening = |deg: &f64| Opening {
+            bearing_rad: deg.to_radians(),
+            width_m: 3.0,
+            walls: [0, 0],
+            evidence: Evidence::NoReturn,
+            edge_m: [Point::origin(); 2],
+        };
+        name(full_turn, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
+    }
+
+    #[test]
+    fn each_number_of_openings_has_its_name() {
+        let bearings = [0.0, 72.0, 144.0, -144.0, -72.0];
+        let names: Vec<_> = (0..=5).map(|ways| named(true, &bearings[..ways])).collect();
+        assert_eq!(names, ["closed", "dead_end", "bend", "tee", "cross", "junction_5"]);
+    }
+
+    #[test]
+    fn two_openings_across_pi_are_a_corridor_only_when_opposite() {
+        assert_eq!(named(true, &[0.0, 179.0]), "corridor");
+        assert_eq!(named(true, &[90.0, -90.0]), "corridor");
+        assert_eq!(named(true, &[170.0, -170.0]), "bend");
+    }
+
+    #[test]
+    fn a_limited_view_has_no_name() {
+        assert_eq!(named(false, &[0.0]), "partial_view");
+    }
+}

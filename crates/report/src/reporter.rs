@@ -1,0 +1,96 @@
+//! The report stage: walls, then openings, then the name of the place.
+
+use crosscut_stage::{
+    Interval, Junction, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum, StageError,
+};
+
+use crate::{openings, place, walls};
+
+/// Section `report` of the configuration.
+pub const PARAMS: &[ParamSpec] = &[ParamSpec {
+    name: "min_returns",
+    unit: "returns",
+    shape: Shape::Integer { default: 1, min: 1, max: 1_000_000 },
+    doc: "clusters with fewer returns are no wall; their returns are labelled -2",
+}];
+
+/// Section `vehicle` of the configuration.
+pub const VEHICLE_PARAMS: &[ParamSpec] = &[ParamSpec {
+    name: "width_m",
+    unit: "m",
+    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
+    doc: "diameter of the disc that must fit through an opening",
+}];
+
+/// Turns clusters into walls and openings.
+#[derive(Clone, Debug)]
+pub struct Reporter {
+    min_returns: usize,
+    vehicle_width_m: f64,
+    finder: openings::Finder,
+}
+
+impl Reporter {
+    /// From checked values of [`PARAMS`] and [`VEHICLE_PARAMS`].
+    pub fn new(report: &Params, vehicle: &Params) -> Self {
+        Self {
+            min_returns: report.count("min_returns"),
+            vehicle_width_m: vehicle.number("width_m"),
+            finder: openings::Finder::default(),
+        }
+    }
+}
+
+impl ReportStage for Reporter {
+    fn report(
+        &mut self,
+        revolution: &Revolution,
+        spectrum: &Spectrum,
+        partition: &Partition,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
+        let (n, labelled) = (revolution.len(), partition.labels.len());
+        if n != labelled {
+            return Err(StageError::Unsupported(format!("{labelled} labels for {n} returns")));
+        }
+        walls::from_partition(revolution, partition, self.min_returns, out, notes);
+        self.finder.find(revolution, self.vehicle_width_m, &out.wall_of_return, &mut out.openings);
+        out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
+        out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
+        out.confidence = confidence(spectrum.margin_decades);
+        Ok(())
+    }
+}
+
+/// 1 - 10^-margin: 0 on the tolerance, 0.9 one decade away, 0.99 two.
+fn confidence(margin_decades: Option<f64>) -> f64 {
+    margin_decades.map_or(0.0, |margin| 1.0 - 10f64.powf(-margin.max(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_stage::Point;
+
+    #[test]
+    fn labels_of_another_revolution_are_an_error_and_not_a_wrong_answer() {
+        let mut reporter = Reporter::new(&Params::defaults(PARAMS), &Params::defaults(VEHICLE_PARAMS));
+        let revolution = Revolution { points_m: vec![Point::new(1.0, 0.0, 0.0)], ..Default::default() };
+        let result = reporter.report(
+            &revolution,
+            &Spectrum::default(),
+            &Partition::default(),
+            &mut Junction::default(),
+            &mut Notes::default(),
+        );
+        assert_eq!(result, Err(StageError::Unsupported("0 labels for 1 returns".into())));
+    }
+
+    #[test]
+    fn confidence_grows_with_the_margin_and_is_none_without_a_spectrum() {
+        assert_eq!(confidence(None), 0.0);
+        assert_eq!(confidence(Some(-1.0)), 0.0);
+        assert!((confidence(Some(2.0)) - 0.99).abs() < 1e-12);
+    }
+}

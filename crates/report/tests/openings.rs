@@ -1,0 +1,194 @@
+//! Openings on scenes computed by hand: axis-parallel walls, one ray per degree, range limit 15 m.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crosscut_report::openings::Finder;
+use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
+
+const RANGE_MAX_M: f64 = 15.0;
+
+/// A wall from one end to the other.
+struct Segment([f64; 2], [f64; 2]);
+
+/// Distance along the ray at which it hits the segment.
+fn hit(segment: &Segment, bearing_rad: f64) -> Option<f64> {
+    let (dy, dx) = bearing_rad.sin_cos();
+    let (Segment(a, b), ex, ey) = (segment, segment.1[0] - segment.0[0], segment.1[1] - segment.0[1]);
+    let _ = b;
+    let det = ex * dy - ey * dx;
+    let range = (ex * a[1] - ey * a[0]) / det;
+    let along = (dx * a[1] - dy * a[0]) / det;
+    (range > 0.0 && (0.0..=1.0).contains(&along)).then_some(range)
+}
+
+/// A revolution of `beams` from -π, and the segment that each return lies on, as `wall_of_segment` names it.
+fn scan(segments: &[(Segment, u32)], beams: usize, blind: impl Fn(f64) -> bool) -> (Revolution, Vec<Option<u32>>) {
+    let step_rad = 2.0 * PI / beams as f64;
+    let mut sweep = Sweep { step_rad, range_max_m: RANGE_MAX_M, full_turn: true, ..Default::default() };
+    let (mut points_m, mut walls) = (Vec::new(), Vec::new());
+    for beam in 0..beams {
+        let bearing = -PI + (beam as f64 + 0.5) * step_rad;
+        let nearest = segments
+            .iter()
+            .filter_map(|(segment, wall)| hit(segment, bearing).map(|range| (range, *wall)))
+            .filter(|(range, _)| *range < RANGE_MAX_M)
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        sweep.bearings_rad.push(bearing);
+        sweep.ranges_m.push(nearest.map_or(f32::INFINITY, |(range, _)| range as f32));
+        sweep.beams.push(match nearest {
+            _ if blind(bearing) => Beam::Unknown,
+            None => Beam::NoReturn,
+            Some((range, wall)) => {
+                points_m.push(Point::new(range * bearing.cos(), range * bearing.sin(), 0.0));
+                walls.push(Some(wall));
+                Beam::Return(points_m.len() as u32 - 1)
+            }
+        });
+    }
+    (Revolution { points_m, sweep: Some(sweep), ..Default::default() }, walls)
+}
+
+fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
+    openings_of(&scan(segments, 360, |_| false))
+}
+
+fn openings_of((revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+    let mut found = Vec::new();
+    Finder::default().find(revolution, 0.6, walls, &mut found);
+    found
+}
+
+fn tunnel() -> Vec<(Segment, u32)> {
+    vec![(Segment([-30.0, 1.75], [30.0, 1.75]), 0), (Segment([-30.0, -1.75], [30.0, -1.75]), 1)]
+}
+
+/// A tunnel along x with a passage to the left between x = 3 and x = 6.5.
+fn tee() -> Vec<(Segment, u32)> {
+    vec![
+        (Segment([-30.0, 1.75], [3.0, 1.75]), 0),
+        (Segment([3.0, 1.75], [3.0, 30.0]), 0),
+        (Segment([6.5, 30.0], [6.5, 1.75]), 1),
+        (Segment([6.5, 1.75], [30.0, 1.75]), 1),
+        (Segment([-30.0, -1.75], [30.0, -1.75]), 2),
+    ]
+}
+
+fn dead_end() -> Vec<(Segment, u32)> {
+    vec![
+        (Segment([-30.0, 1.75], [4.0, 1.75]), 0),
+        (Segment([4.0, 1.75], [4.0, -1.75]), 0),
+        (Segment([4.0, -1.75], [-30.0, -1.75]), 0),
+    ]
+}
+
+fn assert_opening(opening: &Opening, bearing_rad: f64, width_m: f64) {
+    let off = crosscut_stage::wrap_angle_rad(opening.bearing_rad - bearing_rad).abs();
+    assert!(off < 0.06, "bearing {} instead of {bearing_rad}", opening.bearing_rad);
+    assert!((opening.width_m - width_m).abs() < 0.1 * width_m, "width {} instead of {width_m}", opening.width_m);
+}
+
+#[test]
+fn a_tunnel_is_open_ahead_and_behind_between_its_two_walls() {
+    let found = openings(&tunnel());
+    assert_eq!(found.len(), 2, "{found:#?}");
+    let (behind, ahead) = if found[0].bearing_rad < -FRAC_PI_2 { (0, 1) } else { (1, 0) };
+    assert_opening(&found[behind], PI, 3.5);
+    assert_opening(&found[ahead], 0.0, 3.5);
+    assert_eq!(found[ahead].walls, [1, 0], "clockwise side first");
+    assert_eq!(found[behind].walls, [0, 1]);
+    assert_eq!(found[ahead].evidence, Evidence::NoReturn);
+}
+
+#[test]
+fn a_side_passage_whose_inside_is_seen_is_open() {
+    let found = openings(&tee());
+    assert_eq!(found.len(), 3, "{found:#?}");
+    let side = found.iter().find(|o| o.evidence == Evidence::SeenThrough).expect("the passage");
+    assert_eq!(side.walls, [1, 0]);
+    // Through the middle of the mouth: from the corner (3, 1.75) across to (6.5, 1.75).
+    assert_opening(side, 1.75f64.atan2(4.75), 3.5);
+}
+
+#[test]
+fn a_dead_end_is_open_only_backwards_and_has_the_same_wall_on_both_sides() {
+    let found = openings(&dead_end());
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_opening(&found[0], PI, 3.5);
+    assert_eq!(found[0].walls, [0, 0]);
+}
+
+#[test]
+fn a_closed_room_is_not_open() {
+    let room = vec![
+        (Segment([-4.0, 2.0], [4.0, 2.0]), 0),
+        (Segment([4.0, 2.0], [4.0, -2.0]), 0),
+        (Segment([4.0, -2.0], [-4.0, -2.0]), 0),
+        (Segment([-4.0, -2.0], [-4.0, 2.0]), 0),
+    ];
+    assert!(openings(&room).is_empty());
+}
+
+#[test]
+fn a_gap_narrower_than_the_vehicle_is_not_open() {
+    let mut slit = vec![
+        (Segment([-4.0, 2.0], [4.0, 2.0]), 0),
+        (Segment([4.0, 2.0], [4.0, 0.2]), 0),
+        (Segment([4.0, -0.2], [4.0, -2.0]), 1),
+        (Segment([4.0, -2.0], [-4.0, -2.0]), 1),
+        (Segment([-4.0, -2.0], [-4.0, 2.0]), 1),
+    ];
+    assert!(openings(&slit).is_empty());
+    slit[1] = (Segment([4.0, 2.0], [4.0, 0.5]), 0);
+    slit[2] = (Segment([4.0, -0.5], [4.0, -2.0]), 1);
+    assert_eq!(openings(&slit).len(), 1, "the same gap, 1 m wide");
+}
+
+#[test]
+fn a_masked_sector_is_not_an_opening() {
+    let ahead_blind = scan(&tunnel(), 360, |bearing| bearing.abs() < 0.3);
+    let found = openings_of(&ahead_blind);
+    assert_eq!(found.len(), 1, "only the one behind is seen: {found:#?}");
+    assert_opening(&found[0], PI, 3.5);
+}
+
+#[test]
+fn outside_a_limited_view_is_not_an_opening() {
+    let (mut revolution, walls) = scan(&tunnel(), 360, |_| false);
+    revolution.sweep.as_mut().expect("a sweep").full_turn = false;
+    let found = openings_of(&(revolution, walls));
+    assert_eq!(found.len(), 1, "the way behind lies across the ends of the sweep: {found:#?}");
+    assert_opening(&found[0], 0.0, 3.5);
+}
+
+#[test]
+fn listing_the_beams_clockwise_changes_nothing() {
+    let (mut revolution, mut walls) = scan(&tee(), 360, |_| false);
+    let expected = openings_of(&(revolution.clone(), walls.clone()));
+    let n = revolution.points_m.len() as u32;
+    revolution.points_m.reverse();
+    walls.reverse();
+    let sweep = revolution.sweep.as_mut().expect("a sweep");
+    sweep.bearings_rad.reverse();
+    sweep.beams.reverse();
+    for beam in &mut sweep.beams {
+        if let Beam::Return(i) = beam {
+            *i = n - 1 - *i;
+        }
+    }
+    assert_eq!(openings_of(&(revolution, walls)), expected);
+}
+
+#[test]
+fn sparse_returns_at_grazing_incidence_are_no_opening_within_one_wall() {
+    // Half as many beams: along the walls the farthest returns are more than 2 m apart.
+    assert_eq!(openings_of(&scan(&tunnel(), 180, |_| false)).len(), 2);
+}
+
+#[test]
+fn a_cloud_has_no_openings_and_no_returns_have_none() {
+    let (mut revolution, walls) = scan(&tunnel(), 360, |_| false);
+    revolution.sweep = None;
+    assert!(openings_of(&(revolution, walls)).is_empty());
+    assert!(openings_of(&(Revolution::default(), Vec::new())).is_empty());
+    assert!(openings(&[]).is_empty(), "nothing hit at all");
+}
