@@ -1,0 +1,196 @@
+//! CDR from outside: every message, both byte orders, whole and damaged.
+
+use std::fmt::Debug;
+
+use crosscut_messages::{
+    DecodeError, Endian, Header, LaserScan, Message, Odometry, Pose, PoseWithCovariance, Quaternion, TfMessage, Time,
+    Transform, TransformStamped, Twist, TwistWithCovariance, Vector3,
+};
+use proptest::prelude::{Just, Strategy, any, prop, prop_assert_eq, prop_assume, prop_oneof, proptest};
+
+/// A LaserScan in big endian, laid out by hand after the CDR rules: 4-byte header; values aligned to their size.
+#[rustfmt::skip]
+const BIG_ENDIAN_SCAN: &[u8] = &[
+    0x00, 0x00, 0x00, 0x00,                         // CDR, big endian
+    0x5e, 0x0b, 0xe1, 0x00,                         // stamp.sec = 1577836800
+    0x29, 0xb9, 0x27, 0x00,                         // stamp.nanosec = 700000000
+    0x00, 0x00, 0x00, 0x06, b'l', b'a', b's', b'e', b'r', 0, // frame_id, with its length and final zero
+    0x00, 0x00,                                     // to the next multiple of 4
+    0xc0, 0x00, 0x00, 0x00,                         // angle_min = -2
+    0x40, 0x00, 0x00, 0x00,                         // angle_max = 2
+    0x3f, 0x80, 0x00, 0x00,                         // angle_increment = 1
+    0x3a, 0x83, 0x12, 0x6f,                         // time_increment = 0.001
+    0x3d, 0xcc, 0xcc, 0xcd,                         // scan_time = 0.1
+    0x3c, 0xa3, 0xd7, 0x0a,                         // range_min = 0.02
+    0x40, 0xb3, 0x33, 0x33,                         // range_max = 5.6
+    0x00, 0x00, 0x00, 0x03,                         // three ranges
+    0x3f, 0xc0, 0x00, 0x00,                         // 1.5
+    0x7f, 0x80, 0x00, 0x00,                         // infinity
+    0x40, 0x20, 0x00, 0x00,                         // 2.5
+    0x00, 0x00, 0x00, 0x01,                         // one intensity
+    0x42, 0xc8, 0x00, 0x00,                         // 100
+];
+
+fn hand_made_scan() -> LaserScan {
+    LaserScan {
+        header: header("laser", Time { sec: 1_577_836_800, nanosec: 700_000_000 }),
+        angle_min: -2.0,
+        angle_max: 2.0,
+        angle_increment: 1.0,
+        time_increment: 0.001,
+        scan_time: 0.1,
+        range_min: 0.02,
+        range_max: 5.6,
+        ranges: vec![1.5, f32::INFINITY, 2.5],
+        intensities: vec![100.0],
+    }
+}
+
+fn header(frame_id: &str, stamp: Time) -> Header {
+    Header { stamp, frame_id: frame_id.to_owned() }
+}
+
+fn odometry(frame_id: &str, numbers: [f64; 6]) -> Odometry {
+    let [x, y, z, a, b, c] = numbers;
+    let (linear, angular) = (Vector3 { x, y, z }, Vector3 { x: a, y: b, z: c });
+    let mut covariance = [[0.0; 6]; 6];
+    covariance[1] = numbers;
+    Odometry {
+        header: header(frame_id, Time { sec: 7, nanosec: 8 }),
+        child_frame_id: "base_link".to_owned(),
+        pose: PoseWithCovariance { pose: Pose { position: linear, orientation: quaternion(a) }, covariance },
+        twist: TwistWithCovariance { twist: Twist { linear, angular }, covariance },
+    }
+}
+
+fn quaternion(yaw_rad: f64) -> Quaternion {
+    Quaternion::from_yaw_rad(yaw_rad)
+}
+
+fn transforms(frame_ids: &[String], x: f64) -> TfMessage {
+    let transform = Transform { translation: Vector3 { x, y: 2.0, z: 3.0 }, rotation: quaternion(0.25) };
+    let stamped = |frame_id: &String| TransformStamped {
+        header: header(frame_id, Time { sec: 1, nanosec: 2 }),
+        child_frame_id: format!("{frame_id}_child"),
+        transform,
+    };
+    TfMessage { transforms: frame_ids.iter().map(stamped).collect() }
+}
+
+#[test]
+fn a_big_endian_scan_laid_out_by_hand_is_read_and_written_byte_for_byte() {
+    assert_eq!(LaserScan::decode(BIG_ENDIAN_SCAN), Ok(hand_made_scan()));
+    assert_eq!(hand_made_scan().encode(Endian::Big), BIG_ENDIAN_SCAN);
+}
+
+#[test]
+fn f64_fields_are_aligned_to_8_bytes_from_the_end_of_the_header() {
+    let bytes = transforms(&["a".to_owned()], 1.0).encode(Endian::Little);
+    // count 4, stamp 8, "a" 4 + 2, to 4: 20, "a_child" 4 + 8: 32, so x starts at 32 after the 4-byte header.
+    assert_eq!(bytes[4 + 32..4 + 40], 1.0f64.to_le_bytes());
+}
+
+#[test]
+fn a_length_beyond_the_message_is_refused_with_both_numbers_and_nothing_is_allocated_for_it() {
+    let mut bytes = BIG_ENDIAN_SCAN.to_vec();
+    let count_at = bytes.len() - 6 * 4;
+    bytes[count_at..count_at + 4].copy_from_slice(&u32::MAX.to_be_bytes());
+    let mut scan = LaserScan::default();
+    let error = scan.decode_into(&bytes).expect_err("must be refused");
+    assert_eq!(
+        error,
+        DecodeError::Length { field: "ranges", claimed: u32::MAX, needed_bytes: 4 * 0xffff_ffff, left_bytes: 20 }
+    );
+    assert_eq!(scan.ranges.capacity(), 0);
+}
+
+#[test]
+fn encodings_other_than_plain_cdr_are_refused_by_name() {
+    let refused = |id: u8| LaserScan::decode(&[0, id, 0, 0, 0, 0, 0, 0]).expect_err("must be refused").to_string();
+    assert_eq!(refused(3), "the message is PL_CDR (header 0x0003); only plain CDR (0x0000 or 0x0001) can be read");
+    for (ids, name) in [([0x07, 0x11], "XCDR2 (plain)"), ([0x09, 0x15], "delimited"), ([0x0b, 0x13], "PL_CDR2")] {
+        for id in ids {
+            assert!(refused(id).contains(name), "{}", refused(id));
+        }
+    }
+    assert!(refused(0xff).contains("unknown encoding"));
+}
+
+#[test]
+fn text_that_is_not_utf8_is_refused_with_the_field() {
+    let mut bytes = BIG_ENDIAN_SCAN.to_vec();
+    bytes[16] = 0xff;
+    assert!(matches!(LaserScan::decode(&bytes), Err(DecodeError::Value { field: "header", .. })));
+}
+
+#[test]
+fn bytes_after_the_last_field_are_ignored() {
+    let padded = [BIG_ENDIAN_SCAN, &[0, 0, 0]].concat();
+    assert_eq!(LaserScan::decode(&padded), Ok(hand_made_scan()));
+}
+
+fn cut_anywhere_is_an_error<M: Message + Debug>(message: &M) {
+    for endian in [Endian::Little, Endian::Big] {
+        let bytes = message.encode(endian);
+        for length in 0..bytes.len() {
+            assert!(M::decode(&bytes[..length]).is_err(), "{length} of {} bytes were accepted", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn a_message_cut_at_any_byte_is_an_error_and_no_panic() {
+    cut_anywhere_is_an_error(&hand_made_scan());
+    cut_anywhere_is_an_error(&odometry("odom", [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    cut_anywhere_is_an_error(&transforms(&["a".to_owned(), "bcd".to_owned()], 1.0));
+}
+
+fn survives<M: Message + Debug + PartialEq>(message: &M, reused: &mut M) -> Result<(), DecodeError> {
+    for endian in [Endian::Little, Endian::Big] {
+        let bytes = message.encode(endian);
+        reused.decode_into(&bytes)?;
+        assert_eq!(reused, message);
+        assert_eq!(&M::decode(&bytes)?, message);
+    }
+    Ok(())
+}
+
+/// Any range but NaN, which is not equal to itself.
+fn ranges() -> impl Strategy<Value = Vec<f32>> {
+    let range = prop_oneof![8 => 0.0f32..100.0, 1 => Just(f32::INFINITY), 1 => Just(f32::NEG_INFINITY)];
+    prop::collection::vec(range, 0..40)
+}
+
+proptest! {
+    #[test]
+    fn scans_survive_both_byte_orders(
+        frame_id in ".{0,9}", sec: i32, nanosec: u32, geometry in any::<[f32; 7]>(), ranges in ranges(),
+        intensities in ranges(), before in ranges(),
+    ) {
+        prop_assume!(geometry.iter().all(|value| !value.is_nan()));
+        let [angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max] = geometry;
+        let scan = LaserScan {
+            header: header(&frame_id, Time { sec, nanosec }),
+            angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max, ranges, intensities,
+        };
+        let mut reused = LaserScan { ranges: before, ..LaserScan::default() };
+        prop_assert_eq!(survives(&scan, &mut reused), Ok(()));
+    }
+
+    #[test]
+    fn odometry_and_transforms_survive_both_byte_orders(
+        frame_ids in prop::collection::vec("[a-z/_]{0,9}", 0..5), numbers in prop::array::uniform6(-1e9..1e9f64),
+    ) {
+        let frame_id = frame_ids.first().map_or("", String::as_str);
+        prop_assert_eq!(survives(&odometry(frame_id, numbers), &mut Odometry::default()), Ok(()));
+        prop_assert_eq!(survives(&transforms(&frame_ids, numbers[0]), &mut TfMessage::default()), Ok(()));
+    }
+
+    #[test]
+    fn random_bytes_never_panic(endian in 0u8..2, bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let message = [&[0, endian, 0, 0], &bytes[..]].concat();
+        let _ = LaserScan::decode(&message);
+        let _ = Odometry::decode(&message);
+        let _ = TfMessage::decode(&message);
+    }
+}
