@@ -36,6 +36,15 @@ impl Weights {
         }
     }
 
+    /// Bytes that the stored entries take.
+    pub fn memory_bytes(&self) -> u64 {
+        let entries = |count: usize, bytes: usize| (count * bytes) as u64;
+        match self {
+            Self::Dense(w) => entries(w.nrows() * w.ncols(), size_of::<f64>()),
+            Self::Sparse(w) => entries(w.nonzeros(), size_of::<f64>() + size_of::<u32>()),
+        }
+    }
+
     /// Calls `entry(i, j, W_ij)` for every stored entry, row by row for `Sparse`, column by column for `Dense`.
     pub fn for_each(&self, mut entry: impl FnMut(usize, usize, f64)) {
         match self {

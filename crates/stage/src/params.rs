@@ -197,6 +197,17 @@ impl Params {
         specs.iter().map(|spec| Ok((spec.name, value(spec)?))).collect::<Result<_, _>>().map(Self)
     }
 
+    /// Replaces the value of a declared parameter. The value is one that [`ParamSpec::check`] has let through.
+    ///
+    /// # Panics
+    /// When the stage does not declare the parameter.
+    pub fn set(&mut self, name: &str, value: Value) {
+        match self.0.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, old)) => *old = value,
+            None => panic!("the stage does not declare a parameter {name}"),
+        }
+    }
+
     /// The value of a parameter.
     ///
     /// # Panics
@@ -287,9 +298,9 @@ mod tests {
     }
 
     #[test]
-    fn given_values_replace_defaults_and_whole_numbers_serve_as_real_ones() {
-        let params =
-            Params::checked(SPECS, |name| (name == "sigma_per_m2").then_some(Value::Integer(2))).expect("allowed");
+    fn set_values_replace_defaults_and_whole_numbers_serve_as_real_ones() {
+        let mut params = Params::defaults(SPECS);
+        params.set("sigma_per_m2", SPECS[0].check(Value::Integer(2)).expect("allowed"));
         assert_eq!((params.number("sigma_per_m2"), params.count("restarts"), params.text("rule")), (2.0, 10, "a"));
     }
 }

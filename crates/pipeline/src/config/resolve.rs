@@ -1,0 +1,244 @@
+//! Layers -> one checked configuration.
+
+use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
+
+use super::layer::Layer;
+use super::schema::{Body, Choice, Schema, Section};
+use crate::Registry;
+
+/// Every parameter with its value and the layer that set it.
+#[derive(Clone, Debug)]
+pub struct Config {
+    pub(super) sections: Vec<Resolved>,
+}
+
+/// One section, resolved.
+#[derive(Clone, Debug)]
+pub(super) struct Resolved {
+    pub(super) name: &'static str,
+    pub(super) kind: Option<ResolvedKind>,
+    pub(super) specs: &'static [ParamSpec],
+    pub(super) params: Params,
+    /// Per parameter, the layer that set it.
+    pub(super) layers: Vec<String>,
+}
+
+/// The kind that was chosen for a section.
+#[derive(Clone, Debug)]
+pub(super) struct ResolvedKind {
+    pub(super) name: &'static str,
+    pub(super) doc: &'static str,
+    pub(super) layer: String,
+}
+
+/// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the messages say what the fields are
+pub enum ConfigError {
+    #[error("there is no preset {name:?}; {nearest}")]
+    UnknownPreset { name: String, nearest: String },
+    #[error("{layer}: this is not TOML: {message}")]
+    Syntax { layer: String, message: String },
+    #[error("{setting:?} is not of the form section.key=value")]
+    MalformedSetting { setting: String },
+    #[error("{layer}: there is no section [{name}]; {nearest}")]
+    UnknownSection { layer: String, name: String, nearest: String },
+    #[error("{layer}: {section} must be a section: [{section}]")]
+    NotASection { layer: String, section: &'static str },
+    #[error("{layer}: there is no {section}.kind = {kind}; {nearest}")]
+    UnknownKind { layer: String, section: &'static str, kind: String, nearest: String },
+    #[error("{layer}: {section} has no {key}; {nearest}")]
+    UnknownKey { layer: String, section: String, key: String, nearest: String },
+    #[error("{layer}: {section}.{error}")]
+    BadValue { layer: String, section: &'static str, error: ParamError },
+}
+
+impl Config {
+    /// Applies `layers` in order over the defaults of `schema`.
+    ///
+    /// # Errors
+    /// The first name that is unknown, or value that is not allowed.
+    pub fn resolve(schema: &Schema, layers: &[Layer]) -> Result<Self, ConfigError> {
+        for layer in layers {
+            refuse_unknown_sections(schema, layer)?;
+        }
+        let sections = schema.sections.iter().map(|section| resolve_section(section, layers));
+        Ok(Self { sections: sections.collect::<Result<_, _>>()? })
+    }
+
+    /// A preset alone, for the sections of the method.
+    ///
+    /// # Errors
+    /// When there is no such preset, or the registry lacks a stage that it names.
+    pub fn preset(name: &str, registry: &Registry) -> Result<Self, ConfigError> {
+        Self::resolve(&Schema::new(registry), &[Layer::preset(name)?])
+    }
+
+    /// The values of a section.
+    ///
+    /// # Panics
+    /// When the schema has no such section.
+    pub fn params(&self, section: &str) -> &Params {
+        &self.section(section).params
+    }
+
+    /// How many lanes to run.
+    pub fn workers(&self) -> usize {
+        match self.params("pipeline").count("workers") {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            workers => workers,
+        }
+    }
+
+    /// How many frames the pool holds.
+    pub fn in_flight(&self) -> usize {
+        self.params("pipeline").count("in_flight")
+    }
+
+    /// Builds the stage that was chosen among `kinds`, which are those that the schema was made with.
+    pub(crate) fn build<S: StageKind + ?Sized>(&self, kinds: &[Kind<S>]) -> Box<S> {
+        let section = self.section(S::SECTION);
+        let chosen = section.kind.as_ref().map(|kind| kind.name);
+        let kind = kinds.iter().find(|kind| Some(kind.name) == chosen);
+        (kind.expect("the configuration was resolved with the same registry").build)(&section.params)
+    }
+
+    fn section(&self, name: &str) -> &Resolved {
+        let found = self.sections.iter().find(|section| section.name == name);
+        found.unwrap_or_else(|| panic!("the configuration has no section {name}"))
+    }
+}
+
+fn refuse_unknown_sections(schema: &Schema, layer: &Layer) -> Result<(), ConfigError> {
+    let known = || schema.sections.iter().map(|section| section.name);
+    match layer.table.keys().find(|name| !known().any(|k| k == name.as_str())) {
+        None => Ok(()),
+        Some(name) => Err(ConfigError::UnknownSection {
+            layer: layer.name.clone(),
+            name: name.clone(),
+            nearest: nearest(name, known()),
+        }),
+    }
+}
+
+fn resolve_section(section: &Section, layers: &[Layer]) -> Result<Resolved, ConfigError> {
+    let mut resolved = defaults(section);
+    for layer in layers {
+        let Some(value) = layer.table.get(section.name) else { continue };
+        let table = value
+            .as_table()
+            .ok_or_else(|| ConfigError::NotASection { layer: layer.name.clone(), section: section.name })?;
+        if let (Body::Kinds(choices), Some(kind)) = (&section.body, table.get("kind")) {
+            resolved.choose(choices, kind, layer)?;
+        }
+        for (key, value) in table {
+            if key != "kind" || resolved.kind.is_none() {
+                resolved.set(section, key, value, layer)?;
+            }
+        }
+    }
+    Ok(resolved)
+}
+
+fn defaults(section: &Section) -> Resolved {
+    let (kind, specs) = match &section.body {
+        Body::Fixed(specs) => (None, *specs),
+        Body::Kinds(choices) => (Some(choices[0]), choices[0].params),
+    };
+    Resolved::new(section.name, kind, specs, "default")
+}
+
+impl Resolved {
+    fn new(name: &'static str, kind: Option<Choice>, specs: &'static [ParamSpec], layer: &str) -> Self {
+        Self {
+            name,
+            kind: kind.map(|kind| ResolvedKind { name: kind.name, doc: kind.doc, layer: layer.to_owned() }),
+            specs,
+            params: Params::defaults(specs),
+            layers: vec!["default".to_owned(); specs.len()],
+        }
+    }
+
+    /// Takes another kind, with its defaults; the same kind again changes nothing but who said so.
+    fn choose(&mut self, choices: &[Choice], wanted: &toml::Value, layer: &Layer) -> Result<(), ConfigError> {
+        let name = wanted.as_str().unwrap_or_default();
+        let choice = choices.iter().find(|choice| choice.name == name).ok_or_else(|| ConfigError::UnknownKind {
+            layer: layer.name.clone(),
+            section: self.name,
+            kind: wanted.to_string(),
+            nearest: nearest(name, choices.iter().map(|choice| choice.name)),
+        })?;
+        match &mut self.kind {
+            Some(kind) if kind.name == choice.name => kind.layer.clone_from(&layer.name),
+            _ => *self = Self::new(self.name, Some(*choice), choice.params, &layer.name),
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, section: &Section, key: &str, value: &toml::Value, layer: &Layer) -> Result<(), ConfigError> {
+        let place = self.specs.iter().position(|spec| spec.name == key);
+        let place = place.ok_or_else(|| self.unknown_key(section, key, layer))?;
+        let spec = &self.specs[place];
+        let refused = |error| ConfigError::BadValue { layer: layer.name.clone(), section: self.name, error };
+        let value = from_toml(value).ok_or_else(|| {
+            let (name, value, expected) = (spec.name, value.to_string(), spec.expected());
+            refused(ParamError { name, value, expected })
+        })?;
+        let value = spec.check(value).map_err(refused)?;
+        self.params.set(spec.name, value);
+        self.layers[place].clone_from(&layer.name);
+        Ok(())
+    }
+
+    fn unknown_key(&self, section: &Section, key: &str, layer: &Layer) -> ConfigError {
+        let owner = match &section.body {
+            Body::Kinds(choices) => choices.iter().find(|choice| choice.params.iter().any(|spec| spec.name == key)),
+            Body::Fixed(_) => None,
+        };
+        let nearest = match owner {
+            Some(owner) => format!("that is a parameter of {}.kind = {:?}", self.name, owner.name),
+            None => nearest(key, self.specs.iter().map(|spec| spec.name)),
+        };
+        let kind = self.kind.as_ref().map_or_else(String::new, |kind| format!(" of kind {:?}", kind.name));
+        ConfigError::UnknownKey {
+            layer: layer.name.clone(),
+            section: format!("{}{kind}", self.name),
+            key: key.to_owned(),
+            nearest,
+        }
+    }
+}
+
+fn from_toml(value: &toml::Value) -> Option<Value> {
+    Some(match value {
+        toml::Value::Boolean(flag) => Value::Flag(*flag),
+        toml::Value::Integer(i) => Value::Integer(*i),
+        toml::Value::Float(x) => Value::Number(*x),
+        toml::Value::String(text) => Value::Text(text.clone()),
+        toml::Value::Array(pairs) => Value::Pairs(pairs.iter().map(pair).collect::<Option<_>>()?),
+        toml::Value::Datetime(_) | toml::Value::Table(_) => return None,
+    })
+}
+
+fn pair(value: &toml::Value) -> Option<[f64; 2]> {
+    let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
+    match value.as_array()?.as_slice() {
+        [from, to] => Some([number(from)?, number(to)?]),
+        _ => None,
+    }
+}
+
+/// "did you mean ...?" when one of the known names is near, else all of them.
+pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let known: Vec<_> = known.collect();
+    let best = known
+        .iter()
+        .map(|k| (strsim::jaro_winkler(name, k), *k))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness > 0.8);
+    match best {
+        Some((_, best)) => format!("did you mean {best}?"),
+        None if known.is_empty() => "it has no parameters".to_owned(),
+        None => format!("there are: {}", known.join(", ")),
+    }
+}

@@ -1,0 +1,240 @@
+//! The streaming pipeline: the engine's steps, each in a thread of its own, over a whole source.
+//!
+//! Frames are dealt to the lanes in rotation and collected in the same rotation, so results keep the order of the
+//! source whatever the number of lanes. Each frame has one owner at a time; the pool bounds how many there are, and a
+//! full pool is what holds ingest back.
+
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{Builder, Scope};
+use std::time::Instant;
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
+
+use crate::engine::{Engine, Stage, elapsed_ns, panic_text};
+use crate::memory::MemoryBudget;
+use crate::pace::Pace;
+use crate::summary::{End, Summary};
+use crate::{Config, Registry};
+
+/// Where results go: called once per revolution, in order, on the report thread.
+pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
+
+/// Asks a run to stop: ingest ends, what is in flight is finished and written.
+#[derive(Clone, Debug, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Asks.
+    pub fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// How a source is run through.
+#[derive(Clone, Debug, Default)]
+pub struct StreamOptions {
+    /// Revolutions are released at this multiple of the sensor's pace; `None` as fast as they can be worked on.
+    pub rate: Option<f64>,
+    /// Asks the run to stop.
+    pub stop: StopFlag,
+}
+
+/// Runs every revolution of `source` through the stages of `config`; results first, then observers, in order.
+///
+/// The number of workers (`pipeline.workers`) never changes a result. When a step fails, every revolution before the
+/// failed one is written and observed, then the run ends; so it does when it is asked to stop or when results cannot
+/// be written. An observer that fails is left out. All threads are joined before this returns.
+///
+/// # Errors
+/// When a thread cannot be started.
+pub fn stream(
+    source: &mut dyn Source,
+    config: &Config,
+    registry: &Registry,
+    results: &mut ResultsSink,
+    observers: &mut [Box<dyn Observer>],
+    options: &StreamOptions,
+) -> io::Result<Summary> {
+    let (workers, frames) = (config.workers(), config.in_flight());
+    let budget = MemoryBudget::for_many(config, frames, workers);
+    let (pool_in, pool_out) = bounded(frames);
+    for _ in 0..frames {
+        pool_in.send(Frame::default()).expect("the pool holds them all, and its other end is here");
+    }
+
+    std::thread::scope(|scope| {
+        let (mut to_lanes, mut from_lanes, mut report) = (Vec::new(), Vec::new(), None);
+        for lane in 0..workers {
+            let [affinity, spectral, kmeans, last] = Engine::with_budget(config, registry, budget).into_stages();
+            let (to_lane, mut flow) = bounded(1);
+            for stage in [affinity, spectral, kmeans] {
+                flow = spawn_worker(scope, stage, lane, flow)?;
+            }
+            to_lanes.push(to_lane);
+            from_lanes.push(flow);
+            report = Some(last);
+        }
+        let report = report.expect("there is at least one worker");
+
+        let ingest = Ingest { source, options: options.clone(), pool: pool_out, lanes: to_lanes };
+        let ingest = Builder::new().name("ingest".into()).spawn_scoped(scope, move || ingest.run())?;
+
+        let (to_observers, finished) = bounded(frames);
+        let observing = Observing { observers, finished, pool: pool_in };
+        let observing = Builder::new().name("observers".into()).spawn_scoped(scope, move || observing.run())?;
+
+        let collect = Collect { report, lanes: from_lanes, results, observers: to_observers };
+        let collect = Builder::new().name("report".into()).spawn_scoped(scope, move || collect.run())?;
+
+        let mut summary = collect.join().expect("the report thread catches panics");
+        summary.observer_errors = observing.join().expect("the observer thread catches panics");
+        ingest.join().expect("the ingest thread catches panics");
+        if options.stop.is_set() && matches!(summary.end, End::Complete) {
+            summary.end = End::Interrupted;
+        }
+        Ok(summary)
+    })
+}
+
+/// A thread that runs one stage on every frame that comes; the frames come out of the returned channel.
+fn spawn_worker<'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    mut stage: Stage,
+    lane: usize,
+    frames: Receiver<Frame>,
+) -> io::Result<Receiver<Frame>> {
+    let (out, worked) = bounded(1);
+    Builder::new().name(format!("{}-{lane}", stage.step())).spawn_scoped(scope, move || {
+        for mut frame in frames {
+            stage.work(&mut frame);
+            if out.send(frame).is_err() {
+                return;
+            }
+        }
+    })?;
+    Ok(worked)
+}
+
+/// The ingest thread: fills frames from the pool and deals them to the lanes in rotation.
+struct Ingest<'a> {
+    source: &'a mut dyn Source,
+    options: StreamOptions,
+    pool: Receiver<Frame>,
+    lanes: Vec<Sender<Frame>>,
+}
+
+impl Ingest<'_> {
+    fn run(mut self) {
+        let mut pace = self.options.rate.map(Pace::new);
+        let mut seq = 0;
+        for lane in (0..self.lanes.len()).cycle() {
+            let Ok(mut frame) = self.pool.recv() else { return };
+            if self.options.stop.is_set() || !self.fill(&mut frame, seq) {
+                return;
+            }
+            seq = frame.revolution.seq + 1;
+            if let Some(pace) = &mut pace {
+                pace.wait_for(frame.revolution.stamp_ns, &self.options.stop);
+            }
+            let last = frame.failure.is_some();
+            if self.lanes[lane].send(frame).is_err() || last {
+                return;
+            }
+        }
+    }
+
+    /// The next revolution; `false` at the end. An error of the source becomes the failure of revolution `seq`.
+    fn fill(&mut self, frame: &mut Frame, seq: u64) -> bool {
+        let start = Instant::now();
+        frame.notes.clear();
+        frame.failure = None;
+        let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
+            Ok(Ok(more)) => {
+                frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
+                return more;
+            }
+            Ok(Err(error)) => FailureCause::Error(error.to_string()),
+            Err(panic) => FailureCause::Panic(panic_text(panic.as_ref())),
+        };
+        frame.failure = Some(Failure { step: Step::Ingest, seq, cause });
+        true
+    }
+}
+
+/// The report thread: collects the lanes in rotation, runs the last stage, writes results, passes frames on.
+struct Collect<'a> {
+    report: Stage,
+    lanes: Vec<Receiver<Frame>>,
+    results: &'a mut ResultsSink<'a>,
+    observers: Sender<Frame>,
+}
+
+impl Collect<'_> {
+    fn run(mut self) -> Summary {
+        let mut summary = Summary::default();
+        for lane in (0..self.lanes.len()).cycle() {
+            let Ok(mut frame) = self.lanes[lane].recv() else { break };
+            self.report.work(&mut frame);
+            if let Some(failure) = frame.failure.take() {
+                summary.end = End::Failed(failure);
+                break;
+            }
+            if let Err(error) = self.write(&frame) {
+                summary.end = End::ResultsLost(error);
+                break;
+            }
+            summary.add(&frame);
+            if self.observers.send(frame).is_err() {
+                break;
+            }
+        }
+        summary
+    }
+
+    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+        catch_unwind(AssertUnwindSafe(|| (self.results)(frame)))
+            .unwrap_or_else(|panic| Err(io::Error::other(format!("it panicked: {}", panic_text(panic.as_ref())))))
+    }
+}
+
+/// The observer thread: shows each frame to every observer, then gives it back to the pool.
+struct Observing<'a> {
+    observers: &'a mut [Box<dyn Observer>],
+    finished: Receiver<Frame>,
+    pool: Sender<Frame>,
+}
+
+impl Observing<'_> {
+    /// What the observers that gave up said.
+    fn run(self) -> Vec<String> {
+        let mut errors = Vec::new();
+        let mut active: Vec<_> = self.observers.iter_mut().collect();
+        for frame in self.finished {
+            active.retain_mut(|observer| keep(&mut errors, || observer.observe(&frame)));
+            // The other end is gone once ingest has ended: then nobody needs the frame.
+            let _ = self.pool.send(frame);
+        }
+        active.retain_mut(|observer| keep(&mut errors, || observer.finish()));
+        errors
+    }
+}
+
+/// Whether the observer can go on; what it said otherwise goes to `errors`.
+fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stage::ObserverError>) -> bool {
+    let error = match catch_unwind(AssertUnwindSafe(act)) {
+        Ok(Ok(())) => return true,
+        Ok(Err(error)) => error.to_string(),
+        Err(panic) => format!("an observer panicked: {}", panic_text(panic.as_ref())),
+    };
+    errors.push(error);
+    false
+}

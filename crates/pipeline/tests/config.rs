@@ -1,0 +1,88 @@
+//! Layers, kinds, and what is refused.
+
+mod stages;
+
+use std::path::Path;
+
+use crosscut_pipeline::{Config, ConfigError, Layer, PRESETS, Registry, Schema};
+use stages::registry;
+
+fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    let layers = [Layer::preset("paper")?, Layer::file(Path::new("mine.toml"), file)?, Layer::settings(&settings)?];
+    Config::resolve(&Schema::new(&registry()), &layers)
+}
+
+fn refused(file: &str, settings: &[&str]) -> String {
+    resolve(file, settings).expect_err("must be refused").to_string()
+}
+
+#[test]
+fn later_layers_win_and_the_printout_says_who_set_what() {
+    let config = resolve("[affinity]\nsigma_per_m2 = 2", &["spectral.zero_tolerance=1e-6"]).expect("allowed");
+    assert_eq!(config.params("affinity").number("sigma_per_m2"), 2.0);
+    assert_eq!(config.params("spectral").number("zero_tolerance"), 1e-6);
+    let text = config.to_string();
+    assert!(text.contains("sigma_per_m2 = 2.0  # mine.toml"), "{text}");
+    assert!(text.contains("zero_tolerance = 1e-6  # --set"), "{text}");
+    assert!(text.contains("kind = \"rbf\"  # preset paper"), "{text}");
+    assert!(text.contains("width_m = 0.6  # default"), "{text}");
+}
+
+#[test]
+fn every_preset_prints_a_file_that_resolves_to_itself() {
+    for (name, _) in PRESETS {
+        let config = Config::preset(name, &Registry::standard()).expect("a preset");
+        let layers = [Layer::file(Path::new("printed.toml"), &config.to_string()).expect("TOML")];
+        let again = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
+        let values = |config: &Config| {
+            let text = config.to_string();
+            text.lines().map(|line| line.split("  #").next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+        };
+        assert_eq!(values(&again), values(&config));
+    }
+}
+
+#[test]
+fn a_changed_kind_takes_its_own_defaults_and_applies_before_the_rest_of_its_layer() {
+    let config = resolve("[affinity]\nerror_at_x = 4\nkind = \"failing\"", &[]).expect("allowed");
+    assert_eq!(config.params("affinity").number("error_at_x"), 4.0);
+    let config = resolve("[affinity]\nsigma_per_m2 = 7", &["affinity.kind=failing"]).expect("allowed");
+    assert_eq!(config.params("affinity").number("error_at_x"), -1.0, "sigma of the other kind is gone");
+    let config = resolve("[affinity]\nsigma_per_m2 = 7", &["affinity.kind=rbf"]).expect("allowed");
+    assert_eq!(config.params("affinity").number("sigma_per_m2"), 7.0, "the same kind again keeps what was set");
+}
+
+#[test]
+fn unknown_names_are_refused_with_the_nearest_right_one() {
+    assert_eq!(
+        refused("[affinity]\nsigma = 1", &[]),
+        r#"mine.toml: affinity of kind "rbf" has no sigma; did you mean sigma_per_m2?"#
+    );
+    assert_eq!(refused("[afinity]\nkind = 1", &[]), "mine.toml: there is no section [afinity]; did you mean affinity?");
+    assert!(refused("", &["affinity.kind=rfb"]).contains("did you mean rbf?"));
+    assert!(refused("", &["affinity.error_at_x=1"]).contains(r#"that is a parameter of affinity.kind = "failing""#));
+    assert!(refused("", &["report.kind=x"]).contains("report has no kind"));
+    let unknown = Layer::preset("papper").expect_err("no such preset").to_string();
+    assert_eq!(unknown, r#"there is no preset "papper"; did you mean paper?"#);
+}
+
+#[test]
+fn bad_values_are_refused_with_what_is_allowed() {
+    assert_eq!(
+        refused("", &["affinity.sigma_per_m2=0"]).split(" is not").next(),
+        Some("--set: affinity.sigma_per_m2 = 0.0")
+    );
+    assert!(refused("", &["pipeline.in_flight=0"]).contains("a whole number in [1, 4096]"));
+    assert!(refused("", &["vehicle.width_m=wide"]).contains("a number in"));
+    assert!(refused("", &["vehicle.width_m={a=1}"]).contains("a number in"));
+    assert!(refused("affinity = 3", &[]).contains("affinity must be a section"));
+}
+
+#[test]
+fn text_that_is_not_configuration_is_refused() {
+    assert!(refused("[affinity", &[]).starts_with("mine.toml: this is not TOML"));
+    for malformed in ["sigma=1", "affinity.sigma_per_m2", ""] {
+        assert!(refused("", &[malformed]).contains("is not of the form section.key=value"), "{malformed}");
+    }
+}

@@ -1,0 +1,151 @@
+//! Stages and sources that count, fail and panic on command.
+
+use std::io;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crosscut_pipeline::{Config, Layer, Registry, Schema, StreamOptions, Summary, stream};
+use crosscut_stage::{
+    Affinity, AffinityStage, Frame, Interval, Kind, KmeansStage, Notes, ParamSpec, Partition, Point, Revolution, Shape,
+    Source, SourceError, SpectralStage, Spectrum, StageError, Step,
+};
+
+/// Calls of all test stages of one kind, over all tests of this binary.
+pub static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
+
+/// Revolution at which a test stage errs or panics; beyond the end: never.
+const AT: &[ParamSpec] = &[
+    ParamSpec {
+        name: "error_at_x",
+        unit: "",
+        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
+        doc: "",
+    },
+    ParamSpec {
+        name: "panic_at_x",
+        unit: "",
+        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
+        doc: "",
+    },
+];
+
+/// Errs or panics on the revolution whose first point has this x, which each stage hands on in its own part.
+struct Failing {
+    error_at_x: f64,
+    panic_at_x: f64,
+}
+
+impl Failing {
+    fn new(params: &crosscut_stage::Params) -> Self {
+        Self { error_at_x: params.number("error_at_x"), panic_at_x: params.number("panic_at_x") }
+    }
+
+    fn act(&self, x: f64) -> Result<(), StageError> {
+        assert!(x != self.panic_at_x, "told to panic at {x}");
+        if x == self.error_at_x { Err(StageError::Unsupported(format!("told to fail at {x}"))) } else { Ok(()) }
+    }
+}
+
+impl AffinityStage for Failing {
+    fn affinity(&mut self, r: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        AFFINITY_CALLS.fetch_add(1, Ordering::Relaxed);
+        let x = r.points_m[0].x;
+        // Uneven work, so that lanes overtake each other if nothing keeps the order.
+        std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq % 7 == 0) * 500));
+        self.act(x)?;
+        out.weights.make_dense(1)[(0, 0)] = 1.0;
+        out.degrees = vec![x];
+        notes.add(format!("affinity of {x}"));
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        8 * (n * n) as u64
+    }
+}
+
+impl SpectralStage for Failing {
+    fn spectrum(&mut self, a: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
+        self.act(a.degrees[0])?;
+        out.eigenvalues = vec![a.degrees[0]];
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        8 * (n * n) as u64
+    }
+}
+
+impl KmeansStage for Failing {
+    fn partition(&mut self, s: &Spectrum, out: &mut Partition, _: &mut Notes) -> Result<(), StageError> {
+        self.act(s.eigenvalues[0])?;
+        out.clusters = 1;
+        out.labels = vec![Some(0)];
+        Ok(())
+    }
+}
+
+/// The standard registry, with a failing stage of each kind in front.
+pub fn registry() -> Registry {
+    let mut registry = Registry::standard();
+    let doc = "fails when told to";
+    registry.affinity.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
+    registry.spectral.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
+    registry.kmeans.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
+    registry
+}
+
+/// The failing stages with these settings.
+pub fn config(settings: &[&str]) -> Config {
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    let layers = [Layer::settings(&settings).expect("settings")];
+    Config::resolve(&Schema::new(&registry()), &layers).expect("a configuration")
+}
+
+/// `length` revolutions of one return, at x = seq; errs or panics at `fails`.
+pub struct Count {
+    pub length: u64,
+    pub next: u64,
+    pub error_at: Option<u64>,
+    pub panic_at: Option<u64>,
+}
+
+impl Count {
+    pub fn to(length: u64) -> Self {
+        Self { length, next: 0, error_at: None, panic_at: None }
+    }
+}
+
+impl Source for Count {
+    fn next(&mut self, out: &mut Revolution, _: &mut Notes) -> Result<bool, SourceError> {
+        assert!(self.panic_at != Some(self.next), "the source was told to panic");
+        if self.error_at == Some(self.next) {
+            return Err(SourceError("the source was told to fail".into()));
+        }
+        if self.next == self.length {
+            return Ok(false);
+        }
+        out.seq = self.next;
+        out.stamp_ns = self.next * 1_000_000;
+        out.points_m.clear();
+        out.points_m.push(Point::new(self.next as f64, 0.0, 0.0));
+        self.next += 1;
+        Ok(true)
+    }
+}
+
+/// What came out: the summary and the sequence numbers that were written.
+pub fn run(source: &mut Count, config: &Config) -> (Summary, Vec<u64>) {
+    let mut written = Vec::new();
+    let mut sink = |frame: &Frame| -> io::Result<()> {
+        assert_eq!(frame.affinity.degrees, [frame.revolution.seq as f64], "a frame mixes two revolutions");
+        assert!(frame.notes.iter().eq([format!("affinity of {}", frame.revolution.seq as f64).as_str()]));
+        written.push(frame.revolution.seq);
+        Ok(())
+    };
+    let summary = stream(source, config, &registry(), &mut sink, &mut [], &StreamOptions::default()).expect("threads");
+    (summary, written)
+}
+
+/// `(section, step)` of the three stages that lanes run.
+pub const STAGES: [(&str, Step); 3] =
+    [("affinity", Step::Affinity), ("spectral", Step::Spectral), ("kmeans", Step::Kmeans)];

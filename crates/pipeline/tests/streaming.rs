@@ -1,0 +1,191 @@
+//! Order, failure and shutdown of the streaming pipeline.
+
+mod stages;
+
+use std::io;
+use std::sync::atomic::Ordering;
+
+use crosscut_pipeline::{Config, End, Engine, StopFlag, StreamOptions, stream};
+use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
+use stages::{AFFINITY_CALLS, Count, STAGES, config, registry, run};
+
+fn settings(workers: usize, in_flight: usize, more: &str) -> Config {
+    let (workers, in_flight) = (format!("pipeline.workers={workers}"), format!("pipeline.in_flight={in_flight}"));
+    config(&[&workers, &in_flight, if more.is_empty() { "affinity.error_at_x=-1" } else { more }])
+}
+
+#[test]
+fn results_keep_the_order_of_the_source_whatever_the_workers_and_the_pool() {
+    for workers in [1, 2, 4] {
+        for in_flight in [1, 2, 3, 16] {
+            let before = AFFINITY_CALLS.load(Ordering::Relaxed);
+            let (summary, written) = run(&mut Count::to(50), &settings(workers, in_flight, ""));
+            assert!(written.iter().copied().eq(0..50), "{workers} workers, {in_flight} in flight: {written:?}");
+            assert!(matches!(summary.end, End::Complete));
+            assert_eq!((summary.revolutions, summary.noted), (50, 50));
+            assert!(AFFINITY_CALLS.load(Ordering::Relaxed) >= before + 50, "the stages were really called");
+        }
+    }
+}
+
+#[test]
+fn an_empty_source_ends_at_once() {
+    let (summary, written) = run(&mut Count::to(0), &settings(2, 4, ""));
+    assert!(written.is_empty() && matches!(summary.end, End::Complete));
+}
+
+#[test]
+fn a_panic_in_any_stage_leaves_exactly_the_earlier_revolutions() {
+    for (section, step) in STAGES {
+        for workers in [1, 2, 4] {
+            for at in [0, 1, 17] {
+                let (summary, written) =
+                    run(&mut Count::to(50), &settings(workers, 8, &format!("{section}.panic_at_x={at}")));
+                assert!(written.iter().copied().eq(0..at), "{section}, {workers} workers: {written:?}");
+                let End::Failed(failure) = summary.end else { panic!("{section}: {:?}", summary.end) };
+                assert_eq!((failure.step, failure.seq), (step, at));
+                assert_eq!(failure.cause, FailureCause::Panic(format!("told to panic at {at}")));
+            }
+        }
+    }
+}
+
+#[test]
+fn an_error_in_any_stage_leaves_exactly_the_earlier_revolutions_and_says_where() {
+    for (section, step) in STAGES {
+        let (summary, written) = run(&mut Count::to(50), &settings(2, 8, &format!("{section}.error_at_x=9")));
+        assert!(written.iter().copied().eq(0..9));
+        let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+        assert_eq!(failure.to_string(), format!("{step} failed on revolution 9: told to fail at 9"));
+    }
+}
+
+#[test]
+fn a_source_that_errs_or_panics_keeps_what_it_gave_before() {
+    let failing = [
+        (Count { error_at: Some(5), ..Count::to(50) }, FailureCause::Error("the source was told to fail".into())),
+        (Count { panic_at: Some(5), ..Count::to(50) }, FailureCause::Panic("the source was told to panic".into())),
+    ];
+    for (mut source, cause) in failing {
+        let (summary, written) = run(&mut source, &settings(2, 8, ""));
+        assert!(written.iter().copied().eq(0..5));
+        let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+        assert_eq!((failure.step, failure.seq, failure.cause), (Step::Ingest, 5, cause));
+    }
+}
+
+#[test]
+fn results_that_cannot_be_written_end_the_run_and_say_so() {
+    for panics in [false, true] {
+        let mut written = 0;
+        let mut sink = |_: &Frame| {
+            assert!(written < 3 || !panics, "the sink was told to panic");
+            written += 1;
+            if written > 3 { Err(io::Error::other("disk full")) } else { Ok(()) }
+        };
+        let summary =
+            stream(&mut Count::to(50), &settings(2, 8, ""), &registry(), &mut sink, &mut [], &StreamOptions::default())
+                .expect("threads");
+        let End::ResultsLost(error) = summary.end else { panic!("{:?}", summary.end) };
+        assert!(error.to_string().contains(if panics { "told to panic" } else { "disk full" }));
+        assert_eq!(summary.revolutions, 3);
+    }
+}
+
+/// Remembers what it saw; gives up, or panics, at a given revolution.
+struct Watcher {
+    seen: std::sync::Arc<std::sync::Mutex<Vec<u64>>>,
+    give_up_at: u64,
+    panics: bool,
+}
+
+impl Observer for Watcher {
+    fn observe(&mut self, frame: &Frame) -> Result<(), ObserverError> {
+        let seq = frame.revolution.seq;
+        self.seen.lock().expect("one thread").push(seq);
+        assert!(!self.panics || seq != self.give_up_at, "the observer was told to panic");
+        if seq == self.give_up_at { Err(ObserverError(format!("gave up at {seq}"))) } else { Ok(()) }
+    }
+
+    fn finish(&mut self) -> Result<(), ObserverError> {
+        self.seen.lock().expect("one thread").push(u64::MAX);
+        Ok(())
+    }
+}
+
+#[test]
+fn an_observer_that_fails_is_left_out_and_disturbs_neither_results_nor_the_others() {
+    let seen: Vec<_> = (0..3).map(|_| std::sync::Arc::default()).collect();
+    let watcher = |i: usize, give_up_at, panics| -> Box<dyn Observer> {
+        Box::new(Watcher { seen: std::sync::Arc::clone(&seen[i]), give_up_at, panics })
+    };
+    let mut observers = [watcher(0, 7, false), watcher(1, 3, true), watcher(2, 999, false)];
+    let mut written = 0;
+    let mut sink = |_: &Frame| {
+        written += 1;
+        Ok(())
+    };
+    let options = StreamOptions::default();
+    let summary = stream(&mut Count::to(20), &settings(2, 4, ""), &registry(), &mut sink, &mut observers, &options)
+        .expect("threads");
+    assert!(matches!(summary.end, End::Complete), "results are complete");
+    assert_eq!(written, 20);
+    assert_eq!(summary.observer_errors, ["an observer panicked: the observer was told to panic", "gave up at 7"]);
+    let saw = |i: usize| seen[i].lock().expect("one thread").clone();
+    assert!(saw(0).into_iter().eq(0..=7), "not called again, not even to finish");
+    assert!(saw(1).into_iter().eq(0..=3));
+    assert!(saw(2).into_iter().eq((0..20).chain([u64::MAX])), "every frame in order, then the end");
+}
+
+#[test]
+fn stopping_finishes_what_is_in_flight_and_writes_no_gap() {
+    let stop = StopFlag::default();
+    let mut written = Vec::new();
+    let mut sink = |frame: &Frame| {
+        written.push(frame.revolution.seq);
+        if written.len() == 10 {
+            stop.set();
+        }
+        Ok(())
+    };
+    let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
+    let summary = stream(&mut Count::to(u64::MAX), &settings(4, 8, ""), &registry(), &mut sink, &mut [], &options)
+        .expect("threads");
+    assert!(matches!(summary.end, End::Interrupted));
+    assert!(written.len() >= 10 && written.iter().copied().eq(0..written.len() as u64), "{written:?}");
+}
+
+#[test]
+fn playing_at_a_rate_takes_the_time_that_the_stamps_say() {
+    // Stamps are 1 ms apart: 41 revolutions at half the pace are released over 80 ms. Only the lower bound is sure.
+    let options = StreamOptions { rate: Some(0.5), ..StreamOptions::default() };
+    let start = std::time::Instant::now();
+    stream(&mut Count::to(41), &settings(1, 4, ""), &registry(), &mut |_| Ok(()), &mut [], &options).expect("threads");
+    assert!(start.elapsed().as_millis() >= 80);
+}
+
+#[test]
+fn the_engine_alone_does_the_same_steps_and_recovers_after_a_failure() {
+    let mut engine = Engine::new(&settings(1, 1, "spectral.panic_at_x=1"), &registry());
+    let mut source = Count::to(3);
+    let mut frame = Frame::default();
+    for seq in 0..3 {
+        frame.notes.clear();
+        assert!(crosscut_stage::Source::next(&mut source, &mut frame.revolution, &mut frame.notes).expect("a source"));
+        let processed = engine.process(&mut frame);
+        assert_eq!(processed.is_err(), seq == 1, "{processed:?}");
+        assert_eq!(frame.failure, processed.err());
+    }
+    assert_eq!(frame.junction.junctions, 1);
+}
+
+#[test]
+fn a_size_that_does_not_fit_is_refused_with_the_size_it_would_need() {
+    let mut engine = Engine::new(&config(&["pipeline.memory_mb=1"]), &registry());
+    let mut frame = Frame::default();
+    frame.revolution.points_m.resize(400, crosscut_stage::Point::origin());
+    let failure = engine.process(&mut frame).expect_err("400 x 400 x 8 bytes are more than 1 MB");
+    assert_eq!(failure.step, Step::Affinity);
+    let text = failure.to_string();
+    assert!(text.contains("400 returns would need 2 MB") && text.contains("pipeline.memory_mb is 1"), "{text}");
+}
