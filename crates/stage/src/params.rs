@@ -188,15 +188,6 @@ impl Params {
         Self(specs.iter().map(|spec| (spec.name, spec.default_value())).collect())
     }
 
-    /// The defaults of `specs`, with what `given` says of them instead.
-    ///
-    /// # Errors
-    /// The first given value that is not allowed.
-    pub fn checked(specs: &[ParamSpec], given: impl Fn(&str) -> Option<Value>) -> Result<Self, ParamError> {
-        let value = |spec: &ParamSpec| given(spec.name).map_or_else(|| Ok(spec.default_value()), |v| spec.check(v));
-        specs.iter().map(|spec| Ok((spec.name, value(spec)?))).collect::<Result<_, _>>().map(Self)
-    }
-
     /// Replaces the value of a declared parameter. The value is one that [`ParamSpec::check`] has let through.
     ///
     /// # Panics
