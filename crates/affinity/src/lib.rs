@@ -1,1 +1,44 @@
-//! Revolution to affinity W.
+//! First stage: from the returns of one revolution to a weighted graph over them.
+//!
+//! In: [`Revolution`], n points in R³, metres (a 2D lidar has z = 0), in message beam order, with or without the beams
+//! behind them. Out: [`Affinity`], W (n×n, symmetric, 0 <= W_ij <= 1, W_ii = 1; dense or sparse) and the degrees
+//! D_ii = Σ_j W_ij (n entries), summed in a fixed order.
+//!
+//! | kind | W_ij for i ≠ j | stored |
+//! |---|---|---|
+//! | `rbf` | exp(-σ ‖x_i - x_j‖²), the paper's equation (1) | dense |
+//!
+//! Each kind says which changes of the revolution leave W alone: [`INVARIANCES`].
+//!
+//! ```
+//! use crosscut_affinity::Rbf;
+//! use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution};
+//!
+//! let one_metre_apart = vec![Point::origin(), Point::new(1.0, 0.0, 0.0)];
+//! let revolution = Revolution { points_m: one_metre_apart, ..Default::default() };
+//! let mut affinity = Affinity::default();
+//! Rbf::new(1.5)?.affinity(&revolution, &mut affinity, &mut Notes::default())?;
+//! assert!((affinity.degrees[0] - (1.0 + (-1.5f64).exp())).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! To add one: a file with the struct, its parameters, a `KIND` and its `INVARIANCES`; one line for it in [`KINDS`] and
+//! one in [`INVARIANCES`]. `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
+//!
+//! [`Revolution`]: crosscut_stage::Revolution
+//! [`Affinity`]: crosscut_stage::Affinity
+
+mod finite;
+mod invariance;
+mod rbf;
+
+use crosscut_stage::{AffinityStage, Kind};
+
+pub use invariance::Invariance;
+pub use rbf::Rbf;
+
+/// The affinities that crosscut ships.
+pub const KINDS: &[Kind<dyn AffinityStage>] = &[rbf::KIND];
+
+/// What each of [`KINDS`] is blind to, by name and in the same order.
+pub const INVARIANCES: &[(&str, &[Invariance])] = &[(rbf::KIND.name, rbf::INVARIANCES)];

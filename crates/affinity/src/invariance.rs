@@ -1,0 +1,17 @@
+//! Changes of a revolution that an affinity does not see.
+
+/// A change of the revolution that leaves W alone, up to the rounding of the changed points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Invariance {
+    /// All points moved by the same vector.
+    Translation,
+    /// All points turned by the same rotation of R³.
+    Rotation,
+    /// All points turned about the sensor's z axis, with their beams.
+    Turn,
+    /// Left and right exchanged (y and the bearings negated), beams kept in order.
+    Mirror,
+    /// The returns in another order: W has its rows and columns in that order.
+    Permutation,
+}
