@@ -1,1 +1,52 @@
 //! Frames to Rerun recordings.
+//!
+//! [`Recorder`] is an observer: it sees every finished [`Frame`](crosscut_stage::Frame), in order, and writes all of it
+//! to an .rrd file that the Rerun viewer opens with a layout, or to a viewer at once, or to both. No other crate knows
+//! of Rerun.
+//!
+//! Timelines: `revolution` (the message's index) and `stamp` (the sensor's time). No wall clock.
+//!
+//! | entity | what | shape, unit | precision |
+//! |---|---|---|---|
+//! | `/scan/returns` | returns, class = wall | n points, m, body frame | f32 |
+//! | `/scan/ranges`, `/scan/seen` | ranges as on the wire; what each beam saw | beams, m | exact |
+//! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, when they change | beams, rad | exact |
+//! | `/scan/walls` | lines along the walls, broken at gaps | m | f32 |
+//! | `/scan/openings` | arrows, widths; bearing and width as a tensor | openings × 2, rad and m | exact |
+//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], beam order | n×n, up to n = 1024 | 256 levels |
+//! | `/affinity/degrees` | D | n | exact |
+//! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ, τ, k, margin | | exact |
+//! | `/spectral/chart/...` | λ and τ drawn on a logarithmic scale | | drawing |
+//! | `/spectral/U`, `/spectral/embedding` | U; its first three columns as points | n×k | exact; f32 |
+//! | `/kmeans/labels`, `/kmeans/centroids` | labels (-1: none), centres; both also drawn | n; clusters×k | exact |
+//! | `/report/junctions`, `/confidence`, `/place`, `/summary` | the answer | | exact; words |
+//! | `/timing/<stage>` | time of each step | ms | exact |
+//! | `/log`, `/config`, `/about` | notes; configuration as TOML; what is exact | | words |
+//!
+//! A level of a picture is 16/255 of a decade: a value of 1e-16 or more reads back within 0.032 decades. Raw ranges and
+//! configuration let anybody recompute W, L and U in full precision, so exact matrices need not be stored; one would go
+//! to a tensor of its own, `/affinity/W/exact`, in [`matrices`](self) terms a second log call per revolution.
+//!
+//! An empty revolution writes empty values, so that nothing of the one before stays on the screen.
+//!
+//! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
+//! behind lacks at most the last second of the flight, and opens. Row ids hold the time of writing, so the bytes of two
+//! recordings differ. A write that fails (full disk) is an error of the next call, and the file ends with its last whole
+//! message.
+//!
+//! To log something new: a function in the file of its area, taking the stream and the frame; a line in `about.md` and
+//! in the table above; a view in `layout.rs`.
+
+mod colors;
+mod file;
+mod layout;
+mod matrices;
+mod partition;
+mod recorder;
+mod report;
+mod scan;
+mod spectrum;
+mod tensors;
+mod viewer;
+
+pub use recorder::{Recorder, RecorderError, RecorderOptions};

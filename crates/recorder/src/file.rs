@@ -1,0 +1,106 @@
+//! The .rrd file: whole messages only, and no error lost.
+//!
+//! Rerun's own file sink ends its thread at the first failed write and leaves a torn message behind; later log calls
+//! still succeed. This one keeps the reason and cuts the torn message off, so that what was recorded stays readable.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rerun::external::re_build_info::CrateVersion;
+use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
+use rerun::log::LogMsg;
+use rerun::sink::{LogSink, SinkFlushError};
+
+use crate::RecorderError;
+
+/// An .rrd file being written, shared by the recorder and by Rerun's sink thread.
+#[derive(Clone)]
+pub(crate) struct RrdFile {
+    path: PathBuf,
+    state: Arc<Mutex<State>>,
+}
+
+enum State {
+    Writing { encoder: Encoder<File>, whole_bytes: u64 },
+    Ended,
+    Failed(String),
+}
+
+impl RrdFile {
+    /// Creates the file, or empties it.
+    pub(crate) fn create(path: &Path) -> Result<Self, RecorderError> {
+        let cannot = |cause: String| RecorderError::Create { path: path.to_owned(), cause };
+        let file = File::create(path).map_err(|e| cannot(e.to_string()))?;
+        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file)
+            .map_err(|e| cannot(cause_of(&e)))?;
+        let whole_bytes = std::fs::metadata(path).map_or(0, |m| m.len());
+        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(State::Writing { encoder, whole_bytes })) })
+    }
+
+    /// Whether everything so far was written.
+    pub(crate) fn check(&self) -> Result<(), RecorderError> {
+        match &*self.lock() {
+            State::Writing { .. } | State::Ended => Ok(()),
+            State::Failed(cause) => Err(RecorderError::Write { path: self.path.clone(), cause: cause.clone() }),
+        }
+    }
+
+    /// Writes the footer. Nothing can be added afterwards.
+    pub(crate) fn end(&self) -> Result<(), RecorderError> {
+        self.step(Encoder::finish);
+        let mut state = self.lock();
+        if matches!(*state, State::Writing { .. }) {
+            *state = State::Ended;
+        }
+        drop(state);
+        self.check()
+    }
+
+    /// Lets the encoder write; after an error, cuts the file back to its last whole message and writes no more.
+    fn step<T>(&self, write: impl FnOnce(&mut Encoder<File>) -> Result<T, EncodeError>) -> Option<T> {
+        let mut state = self.lock();
+        let State::Writing { encoder, .. } = &mut *state else { return None };
+        match write(encoder) {
+            Ok(written) => Some(written),
+            Err(error) => {
+                if let State::Writing { encoder, whole_bytes } =
+                    std::mem::replace(&mut *state, State::Failed(cause_of(&error)))
+                    && let Ok(file) = encoder.into_inner()
+                    && let Err(error) = file.set_len(whole_bytes)
+                {
+                    *state = State::Failed(format!("{error}; its last message is torn"));
+                }
+                None
+            }
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl LogSink for RrdFile {
+    fn send(&self, msg: LogMsg) {
+        if let Some(bytes) = self.step(|encoder| encoder.append(&msg))
+            && let State::Writing { whole_bytes, .. } = &mut *self.lock()
+        {
+            *whole_bytes += bytes;
+        }
+    }
+
+    /// Every message is written when it is sent; what is left to do is to say whether that worked.
+    fn flush_blocking(&self, _timeout: Duration) -> Result<(), SinkFlushError> {
+        self.check().map_err(|e| SinkFlushError::failed(e.to_string()))
+    }
+}
+
+/// The operating system's words alone, where there are any.
+fn cause_of(error: &EncodeError) -> String {
+    match error {
+        EncodeError::Write(io) => io.to_string(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,113 @@
+//! W and L as pictures in beam order: log10 |value| over [-16, 0] in 256 levels.
+//!
+//! Linear grey levels would show nothing: the leaks that decide the count are 1e-8. L = I - D^-1/2 W D^-1/2 is computed
+//! here, from W and the degrees, for the picture alone.
+
+use crosscut_stage::{Affinity, Frame};
+use rerun::components::{Colormap, MediaType};
+use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
+use rerun::{Clear, EncodedDepthImage, RecordingStream, RecordingStreamResult};
+
+use crate::tensors::f64_vector;
+
+/// Beyond this many returns no picture is made.
+pub(crate) const LARGEST_PICTURE: usize = 1024;
+
+/// The decades that a picture spans, ending at 1.
+const DECADES: f32 = 16.0;
+
+/// Buffers for the pictures, reused from one revolution to the next.
+#[derive(Default)]
+pub(crate) struct Pictures {
+    /// log10 W, n×n.
+    decades: Vec<f32>,
+    /// ½ log10 D, n.
+    half_degree_decades: Vec<f32>,
+    levels: Vec<u8>,
+}
+
+impl Pictures {
+    /// Degrees, and the pictures of W and L; beyond [`LARGEST_PICTURE`] the pictures are cleared.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+        let affinity = &frame.affinity;
+        rec.log("affinity/degrees", &f64_vector(affinity.degrees.clone(), "return"))?;
+        let n = affinity.weights.n();
+        if !is_drawn(affinity) {
+            rec.log("affinity/W", &Clear::flat())?;
+            return rec.log("spectral/L", &Clear::flat());
+        }
+        self.take_decades(affinity);
+        self.draw_w();
+        rec.log("affinity/W", &self.picture(n))?;
+        self.draw_l(affinity);
+        rec.log("spectral/L", &self.picture(n))
+    }
+
+    fn take_decades(&mut self, affinity: &Affinity) {
+        let n = affinity.weights.n();
+        self.decades.clear();
+        self.decades.resize(n * n, f32::NEG_INFINITY);
+        affinity.weights.for_each(|i, j, w| self.decades[i * n + j] = (w as f32).log10());
+        self.half_degree_decades.clear();
+        self.half_degree_decades.extend(affinity.degrees.iter().map(|&d| 0.5 * d.log10() as f32));
+    }
+
+    fn draw_w(&mut self) {
+        self.levels.clear();
+        self.levels.extend(self.decades.iter().map(|&decades| level(decades)));
+    }
+
+    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i.
+    fn draw_l(&mut self, affinity: &Affinity) {
+        let n = affinity.weights.n();
+        let halves = &self.half_degree_decades;
+        self.levels.clear();
+        for i in 0..n {
+            let row = &self.decades[i * n..(i + 1) * n];
+            self.levels.extend(row.iter().zip(halves).map(|(w, half)| level(w - halves[i] - half)));
+            let own_share = 10f32.powf(row[i] - 2.0 * halves[i]);
+            self.levels[i * n + i] = level((1.0 - own_share).abs().log10());
+        }
+    }
+
+    fn picture(&self, n: usize) -> EncodedDepthImage {
+        EncodedDepthImage::new(png(&self.levels, n))
+            .with_media_type(MediaType::PNG)
+            .with_colormap(Colormap::Viridis)
+            .with_depth_range([0.0, 1.0])
+    }
+}
+
+/// Whether W and L of this revolution are drawn.
+pub(crate) fn is_drawn(affinity: &Affinity) -> bool {
+    let n = affinity.weights.n();
+    (1..=LARGEST_PICTURE).contains(&n) && affinity.degrees.len() == n
+}
+
+/// 0 for 1e-16 and below, 255 for 1 and above.
+fn level(decades: f32) -> u8 {
+    ((decades / DECADES + 1.0) * 255.0).round() as u8 // a cast keeps to 0..=255, and makes 0 of NaN
+}
+
+/// An n×n grey picture as PNG.
+fn png(levels: &[u8], n: usize) -> Vec<u8> {
+    let mut png = Vec::with_capacity(levels.len() / 4);
+    let side = n as u32;
+    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Sub)
+        .write_image(levels, side, side, ExtendedColorType::L8)
+        .expect("n×n levels make an n×n picture, and memory takes it");
+    png
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_span_sixteen_decades_and_never_wrap() {
+        assert_eq!([level(0.0), level(3.0), level(f32::INFINITY)], [255; 3]);
+        assert_eq!([level(-16.0), level(-300.0), level(f32::NEG_INFINITY), level(f32::NAN)], [0; 4]);
+        assert_eq!(level(-8.0), 128);
+    }
+}

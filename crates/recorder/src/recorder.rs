@@ -1,0 +1,221 @@
+//! The observer: what is logged of each revolution, when it is flushed, and what happens when that fails.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crosscut_stage::{Frame, Observer, ObserverError};
+use rerun::log::ChunkBatcherConfig;
+use rerun::sink::LogSink;
+use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, RecordingStreamError, TextDocument};
+use rerun::{TextLog, TextLogLevel};
+
+use crate::colors::annotation_context;
+use crate::file::RrdFile;
+use crate::layout::Extent;
+use crate::matrices::Pictures;
+use crate::scan::BeamGeometry;
+use crate::{layout, partition, report, scan, spectrum, viewer};
+
+/// What is on the disk never lags behind by more than this much sensor time...
+const FLUSH_AFTER_NS: u64 = 1_000_000_000;
+/// ...nor by more revolutions than this, whatever the stamps say.
+const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
+/// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
+const FLUSH_AFTER_BYTES: u64 = 16 << 20;
+/// A viewer wants to see things soon.
+const LIVE_TICK: Duration = Duration::from_millis(100);
+/// A viewer that does not take what is sent for so long is given up.
+const VIEWER_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Where and how to record.
+#[derive(Clone, Debug, Default)]
+pub struct RecorderOptions {
+    /// The .rrd file to write; an existing one is replaced.
+    pub path: Option<PathBuf>,
+    /// Shows the recording in the native viewer while it is made.
+    pub view: bool,
+    /// Name of the recording, as the viewer lists it.
+    pub name: String,
+    /// When the flight started: the first stamp, nanoseconds since the epoch.
+    pub started_ns: u64,
+    /// The resolved configuration, as TOML.
+    pub config_toml: String,
+}
+
+/// Why nothing can be recorded, or no more.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecorderError {
+    /// The file could not be made.
+    #[error("cannot create the recording: {cause}: {}", path.display())]
+    Create {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+    },
+    /// The file could not be written to the end.
+    #[error("the recording ends early, with what was written so far: {cause}: {}", path.display())]
+    Write {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+    },
+    /// There is no native viewer on this machine.
+    #[error("no Rerun viewer found; `pip install rerun-sdk==0.36.3` brings it")]
+    NoViewer,
+    /// The viewer could not be started, or went away.
+    #[error("the viewer is not to be reached: {0}")]
+    Viewer(String),
+    /// Rerun refused.
+    #[error("cannot record: {0}")]
+    Rerun(#[from] RecordingStreamError),
+}
+
+/// Records every frame that it sees.
+pub struct Recorder {
+    rec: RecordingStream,
+    file: Option<RrdFile>,
+    viewing: bool,
+    layout_sent: bool,
+    beams: BeamGeometry,
+    pictures: Pictures,
+    flushed_stamp_ns: u64,
+    unflushed: u32,
+}
+
+impl Recorder {
+    /// Opens the file and the viewer, and writes what holds for the whole recording.
+    ///
+    /// # Errors
+    /// When the file cannot be created, or there is no viewer to show it.
+    pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
+        let file = options.path.as_deref().map(RrdFile::create).transpose()?;
+        let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
+        sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
+        if options.view {
+            sinks.push(Box::new(viewer::connect("rerun")?));
+        }
+        let batches = ChunkBatcherConfig {
+            flush_tick: if options.view { LIVE_TICK } else { Duration::MAX },
+            flush_num_bytes: FLUSH_AFTER_BYTES,
+            ..ChunkBatcherConfig::DEFAULT
+        };
+        let rec = RecordingStreamBuilder::new("crosscut")
+            .enabled(true) // whatever RERUN=0 in the environment says: who asks for a recording gets one
+            .recording_name(options.name)
+            .recording_started(options.started_ns.cast_signed())
+            .batcher_config(batches)
+            .set_sinks(sinks)?;
+        rec.set_log_time_enabled(false); // a recording depends on the flight, not on when it was made
+        rec.set_log_tick_enabled(false);
+        log_static(&rec, &options.config_toml)?;
+        Ok(Self {
+            rec,
+            file,
+            viewing: options.view,
+            layout_sent: false,
+            beams: BeamGeometry::default(),
+            pictures: Pictures::default(),
+            flushed_stamp_ns: options.started_ns,
+            unflushed: 0,
+        })
+    }
+
+    fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
+        let revolution = &frame.revolution;
+        self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
+        self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
+        if !self.layout_sent {
+            self.send_layout(Extent::of(frame))?;
+        }
+        match &frame.failure {
+            None => self.log(frame)?,
+            Some(failure) => self.log_failure(&failure.to_string())?,
+        }
+        self.unflushed += 1;
+        let unflushed_ns = revolution.stamp_ns.abs_diff(self.flushed_stamp_ns);
+        if unflushed_ns >= FLUSH_AFTER_NS || self.unflushed >= FLUSH_AFTER_REVOLUTIONS {
+            self.flush()?;
+            self.flushed_stamp_ns = revolution.stamp_ns;
+        }
+        Ok(())
+    }
+
+    /// Everything of one revolution. An empty one writes empty values, so that nothing stale stays on the screen.
+    fn log(&mut self, frame: &Frame) -> Result<(), RecorderError> {
+        if let Some(sweep) = &frame.revolution.sweep {
+            self.beams.log(&self.rec, sweep)?;
+        }
+        scan::log(&self.rec, frame)?;
+        self.pictures.log(&self.rec, frame)?;
+        spectrum::log(&self.rec, frame)?;
+        partition::log(&self.rec, frame)?;
+        report::log(&self.rec, frame)?;
+        Ok(())
+    }
+
+    /// A failed frame holds parts of another revolution: they are not recorded, and the screen is cleared.
+    fn log_failure(&self, failure: &str) -> Result<(), RecorderError> {
+        for part in ["scan", "affinity", "spectral", "kmeans", "report"] {
+            self.rec.log(part, &Clear::recursive())?;
+        }
+        self.rec.log("log", &TextLog::new(failure).with_level(TextLogLevel::ERROR))?;
+        Ok(())
+    }
+
+    fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
+        scan::log_rings(&self.rec, extent.range_m)?;
+        layout::send(&self.rec, &extent)?;
+        self.layout_sent = true;
+        Ok(())
+    }
+
+    /// Brings everything to the disk, and says whether that worked. A lost viewer ends the view, not the file.
+    fn flush(&mut self) -> Result<(), RecorderError> {
+        self.unflushed = 0;
+        let timeout = if self.viewing { VIEWER_TIMEOUT } else { Duration::MAX };
+        let flushed = self.rec.flush_with_timeout(timeout);
+        let Some(file) = &self.file else {
+            return flushed.map_err(|e| RecorderError::Viewer(e.to_string()));
+        };
+        file.check()?;
+        if let (Err(error), true) = (flushed, self.viewing) {
+            self.viewing = false;
+            let text = format!("the viewer went away, the file goes on: {error}");
+            self.rec.log("log", &TextLog::new(text).with_level(TextLogLevel::WARN))?;
+            self.rec.set_sink(Box::new(file.clone()));
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Recorder {
+    fn observe(&mut self, frame: &Frame) -> Result<(), ObserverError> {
+        self.record(frame).map_err(|e| ObserverError(e.to_string()))
+    }
+
+    fn finish(&mut self) -> Result<(), ObserverError> {
+        let mut end = || -> Result<(), RecorderError> {
+            if !self.layout_sent {
+                self.send_layout(Extent::default())?;
+            }
+            self.flush()?;
+            self.file.as_ref().map_or(Ok(()), RrdFile::end)
+        };
+        end().map_err(|e| ObserverError(e.to_string()))
+    }
+}
+
+/// What holds for the whole recording: colours, look, configuration, and what the numbers mean.
+fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderError> {
+    rec.log_static("/", &annotation_context())?;
+    rec.log_static("config", &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
+    rec.log_static("about", &TextDocument::from_markdown(include_str!("about.md")))?;
+    scan::log_static(rec)?;
+    spectrum::log_static(rec)?;
+    partition::log_static(rec)?;
+    report::log_static(rec)?;
+    Ok(())
+}

@@ -1,0 +1,178 @@
+//! What the sensor saw, in the body frame (metres, x forward, y left): 3D archetypes, seen from above in the layout.
+
+use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep};
+use rerun::{
+    Arrows3D, AsComponents, LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult,
+};
+
+use crate::colors::{GREY, OPENING, class_of, color};
+use crate::tensors::{f32_vector, f64_matrix, f64_vector, u8_vector};
+
+/// Neighbouring returns of a wall that lie farther apart are not joined by a line.
+const GAP_M: f64 = 2.5;
+
+/// Look of the entities, and what never changes.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let ui = Radius::new_ui_points;
+    rec.log_static("scan/returns", &Points3D::update_fields().with_radii([ui(2.5)]))?;
+    rec.log_static("scan/walls", &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
+    let arrows = Arrows3D::update_fields().with_radii([ui(2.0)]).with_colors([color(OPENING)]);
+    let widths = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
+    rec.log_static("scan/openings", &[&arrows as &dyn AsComponents, &widths])?;
+    let sensor = [[0.6f32, 0.0, 0.0], [-0.4, 0.35, 0.0], [-0.2, 0.0, 0.0], [-0.4, -0.35, 0.0], [0.6, 0.0, 0.0]];
+    rec.log_static("scan/sensor", &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
+}
+
+/// Returns, walls and openings of one revolution; raw ranges where there is a sweep.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+    let (revolution, junction) = (&frame.revolution, &frame.junction);
+    let wall_of = |i: usize| junction.wall_of_return.get(i).copied().flatten();
+    let points = revolution.points_m.iter().map(xyz);
+    let classes = (0..revolution.len()).map(|i| class_of(wall_of(i)));
+    rec.log("scan/returns", &Points3D::new(points).with_class_ids(classes))?;
+    if let Some(sweep) = &revolution.sweep {
+        rec.log("scan/ranges", &f32_vector(&sweep.ranges_m, "beam"))?;
+        rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
+    }
+    log_walls(rec, revolution, junction)?;
+    log_openings(rec, &junction.openings)
+}
+
+/// 2: a return; 1: nothing in range; 0: nothing known.
+fn seen(beam: &Beam) -> u8 {
+    match beam {
+        Beam::Return(_) => 2,
+        Beam::NoReturn => 1,
+        Beam::Unknown => 0,
+    }
+}
+
+fn log_walls(rec: &RecordingStream, revolution: &Revolution, junction: &Junction) -> RecordingStreamResult<()> {
+    let strips = match &revolution.sweep {
+        Some(sweep) => wall_strips(&revolution.points_m, &junction.wall_of_return, sweep.full_turn),
+        None => Vec::new(), // returns of a cloud have no order to draw a line along
+    };
+    let classes: Vec<u16> = strips.iter().map(|(wall, _)| class_of(Some(*wall))).collect();
+    let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(strip));
+    rec.log("scan/walls", &LineStrips3D::new(lines).with_class_ids(classes).with_show_labels(false))
+}
+
+/// Lines along the walls, broken at gaps: `closed` if the last return is a neighbour of the first.
+fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec<(u32, Vec<[f32; 3]>)> {
+    let mut strips: Vec<(u32, Vec<[f32; 3]>)> = Vec::new();
+    let joined = |a: usize, b: usize| wall_of[a] == wall_of[b] && (points_m[a] - points_m[b]).norm() <= GAP_M;
+    for i in 0..points_m.len().min(wall_of.len()) {
+        let Some(wall) = wall_of[i] else { continue };
+        match strips.last_mut() {
+            Some((_, strip)) if i > 0 && joined(i - 1, i) => strip.push(xyz(&points_m[i])),
+            _ => strips.push((wall, vec![xyz(&points_m[i])])),
+        }
+    }
+    if closed && points_m.len() > 1 && wall_of.len() == points_m.len() && wall_of[0].is_some() {
+        let (first, last) = (0, points_m.len() - 1);
+        if joined(last, first)
+            && let Some((_, strip)) = strips.last_mut()
+        {
+            strip.push(xyz(&points_m[first]));
+        }
+    }
+    strips.retain(|(_, strip)| strip.len() > 1);
+    strips
+}
+
+/// An arrow towards each opening, a bar across it with its width; bearing and width exactly as a tensor.
+fn log_openings(rec: &RecordingStream, openings: &[Opening]) -> RecordingStreamResult<()> {
+    let arrows = Arrows3D::from_vectors(openings.iter().map(|opening| {
+        let [a, b] = opening.edge_m;
+        let reach = nalgebra::center(&a, &b).coords.norm().max(1.5);
+        [(reach * opening.bearing_rad.cos()) as f32, (reach * opening.bearing_rad.sin()) as f32, 0.0]
+    }));
+    let bars = LineStrips3D::new(openings.iter().map(|o| [xyz(&o.edge_m[0]), xyz(&o.edge_m[1])]))
+        .with_labels(openings.iter().map(|o| format!("{:.1} m", o.width_m)))
+        .with_show_labels(true);
+    let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
+    let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
+    rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &table])
+}
+
+/// The beams' geometry, logged when it changes.
+#[derive(Default)]
+pub(crate) struct BeamGeometry {
+    bearings_rad: Vec<f64>,
+    wire: [f32; 4],
+}
+
+impl BeamGeometry {
+    /// Bearing of each beam, and `angle_min`, `angle_increment`, `range_min`, `range_max` as on the wire.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, sweep: &Sweep) -> RecordingStreamResult<()> {
+        let bits = |wire: [f32; 4]| wire.map(f32::to_bits); // NaN equals itself
+        if sweep.bearings_rad == self.bearings_rad && bits(sweep.wire_geometry) == bits(self.wire) {
+            return Ok(());
+        }
+        self.bearings_rad.clone_from(&sweep.bearings_rad);
+        self.wire = sweep.wire_geometry;
+        rec.log("scan/beams", &f64_vector(self.bearings_rad.clone(), "beam"))?;
+        rec.log("scan/beams/wire", &f32_vector(&self.wire, "angle_min, angle_increment, range_min, range_max"))
+    }
+}
+
+/// Circles to read distances by, out to `reach_m`.
+pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamResult<()> {
+    let step_m = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(100.0);
+    let radii_m: Vec<f64> = (1..=4).map(|ring| f64::from(ring) * step_m).filter(|&r| r <= reach_m).collect();
+    let at = |radius_m: f64, degrees: f64| {
+        let angle = degrees.to_radians();
+        [(radius_m * angle.cos()) as f32, (radius_m * angle.sin()) as f32, 0.0]
+    };
+    let circle = |&r: &f64| (0..=72).map(|i| at(r, 5.0 * f64::from(i))).collect::<Vec<_>>();
+    let rings = LineStrips3D::new(radii_m.iter().map(circle))
+        .with_radii([Radius::new_ui_points(0.5)])
+        .with_colors([color(0x8C8C_8C60)]);
+    let marks = Points3D::new(radii_m.iter().map(|&r| at(r, -135.0)))
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(GREY)])
+        .with_labels(radii_m.iter().map(|r| format!("{r} m")))
+        .with_show_labels(true);
+    rec.log_static("scan/rings", &[&rings as &dyn AsComponents, &marks])
+}
+
+fn xyz(p: &Point) -> [f32; 3] {
+    [p.x as f32, p.y as f32, p.z as f32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strips(points: &[(f64, f64)], walls: &[Option<u32>], closed: bool) -> Vec<(u32, usize)> {
+        let points: Vec<Point> = points.iter().map(|&(x, y)| Point::new(x, y, 0.0)).collect();
+        wall_strips(&points, walls, closed).into_iter().map(|(wall, strip)| (wall, strip.len())).collect()
+    }
+
+    #[test]
+    fn a_wall_is_broken_where_its_neighbouring_returns_lie_far_apart() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (9.0, 0.0), (10.0, 0.0)];
+        assert_eq!(strips(&points, &[Some(4); 5], false), [(4, 3), (4, 2)]);
+    }
+
+    #[test]
+    fn a_wall_is_broken_by_a_return_of_another_wall_or_of_none() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (1.5, 0.0), (2.0, 0.0), (3.0, 0.0)];
+        let (a, b) = (Some(0), Some(1));
+        assert_eq!(strips(&points, &[a, a, b, a, a], false), [(0, 2), (0, 2)]);
+        assert_eq!(strips(&points, &[a, a, None, a, a], false), [(0, 2), (0, 2)]);
+    }
+
+    #[test]
+    fn a_full_turn_joins_the_last_return_to_the_first() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        assert_eq!(strips(&points, &[Some(0); 4], true), [(0, 5)]);
+        assert_eq!(strips(&points, &[Some(0); 4], false), [(0, 4)]);
+    }
+
+    #[test]
+    fn labels_that_do_not_fit_the_returns_break_nothing() {
+        assert_eq!(strips(&[(0.0, 0.0), (1.0, 0.0)], &[], true), []);
+        assert_eq!(strips(&[], &[Some(0)], true), []);
+    }
+}
