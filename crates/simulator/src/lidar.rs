@@ -1,0 +1,262 @@
+//! The lidar: what each beam of a sweep would see without noise, and what it reports.
+
+use std::f64::consts::TAU;
+
+use rand::RngExt;
+
+use crate::network::{Point, Vector, unit};
+use crate::noise::{Generator, normal};
+use crate::surface::Surface;
+
+/// A 2D lidar that turns anticlockwise, and the ways in which it errs. Probabilities are per beam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lidar {
+    /// Number of beams.
+    pub beams: usize,
+    /// Field of view, centred on the nose. 2π is a full turn: then the last beam is the neighbour of the first.
+    pub field_of_view_rad: f64,
+    /// Nearer than this nothing is measured.
+    pub range_min_m: f64,
+    /// Farther than this nothing is measured.
+    pub range_max_m: f64,
+    /// Time that a sweep takes. A vehicle that moves meanwhile skews it.
+    pub sweep_s: f64,
+    /// Standard deviation of the range noise.
+    pub noise_sd_m: f64,
+    /// Ranges are whole multiples of this; 0 for none.
+    pub quantum_m: f64,
+    /// Lost at random.
+    pub loss: f64,
+    /// Lost at the end of the range; grows with the square of the range.
+    pub loss_at_range_max: f64,
+    /// Lost where the beam runs along the surface; falls to 0 at 20° of incidence, linearly in the sine.
+    pub loss_at_grazing: f64,
+    /// Lost on wet rock.
+    pub loss_on_wet: f64,
+    /// Share of the beams lost in patches of neighbouring beams.
+    pub patch_share: f64,
+    /// Smallest and largest number of beams in a patch.
+    pub patch_beams: [usize; 2],
+    /// Share of the beams that return from dust.
+    pub dust: f64,
+    /// Dust is seen up to here, and never behind the wall.
+    pub dust_range_m: f64,
+}
+
+impl Default for Lidar {
+    /// 360 beams all around, 15 m, 1.5 cm noise in steps of a millimetre, nothing lost.
+    fn default() -> Self {
+        Self {
+            beams: 360,
+            field_of_view_rad: TAU,
+            range_min_m: 0.1,
+            range_max_m: 15.0,
+            sweep_s: 0.1,
+            noise_sd_m: 0.015,
+            quantum_m: 0.001,
+            loss: 0.0,
+            loss_at_range_max: 0.0,
+            loss_at_grazing: 0.0,
+            loss_on_wet: 0.0,
+            patch_share: 0.0,
+            patch_beams: [3, 18],
+            dust: 0.0,
+            dust_range_m: 6.0,
+        }
+    }
+}
+
+/// Where the lidar is and how it is turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Its place in the plane of the mine.
+    pub position_m: Point,
+    /// Where its nose points, anticlockwise from the x axis of the mine.
+    pub heading_rad: f64,
+    /// Right side down.
+    pub roll_rad: f64,
+    /// Nose down.
+    pub pitch_rad: f64,
+}
+
+/// The poses at the first beam of a sweep and one sweep later; linear in between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// At the first beam.
+    pub start: Pose,
+    /// When the first beam comes round again.
+    pub end: Pose,
+}
+
+/// What a beam meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Echo {
+    /// Nothing within range.
+    Nothing,
+    /// A wall or pillar.
+    Rock {
+        /// Distance along the beam.
+        range_m: f64,
+        /// The segment of the surface.
+        segment: usize,
+        /// Sine of the angle between beam and surface.
+        incidence_sine: f64,
+    },
+    /// The floor or the roof, because the vehicle is tilted.
+    Floor {
+        /// Distance along the beam.
+        range_m: f64,
+    },
+}
+
+/// What a beam reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading {
+    /// No return.
+    Nothing,
+    /// The range to what the beam meets.
+    Echo(f64),
+    /// The range to dust before it.
+    Dust(f64),
+}
+
+impl Pose {
+    /// A level pose.
+    pub fn level(position_m: Point, heading_rad: f64) -> Self {
+        Self { position_m, heading_rad, roll_rad: 0.0, pitch_rad: 0.0 }
+    }
+}
+
+impl Motion {
+    /// Standing still.
+    pub fn still(pose: Pose) -> Self {
+        Self { start: pose, end: pose }
+    }
+
+    /// The pose at a fraction of the sweep.
+    pub fn at(&self, fraction: f64) -> Pose {
+        let mix = |from: f64, to: f64| from + (to - from) * fraction;
+        Pose {
+            position_m: self.start.position_m + (self.end.position_m - self.start.position_m) * fraction,
+            heading_rad: mix(self.start.heading_rad, self.end.heading_rad),
+            roll_rad: mix(self.start.roll_rad, self.end.roll_rad),
+            pitch_rad: mix(self.start.pitch_rad, self.end.pitch_rad),
+        }
+    }
+}
+
+impl Lidar {
+    /// Whether the sweep closes on itself.
+    pub fn full_turn(&self) -> bool {
+        self.field_of_view_rad >= TAU - 1e-9
+    }
+
+    /// Angle from one beam to the next.
+    pub fn step_rad(&self) -> f64 {
+        if self.full_turn() { TAU / self.beams as f64 } else { self.field_of_view_rad / (self.beams.max(2) - 1) as f64 }
+    }
+
+    /// Bearing of a beam in the body frame; beams may be fractions, or lie outside the field of view.
+    pub fn bearing_rad(&self, beam: f64) -> f64 {
+        beam * self.step_rad() - 0.5 * self.field_of_view_rad
+    }
+
+    /// Where the lidar is when it fires a beam.
+    pub fn pose_at(&self, motion: &Motion, beam: f64) -> Pose {
+        motion.at(beam * self.step_rad() / TAU)
+    }
+
+    /// The beam that points at a place, as a fraction; less than 0 or more than the last if it is outside the view.
+    pub fn beam_towards(&self, motion: &Motion, point_m: Point) -> f64 {
+        // Where the lidar is depends on the beam, and the beam on where it is: a few rounds settle that, because the
+        // lidar turns much faster than the vehicle.
+        let mut beam = 0.5 * self.beams as f64;
+        for _ in 0..5 {
+            let pose = self.pose_at(motion, beam);
+            let towards = point_m - pose.position_m;
+            let bearing_rad = crosscut_stage::wrap_angle_rad(towards.y.atan2(towards.x) - pose.heading_rad);
+            beam = (bearing_rad + 0.5 * self.field_of_view_rad) / self.step_rad();
+        }
+        beam
+    }
+
+    /// What every beam meets: the noise-free view.
+    pub fn view(&self, surface: &Surface, height_m: f64, motion: &Motion) -> Vec<Echo> {
+        (0..self.beams)
+            .map(|beam| self.echo(surface, height_m, &self.pose_at(motion, beam as f64), self.bearing_rad(beam as f64)))
+            .collect()
+    }
+
+    /// What a beam meets that leaves `pose` towards `bearing_rad`.
+    fn echo(&self, surface: &Surface, height_m: f64, pose: &Pose, bearing_rad: f64) -> Echo {
+        let direction: Vector = unit(pose.heading_rad + bearing_rad);
+        // Small angles: the beam dips by the tilt of the sensor in its own direction.
+        let dip_rad = pose.pitch_rad * bearing_rad.cos() - pose.roll_rad * bearing_rad.sin();
+        let level = dip_rad.cos();
+        let floor_range_m = 0.5 * height_m / dip_rad.sin().abs();
+        match surface.cast(pose.position_m, direction, self.range_max_m * level) {
+            Some(hit) if hit.range_m / level < floor_range_m => Echo::Rock {
+                range_m: hit.range_m / level,
+                segment: hit.segment,
+                incidence_sine: surface.segments()[hit.segment].incidence_sine(direction),
+            },
+            _ if floor_range_m < self.range_max_m => Echo::Floor { range_m: floor_range_m },
+            _ => Echo::Nothing,
+        }
+    }
+
+    /// What the lidar reports of a view, its errors drawn from `rng`.
+    pub(crate) fn read(&self, surface: &Surface, view: &[Echo], rng: &mut Generator) -> Vec<Reading> {
+        let mut readings: Vec<Reading> = view.iter().map(|echo| self.read_one(surface, echo, rng)).collect();
+        self.lose_patches(&mut readings, rng);
+        readings
+    }
+
+    fn read_one(&self, surface: &Surface, echo: &Echo, rng: &mut Generator) -> Reading {
+        let (range_m, kept) = match *echo {
+            Echo::Nothing => (f64::INFINITY, 0.0),
+            Echo::Floor { range_m } => (range_m, self.kept_at(range_m)),
+            Echo::Rock { range_m, segment, incidence_sine } => {
+                let grazing = (1.0 - incidence_sine / 20_f64.to_radians().sin()).max(0.0);
+                let wet = if surface.segments()[segment].wet { self.loss_on_wet } else { 0.0 };
+                (range_m, self.kept_at(range_m) * (1.0 - self.loss_at_grazing * grazing) * (1.0 - wet))
+            }
+        };
+        let nearest_dust_m = self.range_min_m.max(0.3);
+        let farthest_dust_m = self.dust_range_m.min(range_m - 0.1);
+        if farthest_dust_m > nearest_dust_m && rng.random_bool(self.dust) {
+            return Reading::Dust(self.quantised(rng.random_range(nearest_dust_m..farthest_dust_m)));
+        }
+        if !rng.random_bool(kept) {
+            return Reading::Nothing;
+        }
+        let range_m = self.quantised(range_m + self.noise_sd_m * normal(rng));
+        if range_m < self.range_min_m || range_m > self.range_max_m { Reading::Nothing } else { Reading::Echo(range_m) }
+    }
+
+    fn kept_at(&self, range_m: f64) -> f64 {
+        (1.0 - self.loss) * (1.0 - self.loss_at_range_max * (range_m / self.range_max_m).min(1.0).powi(2))
+    }
+
+    fn quantised(&self, range_m: f64) -> f64 {
+        if self.quantum_m > 0.0 { (range_m / self.quantum_m).round() * self.quantum_m } else { range_m }
+    }
+
+    /// Loses runs of neighbouring beams until the wanted share is lost in patches.
+    fn lose_patches(&self, readings: &mut [Reading], rng: &mut Generator) {
+        let n = readings.len();
+        let wanted = (self.patch_share.clamp(0.0, 1.0) * n as f64).round() as usize;
+        let mut lost = vec![false; n];
+        let mut count = 0;
+        while count < wanted {
+            let start = rng.random_range(0..n);
+            let length = rng.random_range(self.patch_beams[0]..=self.patch_beams[1]).max(1);
+            // Past the last beam the patch goes on at the first, if they are neighbours.
+            let end = if self.full_turn() { start + length } else { (start + length).min(n) };
+            for beam in (start..end).map(|beam| beam % n) {
+                count += usize::from(!std::mem::replace(&mut lost[beam], true));
+                readings[beam] = Reading::Nothing;
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! A mine as a graph: tunnels with a centreline and a width along it, which meet at nodes; chambers, alcoves, pillars.
+
+use nalgebra::{Point2, Vector2};
+
+/// Points in the plane of the mine, metres.
+pub type Point = Point2<f64>;
+/// Directions and offsets in the plane of the mine.
+pub type Vector = Vector2<f64>;
+
+/// Free space of a mine: the union of its tunnels, chambers and alcoves, less its pillars.
+#[derive(Clone, Debug)]
+pub struct Network {
+    /// Where tunnels meet or end.
+    pub nodes: Vec<Node>,
+    /// Every tunnel runs from one node to another. A node that only one tunnel touches is a dead end.
+    pub tunnels: Vec<Tunnel>,
+    /// Round pockets off a wall that are too shallow to be a way on.
+    pub alcoves: Vec<Disc>,
+    /// Rock that stands free; each is an island.
+    pub pillars: Vec<Disc>,
+    /// Floor to roof, metres. The lidar is carried half-way up.
+    pub height_m: f64,
+}
+
+/// A place where tunnels meet, or where one ends.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Where it is.
+    pub position_m: Point,
+    /// Radius of the chamber here; 0 for none. Where tunnels meet, their corner is rounded in any case.
+    pub chamber_radius_m: f64,
+}
+
+/// A tunnel between two nodes.
+#[derive(Clone, Debug)]
+pub struct Tunnel {
+    /// The nodes at the first and the last point of the centreline.
+    pub ends: [usize; 2],
+    /// The centreline, at least two points.
+    pub centreline_m: Vec<Point>,
+    /// Half the width, one entry per point of the centreline.
+    pub half_widths_m: Vec<f64>,
+}
+
+/// A disc of free space or of rock.
+#[derive(Clone, Copy, Debug)]
+pub struct Disc {
+    /// Its centre.
+    pub centre_m: Point,
+    /// Its radius.
+    pub radius_m: f64,
+}
+
+impl Network {
+    /// A mine of solid rock.
+    pub fn new(height_m: f64) -> Self {
+        Self { nodes: Vec::new(), tunnels: Vec::new(), alcoves: Vec::new(), pillars: Vec::new(), height_m }
+    }
+
+    /// Adds a node and gives its number.
+    pub fn add_node(&mut self, position_m: Point) -> usize {
+        self.nodes.push(Node { position_m, chamber_radius_m: 0.0 });
+        self.nodes.len() - 1
+    }
+
+    /// Adds a tunnel from node `from` to node `to`, which must be where the centreline begins and ends.
+    ///
+    /// # Panics
+    /// When the centreline is shorter than two points, has another number of widths, or misses its nodes by more than
+    /// a millimetre.
+    pub fn add_tunnel(&mut self, from: usize, to: usize, centreline_m: Vec<Point>, half_widths_m: Vec<f64>) -> usize {
+        let (Some(first), Some(last)) = (centreline_m.first(), centreline_m.last()) else {
+            panic!("a tunnel needs a centreline");
+        };
+        assert!(
+            centreline_m.len() >= 2 && centreline_m.len() == half_widths_m.len(),
+            "one width per point, two at least"
+        );
+        assert!((first - self.nodes[from].position_m).norm() < 1e-3, "the tunnel does not begin at node {from}");
+        assert!((last - self.nodes[to].position_m).norm() < 1e-3, "the tunnel does not end at node {to}");
+        self.tunnels.push(Tunnel { ends: [from, to], centreline_m, half_widths_m });
+        self.tunnels.len() - 1
+    }
+
+    /// Adds a tunnel that starts at node `from` and ends at a node of its own, whose number is given.
+    pub fn add_branch(&mut self, from: usize, centreline_m: Vec<Point>, half_widths_m: Vec<f64>) -> usize {
+        let to = self.add_node(*centreline_m.last().expect("a tunnel needs a centreline"));
+        self.add_tunnel(from, to, centreline_m, half_widths_m);
+        to
+    }
+
+    /// How many tunnel ends touch a node.
+    pub fn degree(&self, node: usize) -> usize {
+        self.tunnels.iter().flat_map(|tunnel| tunnel.ends).filter(|&end| end == node).count()
+    }
+
+    /// Half the width of the widest tunnel that touches a node.
+    pub fn half_width_at_m(&self, node: usize) -> f64 {
+        self.tunnels
+            .iter()
+            .flat_map(|tunnel| {
+                let last = tunnel.half_widths_m.len() - 1;
+                [(tunnel.ends[0], tunnel.half_widths_m[0]), (tunnel.ends[1], tunnel.half_widths_m[last])]
+            })
+            .filter(|&(end, _)| end == node)
+            .map(|(_, half_width_m)| half_width_m)
+            .fold(0.0, f64::max)
+    }
+
+    /// The way along the centrelines through `nodes`, each joined to the next by a tunnel.
+    ///
+    /// # Panics
+    /// When two consecutive nodes are not joined.
+    pub fn route_m(&self, nodes: &[usize]) -> Vec<Point> {
+        let mut route_m = Vec::new();
+        for pair in nodes.windows(2) {
+            let forward = self.tunnels.iter().find(|tunnel| tunnel.ends == [pair[0], pair[1]]);
+            let backward = self.tunnels.iter().find(|tunnel| tunnel.ends == [pair[1], pair[0]]);
+            match (forward, backward) {
+                (Some(tunnel), _) => route_m.extend(&tunnel.centreline_m),
+                (None, Some(tunnel)) => route_m.extend(tunnel.centreline_m.iter().rev()),
+                (None, None) => panic!("no tunnel joins nodes {} and {}", pair[0], pair[1]),
+            }
+        }
+        route_m.dedup();
+        route_m
+    }
+
+    /// Whether a centreline with this half width keeps `apart_m` of rock to every tunnel, looking only at points
+    /// farther than `clear_of_m` from its own start.
+    pub fn has_room_for(&self, centreline_m: &[Point], half_width_m: f64, apart_m: f64, clear_of_m: f64) -> bool {
+        let start = centreline_m[0];
+        centreline_m.iter().filter(|point| (**point - start).norm() > clear_of_m).all(|point| {
+            self.tunnels.iter().all(|tunnel| {
+                tunnel
+                    .centreline_m
+                    .iter()
+                    .zip(&tunnel.half_widths_m)
+                    .all(|(other, other_half_m)| (point - other).norm() > half_width_m + other_half_m + apart_m)
+            })
+        })
+    }
+}
+
+impl Tunnel {
+    /// Unit direction of the centreline at point `i`.
+    pub fn tangent(&self, i: usize) -> Vector {
+        tangent(&self.centreline_m, i)
+    }
+}
+
+/// Unit direction of a polyline at point `i`.
+pub(crate) fn tangent(line: &[Point], i: usize) -> Vector {
+    (line[(i + 1).min(line.len() - 1)] - line[i.saturating_sub(1)]).normalize()
+}
+
+/// The same direction turned left by a quarter.
+pub(crate) fn left_of(direction: Vector) -> Vector {
+    Vector::new(-direction.y, direction.x)
+}
+
+/// Unit vector of an angle.
+pub(crate) fn unit(angle_rad: f64) -> Vector {
+    Vector::new(angle_rad.cos(), angle_rad.sin())
+}

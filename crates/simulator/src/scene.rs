@@ -1,0 +1,128 @@
+//! One scan with its truth, and where scans come from: single places, or a flight.
+
+use crosscut_messages::{
+    Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
+};
+
+use crate::lidar::{Lidar, Motion, Reading};
+use crate::noise::{Generator, generator};
+use crate::truth::Mine;
+use crate::vehicle::{Belief, Vehicle};
+
+/// Stamp of the first scan of every recording; what a seed makes does not depend on the day.
+pub(crate) const FIRST_STAMP_NS: u64 = 1_700_000_000_000_000_000;
+
+/// One scan, its truth, and on a flight the odometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Time of the first beam, nanoseconds since the epoch.
+    pub stamp_ns: u64,
+    /// The scan.
+    pub scan: LaserScan,
+    /// What its noise-free view shows.
+    pub truth: Truth,
+    /// Odometry at the first beam, on a flight.
+    pub odometry: Option<Odometry>,
+}
+
+impl Scene {
+    /// Takes one scan.
+    pub(crate) fn take(mine: &Mine, lidar: &Lidar, motion: &Motion, stamp_ns: u64, rng: &mut Generator) -> Self {
+        let view = lidar.view(mine.surface(), mine.network().height_m, motion);
+        let scenery = mine.scenery(lidar, motion, &view);
+        let readings = lidar.read(mine.surface(), &view, rng);
+        let moves = motion.start != motion.end;
+        Self {
+            stamp_ns,
+            scan: message(lidar, &readings, stamp_ns, moves),
+            truth: scenery.truth(&readings),
+            odometry: None,
+        }
+    }
+
+    /// The transforms that go with the odometry: the vehicle in the odometry's frame, the lidar on the vehicle.
+    pub fn transforms(&self) -> Option<TfMessage> {
+        let odometry = self.odometry.as_ref()?;
+        let pose = odometry.pose.pose;
+        let vehicle = TransformStamped {
+            header: odometry.header.clone(),
+            child_frame_id: odometry.child_frame_id.clone(),
+            transform: Transform { translation: pose.position, rotation: pose.orientation },
+        };
+        let lidar = TransformStamped {
+            header: Header { stamp: odometry.header.stamp, frame_id: odometry.child_frame_id.clone() },
+            child_frame_id: self.scan.header.frame_id.clone(),
+            transform: Transform::default(),
+        };
+        Some(TfMessage { transforms: vec![vehicle, lidar] })
+    }
+}
+
+fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, moves: bool) -> LaserScan {
+    let turn_s = lidar.step_rad() / std::f64::consts::TAU * lidar.sweep_s;
+    LaserScan {
+        header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".into() },
+        angle_min: lidar.bearing_rad(0.0) as f32,
+        angle_max: lidar.bearing_rad((lidar.beams - 1) as f64) as f32,
+        angle_increment: lidar.step_rad() as f32,
+        time_increment: if moves { turn_s as f32 } else { 0.0 },
+        scan_time: lidar.sweep_s as f32,
+        range_min: lidar.range_min_m as f32,
+        range_max: lidar.range_max_m as f32,
+        ranges: readings
+            .iter()
+            .map(|reading| match *reading {
+                Reading::Nothing => f32::INFINITY,
+                Reading::Echo(range_m) | Reading::Dust(range_m) => range_m as f32,
+            })
+            .collect(),
+        intensities: Vec::new(),
+    }
+}
+
+/// A flight: an iterator over the scenes along a route.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    mine: Mine,
+    lidar: Lidar,
+    vehicle: Vehicle,
+    stamp_ns: u64,
+    rng: Generator,
+}
+
+impl Flight {
+    /// A flight of `vehicle` through `mine`; the errors of the lidar are drawn from `seed`.
+    pub fn new(mine: Mine, lidar: Lidar, vehicle: Vehicle, seed: u64) -> Self {
+        Self { mine, lidar, vehicle, stamp_ns: FIRST_STAMP_NS, rng: generator(seed, "lidar") }
+    }
+
+    /// Where it flies.
+    pub fn mine(&self) -> &Mine {
+        &self.mine
+    }
+}
+
+impl Iterator for Flight {
+    type Item = Scene;
+
+    fn next(&mut self) -> Option<Scene> {
+        let (motion, belief) = self.vehicle.next()?;
+        let mut scene = Scene::take(&self.mine, &self.lidar, &motion, self.stamp_ns, &mut self.rng);
+        scene.odometry = Some(odometry(&belief, self.stamp_ns));
+        self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
+        Some(scene)
+    }
+}
+
+fn odometry(belief: &Belief, stamp_ns: u64) -> Odometry {
+    let mut message = Odometry {
+        header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "odom".into() },
+        child_frame_id: "base_link".into(),
+        ..Odometry::default()
+    };
+    message.pose.pose.position = Vector3 { x: belief.position_m.x, y: belief.position_m.y, z: 0.0 };
+    message.pose.pose.orientation = Quaternion::from_yaw_rad(belief.heading_rad);
+    message.twist.twist.linear = Vector3 { x: belief.velocity_m_s.x, y: belief.velocity_m_s.y, z: 0.0 };
+    message.twist.twist.angular = Vector3 { x: 0.0, y: 0.0, z: belief.turn_rate_rad_s };
+    message
+}

@@ -1,0 +1,210 @@
+//! The rough surface of the rock as short segments, and casting rays at it.
+
+use rand::RngExt;
+use rand_distr::{Distribution, Exp1};
+
+use crate::grid::Grid;
+use crate::network::{Network, Point, Vector, left_of};
+use crate::noise::{Generator, around_closed_chain, generator};
+use crate::outline;
+
+/// Length of a segment, metres.
+const STEP_M: f64 = 0.1;
+
+/// What the rock looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texture {
+    /// Standard deviation of the bumps, along the normal.
+    pub bump_sd_m: f64,
+    /// Length over which bumps are correlated: exp(-s²/2ℓ²) at distance s along the wall.
+    pub bump_length_m: f64,
+    /// Share of the walls that is wet, in patches.
+    pub wet_share: f64,
+    /// Mean length of a wet patch along the wall.
+    pub wet_length_m: f64,
+}
+
+impl Texture {
+    /// Walls without bumps, all dry.
+    pub const SMOOTH: Self = Self { bump_sd_m: 0.0, bump_length_m: 1.0, wet_share: 0.0, wet_length_m: 1.0 };
+}
+
+/// The surface of all rock.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    segments: Vec<Segment>,
+    grid: Grid,
+}
+
+/// A straight piece of the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// Where it begins.
+    pub from_m: Point,
+    /// Where it ends.
+    pub to_m: Point,
+    /// The pillar that it belongs to; `None` for the rock around the mine.
+    pub pillar: Option<u32>,
+    /// Whether the rock is wet here.
+    pub wet: bool,
+}
+
+/// Where a ray meets the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance from the origin of the ray.
+    pub range_m: f64,
+    /// Index of the segment that it meets.
+    pub segment: usize,
+}
+
+impl Surface {
+    /// The surface of a mine, its bumps and wet patches drawn from `seed`.
+    pub fn new(network: &Network, texture: &Texture, seed: u64) -> Self {
+        let mut rng = generator(seed, "surface");
+        let mut segments = Vec::new();
+        for contour in outline::rock(network) {
+            append(&contour, None, texture, &mut rng, &mut segments);
+        }
+        for (pillar, disc) in network.pillars.iter().enumerate() {
+            // The bumps of a pillar stay small beside it.
+            let bump_sd_m = texture.bump_sd_m.min(0.1 * disc.radius_m);
+            let bump_length_m = texture.bump_length_m.min(0.5 * disc.radius_m);
+            let texture = Texture { bump_sd_m, bump_length_m, ..*texture };
+            let contour = outline::circle(disc.centre_m, disc.radius_m);
+            append(&contour, Some(pillar as u32), &texture, &mut rng, &mut segments);
+        }
+        let grid = Grid::new(&segments);
+        Self { segments, grid }
+    }
+
+    /// All segments.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// The nearest surface from `origin_m` along the unit vector `direction`, up to `limit_m`.
+    pub fn cast(&self, origin_m: Point, direction: Vector, limit_m: f64) -> Option<Hit> {
+        self.cast_at(origin_m, direction, limit_m, |_| true)
+    }
+
+    /// The same, as if there were no pillars.
+    pub fn cast_past_pillars(&self, origin_m: Point, direction: Vector, limit_m: f64) -> Option<Hit> {
+        self.cast_at(origin_m, direction, limit_m, |segment| segment.pillar.is_none())
+    }
+
+    /// Whether no rock stands between two points.
+    pub fn sees(&self, from_m: Point, to_m: Point) -> bool {
+        let distance_m = (to_m - from_m).norm();
+        distance_m == 0.0 || self.cast(from_m, (to_m - from_m) / distance_m, distance_m).is_none()
+    }
+
+    /// Distance from a point to the nearest surface, or `limit_m` if that is less.
+    pub fn clearance_m(&self, point_m: Point, limit_m: f64) -> f64 {
+        self.segments.iter().map(|segment| segment.distance_m(point_m)).fold(limit_m, f64::min)
+    }
+
+    fn cast_at(
+        &self,
+        origin_m: Point,
+        direction: Vector,
+        limit_m: f64,
+        solid: impl Fn(&Segment) -> bool,
+    ) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        self.grid.walk(origin_m, direction, limit_m, |cell, leave_m| {
+            for &index in cell {
+                let segment = &self.segments[index as usize];
+                let reach_m = nearest.map_or(limit_m, |hit| hit.range_m);
+                if let Some(range_m) = segment.meets(origin_m, direction)
+                    && range_m <= reach_m
+                    && solid(segment)
+                {
+                    nearest = Some(Hit { range_m, segment: index as usize });
+                }
+            }
+            // A segment may reach into cells farther on: a hit counts once the ray has come to it.
+            nearest.is_none_or(|hit| hit.range_m > leave_m)
+        });
+        nearest
+    }
+}
+
+impl Segment {
+    /// Sine of the angle between a ray and the segment: 1 head on, 0 along it.
+    pub fn incidence_sine(&self, direction: Vector) -> f64 {
+        let along = self.to_m - self.from_m;
+        (direction.perp(&along) / along.norm()).abs()
+    }
+
+    /// How far along a ray the segment is met.
+    fn meets(&self, origin_m: Point, direction: Vector) -> Option<f64> {
+        let along = self.to_m - self.from_m;
+        let offset = self.from_m - origin_m;
+        let cross = direction.perp(&along);
+        // origin + t·direction = from + s·along, solved by crossing with one and the other direction.
+        let (t, s) = (offset.perp(&along) / cross, offset.perp(&direction) / cross);
+        (t >= 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
+    }
+
+    fn distance_m(&self, point_m: Point) -> f64 {
+        let along = self.to_m - self.from_m;
+        let s = ((point_m - self.from_m).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (point_m - (self.from_m + along * s)).norm()
+    }
+}
+
+/// Adds one closed contour, cut into steps and displaced along its normal.
+fn append(contour: &[Point], pillar: Option<u32>, texture: &Texture, rng: &mut Generator, segments: &mut Vec<Segment>) {
+    let (mut chain, step_m) = resampled(contour, STEP_M);
+    let n = chain.len();
+    if texture.bump_sd_m > 0.0 {
+        let bumps = around_closed_chain(n, step_m, texture.bump_length_m, rng);
+        let normals: Vec<Vector> = (0..n)
+            .map(|i| left_of(chain[(i + 1) % n] - chain[(i + n - 1) % n]))
+            .map(|normal| normal.try_normalize(1e-12).unwrap_or_else(Vector::zeros))
+            .collect();
+        for i in 0..n {
+            chain[i] += normals[i] * (texture.bump_sd_m * bumps[i]);
+        }
+    }
+    let wet = wet_patches(n, step_m, texture, rng);
+    segments.extend((0..n).map(|i| Segment { from_m: chain[i], to_m: chain[(i + 1) % n], pillar, wet: wet[i] }));
+}
+
+/// A closed contour with points at equal distances of about `step_m`, and that distance.
+fn resampled(contour: &[Point], step_m: f64) -> (Vec<Point>, f64) {
+    let edge = |i: usize| (contour[i], contour[(i + 1) % contour.len()]);
+    let perimeter_m: f64 = (0..contour.len()).map(|i| (edge(i).1 - edge(i).0).norm()).sum();
+    let n = (perimeter_m / step_m).ceil().max(3.0) as usize;
+    let step_m = perimeter_m / n as f64;
+    let mut points = Vec::with_capacity(n);
+    let mut walked_m = 0.0;
+    for i in 0..contour.len() {
+        let (from, to) = edge(i);
+        let length_m = (to - from).norm();
+        while points.len() < n && points.len() as f64 * step_m < walked_m + length_m {
+            points.push(from + (to - from) * ((points.len() as f64 * step_m - walked_m) / length_m));
+        }
+        walked_m += length_m;
+    }
+    (points, step_m)
+}
+
+/// Which of `n` steps along a wall are wet: dry and wet stretches in turn, of exponential length.
+fn wet_patches(n: usize, step_m: f64, texture: &Texture, rng: &mut Generator) -> Vec<bool> {
+    if texture.wet_share <= 0.0 {
+        return vec![false; n];
+    }
+    let dry_length_m = texture.wet_length_m * (1.0 - texture.wet_share) / texture.wet_share;
+    let mut wet = Vec::with_capacity(n);
+    let mut is_wet = rng.random_bool(texture.wet_share.min(1.0));
+    while wet.len() < n {
+        let mean_m = if is_wet { texture.wet_length_m } else { dry_length_m };
+        let draw: f64 = Exp1.sample(rng);
+        let steps = (draw * mean_m / step_m).round() as usize;
+        wet.extend(std::iter::repeat_n(is_wet, steps.min(n - wet.len())));
+        is_wet = !is_wet;
+    }
+    wet
+}
