@@ -1,1 +1,5 @@
 //! Recordings to revolutions.
+
+mod sensor;
+
+pub use sensor::{PARAMS, Sensor};

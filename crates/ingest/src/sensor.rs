@@ -1,0 +1,173 @@
+//! One laser scan to one revolution: mounting, clean-up, and the rules for odd values.
+
+mod fan;
+mod limits;
+
+use crosscut_messages::LaserScan;
+use crosscut_stage::{Beam, Interval, Notes, ParamSpec, Params, Point, Revolution, Shape, wrap_angle_rad};
+
+use self::fan::Fan;
+use self::limits::{Limits, Reading, Tally};
+use std::f64::consts::{PI, TAU};
+
+/// The `ingest` section of the configuration.
+pub const PARAMS: &[ParamSpec] = &[
+    ParamSpec {
+        name: "yaw_rad",
+        unit: "rad",
+        shape: Shape::Number { default: 0.0, range: Interval::closed(-PI, PI) },
+        doc: "Direction of the sensor's zero bearing in the body frame, anticlockwise.",
+    },
+    ParamSpec {
+        name: "upside_down",
+        unit: "",
+        shape: Shape::Flag { default: false },
+        doc: "The sensor hangs upside down, so that its bearings run the other way.",
+    },
+    ParamSpec {
+        name: "min_range_m",
+        unit: "m",
+        shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 1e6) },
+        doc: "Returns nearer than this are left out (parts of the vehicle); their direction is unknown.",
+    },
+    ParamSpec {
+        name: "max_range_m",
+        unit: "m",
+        shape: Shape::Number { default: f64::INFINITY, range: Interval::above(0.0, f64::INFINITY) },
+        doc: "Returns farther than this are read as no return.",
+    },
+    ParamSpec {
+        name: "masked_sectors_rad",
+        unit: "rad",
+        shape: Shape::Pairs { range: Interval::closed(-PI, PI) },
+        doc: "Bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π.",
+    },
+    ParamSpec {
+        name: "frame_id",
+        unit: "",
+        shape: Shape::Text { default: "" },
+        doc: "Take only scans of this frame_id, where several sensors share a topic; empty takes all.",
+    },
+];
+
+/// A lidar as it is mounted, with what is to be cleaned up.
+///
+/// ```
+/// use crosscut_ingest::{PARAMS, Sensor};
+/// use crosscut_messages::LaserScan;
+/// use crosscut_stage::{Notes, Params, Revolution};
+///
+/// let sensor = Sensor::new(&Params::defaults(PARAMS));
+/// let scan = LaserScan {
+///     angle_max: 0.2,
+///     angle_increment: 0.1,
+///     range_max: 30.0,
+///     ranges: vec![4.0, 30.0, f32::NAN],
+///     ..LaserScan::default()
+/// };
+/// let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+/// sensor.revolution(&scan, &mut revolution, &mut notes);
+/// assert_eq!(revolution.len(), 1);
+/// assert_eq!(notes.iter().next(), Some("1 beam at or beyond range_max 30 m read as no return"));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    yaw_rad: f64,
+    upside_down: bool,
+    min_range_m: f64,
+    max_range_m: f64,
+    masked_sectors_rad: Vec<[f64; 2]>,
+    frame_id: String,
+}
+
+impl Sensor {
+    /// From checked values of [`PARAMS`].
+    pub fn new(params: &Params) -> Self {
+        Self {
+            yaw_rad: params.number("yaw_rad"),
+            upside_down: params.flag("upside_down"),
+            min_range_m: params.number("min_range_m"),
+            max_range_m: params.number("max_range_m"),
+            masked_sectors_rad: params.pairs("masked_sectors_rad").to_vec(),
+            frame_id: params.text("frame_id").to_owned(),
+        }
+    }
+
+    /// The only `frame_id` that is asked for, if any.
+    pub fn frame_id(&self) -> Option<&str> {
+        (!self.frame_id.is_empty()).then_some(self.frame_id.as_str())
+    }
+
+    /// Writes the revolution that `scan` shows into `out`, whatever `out` held before, and says in `notes` what was
+    /// turned, left out or repaired. The rules are in the documentation of this crate.
+    ///
+    /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
+    pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
+        out.clear();
+        out.stamp_ns = scan.header.stamp.to_ns().unwrap_or(0);
+        out.frame_id.push_str(&scan.header.frame_id);
+        let sweep = out.sweep.get_or_insert_default();
+        sweep.ranges_m.extend_from_slice(&scan.ranges);
+        sweep.wire_geometry = [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max];
+        self.note_mounting(notes);
+        if !scan.intensities.is_empty() && scan.intensities.len() != scan.ranges.len() {
+            notes.add(format!("{} intensities for {} ranges: not used", scan.intensities.len(), scan.ranges.len()));
+        }
+        let limits = Limits::new(scan, self.min_range_m, self.max_range_m, notes);
+        sweep.range_max_m = limits.range_max_m();
+
+        let Some(fan) = Fan::new(scan, notes) else {
+            sweep.bearings_rad.resize(scan.ranges.len(), 0.0);
+            sweep.beams.resize(scan.ranges.len(), Beam::Unknown);
+            sweep.step_rad = TAU;
+            return;
+        };
+        sweep.step_rad = fan.step_rad();
+        sweep.full_turn = fan.full_turn();
+        let mut tally = Tally::default();
+        for (i, &range_m) in scan.ranges.iter().enumerate() {
+            let angle_rad = self.in_body_frame_rad(fan.angle_rad(i));
+            let bearing_rad = wrap_angle_rad(angle_rad);
+            let reading = if !fan.in_turn(i) {
+                Reading::Unknown
+            } else if self.masks(bearing_rad) {
+                tally.masked += 1;
+                Reading::Unknown
+            } else {
+                limits.read(range_m, &mut tally)
+            };
+            sweep.bearings_rad.push(bearing_rad);
+            sweep.beams.push(match reading {
+                Reading::Return(range_m) => {
+                    let (sin, cos) = angle_rad.sin_cos();
+                    out.points_m.push(Point::new(range_m * cos, range_m * sin, 0.0));
+                    Beam::Return(out.points_m.len() as u32 - 1)
+                }
+                Reading::Nothing => Beam::NoReturn,
+                Reading::Unknown => Beam::Unknown,
+            });
+        }
+        limits.note(&tally, notes);
+    }
+
+    /// Turning a sensor over mirrors its bearings; then the yaw is added.
+    fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
+        self.yaw_rad + if self.upside_down { -angle_rad } else { angle_rad }
+    }
+
+    fn masks(&self, bearing_rad: f64) -> bool {
+        self.masked_sectors_rad.iter().any(|&[from, to]| {
+            let (after_from, before_to) = (bearing_rad >= from, bearing_rad <= to);
+            if from <= to { after_from && before_to } else { after_from || before_to }
+        })
+    }
+
+    fn note_mounting(&self, notes: &mut Notes) {
+        if self.upside_down {
+            notes.add("bearings mirrored: the sensor is mounted upside down");
+        }
+        if self.yaw_rad != 0.0 {
+            notes.add(format!("bearings turned by the sensor's yaw of {} rad", self.yaw_rad));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Where each beam of a scan looks.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_messages::LaserScan;
+use crosscut_stage::Notes;
+
+/// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
+const LEAST_STEP_RAD: f64 = 1e-6;
+
+/// An `angle_min` beyond this is no angle, or one in degrees.
+const LARGEST_ANGLE_RAD: f64 = 2.0 * TAU;
+
+/// Bearings of the beams in the sensor's frame: beam i looks at `first + i * increment`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fan {
+    first_rad: f64,
+    /// Negative when the sensor turns clockwise.
+    increment_rad: f64,
+    /// The beams before the one that would look again where the first one looks.
+    beams_in_turn: usize,
+}
+
+impl Fan {
+    /// The bearings of `scan`; `None`, with a note, if there are none to be had.
+    pub(super) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
+        let beams = scan.ranges.len();
+        let first_rad = f64::from(scan.angle_min);
+        if beams == 0 {
+            notes.add("the scan has no beams");
+            return None;
+        }
+        let is_angle = first_rad.abs() <= LARGEST_ANGLE_RAD;
+        if !is_angle {
+            notes.add(format!("angle_min {} is no angle in rad: no beam has a bearing", scan.angle_min));
+            return None;
+        }
+        if beams == 1 {
+            return Some(Self { first_rad, increment_rad: TAU, beams_in_turn: 1 });
+        }
+        let increment_rad = increment_rad(scan, notes)?;
+        // Half a step of room, since the increment is rounded to f32.
+        let steps_in_turn = TAU / increment_rad.abs() - 0.5;
+        let beams_in_turn = beams.min(steps_in_turn.ceil() as usize);
+        match beams - beams_in_turn {
+            0 => {}
+            1 => notes.add("the last beam looks where the first one does: left out"),
+            more => notes.add(format!("{more} beams beyond a full turn left out")),
+        }
+        Some(Self { first_rad, increment_rad, beams_in_turn })
+    }
+
+    pub(super) fn angle_rad(&self, beam: usize) -> f64 {
+        self.first_rad + beam as f64 * self.increment_rad
+    }
+
+    pub(super) fn in_turn(&self, beam: usize) -> bool {
+        beam < self.beams_in_turn
+    }
+
+    pub(super) fn step_rad(&self) -> f64 {
+        self.increment_rad.abs()
+    }
+
+    /// Whether the gap from the last beam round to the first is about one step.
+    pub(super) fn full_turn(&self) -> bool {
+        let span_rad = (self.beams_in_turn - 1) as f64 * self.step_rad();
+        self.beams_in_turn > 2 && TAU - span_rad <= 1.5 * self.step_rad()
+    }
+}
+
+/// The increment as stated, else as it follows from the first and the last bearing; `None`, with a note, if neither
+/// makes sense. Needs two beams.
+fn increment_rad(scan: &LaserScan, notes: &mut Notes) -> Option<f64> {
+    let usable = |increment_rad: f64| (LEAST_STEP_RAD..=PI).contains(&increment_rad.abs());
+    let steps = (scan.ranges.len() - 1) as f64;
+    let span_rad = f64::from(scan.angle_max) - f64::from(scan.angle_min);
+    let stated_rad = f64::from(scan.angle_increment);
+    if usable(stated_rad) {
+        // Many drivers give the end one step past the last beam; that is no contradiction.
+        let fits = (steps * stated_rad - span_rad).abs() <= 1.5 * stated_rad.abs();
+        if !fits {
+            notes.add(format!(
+                "angle_max {} does not fit {} beams: bearings are those of angle_min and angle_increment",
+                scan.angle_max,
+                scan.ranges.len()
+            ));
+        }
+        return Some(stated_rad);
+    }
+    let derived_rad = span_rad / steps;
+    if usable(derived_rad) && span_rad.abs() <= TAU + derived_rad.abs() {
+        notes.add(format!("angle_increment {} replaced by (angle_max - angle_min) / steps", scan.angle_increment));
+        Some(derived_rad)
+    } else {
+        notes.add(format!(
+            "angle_increment {} and angle_max {} are unusable: no beam has a bearing",
+            scan.angle_increment, scan.angle_max
+        ));
+        None
+    }
+}
