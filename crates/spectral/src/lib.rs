@@ -1,1 +1,53 @@
-//! Affinity W to Laplacian, eigenvalues, their zeros and the embedding U.
+//! Second stage: from the weighted graph to the eigenvalues of its Laplacian, how many are zero, and the embedding U.
+//!
+//! In: [`Affinity`], W (n×n, dense or sparse) and the degrees D. Out: [`Spectrum`], λ ascending, the number k of zeros
+//! with its margin, and U (n×k), whose columns are unit eigenvectors of the k smallest eigenvalues of
+//!
+//! L = I - D^-1/2 W D^-1/2 (the paper's equation 2). In exact arithmetic 0 = λ_1 <= … <= λ_n <= 2 (equation 3), and as many
+//! eigenvalues are 0 as the graph has components. Computed ones carry rounding errors of some n·2.2e-16: a zero may come
+//! out as -3e-16, and is kept as computed. What counts as zero is for a [`ZeroRule`] to say.
+//!
+//! | kind | method | λ | for |
+//! |---|---|---|---|
+//! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
+//! | `nalgebra` | full decomposition by another library | all n | a second opinion |
+//!
+//! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
+//! repeated eigenvalue, which k > 1 zeros always are, only the span of the eigenvectors is defined: compare U·Uᵀ.
+//!
+//! ```
+//! use crosscut_spectral::{FaerEvd, ZeroRule};
+//! use crosscut_stage::{Affinity, Notes, Spectrum, SpectralStage};
+//!
+//! // Two returns with W_12 = 1/2, and one on its own.
+//! let mut affinity = Affinity::default();
+//! affinity.weights.make_dense(3).copy_from(faer::mat![[1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+//! affinity.degrees = vec![1.5, 1.5, 1.0];
+//! let mut spectrum = Spectrum::default();
+//! FaerEvd::new(ZeroRule::Tolerance(1e-8))?.spectrum(&affinity, &mut spectrum, &mut Notes::default())?;
+//! assert_eq!(spectrum.k, 2);
+//! assert!((spectrum.eigenvalues[2] - 2.0 / 3.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then runs
+//! over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero rule: a variant of [`ZeroRule`].
+//!
+//! [`Affinity`]: crosscut_stage::Affinity
+//! [`Spectrum`]: crosscut_stage::Spectrum
+
+mod embedding;
+mod faer_evd;
+mod laplacian;
+mod nalgebra_evd;
+mod zero_rule;
+
+use crosscut_stage::{Kind, SpectralStage};
+
+pub use faer_evd::FaerEvd;
+pub use laplacian::Laplacian;
+pub use nalgebra_evd::NalgebraEvd;
+pub use zero_rule::ZeroRule;
+
+/// The solvers that crosscut ships.
+pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND];

@@ -1,0 +1,78 @@
+//! The normalised Laplacian, the paper's equation (2).
+
+use crosscut_stage::{Affinity, StageError, Weights};
+use faer::{Mat, MatRef};
+
+/// Forms L = I - D^-1/2 W D^-1/2, dense, in a matrix that is used again the next time.
+#[derive(Clone, Debug)]
+pub struct Laplacian {
+    matrix: Mat<f64>,
+    /// The diagonal of D^-1/2.
+    inverse_sqrt_degrees: Vec<f64>,
+}
+
+impl Default for Laplacian {
+    fn default() -> Self {
+        Self { matrix: Mat::new(), inverse_sqrt_degrees: Vec::new() }
+    }
+}
+
+impl Laplacian {
+    /// L of `affinity`, n×n, exactly symmetric if W is; the same bits for dense and sparse weights.
+    ///
+    /// # Errors
+    /// When a degree is not above 0, or a value is not finite.
+    pub fn form(&mut self, affinity: &Affinity) -> Result<MatRef<'_, f64>, StageError> {
+        let n = affinity.weights.n();
+        self.invert_degrees(&affinity.degrees, n)?;
+        self.matrix.resize_with(n, n, |_, _| 0.0);
+        let scale = &self.inverse_sqrt_degrees;
+        // s_i s_j is formed first: it is the same number for (i, j) and (j, i), so symmetry survives the rounding.
+        let entry = |i: usize, j: usize, weight: f64| f64::from(u8::from(i == j)) - weight * (scale[i] * scale[j]);
+        match &affinity.weights {
+            Weights::Dense(w) => {
+                for j in 0..n {
+                    for (i, (l, &weight)) in
+                        self.matrix.col_as_slice_mut(j).iter_mut().zip(w.col_as_slice(j)).enumerate()
+                    {
+                        *l = entry(i, j, weight);
+                    }
+                }
+            }
+            sparse => {
+                self.matrix.fill(0.0);
+                self.matrix.diagonal_mut().fill(1.0);
+                sparse.for_each(|i, j, weight| self.matrix[(i, j)] = entry(i, j, weight));
+            }
+        }
+        match (0..n).find(|&j| !self.matrix.col_as_slice(j).iter().all(|l| l.is_finite())) {
+            Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
+            None => Ok(self.matrix.as_ref()),
+        }
+    }
+
+    fn invert_degrees(&mut self, degrees: &[f64], n: usize) -> Result<(), StageError> {
+        if degrees.len() != n {
+            return Err(StageError::Unsupported(format!("W is {n}x{n}, but there are {} degrees", degrees.len())));
+        }
+        self.inverse_sqrt_degrees.clear();
+        for (index, &degree) in degrees.iter().enumerate() {
+            if !degree.is_finite() {
+                return Err(StageError::NotFinite { what: "the degree", index });
+            }
+            if degree <= 0.0 {
+                let message = format!(
+                    "the degree of return {index} is {degree}: an affinity has W_ii = 1 and no negative weight"
+                );
+                return Err(StageError::Unsupported(message));
+            }
+            self.inverse_sqrt_degrees.push(degree.sqrt().recip());
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of one dense n×n matrix; its columns start on multiples of 64 bytes.
+pub(crate) fn dense_bytes(n: usize) -> u64 {
+    (n.next_multiple_of(8) as u64).saturating_mul(n as u64).saturating_mul(8)
+}

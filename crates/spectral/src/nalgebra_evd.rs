@@ -1,0 +1,64 @@
+//! `nalgebra`: the full symmetric decomposition of the nalgebra library, a second opinion on `faer`.
+
+use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::embedding::embed;
+use crate::laplacian::{Laplacian, dense_bytes};
+use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+
+/// Implicit QR takes two or three iterations an eigenvalue; LAPACK gives up after 30.
+const ITERATIONS_PER_EIGENVALUE: usize = 30;
+
+pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
+    name: "nalgebra",
+    doc: "all eigenvalues, by a decomposition that shares no code with `faer`: slower, to check it by",
+    params: &[ZERO_TOLERANCE],
+    build: |params| Box::new(NalgebraEvd::with(ZeroRule::of(params))),
+};
+
+/// Householder tridiagonalisation, then implicit QR with Wilkinson shifts. The library takes its matrix by value, so
+/// that memory is allocated anew for each revolution.
+#[derive(Clone, Debug)]
+pub struct NalgebraEvd {
+    rule: ZeroRule,
+    laplacian: Laplacian,
+}
+
+impl NalgebraEvd {
+    /// Takes as zero what `rule` says.
+    ///
+    /// # Errors
+    /// When a number of the rule is out of range.
+    pub fn new(rule: ZeroRule) -> Result<Self, ParamError> {
+        rule.checked().map(Self::with)
+    }
+
+    fn with(rule: ZeroRule) -> Self {
+        Self { rule, laplacian: Laplacian::default() }
+    }
+}
+
+impl SpectralStage for NalgebraEvd {
+    fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
+        let laplacian = self.laplacian.form(affinity)?;
+        let n = laplacian.nrows();
+        out.eigenvalues.clear();
+        if n == 0 {
+            return embed(self.rule, |_| &[], out);
+        }
+        let matrix = DMatrix::from_fn(n, n, |i, j| laplacian[(i, j)]);
+        let evd = SymmetricEigen::try_new(matrix, f64::EPSILON, ITERATIONS_PER_EIGENVALUE * n)
+            .ok_or(StageError::NoConvergence { n })?;
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| evd.eigenvalues[a].total_cmp(&evd.eigenvalues[b]));
+        out.eigenvalues.extend(order.iter().map(|&j| evd.eigenvalues[j]));
+        let entries = evd.eigenvectors.as_slice();
+        embed(self.rule, |j| &entries[order[j] * n..][..n], out)
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        // L, the copy that is tridiagonalised in place, and the eigenvectors.
+        dense_bytes(n).saturating_mul(3)
+    }
+}

@@ -1,0 +1,40 @@
+//! Which eigenvalues count as zero.
+
+use crosscut_stage::{Interval, ParamError, ParamSpec, Params, Shape, Spectrum, Value};
+
+pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
+    name: "zero_tolerance",
+    unit: "",
+    shape: Shape::Number { default: 1e-8, range: Interval::above(0.0, 2.0) },
+    doc: "τ: eigenvalues of the Laplacian below it count as zero",
+};
+
+/// How the zero eigenvalues are told from the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ZeroRule {
+    /// Those below τ, which is in (0, 2]. The paper gives none; how far τ could be moved before k changes is the margin.
+    Tolerance(f64),
+}
+
+impl ZeroRule {
+    /// The rule, if its numbers are allowed.
+    pub(crate) fn checked(self) -> Result<Self, ParamError> {
+        let Self::Tolerance(tolerance) = self;
+        ZERO_TOLERANCE.check(Value::Number(tolerance))?;
+        Ok(self)
+    }
+
+    pub(crate) fn of(params: &Params) -> Self {
+        Self::Tolerance(params.number(ZERO_TOLERANCE.name))
+    }
+
+    /// Sets τ, k and the margin of a spectrum whose n eigenvalues are known, all of them, ascending.
+    pub(crate) fn count(self, spectrum: &mut Spectrum) {
+        let Self::Tolerance(tolerance) = self;
+        let n = spectrum.eigenvalues.len();
+        spectrum.tolerance = tolerance;
+        spectrum.k = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
+        spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);
+    }
+}

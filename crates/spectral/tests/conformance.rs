@@ -1,0 +1,227 @@
+//! One body of tests for every solver in `KINDS`, against a decomposition and a component count of the test's own.
+
+mod graphs;
+
+use std::fmt::Debug;
+
+use crosscut_spectral::{FaerEvd, KINDS, Laplacian, NalgebraEvd, ZeroRule};
+use crosscut_stage::{Affinity, Kind, Notes, Params, SpectralStage, Spectrum, StageError};
+use faer::Mat;
+use proptest::prelude::{Strategy, any};
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+use graphs::{Graph, graph};
+
+type SpectralKind = Kind<dyn SpectralStage>;
+
+fn build(kind: &SpectralKind) -> Box<dyn SpectralStage> {
+    (kind.build)(&Params::defaults(kind.params))
+}
+
+fn spectrum(kind: &SpectralKind, affinity: &Affinity) -> Spectrum {
+    let mut out = Spectrum::default();
+    build(kind).spectrum(affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
+    out
+}
+
+/// A full decomposition that shares no code with `kind`.
+fn other_than(kind: &SpectralKind) -> &'static SpectralKind {
+    let other = if kind.name == "nalgebra" { "faer" } else { "nalgebra" };
+    KINDS.iter().find(|kind| kind.name == other).expect("both are shipped")
+}
+
+fn laplacian(affinity: &Affinity) -> Mat<f64> {
+    Laplacian::default().form(affinity).expect("a sound affinity").to_owned()
+}
+
+/// What rounding leaves in a decomposition of n rows.
+fn rounding(n: usize) -> f64 {
+    100.0 * n.max(1) as f64 * f64::EPSILON
+}
+
+/// Runs `body`, which asserts, on every kind and many inputs.
+fn for_every_kind<T: Debug>(inputs: &impl Strategy<Value = T>, body: impl Fn(&SpectralKind, T)) {
+    for kind in KINDS {
+        let config = Config { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+        let ran = TestRunner::new(config).run(inputs, |input| {
+            body(kind, input);
+            Ok(())
+        });
+        if let Err(error) = ran {
+            panic!("{}: {error}", kind.name);
+        }
+    }
+}
+
+#[test]
+fn as_many_eigenvalues_are_zero_as_the_graph_has_components() {
+    for_every_kind(&graph(0..40), |kind, graph| {
+        let spectrum = spectrum(kind, &graph.dense());
+        assert_eq!(spectrum.k, graph.components(), "λ = {:?}", spectrum.eigenvalues);
+        assert_eq!((spectrum.u.nrows(), spectrum.u.ncols()), (graph.n, spectrum.k));
+    });
+}
+
+#[test]
+fn eigenvalues_ascend_from_0_to_at_most_2_and_are_those_of_an_independent_decomposition() {
+    for_every_kind(&graph(0..40), |kind, graph| {
+        let affinity = graph.dense();
+        let spectrum = spectrum(kind, &affinity);
+        let found = &spectrum.eigenvalues;
+        assert!(found.is_sorted() && found.len() <= graph.n, "{found:?}");
+        assert!(found.len() >= (spectrum.k + 1).min(graph.n), "the zeros and the next: {found:?}");
+        let bound = rounding(graph.n);
+        assert!(found.iter().all(|&lambda| (-bound..=2.0 + bound).contains(&lambda)), "{found:?}");
+        for (found, expected) in found.iter().zip(graphs::jacobi_eigenvalues(&laplacian(&affinity))) {
+            assert!((found - expected).abs() <= bound, "{found} is {expected} by Jacobi rotations");
+        }
+    });
+}
+
+#[test]
+fn columns_of_u_are_orthonormal_eigenvectors_of_the_zeros() {
+    for_every_kind(&graph(0..40), |kind, graph| {
+        let affinity = graph.dense();
+        let (l, Spectrum { u, eigenvalues, k, .. }) = (laplacian(&affinity), spectrum(kind, &affinity));
+        let bound = rounding(graph.n);
+        let gram = u.transpose() * &u - Mat::<f64>::identity(k, k);
+        assert!(gram.norm_max() <= bound, "UᵀU - I = {gram:?}");
+        for j in 0..k {
+            let residual = &l * u.col(j) - faer::Scale(eigenvalues[j]) * u.col(j);
+            assert!(residual.norm_l2() <= bound, "‖Lu - λu‖ = {} for λ_{j}", residual.norm_l2());
+        }
+    });
+}
+
+#[test]
+fn the_span_of_u_is_that_of_the_components_indicators() {
+    for_every_kind(&graph(0..40), |kind, graph| {
+        let spectrum = spectrum(kind, &graph.dense());
+        let next = spectrum.eigenvalues.get(spectrum.k).copied().unwrap_or(2.0);
+        let exact = graph.indicators();
+        let difference = &spectrum.u * spectrum.u.transpose() - &exact * exact.transpose();
+        let bound = rounding(graph.n) / next;
+        assert!(difference.norm_max() <= bound, "U·Uᵀ is off by {}, allowed {bound}", difference.norm_max());
+    });
+}
+
+#[test]
+fn solvers_agree_on_k_and_the_span_of_u_when_walls_leak_into_each_other() {
+    for_every_kind(&(graph(2..40), -13.0..-10.0f64), |kind, (graph, leak_decades)| {
+        if kind.params.iter().all(|spec| spec.name != "zero_tolerance") {
+            return; // It counts edges, however weak.
+        }
+        let affinity = graph.leaking(10f64.powf(leak_decades)).dense();
+        let (found, expected) = (spectrum(kind, &affinity), spectrum(other_than(kind), &affinity));
+        assert_eq!((found.k, expected.k), (graph.components(), graph.components()), "λ = {:?}", found.eigenvalues);
+        let gap = expected.eigenvalues.get(expected.k).map_or(2.0, |next| next - expected.eigenvalues[expected.k - 1]);
+        let difference = &found.u * found.u.transpose() - &expected.u * expected.u.transpose();
+        let bound = rounding(graph.n) / gap;
+        assert!(difference.norm_max() <= bound, "U·Uᵀ differs by {}, allowed {bound}", difference.norm_max());
+    });
+}
+
+#[test]
+fn the_entry_of_largest_magnitude_is_positive_in_every_column_of_u() {
+    for_every_kind(&graph(1..40), |kind, graph| {
+        let u = spectrum(kind, &graph.dense()).u;
+        for j in 0..u.ncols() {
+            let (lowest, highest) = u.col(j).iter().fold((0.0f64, 0.0f64), |(a, b), &x| (a.min(x), b.max(x)));
+            assert!(highest >= -lowest, "column {j} goes from {lowest} to {highest}");
+        }
+    });
+}
+
+#[test]
+fn sparse_and_dense_weights_give_the_same_bits() {
+    for_every_kind(&graph(0..40), |kind, graph| {
+        assert_same(&spectrum(kind, &graph.sparse()), &spectrum(kind, &graph.dense()));
+    });
+}
+
+#[test]
+fn a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones() {
+    // From 128 rows on faer divides and conquers.
+    for_every_kind(&(graph(130..150), graph(0..20)), |kind, (big, small)| {
+        let (mut stage, mut out) = (build(kind), Spectrum::default());
+        for affinity in [big.dense(), small.sparse(), big.sparse(), small.dense()] {
+            stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
+            assert_same(&out, &spectrum(kind, &affinity));
+        }
+    });
+}
+
+fn assert_same(a: &Spectrum, b: &Spectrum) {
+    assert_eq!((a.k, a.margin_decades, &a.eigenvalues), (b.k, b.margin_decades, &b.eigenvalues));
+    assert_eq!(a.u, b.u);
+}
+
+#[test]
+fn graphs_solved_by_hand() {
+    for kind in KINDS {
+        let close = |affinity: &Affinity, expected: &[f64], k: usize| {
+            let found = spectrum(kind, affinity);
+            assert_eq!(found.k, k, "{}: {found:?}", kind.name);
+            for (found, expected) in found.eigenvalues.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{}: {found} for {expected}", kind.name);
+            }
+        };
+        close(&Graph::complete(0, 1.0).dense(), &[], 0);
+        close(&Graph::complete(1, 1.0).dense(), &[0.0], 1);
+        // Two returns: λ = 0 and 2w / (1 + w).
+        close(&Graph::complete(2, 0.25).dense(), &[0.0, 0.4], 1);
+        // All returns in one place: W is all ones, L = I - 11ᵀ/n.
+        close(&Graph::complete(5, 1.0).dense(), &[0.0, 1.0, 1.0, 1.0, 1.0], 1);
+        // No two similar: L = 0 and k = n.
+        close(&Graph::complete(4, 0.0).sparse(), &[0.0; 4], 4);
+    }
+}
+
+#[test]
+fn the_margin_says_how_far_the_tolerance_is_from_another_count() {
+    for kind in KINDS {
+        assert_eq!(spectrum(kind, &Graph::complete(0, 1.0).dense()).margin_decades, None, "{}", kind.name);
+        let Some(margin) = spectrum(kind, &Graph::complete(2, 1e-6).dense()).margin_decades else { continue };
+        // τ = 1e-8, λ = 0 (so 2·2.2e-16) and 2e-6: 7.35 decades on one side, 2.30 on the other.
+        assert!((margin - 2.301).abs() < 1e-3, "{}: {margin}", kind.name);
+    }
+}
+
+#[test]
+fn values_that_no_affinity_has_are_errors_and_neither_loop_nor_panic() {
+    for_every_kind(&(graph(2..20), any::<usize>()), |kind, (graph, at)| {
+        let at = at % graph.n;
+        let refused = |spoil: fn(&mut Affinity, usize)| {
+            let mut affinity = graph.dense();
+            spoil(&mut affinity, at);
+            build(kind)
+                .spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default())
+                .expect_err("must be refused")
+        };
+        let n = graph.n;
+        let error = refused(|affinity, at| affinity.degrees[at] = f64::NAN);
+        assert_eq!(error, StageError::NotFinite { what: "the degree", index: at });
+        let error =
+            refused(|affinity, at| affinity.weights.make_dense(affinity.degrees.len())[(at, at)] = f64::INFINITY);
+        assert_eq!(error, StageError::NotFinite { what: "the affinity", index: at });
+        assert!(refused(|affinity, at| affinity.degrees[at] = 0.0).to_string().contains(&format!("return {at} is 0")));
+        assert!(refused(|affinity, _| affinity.degrees.clear()).to_string().contains(&format!("{n}x{n}")));
+    });
+}
+
+#[test]
+fn a_tolerance_outside_0_to_2_is_refused() {
+    for (allowed, tolerance) in [(false, 0.0), (false, -1e-8), (false, f64::NAN), (false, 2.1), (true, 2.0)] {
+        let rule = ZeroRule::Tolerance(tolerance);
+        assert_eq!(FaerEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
+        assert_eq!(NalgebraEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
+    }
+}
+
+#[test]
+fn memory_grows_with_n_and_is_never_too_large_to_say() {
+    for kind in KINDS {
+        let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n)).into();
+        assert!(bytes.is_sorted(), "{}: {bytes:?}", kind.name);
+    }
+}
