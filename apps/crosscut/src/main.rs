@@ -1,2 +1,34 @@
-//! The command line.
-fn main() {}
+//! `crosscut`: how many walls, and so how many ways on, are here.
+//!
+//! One file per command. Results go to files or standard output, words for people to standard error.
+
+mod cli;
+mod config;
+mod exit;
+mod info;
+mod progress;
+mod run;
+mod simulate;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Command};
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Simulate(args) => simulate::simulate(&args),
+        Command::Info(args) => info::info(&args),
+        Command::Config(args) => config::print(&args),
+    };
+    match outcome {
+        Ok(outcome) => outcome.into(),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            exit::code_of(&error)
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! What can be typed.
+
+use std::num::NonZeroU64;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
+#[derive(Debug, Parser)]
+#[command(name = "crosscut", version, max_term_width = 110, after_help = EXIT_CODES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 failed, what came before is saved; 2 wrong usage or configuration; 3 done, but something was \
+lost (damaged input, incomplete recording); 130 interrupted, what was made is saved.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Count the walls of every revolution in a recorded flight.
+    Run(RunArgs),
+    /// Make a flight through a mine whose truth is known.
+    Simulate(SimulateArgs),
+    /// Show what is in a recording.
+    Info(InfoArgs),
+    /// Show every setting with its value, unit, range and where it comes from. The output is a configuration file.
+    Config(ConfigArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// MCAP recordings, or folders of them: the parts of one flight, in this order.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
+    /// Scan topic; found by itself when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
+    /// Save a recording of every stage for the Rerun viewer.
+    #[arg(long, value_name = "FLIGHT.rrd")]
+    pub(crate) save: Option<PathBuf>,
+    /// Write one JSON object per scan message; `-` is standard output.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub(crate) results: Option<PathBuf>,
+    /// Show every stage live in the Rerun viewer.
+    #[arg(long)]
+    pub(crate) view: bool,
+    /// No progress, no summary.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Start this many seconds after the first scan.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) from: Option<f64>,
+    /// Stop this many seconds after the first scan.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) to: Option<f64>,
+    /// Take every N-th scan.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) every: NonZeroU64,
+    /// Play at this multiple of the sensor's pace (1 = as it was recorded).
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConfigArgs {
+    /// Settings to start from: paper, default.
+    #[arg(long, default_value = "default")]
+    pub(crate) preset: String,
+    /// A file of settings (TOML), over the preset.
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) config: Option<PathBuf>,
+    /// A single setting, over the file: affinity.sigma_per_m2=1.5. May be given again.
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// The scenario; --list shows them.
+    #[arg(required_unless_present = "list")]
+    pub(crate) scenario: Option<String>,
+    /// Where to write the flight.
+    #[arg(long, value_name = "FLIGHT.mcap", required_unless_present = "list")]
+    pub(crate) out: Option<PathBuf>,
+    /// The same seed gives the same bytes.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Show the scenarios.
+    #[arg(long)]
+    pub(crate) list: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// An MCAP recording.
+    pub(crate) input: PathBuf,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|s: &f64| s.is_finite() && *s >= 0.0).ok_or_else(|| "seconds, 0 or more".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "a number above 0".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_free_of_contradictions() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,32 @@
+//! `crosscut config`, and the configuration of the other commands.
+
+use std::io::Write;
+
+use anyhow::Context;
+use crosscut_pipeline::{Config, Layer, Registry, Schema};
+
+use crate::cli::ConfigArgs;
+use crate::exit::{Outcome, UsageError};
+
+/// Prints the resolved configuration.
+pub(crate) fn print(args: &ConfigArgs) -> anyhow::Result<Outcome> {
+    let config = resolve(args, &Registry::standard())?;
+    write!(std::io::stdout(), "{config}").context("standard output")?;
+    Ok(Outcome::Done)
+}
+
+/// Preset < file < single settings.
+pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Config> {
+    let schema = Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS);
+    let mut layers = vec![Layer::preset(&args.preset).map_err(usage)?];
+    if let Some(path) = &args.config {
+        let text = std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))?;
+        layers.push(Layer::file(path, &text).map_err(usage)?);
+    }
+    layers.push(Layer::settings(&args.set).map_err(usage)?);
+    Ok(Config::resolve(&schema, &layers).map_err(usage)?)
+}
+
+fn usage(error: impl ToString) -> UsageError {
+    UsageError(error.to_string())
+}

@@ -1,0 +1,48 @@
+//! How the program ends.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// The outcome of a command, as its exit code tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Everything was done.
+    Done,
+    /// It failed; what came before is saved.
+    Failed,
+    /// Results are complete as far as the input allowed, but something was lost.
+    SomethingLost,
+    /// It was interrupted; what was made is saved.
+    Interrupted,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        Self::from(match outcome {
+            Outcome::Done => 0,
+            Outcome::Failed => 1,
+            Outcome::SomethingLost => 3,
+            Outcome::Interrupted => INTERRUPTED,
+        })
+    }
+}
+
+/// 128 + SIGINT, as shells say it.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// What was typed cannot be done: wrong usage or configuration (exit code 2).
+#[derive(Debug)]
+pub(crate) struct UsageError(pub(crate) String);
+
+impl fmt::Display for UsageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// The exit code of an error that ended a command.
+pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
+    if error.is::<UsageError>() { ExitCode::from(2) } else { Outcome::Failed.into() }
+}

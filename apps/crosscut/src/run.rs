@@ -1,0 +1,143 @@
+//! `crosscut run`: a recorded flight through all stages.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::Context;
+use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_report::ResultsLine;
+use crosscut_stage::{Frame, Observer};
+
+use crate::cli::RunArgs;
+use crate::exit::{INTERRUPTED, Outcome, UsageError};
+use crate::{config, progress, summary};
+
+/// Runs the flight; results are on disk before anything else is done with a revolution.
+pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
+    let registry = Registry::standard();
+    let config = config::resolve(&args.config, &registry)?;
+    refuse_overwriting_inputs(args)?;
+    let mut recording = open(args, &config)?;
+    let mut results = open_results(args.results.as_deref())?;
+    let mut observers = observers(args, &config)?;
+
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+    let bar = progress::bar(recording.total_messages(), args.quiet);
+    let start = Instant::now();
+    let mut sink = |frame: &Frame| {
+        if let Some(out) = &mut results {
+            let mut line = Vec::new();
+            ResultsLine::of(frame).write(&mut line)?;
+            out.write_all(&line)?;
+            out.flush()?;
+        }
+        bar.inc(1);
+        Ok(())
+    };
+    let options = StreamOptions { rate: args.rate, stop };
+    let ran = stream(&mut recording, &config, &registry, &mut sink, &mut observers, &options);
+    bar.finish_and_clear();
+    let summary = ran.context("a thread could not be started")?;
+
+    if !args.quiet {
+        eprint!("{}", summary::table(&summary, start.elapsed()));
+    }
+    Ok(outcome(&summary, &recording))
+}
+
+fn open(args: &RunArgs, config: &Config) -> anyhow::Result<Recording> {
+    if let (Some(from), Some(to)) = (args.from, args.to)
+        && from > to
+    {
+        return Err(UsageError(format!("--from {from} lies after --to {to}")).into());
+    }
+    let options = ReadOptions { topic: args.topic.clone(), from_s: args.from, to_s: args.to, every: args.every };
+    Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
+}
+
+/// What is written must not be what is read.
+fn refuse_overwriting_inputs(args: &RunArgs) -> Result<(), UsageError> {
+    let same = |a: &Path, b: &Path| a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    let outputs: Vec<&PathBuf> = args.save.iter().chain(&args.results).collect();
+    for (i, output) in outputs.iter().enumerate() {
+        let taken = args.input.iter().any(|input| same(input, output));
+        if taken || outputs[..i].iter().any(|other| same(other, output)) {
+            return Err(UsageError(format!("{} would be overwritten; write to another file", output.display())));
+        }
+    }
+    Ok(())
+}
+
+/// A file, standard output for `-`, or nothing.
+fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Send>>> {
+    Ok(match path {
+        None => None,
+        Some(path) if path == Path::new("-") => Some(Box::new(io::stdout())),
+        Some(path) => Some(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)),
+    })
+}
+
+#[cfg(feature = "rerun")]
+fn observers(args: &RunArgs, config: &Config) -> anyhow::Result<Vec<Box<dyn Observer>>> {
+    if args.save.is_none() && !args.view {
+        return Ok(Vec::new());
+    }
+    let name = args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let options = crosscut_recorder::RecorderOptions {
+        path: args.save.clone(),
+        view: args.view,
+        name,
+        config_toml: config.to_string(),
+    };
+    Ok(vec![Box::new(crosscut_recorder::Recorder::new(options)?)])
+}
+
+#[cfg(not(feature = "rerun"))]
+fn observers(args: &RunArgs, _: &Config) -> anyhow::Result<Vec<Box<dyn Observer>>> {
+    if args.save.is_some() || args.view {
+        return Err(UsageError("this crosscut was built without the feature `rerun`".to_owned()).into());
+    }
+    Ok(Vec::new())
+}
+
+/// Ctrl-C stops ingest and lets the rest drain; a second one quits.
+fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
+    let asked = AtomicBool::new(false);
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        eprintln!("stopping; what is in flight is finished and saved (again to quit at once)");
+        stop.set();
+    })
+    .context("cannot listen for Ctrl-C")
+}
+
+/// Says what went wrong, and what the exit code is.
+fn outcome(summary: &Summary, recording: &Recording) -> Outcome {
+    for loss in recording.losses() {
+        eprintln!("lost: {loss}");
+    }
+    for error in &summary.observer_errors {
+        eprintln!("lost: {error}");
+    }
+    let lost = !recording.losses().is_empty() || !summary.observer_errors.is_empty();
+    match &summary.end {
+        End::Failed(failure) => {
+            eprintln!("error: {failure}; the {} revolutions before it are saved", summary.revolutions);
+            Outcome::Failed
+        }
+        End::ResultsLost(error) => {
+            eprintln!("error: results cannot be written after {} revolutions: {error}", summary.revolutions);
+            Outcome::Failed
+        }
+        End::Interrupted => Outcome::Interrupted,
+        End::Complete if lost => Outcome::SomethingLost,
+        End::Complete => Outcome::Done,
+    }
+}

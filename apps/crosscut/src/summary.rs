@@ -1,0 +1,51 @@
+//! The table at the end of a run.
+
+use std::time::Duration;
+
+use comfy_table::{CellAlignment, Table, presets};
+use crosscut_pipeline::Summary;
+use crosscut_stage::Step;
+
+/// Revolutions, counts, and time per stage.
+pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
+    let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
+    let mut text = format!(
+        "{} revolutions in {:.2} s ({per_second:.0} a second), {} with notes\n",
+        summary.revolutions,
+        elapsed.as_secs_f64(),
+        summary.noted
+    );
+    if summary.revolutions > 0 {
+        text += &format!("\n{}\n\n{}\n", counts(summary), times(summary));
+    }
+    text
+}
+
+fn counts(summary: &Summary) -> Table {
+    let mut table = plain(&["junctions", "revolutions", "share"]);
+    for (junctions, revolutions) in &summary.junctions {
+        let share = 100.0 * *revolutions as f64 / summary.revolutions as f64;
+        table.add_row([junctions.to_string(), revolutions.to_string(), format!("{share:.1} %")]);
+    }
+    table
+}
+
+fn times(summary: &Summary) -> Table {
+    let mut table = plain(&["stage", "median ms", "p99 ms"]);
+    for step in Step::ALL {
+        if let Some((median_ns, p99_ns)) = summary.times.median_and_p99_ns(step) {
+            let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
+            table.add_row([step.name().to_owned(), ms(median_ns), ms(p99_ns)]);
+        }
+    }
+    table
+}
+
+fn plain(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}

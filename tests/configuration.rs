@@ -1,0 +1,49 @@
+//! What is typed wrongly is refused before anything runs (exit code 2).
+
+use crate::program::{run, shipped_flight};
+
+#[test]
+fn the_printed_configuration_is_a_configuration_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let printed = run(["config", "--preset", "paper", "--set", "affinity.sigma_per_m2=2.5"]).expect_code(0).stdout;
+    let path = crate::flight::file(folder.path(), "mine.toml", printed.as_bytes());
+    let again = run(["config".as_ref(), "--config".as_ref(), path.as_os_str()]).expect_code(0).stdout;
+    assert!(again.contains("sigma_per_m2 = 2.5"), "{again}");
+    let values = |text: &str| text.lines().filter(|l| !l.starts_with('#')).map(value).collect::<Vec<_>>().join("\n");
+    assert_eq!(values(&again), values(&printed));
+}
+
+/// A line of configuration without the layer behind it.
+fn value(line: &str) -> String {
+    line.split("  #").next().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
+    let input = shipped_flight();
+    let refused = |more: &[&str]| {
+        let args = [&["run", input.to_str().expect("a path in UTF-8")], more].concat();
+        run(args).expect_code(2).stderr
+    };
+    assert!(refused(&["--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
+    assert!(refused(&["--set", "affinity.kind=rfb"]).contains("did you mean rbf?"));
+    assert!(refused(&["--set", "ingest.yaw_rad=up"]).contains("a number in"));
+    assert!(refused(&["--preset", "papper"]).contains("did you mean paper?"));
+    assert!(refused(&["--config", "/nowhere/mine.toml"]).contains("/nowhere/mine.toml"));
+    assert!(refused(&["--rate", "0"]).contains("above 0"));
+    assert!(refused(&["--from", "3", "--to", "2"]).contains("--from 3"));
+}
+
+#[test]
+fn the_input_is_never_overwritten() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = folder.path().join("flight.mcap");
+    std::fs::copy(shipped_flight(), &flight).expect("a copy");
+    let path = flight.to_str().expect("a path in UTF-8");
+    for option in ["--results", "--save"] {
+        let ran = run(["run", path, option, path]).expect_code(2);
+        assert!(ran.stderr.contains("would be overwritten"), "{}", ran.stderr);
+    }
+    let size = |path: &std::path::Path| path.metadata().expect("it is there").len();
+    assert_eq!(size(&flight), size(&shipped_flight()));
+}

@@ -1,0 +1,48 @@
+"""Runs the cross-checks and prints what was compared. Started by `run`, which sets up the environment."""
+
+import argparse
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import determinism
+import mcap_io
+import recording
+import spectrum
+from flights import Flights
+from program import Crosscut
+from verdicts import Verdicts
+
+CHECKS = {"spectrum": spectrum, "recording": recording, "mcap_io": mcap_io, "determinism": determinism}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="tests/foreign/run", description="Cross-checks crosscut with foreign tools.")
+    parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}; all if none")
+    parser.add_argument("--crosscut", type=Path, help="the program; target/release/crosscut if not given")
+    parser.add_argument("--root", type=Path, required=True, help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if unknown := [name for name in args.checks if name not in CHECKS]:
+        parser.error(f"no check is called {unknown[0]}; there are {', '.join(CHECKS)}")
+    binary = args.crosscut or args.root / "target/release/crosscut"
+    if not binary.exists():
+        parser.error(f"{binary} is not there: cargo build --release -p crosscut")
+
+    flights = Flights(args.root, Crosscut(binary), args.root / "target/foreign/work")
+    verdicts = Verdicts()
+    for name in args.checks or CHECKS:
+        start = time.monotonic()
+        verdicts.begin(name)
+        try:
+            CHECKS[name].check(flights, verdicts)
+        except Exception as error:
+            traceback.print_exc()
+            verdicts.failed("the check itself", f"ended early: {error}")
+        verdicts.end(time.monotonic() - start)
+    print(verdicts.summary())
+    return 0 if verdicts.all_held() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,142 @@
+//! Input as it comes: every way of writing an MCAP, damage, and files that are something else.
+
+use crosscut_messages::Endian;
+
+use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
+use crate::program::{Ran, column, results_of, run};
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+#[test]
+fn every_way_of_writing_gives_the_same_results() {
+    let folder = folder();
+    let ways = [
+        ("plain", Writing::default()),
+        ("zstd", Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() }),
+        ("lz4", Writing { compression: Some(mcap::Compression::Lz4), ..Writing::default() }),
+        ("unchunked", Writing { chunked: false, ..Writing::default() }),
+        ("big_endian", Writing { endian: Endian::Big, ..Writing::default() }),
+    ];
+    let mut reference: Option<String> = None;
+    for (name, writing) in ways {
+        let flight = file(folder.path(), &format!("{name}.mcap"), &tunnel(10, &writing));
+        let stdout = results_of(&flight, &["--quiet"]).0.expect_code(0).stdout;
+        assert_eq!(stdout.lines().count(), 10, "{name}");
+        assert!(reference.get_or_insert_with(|| stdout.clone()) == &stdout, "{name} differs from plain");
+    }
+}
+
+#[test]
+fn a_recording_cut_off_inside_a_chunk_gives_every_whole_revolution_and_exit_code_3() {
+    let folder = folder();
+    let whole = tunnel(40, &Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() });
+    let flight = file(folder.path(), "cut.mcap", &whole[..whole.len() / 2]);
+    let (ran, lines) = results_of(&flight, &[]);
+    let ran = ran.expect_code(3);
+    assert!(lines.len() > 5 && lines.len() < 40, "{} lines", lines.len());
+    assert!(column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
+    assert!(ran.stderr.contains("lost:") && ran.stderr.contains("cut.mcap"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_message_that_cannot_be_read_has_an_empty_line_and_the_rest_goes_on() {
+    let folder = folder();
+    let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+    scans[1].ranges.clear();
+    let mut broken = bytes(&scans, &Writing { chunked: false, ..Writing::default() });
+    // The empty scan's length of ranges, found by the range_max before it: make it claim 4 billion beams.
+    let mark = [12.0f32.to_le_bytes(), [0; 4]].concat();
+    let at = broken.windows(8).position(|window| window == mark).expect("the empty scan is there");
+    broken[at + 4..at + 8].fill(0xFF);
+    let flight = file(folder.path(), "broken.mcap", &broken);
+    let (ran, lines) = results_of(&flight, &[]);
+    ran.expect_code(3);
+    assert_eq!(column(&lines, "seq"), [0, 1, 2]);
+    assert_eq!(lines[1]["returns"], 0);
+    assert!(!lines[1]["notes"].as_array().expect("notes").is_empty(), "{}", lines[1]);
+    assert_eq!(lines[2]["junctions"], 2, "what comes after is read");
+}
+
+#[test]
+fn an_empty_scan_has_a_line() {
+    let folder = folder();
+    let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+    scans[1].ranges.clear();
+    scans[2].ranges.fill(f32::NAN);
+    let flight = file(folder.path(), "empty.mcap", &bytes(&scans, &Writing::default()));
+    let (ran, lines) = results_of(&flight, &[]);
+    ran.expect_code(0);
+    assert_eq!(column(&lines, "returns")[1..], [0, 0]);
+    assert_eq!(column(&lines, "junctions")[1..], [0, 0]);
+    assert!(lines[1]["margin"].is_null());
+    assert_eq!(lines[2]["labels"].as_array().map(Vec::len), Some(180));
+}
+
+fn refused(name: &str, content: &[u8]) -> Ran {
+    let folder = folder();
+    let input = file(folder.path(), name, content);
+    let ran = run(["run".as_ref(), input.as_os_str()]).expect_code(1);
+    assert!(ran.stderr.contains(name), "the file is named: {}", ran.stderr);
+    ran
+}
+
+#[test]
+fn a_file_that_is_no_recording_is_told_for_what_it_is() {
+    refused("empty.mcap", b"");
+    refused("noise.mcap", &[7; 4096]);
+    let ran = refused("flight.bag", b"#ROSBAG V2.0\nand more");
+    assert!(ran.stderr.contains("ROS 1"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_recording_without_scans_is_told_what_it_has_instead() {
+    let folder = folder();
+    let mut other = bytes(&[tunnel_scan(0)], &Writing { chunked: false, topics: &["/points"], ..Writing::default() });
+    let (from, to) = (b"sensor_msgs/msg/LaserScan", b"sensor_msgs/msg/PointClou");
+    while let Some(at) = other.windows(from.len()).position(|window| window == from) {
+        other[at..at + to.len()].copy_from_slice(to);
+    }
+    let flight = file(folder.path(), "cloud.mcap", &other);
+    let ran = run(["run".as_ref(), flight.as_os_str()]).expect_code(1);
+    assert!(ran.stderr.contains("/points") && ran.stderr.contains("PointClou"), "{}", ran.stderr);
+}
+
+#[test]
+fn several_scan_topics_are_listed_and_one_can_be_chosen() {
+    let folder = folder();
+    let writing = Writing { topics: &["/front/scan", "/rear/scan"], ..Writing::default() };
+    let flight = file(folder.path(), "two.mcap", &tunnel(4, &writing));
+    let ran = run(["run".as_ref(), flight.as_os_str()]).expect_code(1);
+    assert!(ran.stderr.contains("/front/scan") && ran.stderr.contains("/rear/scan"), "{}", ran.stderr);
+    let (ran, lines) = results_of(&flight, &["--topic", "/rear/scan"]);
+    ran.expect_code(0);
+    assert_eq!(lines.len(), 4);
+    let ran = run(["run".as_ref(), flight.as_os_str(), "--topic".as_ref(), "/rear/scn".as_ref()]).expect_code(1);
+    assert!(ran.stderr.contains("/rear/scan"), "{}", ran.stderr);
+}
+
+#[test]
+fn several_files_are_one_flight() {
+    let folder = folder();
+    let first: Vec<_> = (0..3).map(tunnel_scan).collect();
+    let second: Vec<_> = (3..5).map(tunnel_scan).collect();
+    let parts = [
+        file(folder.path(), "flight_0.mcap", &bytes(&first, &Writing::default())),
+        file(folder.path(), "flight_1.mcap", &bytes(&second, &Writing::default())),
+    ];
+    let ran = run(["run".as_ref(), parts[0].as_os_str(), parts[1].as_os_str(), "--results".as_ref(), "-".as_ref()]);
+    let lines = crate::program::lines(&ran.expect_code(0).stdout);
+    assert_eq!(column(&lines, "seq"), [0, 1, 2, 3, 4]);
+}
+
+#[test]
+fn info_shows_the_topics_and_what_a_scan_looks_like() {
+    let folder = folder();
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(10, &Writing::default()));
+    let ran = run(["info".as_ref(), flight.as_os_str()]).expect_code(0);
+    for fact in ["/scan", "sensor_msgs/msg/LaserScan", "10", "180", "lidar"] {
+        assert!(ran.stdout.contains(fact), "{fact} is missing:\n{}", ran.stdout);
+    }
+}

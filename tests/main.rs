@@ -1,0 +1,11 @@
+//! The whole program at its process boundary: what is typed, what comes out, and how it ends.
+
+mod configuration;
+mod flight;
+mod input;
+mod interruption;
+mod program;
+#[cfg(feature = "rerun")]
+mod recording;
+mod results;
+mod simulation;

@@ -1,0 +1,36 @@
+//! `--save`: the recording of every stage.
+
+use crate::flight::{Writing, file, tunnel};
+use crate::program::{results_of, run, shipped_flight};
+
+#[test]
+fn a_recording_is_saved_beside_the_same_results_as_without() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved = folder.path().join("tee.rrd");
+    let (input, every) = (shipped_flight(), ["--every", "8", "--quiet"]);
+    let with = results_of(&input, &[&every[..], &["--save", saved.to_str().expect("UTF-8")]].concat());
+    assert_eq!(with.0.expect_code(0).stdout, results_of(&input, &every).0.expect_code(0).stdout);
+    let bytes = std::fs::read(saved).expect("saved");
+    assert!(bytes.starts_with(b"RRF"), "it starts as a Rerun recording does");
+    assert!(bytes.len() > 20_000, "{} bytes", bytes.len());
+}
+
+#[test]
+fn a_recording_that_cannot_be_written_leaves_the_results_complete_and_is_exit_code_3() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let nowhere = folder.path().join("no/such/folder/flight.rrd");
+    let (ran, lines) = results_of(&flight, &["--save", nowhere.to_str().expect("UTF-8")]);
+    let ran = ran.expect_code(3);
+    assert_eq!(lines.len(), 5);
+    assert!(ran.stderr.contains("no/such/folder"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_saved_recording_of_an_empty_flight_is_no_failure() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let saved = folder.path().join("none.rrd");
+    run(["run", flight.to_str().expect("UTF-8"), "--from", "100", "--save", saved.to_str().expect("UTF-8")])
+        .expect_code(0);
+}

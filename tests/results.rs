@@ -1,0 +1,103 @@
+//! The lines of results.
+
+use serde_json::Value;
+
+use crate::flight::{Writing, file, tunnel};
+use crate::program::{column, real_recording, results_of, run, shipped_flight};
+
+#[test]
+fn every_scan_of_the_shipped_flight_has_its_line_with_every_field_of_the_contract() {
+    let (ran, lines) = results_of(&shipped_flight(), &["--preset", "paper"]);
+    let ran = ran.expect_code(0);
+    assert!(lines.len() > 50, "{} lines", lines.len());
+    assert!(column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
+    let fields = [
+        "seq", "stamp_ns", "returns", "junctions", "k", "margin", "confidence", "place", "eigenvalues", "walls",
+        "openings", "labels", "notes",
+    ];
+    for line in &lines {
+        for field in fields {
+            assert!(line.get(field).is_some(), "{field} is missing from {line}");
+        }
+        let labels = line["labels"].as_array().expect("labels");
+        assert_eq!(labels.len(), 360, "one label per beam");
+        assert_eq!(labels.iter().filter(|l| **l != -1).count() as u64, line["returns"].as_u64().expect("returns"));
+        assert_eq!(line["k"], line["junctions"], "the paper reports what the eigenvalues say");
+        assert_eq!(line["walls"].as_array().map(Vec::len), line["k"].as_u64().map(|k| k as usize));
+        let eigenvalues: Vec<_> = line["eigenvalues"].as_array().expect("a list").iter().map(Value::as_f64).collect();
+        assert_eq!(eigenvalues.len(), 16, "min(n, 16) of them");
+        assert!(eigenvalues.is_sorted());
+    }
+    assert!(ran.stderr.contains("revolutions"), "the summary is for people: {}", ran.stderr);
+}
+
+#[test]
+fn a_wide_straight_tunnel_has_two_walls_and_two_ways_on() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(3, &Writing::default()));
+    let (ran, lines) = results_of(&flight, &["--preset", "paper"]);
+    ran.expect_code(0);
+    assert_eq!(column(&lines, "junctions"), [2, 2, 2]);
+    assert_eq!(lines[0]["place"], "corridor");
+    assert_eq!(column(&lines, "stamp_ns"), [100_000_000, 200_000_000, 300_000_000]);
+}
+
+#[test]
+fn results_are_the_same_bytes_again_and_whatever_the_number_of_workers() {
+    let once = |workers: &str| {
+        let input = shipped_flight();
+        let set = format!("pipeline.workers={workers}");
+        results_of(&input, &["--quiet", "--set", &set]).0.expect_code(0).stdout
+    };
+    let reference = once("1");
+    for workers in ["1", "2", "4"] {
+        let again = once(workers);
+        let difference = reference.lines().zip(again.lines()).position(|(a, b)| a != b);
+        assert!(
+            reference == again,
+            "with {workers} workers line {difference:?} differs; {} and {} lines",
+            reference.lines().count(),
+            again.lines().count()
+        );
+    }
+}
+
+#[test]
+fn both_solvers_give_the_same_walls() {
+    let labels = |solver: &str| -> Vec<Value> {
+        let (ran, lines) = results_of(&shipped_flight(), &["--every", "10", "--set", solver]);
+        ran.expect_code(0);
+        lines.iter().map(|line| line["labels"].clone()).collect()
+    };
+    assert_eq!(labels("spectral.kind=faer"), labels("spectral.kind=nalgebra"));
+}
+
+#[test]
+fn a_selection_keeps_the_index_that_the_message_has_in_its_topic() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(40, &Writing::default()));
+    let seqs = |more: &[&str]| {
+        let (ran, lines) = results_of(&flight, more);
+        ran.expect_code(0);
+        column(&lines, "seq")
+    };
+    assert_eq!(seqs(&["--every", "15"]), [0, 15, 30]);
+    assert_eq!(seqs(&["--from", "1.95", "--to", "2.25"]), [20, 21, 22]);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let ran = run(["run".as_ref(), "--quiet".as_ref(), shipped_flight().as_os_str()]).expect_code(0);
+    assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn real_corridors_give_a_line_per_scan() {
+    for (name, scans) in [("corridor_left.mcap", 112), ("corridor_threeway.mcap", 233)] {
+        let Some(recording) = real_recording(name) else { return };
+        let (ran, lines) = results_of(&recording, &["--every", "4"]);
+        ran.expect_code(0);
+        assert_eq!(lines.len(), usize::div_ceil(scans, 4), "{name}");
+        assert!(lines.iter().all(|line| line["returns"].as_u64() > Some(100)), "{name} has returns everywhere");
+    }
+}
