@@ -43,27 +43,25 @@ pub struct Lidar {
     pub dust_range_m: f64,
 }
 
-impl Default for Lidar {
+impl Lidar {
     /// 360 beams all around, 15 m, 1.5 cm noise in steps of a millimetre, nothing lost.
-    fn default() -> Self {
-        Self {
-            beams: 360,
-            field_of_view_rad: TAU,
-            range_min_m: 0.1,
-            range_max_m: 15.0,
-            sweep_s: 0.1,
-            noise_sd_m: 0.015,
-            quantum_m: 0.001,
-            loss: 0.0,
-            loss_at_range_max: 0.0,
-            loss_at_grazing: 0.0,
-            loss_on_wet: 0.0,
-            patch_share: 0.0,
-            patch_beams: [3, 18],
-            dust: 0.0,
-            dust_range_m: 6.0,
-        }
-    }
+    pub const CLEAN: Self = Self {
+        beams: 360,
+        field_of_view_rad: TAU,
+        range_min_m: 0.1,
+        range_max_m: 15.0,
+        sweep_s: 0.1,
+        noise_sd_m: 0.015,
+        quantum_m: 0.001,
+        loss: 0.0,
+        loss_at_range_max: 0.0,
+        loss_at_grazing: 0.0,
+        loss_on_wet: 0.0,
+        patch_share: 0.0,
+        patch_beams: [3, 18],
+        dust: 0.0,
+        dust_range_m: 6.0,
+    };
 }
 
 /// Where the lidar is and how it is turned.

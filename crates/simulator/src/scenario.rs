@@ -2,6 +2,7 @@
 
 use crate::course::{bent, half_widths};
 use crate::lidar::Lidar;
+use crate::mines;
 use crate::network::{Network, Point};
 use crate::noise::generator;
 use crate::scene::Flight;
@@ -22,7 +23,19 @@ pub struct Scenario {
 
 /// All scenarios.
 pub fn scenarios() -> &'static [Scenario] {
-    &[Scenario { name: "tee", doc: "along a tunnel 3.5 m wide, into a T junction, and left", fly: tee }]
+    &[
+        Scenario { name: "tee", doc: "along a tunnel 3.5 m wide, into a T junction, and left", fly: tee },
+        Scenario {
+            name: "tunnel",
+            doc: "from end to end of a tunnel of 3.5 m x 3 m with branches",
+            fly: mines::tunnel,
+        },
+        Scenario {
+            name: "mine",
+            doc: "through a mine of 6 m x 4 m with many junctions and wet walls",
+            fly: mines::mine,
+        },
+    ]
 }
 
 fn tee(seed: u64) -> Flight {
@@ -40,7 +53,7 @@ fn tee(seed: u64) -> Flight {
     let texture = Texture { bump_sd_m: 0.06, bump_length_m: 0.8, ..Texture::SMOOTH };
     let surface = Surface::new(&network, &texture, seed);
     let route_m: Vec<Point> = network.route_m(&[start, tee, left]).into_iter().skip(40).take(40).collect();
-    let lidar = Lidar { loss: 0.01, ..Lidar::default() };
+    let lidar = Lidar { loss: 0.01, ..Lidar::CLEAN };
     let vehicle = Vehicle::new(Handling { speed_m_s: 1.2, ..Handling::default() }, route_m, lidar.sweep_s, seed);
     Flight::new(Mine::new(network, surface), lidar, vehicle, seed)
 }

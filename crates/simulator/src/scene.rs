@@ -40,6 +40,16 @@ impl Scene {
         }
     }
 
+    /// The same scene at another time.
+    pub(crate) fn restamped(mut self, stamp_ns: u64) -> Self {
+        self.stamp_ns = stamp_ns;
+        self.scan.header.stamp = Time::from_ns(stamp_ns);
+        if let Some(odometry) = &mut self.odometry {
+            odometry.header.stamp = Time::from_ns(stamp_ns);
+        }
+        self
+    }
+
     /// The transforms that go with the odometry: the vehicle in the odometry's frame, the lidar on the vehicle.
     pub fn transforms(&self) -> Option<TfMessage> {
         let odometry = self.odometry.as_ref()?;

@@ -1,0 +1,114 @@
+//! Single places: a few branches that meet, and a lidar near where they do.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::RngExt;
+
+use crate::course::{bent, half_widths};
+use crate::lidar::{Lidar, Motion, Pose};
+use crate::network::{Disc, Network, Point, left_of, unit};
+use crate::noise::{Generator, generator};
+use crate::scene::Scene;
+use crate::surface::{Surface, Texture};
+use crate::truth::Mine;
+
+/// Branches are at least this far apart.
+const APART_RAD: f64 = 54.0 * PI / 180.0;
+/// The lidar is at least this far from the rock.
+const CLEARANCE_M: f64 = 0.25;
+/// Between a pillar and what is beside it there is at least this much room: a vehicle can pass.
+const PASSAGE_M: f64 = 0.8;
+
+/// A family of places, each with 1 to 5 branches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places {
+    /// Narrowest and widest branch.
+    pub(crate) width_m: [f64; 2],
+    /// The lidar is between these shares of the width away from where the branches meet.
+    pub(crate) off_centre: [f64; 2],
+    /// Standard deviation and length of the bumps.
+    pub(crate) bumps_m: [f64; 2],
+    /// Fewest and most pillars.
+    pub(crate) pillars: [usize; 2],
+    /// The lidar; its noise is drawn anew for every place, from 1 to 2 cm.
+    pub(crate) lidar: Lidar,
+}
+
+impl Places {
+    /// The scan and truth of one place with this many branches.
+    pub(crate) fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
+        let mut rng = generator(seed, "place");
+        let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
+        // A place that leaves no room for the lidar or its pillars is drawn again.
+        let (mine, pose) = std::iter::repeat_with(|| self.place(branches, &mut rng))
+            .find_map(|place| place)
+            .expect("the iterator does not end");
+        Scene::take(&mine, &lidar, &Motion::still(pose), stamp_ns, &mut rng)
+    }
+
+    fn place(&self, branches: usize, rng: &mut Generator) -> Option<(Mine, Pose)> {
+        let length_m = self.lidar.range_max_m + 5.0;
+        let mut network = Network::new(4.0);
+        let centre = network.add_node(Point::origin());
+        let bearings_rad = bearings_apart(branches, rng);
+        for &bearing_rad in &bearings_rad {
+            let line = bent(Point::origin(), bearing_rad, length_m, rng.random_range(-0.012..0.012));
+            let widths = half_widths(line.len(), 0.5 * self.width_m(rng), 0.04, rng);
+            network.add_branch(centre, line, widths);
+        }
+        if branches == 1 {
+            // Away from its one branch, a dead end goes on a little.
+            let width_m = self.width_m(rng);
+            let away_rad = bearings_rad[0] + PI + rng.random_range(-0.5..0.5);
+            let line = bent(Point::origin(), away_rad, width_m * rng.random_range(0.6..1.6), 0.0);
+            let widths = half_widths(line.len(), 0.5 * width_m, 0.04, rng);
+            network.add_branch(centre, line, widths);
+        }
+        let width_m = 2.0 * network.half_width_at_m(centre);
+        let [nearest, farthest] = self.off_centre.map(|share| share * width_m);
+        let position_m =
+            Point::origin() + unit(rng.random_range(0.0..TAU)) * (nearest + (farthest - nearest) * rng.random::<f64>());
+        self.add_pillars(&mut network, position_m, rng)?;
+        let [bump_sd_m, bump_length_m] = self.bumps_m;
+        let texture = Texture { bump_sd_m, bump_length_m, ..Texture::SMOOTH };
+        let surface = Surface::new(&network, &texture, rng.random());
+        let free = surface.sees(position_m, Point::origin()) && surface.clearance_m(position_m, 1.0) >= CLEARANCE_M;
+        free.then(|| (Mine::new(network, surface), Pose::level(position_m, rng.random_range(-PI..PI))))
+    }
+
+    fn width_m(&self, rng: &mut Generator) -> f64 {
+        rng.random_range(self.width_m[0]..self.width_m[1])
+    }
+
+    /// Puts pillars into the branches; `None` if there is no room for them.
+    fn add_pillars(&self, network: &mut Network, lidar_m: Point, rng: &mut Generator) -> Option<()> {
+        for _ in 0..rng.random_range(self.pillars[0]..=self.pillars[1]) {
+            let tunnel = &network.tunnels[rng.random_range(0..network.tunnels.len())];
+            // The centreline has a point every half metre.
+            let at = rng.random_range(4..17).min(tunnel.centreline_m.len() - 1);
+            let radius_m = rng.random_range(0.25..0.7);
+            let room_m = tunnel.half_widths_m[at] - radius_m - PASSAGE_M;
+            if room_m <= 0.0 {
+                return None;
+            }
+            let side_m = rng.random_range(-room_m..room_m);
+            let centre_m = tunnel.centreline_m[at] + left_of(tunnel.tangent(at)) * side_m;
+            let apart = |pillar: &Disc| (pillar.centre_m - centre_m).norm() > pillar.radius_m + radius_m + PASSAGE_M;
+            if (centre_m - lidar_m).norm() < radius_m + PASSAGE_M || !network.pillars.iter().all(apart) {
+                return None;
+            }
+            network.pillars.push(Disc { centre_m, radius_m });
+        }
+        Some(())
+    }
+}
+
+/// Bearings in random directions, neighbours at least [`APART_RAD`] apart.
+fn bearings_apart(branches: usize, rng: &mut Generator) -> Vec<f64> {
+    let spare_rad = TAU - branches as f64 * APART_RAD;
+    let mut cuts: Vec<f64> = (1..branches).map(|_| rng.random_range(0.0..spare_rad)).collect();
+    cuts.sort_by(f64::total_cmp);
+    let first_rad = rng.random_range(0.0..TAU);
+    let rest = cuts.iter().enumerate().map(|(i, cut)| first_rad + (i + 1) as f64 * APART_RAD + cut);
+    std::iter::once(first_rad).chain(rest).collect()
+}

@@ -1,0 +1,226 @@
+//! Procedural mines, each seed another one, and flights through them.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+
+use crate::course::{bent, half_widths, swaying};
+use crate::lidar::Lidar;
+use crate::network::{Disc, Network, Point, left_of, unit};
+use crate::noise::{Generator, generator};
+use crate::scene::Flight;
+use crate::surface::{Surface, Texture};
+use crate::truth::Mine;
+use crate::vehicle::{Handling, Vehicle};
+
+/// A flight through a tunnel 3.5 m wide and 3 m high with branches to both sides, from one dead end to the other.
+pub(crate) fn tunnel(seed: u64) -> Flight {
+    let (network, route) = drive(&mut generator(seed, "tunnel"));
+    let texture = Texture { bump_sd_m: 0.12, bump_length_m: 0.8, ..Texture::SMOOTH };
+    let lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
+    fly(network, &route, texture, lidar, seed)
+}
+
+/// A flight through a mine of tunnels 6 m wide and 4 m high that cross many times, its walls wet in places.
+pub(crate) fn mine(seed: u64) -> Flight {
+    let (network, route) = rooms(&mut generator(seed, "mine"));
+    let texture = Texture { bump_sd_m: 0.15, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
+    let lidar = Lidar {
+        loss: 0.05,
+        loss_at_range_max: 0.3,
+        loss_at_grazing: 0.3,
+        loss_on_wet: 0.7,
+        dust: 0.003,
+        ..Lidar::CLEAN
+    };
+    fly(network, &route, texture, lidar, seed)
+}
+
+fn fly(network: Network, route: &[usize], texture: Texture, lidar: Lidar, seed: u64) -> Flight {
+    let surface = Surface::new(&network, &texture, seed);
+    // Off the face of the dead end, if it starts at one.
+    let route_m: Vec<Point> = network.route_m(route).into_iter().skip(4).collect();
+    let vehicle = Vehicle::new(Handling::default(), route_m, lidar.sweep_s, seed);
+    Flight::new(Mine::new(network, surface), lidar, vehicle, seed)
+}
+
+/// A long drive with junctions every 14 to 24 m; short branches end in sight, long ones do not.
+fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
+    const HALF_WIDTH_M: f64 = 1.75;
+    let mut network = Network::new(3.0);
+    let mut route = vec![network.add_node(Point::origin())];
+    let mut heading_rad = 0.0;
+    for _ in 0..7 {
+        let from = route[route.len() - 1];
+        let length_m = rng.random_range(14.0..24.0);
+        // The drive winds, but keeps its main direction, so that it never meets itself.
+        let bend_rad_per_m = (rng.random_range(-0.5..0.5) - 0.5 * heading_rad) / length_m;
+        let line = bent(network.nodes[from].position_m, heading_rad, length_m, bend_rad_per_m);
+        heading_rad += bend_rad_per_m * length_m;
+        let widths = half_widths(line.len(), HALF_WIDTH_M, 0.1, rng);
+        route.push(network.add_branch(from, line, widths));
+    }
+    let mut side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    for &node in &route[1..route.len() - 1] {
+        // Left and right in turn; at some places both.
+        let sides = if rng.random_bool(0.25) { vec![side, -side] } else { vec![side] };
+        for side in sides {
+            add_spur(&mut network, node, HALF_WIDTH_M, |rng| side * rng.random_range(0.9..2.2), rng);
+        }
+        side = -side;
+    }
+    add_alcoves(&mut network, 5, rng);
+    (network, route)
+}
+
+/// A net of tunnels around blocks of rock, with spurs, alcoves, pillars and a chamber.
+fn rooms(rng: &mut Generator) -> (Network, Vec<usize>) {
+    const SIDE: usize = 4;
+    const SPACING_M: f64 = 27.0;
+    let mut network = Network::new(4.0);
+    for index in 0..SIDE * SIDE {
+        let mut jitter_m = || rng.random_range(-4.0..4.0);
+        let (x, y) = ((index % SIDE) as f64 * SPACING_M + jitter_m(), (index / SIDE) as f64 * SPACING_M + jitter_m());
+        network.add_node(Point::new(x, y));
+    }
+    for (from, to) in grid_edges(SIDE, rng) {
+        let (from_m, to_m) = (network.nodes[from].position_m, network.nodes[to].position_m);
+        let line = swaying(from_m, to_m, rng.random_range(-1.5..1.5));
+        let widths = half_widths(line.len(), rng.random_range(2.7..3.3), 0.08, rng);
+        network.add_tunnel(from, to, line, widths);
+    }
+    let route = wander(&network, 9, rng);
+    for node in 0..SIDE * SIDE {
+        if rng.random_bool(0.6) {
+            add_spur(&mut network, node, 2.7, |rng| rng.random_range(-PI..PI), rng);
+        }
+    }
+    let chamber = route[2];
+    network.nodes[chamber].chamber_radius_m = 6.0;
+    add_alcoves(&mut network, 12, rng);
+    add_pillars(&mut network, 10, rng);
+    (network, route)
+}
+
+/// Edges of a square grid: the rim, and most of the inner ones; every node keeps at least two.
+fn grid_edges(side: usize, rng: &mut Generator) -> Vec<(usize, usize)> {
+    let across = (0..side).flat_map(|row| (1..side).map(move |column| (row * side + column - 1, row * side + column)));
+    let up = (1..side).flat_map(|row| (0..side).map(move |column| ((row - 1) * side + column, row * side + column)));
+    let mut edges: Vec<(usize, usize)> = across.chain(up).collect();
+    let on_rim = |node: usize| [0, side - 1].contains(&(node % side)) || [0, side - 1].contains(&(node / side));
+    edges.shuffle(rng);
+    for edge in edges.clone() {
+        let degree = |node: usize| edges.iter().filter(|(a, b)| *a == node || *b == node).count();
+        if !(on_rim(edge.0) && on_rim(edge.1)) && degree(edge.0) > 2 && degree(edge.1) > 2 && rng.random_bool(0.3) {
+            edges.retain(|&other| other != edge);
+        }
+    }
+    edges
+}
+
+/// A walk over `steps` tunnels that never turns back and prefers tunnels that it has not used.
+fn wander(network: &Network, steps: usize, rng: &mut Generator) -> Vec<usize> {
+    let mut route = vec![rng.random_range(0..network.nodes.len())];
+    let mut uses = vec![0; network.tunnels.len()];
+    for _ in 0..steps {
+        let (at, before) = (route[route.len() - 1], route.len().checked_sub(2).map(|i| route[i]));
+        let mut ways: Vec<(usize, usize)> = (0..network.tunnels.len())
+            .filter_map(|tunnel| match network.tunnels[tunnel].ends {
+                [a, b] if a == at => Some((tunnel, b)),
+                [a, b] if b == at => Some((tunnel, a)),
+                _ => None,
+            })
+            .filter(|&(_, to)| Some(to) != before)
+            .collect();
+        ways.shuffle(rng);
+        let Some(&(tunnel, to)) = ways.iter().min_by_key(|(tunnel, _)| uses[*tunnel]) else { break };
+        uses[tunnel] += 1;
+        route.push(to);
+    }
+    route
+}
+
+/// Adds a dead-end tunnel off a node, in the direction of the first tunnel there turned by `turn_rad`, if a few draws
+/// find room for it.
+fn add_spur(
+    network: &mut Network,
+    node: usize,
+    half_width_m: f64,
+    turn_rad: impl Fn(&mut Generator) -> f64,
+    rng: &mut Generator,
+) {
+    let from_m = network.nodes[node].position_m;
+    let ways = headings_rad(network, node);
+    for _ in 0..8 {
+        let heading_rad = ways[0] + PI + turn_rad(rng);
+        let length_m = rng.random_range(6.0..30.0);
+        let line = bent(from_m, heading_rad, length_m, rng.random_range(-0.015..0.015));
+        let apart = |way: &f64| crosscut_stage::wrap_angle_rad(heading_rad - way).abs() > 0.85;
+        // Neighbours 0.85 rad apart are clear of each other beyond 1.2 widths / tan(0.425).
+        if ways.iter().all(apart) && network.has_room_for(&line, half_width_m, 1.5, 6.5 * half_width_m) {
+            let widths = half_widths(line.len(), half_width_m, 0.08, rng);
+            network.add_branch(node, line, widths);
+            return;
+        }
+    }
+}
+
+/// Directions in which tunnels leave a node; the first is that of the first tunnel.
+fn headings_rad(network: &Network, node: usize) -> Vec<f64> {
+    let mut headings = Vec::new();
+    for tunnel in &network.tunnels {
+        let n = tunnel.centreline_m.len();
+        let outward = [tunnel.tangent(0), -tunnel.tangent(n - 1)];
+        headings.extend((0..2).filter(|&end| tunnel.ends[end] == node).map(|end| outward[end].y.atan2(outward[end].x)));
+    }
+    headings
+}
+
+/// Adds shallow pockets to the walls, away from the junctions.
+fn add_alcoves(network: &mut Network, count: usize, rng: &mut Generator) {
+    for _ in 0..count {
+        let Some((tunnel, at)) = mid_tunnel(network, 6.0, rng) else { continue };
+        let tunnel = &network.tunnels[tunnel];
+        let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let centre_m = tunnel.centreline_m[at] + left_of(tunnel.tangent(at)) * (side * tunnel.half_widths_m[at]);
+        network.alcoves.push(Disc { centre_m, radius_m: rng.random_range(0.6..1.0) });
+    }
+}
+
+/// Adds pillars beside the centrelines, and one in every chamber, all with room to pass on both sides.
+fn add_pillars(network: &mut Network, count: usize, rng: &mut Generator) {
+    for _ in 0..count {
+        let Some((tunnel, at)) = mid_tunnel(network, 4.0, rng) else { continue };
+        let tunnel = &network.tunnels[tunnel];
+        let radius_m = rng.random_range(0.25..0.45);
+        // As far from the wall as from a vehicle on the centreline.
+        let side_m = (0.5 * tunnel.half_widths_m[at] + 0.1) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let centre_m = tunnel.centreline_m[at] + left_of(tunnel.tangent(at)) * side_m;
+        if network.pillars.iter().all(|other| (other.centre_m - centre_m).norm() > 4.0) {
+            network.pillars.push(Disc { centre_m, radius_m });
+        }
+    }
+    for node in 0..network.nodes.len() {
+        let radius_m = network.nodes[node].chamber_radius_m;
+        if radius_m > 0.0 {
+            // In the middle of the widest gap between the tunnels that leave it.
+            let mut ways = headings_rad(network, node);
+            ways.sort_by(f64::total_cmp);
+            let gap = |i: usize| (ways[(i + 1) % ways.len()] - ways[i]).rem_euclid(TAU);
+            let widest = (0..ways.len()).max_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(0);
+            let towards = unit(ways[widest] + 0.5 * gap(widest));
+            let centre_m = network.nodes[node].position_m + towards * (0.6 * radius_m);
+            network.pillars.push(Disc { centre_m, radius_m: 0.7 });
+        }
+    }
+}
+
+/// A tunnel, and a point of its centreline that is farther than `clear_m` from both its nodes.
+fn mid_tunnel(network: &Network, clear_m: f64, rng: &mut Generator) -> Option<(usize, usize)> {
+    let tunnel = rng.random_range(0..network.tunnels.len());
+    let line = &network.tunnels[tunnel].centreline_m;
+    let at = rng.random_range(0..line.len());
+    let clear = |end: &Point| (line[at] - end).norm() > clear_m;
+    (clear(&line[0]) && clear(&line[line.len() - 1])).then_some((tunnel, at))
+}

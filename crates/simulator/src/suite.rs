@@ -1,0 +1,126 @@
+//! Named families of scenes, for development and for reports.
+
+use crate::junction::Places;
+use crate::lidar::Lidar;
+use crate::mines;
+use crate::scene::{FIRST_STAMP_NS, Flight, Scene};
+
+/// Scenes in every family.
+pub const SCENES: usize = 600;
+/// Of a flight, every fifth scan is taken: half a second apart.
+const FLIGHT_STRIDE: usize = 5;
+
+/// Which seeds the scenes are drawn from. What is developed on one is reported on the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// For development.
+    Dev,
+    /// For reports, never to be looked at while developing.
+    Report,
+}
+
+/// A family of scenes.
+#[derive(Clone, Copy, Debug)]
+pub struct Suite {
+    /// Its name.
+    pub name: &'static str,
+    /// What is in it, in one line.
+    pub doc: &'static str,
+    scenes: Scenes,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Scenes {
+    Places(fn() -> Places),
+    Flights(fn(seed: u64) -> Flight),
+}
+
+impl Split {
+    fn first_seed(self) -> u64 {
+        match self {
+            Self::Dev => 0,
+            Self::Report => 1_000_000,
+        }
+    }
+}
+
+impl Suite {
+    /// Its [`SCENES`] scenes, made one by one; the same at every call.
+    pub fn scenes(&self, split: Split) -> Box<dyn Iterator<Item = Scene> + Send> {
+        match self.scenes {
+            Scenes::Places(places) => {
+                let places = places();
+                // Families share no scene: each has seeds of its own.
+                let family = self.name.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(131) + u64::from(byte));
+                Box::new((0..SCENES as u64).map(move |index| {
+                    let seed = (family << 32).wrapping_add(split.first_seed() + index);
+                    places.scene(1 + index as usize % 5, seed, FIRST_STAMP_NS + index * 100_000_000)
+                }))
+            }
+            Scenes::Flights(fly) => Box::new(
+                (split.first_seed()..)
+                    .flat_map(move |seed| fly(seed).step_by(FLIGHT_STRIDE))
+                    .take(SCENES)
+                    .enumerate()
+                    .map(|(index, scene)| scene.restamped(FIRST_STAMP_NS + index as u64 * 500_000_000)),
+            ),
+        }
+    }
+}
+
+/// All families.
+pub fn suites() -> &'static [Suite] {
+    const fn places(name: &'static str, doc: &'static str, scenes: fn() -> Places) -> Suite {
+        Suite { name, doc, scenes: Scenes::Places(scenes) }
+    }
+    const fn flights(name: &'static str, doc: &'static str, scenes: fn(u64) -> Flight) -> Suite {
+        Suite { name, doc, scenes: Scenes::Flights(scenes) }
+    }
+    const SUITES: &[Suite] = &[
+        places("clean6", "5.5-6.5 m wide", || Places { width_m: [5.5, 6.5], ..CLEAN }),
+        places("clean35", "3.2-3.8 m wide", || Places { width_m: [3.2, 3.8], ..CLEAN }),
+        places("sparse", "3-4 m wide, 20 % of the beams lost", || Places {
+            width_m: [3.0, 4.0],
+            lidar: Lidar { loss: 0.2, ..CLEAN.lidar },
+            ..CLEAN
+        }),
+        places("wet", "5-7 m wide, 20 % of the beams lost, and 15 % in patches of 3-18 beams", || Places {
+            width_m: [5.0, 7.0],
+            lidar: Lidar { loss: 0.2, patch_share: 0.15, ..CLEAN.lidar },
+            ..CLEAN
+        }),
+        places("narrow", "1.2-2.4 m wide", || Places { width_m: [1.2, 2.4], bumps_m: [0.04, 0.8], ..CLEAN }),
+        places("dust", "3-6 m wide, 4 % returns from dust within 6 m, 10 % of the beams lost", || Places {
+            lidar: Lidar { loss: 0.1, dust: 0.04, ..CLEAN.lidar },
+            ..CLEAN
+        }),
+        places("rough", "3-6 m wide, bumps of 0.3 m standard deviation and 1 m long, 10 % of the beams lost", || {
+            Places { bumps_m: [0.3, 1.0], lidar: Lidar { loss: 0.1, ..CLEAN.lidar }, ..CLEAN }
+        }),
+        places("offcentre", "3-6 m wide, the lidar 0.4 widths off centre", || Places {
+            off_centre: [0.4, 0.4],
+            ..CLEAN
+        }),
+        places("dense720", "3-6 m wide, 720 beams", || Places { lidar: Lidar { beams: 720, ..CLEAN.lidar }, ..CLEAN }),
+        places("view255", "3-6 m wide, a view of 255°, a beam per degree", || Places {
+            lidar: Lidar { beams: 256, field_of_view_rad: 255_f64.to_radians(), ..CLEAN.lidar },
+            ..CLEAN
+        }),
+        places("view180", "3-6 m wide, a view of 180°, a beam per degree", || Places {
+            lidar: Lidar { beams: 181, field_of_view_rad: 180_f64.to_radians(), ..CLEAN.lidar },
+            ..CLEAN
+        }),
+        places("pillars", "5-7 m wide, one to three pillars of 0.5-1.4 m", || Places {
+            width_m: [5.0, 7.0],
+            pillars: [1, 3],
+            ..CLEAN
+        }),
+        flights("flight_tunnel", "whole flights through tunnels of 3.5 m x 3 m, two scans a second", mines::tunnel),
+        flights("flight_mine", "whole flights through wet mines of 6 m x 4 m, two scans a second", mines::mine),
+    ];
+    SUITES
+}
+
+/// What the families have in common unless they say otherwise: 3-6 m wide, bumps of 6 cm, nothing lost.
+const CLEAN: Places =
+    Places { width_m: [3.0, 6.0], off_centre: [0.0, 0.25], bumps_m: [0.06, 0.8], pillars: [0, 0], lidar: Lidar::CLEAN };
