@@ -1,1 +1,44 @@
-//! Embedding U to a partition of the returns.
+//! Third stage: from the embedding U to a partition of the returns.
+//!
+//! In: [`Spectrum`], of which k and U (n×k) are read; row u_i is return i in the space of the eigenvectors, taken as it
+//! is (the paper does not normalise rows). Out: [`Partition`], a label for each of the n returns, clusters numbered by
+//! their first return, their centroids (clusters×k) and the objective of the paper's last equation,
+//!
+//! f(C, U) = Σ_i min_c∈C ‖u_i - c‖².
+//!
+//! | kind | clusters | for |
+//! |---|---|---|
+//! | `kmeans++` | k-means: k-means++ seeding, Lloyd's iteration, the best of several restarts | the paper |
+//!
+//! ```
+//! use crosscut_kmeans::KmeansPlusPlus;
+//! use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
+//!
+//! let u = faer::mat![[0.7, 0.0], [0.0, 1.0], [0.7, 0.0]];
+//! let spectrum = Spectrum { k: 2, u, ..Spectrum::default() };
+//! let mut partition = Partition::default();
+//! let (seed, restarts, max_iterations, tolerance) = (0, 10, 300, 0.0);
+//! let mut stage = KmeansPlusPlus::new(seed, restarts, max_iterations, tolerance)?;
+//! stage.partition(&spectrum, &mut partition, &mut Notes::default())?;
+//! assert_eq!(partition.labels, [Some(0), Some(1), Some(0)]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then runs
+//! over it.
+//!
+//! [`Spectrum`]: crosscut_stage::Spectrum
+//! [`Partition`]: crosscut_stage::Partition
+
+mod kmeans_plus_plus;
+mod lloyd;
+mod numbering;
+mod rows;
+mod seeding;
+
+use crosscut_stage::{Kind, KmeansStage};
+
+pub use kmeans_plus_plus::KmeansPlusPlus;
+
+/// The assignments that crosscut ships.
+pub const KINDS: &[Kind<dyn KmeansStage>] = &[kmeans_plus_plus::KIND];

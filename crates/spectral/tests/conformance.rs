@@ -86,8 +86,8 @@ fn columns_of_u_are_orthonormal_eigenvectors_of_the_zeros() {
         let bound = rounding(graph.n);
         let gram = u.transpose() * &u - Mat::<f64>::identity(k, k);
         assert!(gram.norm_max() <= bound, "UᵀU - I = {gram:?}");
-        for j in 0..k {
-            let residual = &l * u.col(j) - faer::Scale(eigenvalues[j]) * u.col(j);
+        for (j, &lambda) in eigenvalues.iter().enumerate().take(k) {
+            let residual = &l * u.col(j) - faer::Scale(lambda) * u.col(j);
             assert!(residual.norm_l2() <= bound, "‖Lu - λu‖ = {} for λ_{j}", residual.norm_l2());
         }
     });

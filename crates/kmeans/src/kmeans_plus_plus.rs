@@ -1,0 +1,149 @@
+//! `kmeans++`: the last step of the paper's Algorithm 1.
+
+use crosscut_stage::{
+    Interval, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value,
+};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+use crate::lloyd::Lloyd;
+use crate::numbering::by_first_return;
+use crate::rows::Rows;
+use crate::seeding::Seeding;
+
+const SEED: ParamSpec = ParamSpec {
+    name: "seed",
+    unit: "",
+    shape: Shape::Integer { default: 0, min: 0, max: u32::MAX as i64 },
+    doc: "where the random numbers start, again for every revolution",
+};
+
+const RESTARTS: ParamSpec = ParamSpec {
+    name: "restarts",
+    unit: "",
+    shape: Shape::Integer { default: 10, min: 1, max: 1000 },
+    doc: "how often the centres are seeded anew; the best result is kept",
+};
+
+const MAX_ITERATIONS: ParamSpec = ParamSpec {
+    name: "max_iterations",
+    unit: "",
+    shape: Shape::Integer { default: 300, min: 1, max: 100_000 },
+    doc: "iterations after which one restart ends, settled or not",
+};
+
+const TOLERANCE: ParamSpec = ParamSpec {
+    name: "tolerance",
+    unit: "of the mean variance of U's columns",
+    shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 1.0) },
+    doc: "a restart ends when the squared steps of all centres sum to no more than this; 0: when no label changes",
+};
+
+pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
+    name: "kmeans++",
+    doc: "k-means++ on the rows of U, not normalised, as in the paper",
+    params: &[SEED, RESTARTS, MAX_ITERATIONS, TOLERANCE],
+    build: |params| {
+        Box::new(KmeansPlusPlus::with(
+            params.count(SEED.name) as u64,
+            params.count(RESTARTS.name),
+            params.count(MAX_ITERATIONS.name),
+            params.number(TOLERANCE.name),
+        ))
+    },
+};
+
+/// k-means on the rows of U: k-means++ seeding, Lloyd's iteration, several restarts, of which the one with the smallest
+/// objective is kept (the first of equals). Random numbers: PCG XSL 128/64, from the seed again at every call.
+///
+/// Fewer distinct rows than k give as many clusters as there are distinct rows, with a note. k = 0 leaves every return
+/// without a cluster. Turning U changes no label but by rounding; returns in another order are other random draws.
+#[derive(Clone, Debug)]
+pub struct KmeansPlusPlus {
+    seed: u64,
+    restarts: usize,
+    max_iterations: usize,
+    tolerance: f64,
+    rows: Rows,
+    seeding: Seeding,
+    lloyd: Lloyd,
+    best: Lloyd,
+}
+
+impl KmeansPlusPlus {
+    /// With a seed, 1 to 1000 restarts, at most `max_iterations` (1 to 100,000) in each, and a tolerance in [0, 1]: the
+    /// sum of the squared steps of all centres, over the mean variance of U's columns, at which a restart ends.
+    ///
+    /// # Errors
+    /// When a number is out of range.
+    pub fn new(seed: u32, restarts: u32, max_iterations: u32, tolerance: f64) -> Result<Self, ParamError> {
+        RESTARTS.check(Value::Integer(restarts.into()))?;
+        MAX_ITERATIONS.check(Value::Integer(max_iterations.into()))?;
+        TOLERANCE.check(Value::Number(tolerance))?;
+        Ok(Self::with(seed.into(), restarts as usize, max_iterations as usize, tolerance))
+    }
+
+    fn with(seed: u64, restarts: usize, max_iterations: usize, tolerance: f64) -> Self {
+        let (rows, seeding) = (Rows::default(), Seeding::default());
+        let (lloyd, best) = (Lloyd::default(), Lloyd::default());
+        Self { seed, restarts, max_iterations, tolerance, rows, seeding, lloyd, best }
+    }
+
+    /// Leaves the restart with the smallest objective in `self.best`; n and k > 0.
+    fn restart(&mut self, notes: &mut Notes) {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        let still = self.tolerance * self.rows.mean_variance();
+        let mut least = None;
+        for _ in 0..self.restarts {
+            self.seeding.choose(&self.rows, &mut rng, &mut self.lloyd.centroids);
+            let settled = self.lloyd.run(&self.rows, self.max_iterations, still);
+            let inertia = self.lloyd.inertia();
+            if least.is_none_or(|(least, _)| inertia < least) {
+                least = Some((inertia, settled));
+                std::mem::swap(&mut self.best, &mut self.lloyd);
+            }
+            // No restart beats 0, and one cluster comes out the same each time.
+            if inertia == 0.0 || self.rows.dimension() == 1 {
+                break;
+            }
+        }
+        if let Some((_, false)) = least {
+            notes.add(format!("k-means: the best restart had not settled after {} iterations", self.max_iterations));
+        }
+    }
+}
+
+impl KmeansStage for KmeansPlusPlus {
+    fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
+        self.rows.copy_from(spectrum)?;
+        let (n, k) = (self.rows.len(), self.rows.dimension());
+        out.labels.clear();
+        if n == 0 || k == 0 {
+            if n > 0 {
+                notes.add("k-means: no eigenvalue is zero, so no return has a cluster");
+            }
+            (out.clusters, out.inertia) = (0, 0.0);
+            out.labels.resize(n, None);
+            out.centroids.resize_with(0, k, |_, _| 0.0);
+            return Ok(());
+        }
+        self.restart(notes);
+        let Lloyd { centroids, labels, .. } = &self.best;
+        let numbers = by_first_return(labels.iter().copied(), centroids.len() / k);
+        out.labels.extend(labels.iter().map(|&label| numbers[label as usize]));
+        out.clusters = numbers.iter().flatten().count();
+        out.inertia = self.best.inertia();
+        out.centroids.resize_with(out.clusters, k, |_, _| 0.0);
+        for (number, centroid) in numbers.iter().zip(centroids.chunks_exact(k)) {
+            if let Some(number) = number {
+                for (j, &x) in centroid.iter().enumerate() {
+                    out.centroids[(*number as usize, j)] = x;
+                }
+            }
+        }
+        if out.clusters < k {
+            notes.add(format!("k-means: only {} distinct rows of U for k = {k}", out.clusters));
+        }
+        Ok(())
+    }
+}

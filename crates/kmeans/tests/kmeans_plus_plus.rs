@@ -1,0 +1,98 @@
+//! `kmeans++` against every possible partition, and its stated rules.
+
+mod embeddings;
+
+use crosscut_kmeans::KmeansPlusPlus;
+use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
+use faer::Mat;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+use embeddings::{arbitrary, spectrum};
+
+fn run(seed: u32, restarts: u32, max_iterations: u32, spectrum: &Spectrum) -> (Partition, Notes) {
+    let (mut out, mut notes) = (Partition::default(), Notes::default());
+    let mut stage = KmeansPlusPlus::new(seed, restarts, max_iterations, 0.0).expect("in range");
+    stage.partition(spectrum, &mut out, &mut notes).expect("finite");
+    (out, notes)
+}
+
+/// The smallest objective over all kⁿ assignments of n rows to k clusters.
+fn smallest_inertia(spectrum: &Spectrum) -> f64 {
+    let (n, k) = (spectrum.u.nrows(), spectrum.k);
+    (0..k.pow(n as u32)).map(|code| inertia_of(spectrum, code)).fold(f64::INFINITY, f64::min)
+}
+
+/// The objective of the assignment whose digits to the base k are `code`: the spread of each cluster about its mean.
+fn inertia_of(spectrum: &Spectrum, code: usize) -> f64 {
+    let (n, k) = (spectrum.u.nrows(), spectrum.k);
+    let cluster = |i: usize| code / k.pow(i as u32) % k;
+    let spread = |c: usize, j: usize| {
+        let members = || (0..n).filter(move |&i| cluster(i) == c).map(move |i| spectrum.u[(i, j)]);
+        let mean = members().sum::<f64>() / members().count() as f64;
+        members().map(|x| (x - mean).powi(2)).sum::<f64>()
+    };
+    (0..k).flat_map(|c| (0..k).map(move |j| (c, j))).map(|(c, j)| spread(c, j)).sum()
+}
+
+#[test]
+fn no_partition_of_a_few_returns_is_better() {
+    let config = Config { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let ran = TestRunner::new(config).run(&arbitrary(1..7), |spectrum| {
+        let (found, optimum) = (run(0, 50, 300, &spectrum).0.inertia, smallest_inertia(&spectrum));
+        assert!((found - optimum).abs() <= 1e-12, "{found}, but {optimum} can be had");
+        Ok(())
+    });
+    assert!(ran.is_ok(), "{ran:?}");
+}
+
+/// Twelve tight blobs, the corners of a 4×3 grid in the first two coordinates.
+fn blobs() -> Spectrum {
+    spectrum(Mat::from_fn(120, 12, |i, j| {
+        let jitter = 0.01 * ((i * 7919 + j * 104_729) % 101) as f64 / 101.0;
+        match j {
+            0 => (i % 4) as f64 + jitter,
+            1 => (i % 12 / 4) as f64 + jitter,
+            _ => jitter,
+        }
+    }))
+}
+
+#[test]
+fn well_separated_blobs_are_told_apart_from_every_seed() {
+    let expected: Vec<_> = (0..120).map(|i| Some(i % 12)).collect();
+    for seed in 0..50 {
+        assert_eq!(run(seed, 10, 300, &blobs()).0.labels, expected, "seed {seed}");
+    }
+}
+
+#[test]
+fn more_restarts_never_give_a_larger_objective() {
+    let scattered =
+        spectrum(Mat::from_fn(80, 8, |i, j| f64::from(((i * 8 + j) as u32).wrapping_mul(2_654_435_761) >> 20)));
+    let inertia: Vec<f64> = (1..30).map(|restarts| run(3, restarts, 300, &scattered).0.inertia).collect();
+    assert!(inertia.is_sorted_by(|a, b| a >= b), "{inertia:?}");
+    assert!(inertia[0] > inertia[28], "a case in which restarts matter: {inertia:?}");
+}
+
+#[test]
+fn fewer_distinct_rows_than_k_give_fewer_clusters_and_a_note() {
+    let rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0]];
+    let (partition, notes) = run(0, 10, 300, &spectrum(Mat::from_fn(4, 3, |i, j| rows[i][j])));
+    assert_eq!((partition.clusters, partition.inertia), (2, 0.0));
+    assert_eq!(partition.labels, [Some(0), Some(1), Some(0), Some(1)]);
+    assert_eq!(notes.iter().collect::<Vec<_>>(), ["k-means: only 2 distinct rows of U for k = 3"]);
+}
+
+#[test]
+fn a_run_cut_off_by_max_iterations_says_so() {
+    let spread = spectrum(Mat::from_fn(200, 2, |i, j| ((i * (37 + j) + i * i) % 211) as f64));
+    assert!(run(0, 1, 1, &spread).1.iter().any(|note| note.contains("not settled after 1 iterations")));
+    assert!(run(0, 1, 300, &spread).1.is_empty());
+}
+
+#[test]
+fn each_number_out_of_range_is_refused() {
+    assert!(KmeansPlusPlus::new(0, 0, 300, 0.0).is_err_and(|error| error.name == "restarts"));
+    assert!(KmeansPlusPlus::new(0, 10, 0, 0.0).is_err_and(|error| error.name == "max_iterations"));
+    assert!(KmeansPlusPlus::new(0, 10, 300, f64::NAN).is_err_and(|error| error.name == "tolerance"));
+}
