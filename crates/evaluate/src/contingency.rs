@@ -1,0 +1,109 @@
+//! The beams of one scan, counted by true wall and reported wall.
+
+use crosscut_messages::Truth;
+
+use crate::assignment::best_matching;
+
+/// How many beams each true wall shares with each reported one. Islands are walls here.
+#[derive(Debug)]
+pub(crate) struct Contingency {
+    /// Ids of the reported walls that have beams, ascending.
+    pub(crate) reported_walls: Vec<i64>,
+    /// |T_a ∩ R_b|, a row per true wall that has beams, a column per reported one.
+    shared: Vec<Vec<usize>>,
+    /// |T_a|.
+    true_size: Vec<usize>,
+    /// |R_b|.
+    reported_size: Vec<usize>,
+    /// Beams with a return by the truth, and those that were put into a wall all the same.
+    pub(crate) beams: usize,
+    /// Returns of no true wall (dust) that were put into none.
+    left_out: usize,
+}
+
+impl Contingency {
+    /// Of labels per beam, as many on both sides: walls at 0 and above, [`Truth::NO_RETURN`], or no wall.
+    pub(crate) fn of(truth: &[i32], reported: &[i64]) -> Self {
+        let true_walls = walls(truth.iter().copied(), 0);
+        let reported_walls = walls(reported.iter().copied(), 0);
+        let (rows, columns) = (true_walls.len(), reported_walls.len());
+        let mut table = Self {
+            shared: vec![vec![0; columns]; rows],
+            true_size: vec![0; rows],
+            reported_size: vec![0; columns],
+            beams: 0,
+            left_out: 0,
+            reported_walls,
+        };
+        for (&t, &r) in truth.iter().zip(reported) {
+            let row = true_walls.binary_search(&t).ok();
+            let column = table.reported_walls.binary_search(&r).ok();
+            if let Some(a) = row {
+                table.true_size[a] += 1;
+            }
+            if let Some(b) = column {
+                table.reported_size[b] += 1;
+            }
+            if let (Some(a), Some(b)) = (row, column) {
+                table.shared[a][b] += 1;
+            }
+            table.beams += usize::from(t != Truth::NO_RETURN || column.is_some());
+            table.left_out += usize::from(t != Truth::NO_RETURN && row.is_none() && column.is_none());
+        }
+        table
+    }
+
+    /// Number of true walls that have beams.
+    pub(crate) fn true_walls(&self) -> usize {
+        self.true_size.len()
+    }
+
+    /// Pairs of a true and a reported wall with |T ∩ R| / |T ∪ R| >= `least`. Above 1/2 no wall is in two of them,
+    /// because walls of one side share no beam.
+    pub(crate) fn overlapping(&self, least: f64) -> impl Iterator<Item = (usize, usize)> {
+        let iou = |a: usize, b: usize| {
+            let shared = self.shared[a][b];
+            shared as f64 / (self.true_size[a] + self.reported_size[b] - shared) as f64
+        };
+        (0..self.true_size.len())
+            .flat_map(|a| (0..self.reported_size.len()).map(move |b| (a, b)))
+            .filter(move |&(a, b)| iou(a, b) >= least)
+    }
+
+    /// Beams that are labelled right, under the one-to-one matching of walls that makes them the most.
+    pub(crate) fn beams_right(&self) -> usize {
+        let pairs = best_matching(self.true_size.len(), self.reported_size.len(), |a, b| self.shared[a][b] as f64);
+        self.left_out + pairs.iter().map(|&(a, b)| self.shared[a][b]).sum::<usize>()
+    }
+
+    /// Adjusted Rand index (Hubert and Arabie 1985) over the beams of true walls. Those put into no wall are a group of
+    /// their own.
+    pub(crate) fn adjusted_rand_index(&self) -> f64 {
+        let pairs = |n: usize| (n * n.saturating_sub(1) / 2) as f64;
+        let left_out = |a: usize| self.true_size[a] - self.shared[a].iter().sum::<usize>();
+        let columns = |b: usize| self.shared.iter().map(|row| row[b]).sum::<usize>();
+        let all_left_out = (0..self.true_walls()).map(left_out).sum::<usize>();
+
+        let together: f64 = self.shared.iter().flatten().map(|&n| pairs(n)).sum::<f64>()
+            + (0..self.true_walls()).map(|a| pairs(left_out(a))).sum::<f64>();
+        let in_truth: f64 = self.true_size.iter().map(|&n| pairs(n)).sum();
+        let in_report: f64 =
+            (0..self.reported_size.len()).map(|b| pairs(columns(b))).sum::<f64>() + pairs(all_left_out);
+        let all = pairs(self.true_size.iter().sum());
+        let expected = in_truth * in_report / all;
+        let largest = 0.5 * (in_truth + in_report);
+        // Both sides one group, or both all singletons (also: no pair at all): they agree.
+        if all == 0.0 || largest == expected { 1.0 } else { (together - expected) / (largest - expected) }
+    }
+}
+
+/// The distinct labels at `first` and above, ascending.
+fn walls<T: Ord + Copy>(labels: impl Iterator<Item = T>, first: T) -> Vec<T> {
+    let mut ids: Vec<T> = Vec::new();
+    for label in labels.filter(|label| *label >= first) {
+        if let Err(place) = ids.binary_search(&label) {
+            ids.insert(place, label);
+        }
+    }
+    ids
+}

@@ -1,0 +1,148 @@
+//! Many revolutions: what their scores amount to.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::{Confidence, Percentiles, Score, Share};
+
+/// Scores of any number of revolutions, collected in any order and from any source.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    right: Share,
+    /// Revolutions by (true, reported) number of walls.
+    counts: BTreeMap<(usize, usize), u64>,
+    returns: u64,
+    returns_right: u64,
+    rand_indices: Vec<f64>,
+    missed: Share,
+    false_alarms: Share,
+    bearing_errors_rad: Vec<f64>,
+    width_errors: Vec<f64>,
+    answers: Vec<(f64, bool)>,
+}
+
+/// The figures of an [`Evaluation`]. The crate's page defines each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Revolutions that were compared.
+    pub revolutions: u64,
+    /// Share of them that are right: count equal, every true wall matched.
+    pub right: Share,
+    /// Share whose count is equal.
+    pub right_count: Share,
+    /// Share whose reported count is too large.
+    pub over_count: Share,
+    /// Share whose reported count is too small.
+    pub under_count: Share,
+    /// The confusion matrix of the counts: its entries that are not 0, by true, then reported count.
+    pub confusion: Vec<Confusion>,
+    /// Labels of the returns.
+    pub labels: Labels,
+    /// Openings.
+    pub openings: Openings,
+    /// Confidence.
+    pub confidence: Confidence,
+}
+
+/// An entry of the confusion matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Confusion {
+    /// True number of walls.
+    pub truth: usize,
+    /// Reported number.
+    pub reported: usize,
+    /// How often.
+    pub revolutions: u64,
+}
+
+/// How well the returns are labelled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Labels {
+    /// Returns that were compared.
+    pub returns: u64,
+    /// Those labelled right.
+    pub returns_right: u64,
+    /// Their share; `None` without returns.
+    pub share: Option<f64>,
+    /// Adjusted Rand index per revolution, of those with two walls and more.
+    pub adjusted_rand_index: Option<Percentiles>,
+}
+
+/// How well the openings are found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Openings {
+    /// True openings that were not reported.
+    pub missed: Share,
+    /// Reported openings that are not there.
+    #[serde(rename = "false")]
+    pub false_alarms: Share,
+    /// Absolute error of the bearings of matched openings, rad.
+    pub bearing_error_rad: Option<Percentiles>,
+    /// Absolute error of their widths, as a part of the true width.
+    pub width_error: Option<Percentiles>,
+}
+
+impl Evaluation {
+    /// Takes in one more revolution.
+    pub fn add(&mut self, score: &Score) {
+        self.right.count(score.right);
+        *self.counts.entry((score.true_walls, score.reported_walls)).or_default() += 1;
+        self.returns += score.returns as u64;
+        self.returns_right += score.returns_right as u64;
+        self.rand_indices.extend(score.adjusted_rand_index);
+        let (openings, matched) = (&score.openings, score.openings.matched.len());
+        self.missed.merge(Share { hits: (openings.truth - matched) as u64, of: openings.truth as u64 });
+        self.false_alarms.merge(Share { hits: (openings.reported - matched) as u64, of: openings.reported as u64 });
+        self.bearing_errors_rad.extend(openings.matched.iter().map(|opening| opening.bearing_error_rad));
+        self.width_errors.extend(openings.matched.iter().filter_map(|opening| opening.width_error));
+        self.answers.push((score.confidence, score.right));
+    }
+
+    /// Takes in all revolutions of `other`.
+    pub fn merge(&mut self, other: &Self) {
+        self.right.merge(other.right);
+        for (&counts, &revolutions) in &other.counts {
+            *self.counts.entry(counts).or_default() += revolutions;
+        }
+        self.returns += other.returns;
+        self.returns_right += other.returns_right;
+        self.rand_indices.extend(&other.rand_indices);
+        self.missed.merge(other.missed);
+        self.false_alarms.merge(other.false_alarms);
+        self.bearing_errors_rad.extend(&other.bearing_errors_rad);
+        self.width_errors.extend(&other.width_errors);
+        self.answers.extend(&other.answers);
+    }
+
+    /// What it amounts to.
+    pub fn figures(&self) -> Figures {
+        let counted = |is: fn(usize, usize) -> bool| Share {
+            hits: self.counts.iter().filter(|&(&(truth, reported), _)| is(truth, reported)).map(|(_, n)| n).sum(),
+            of: self.right.of,
+        };
+        let confusion =
+            self.counts.iter().map(|(&(truth, reported), &revolutions)| Confusion { truth, reported, revolutions });
+        Figures {
+            revolutions: self.right.of,
+            right: self.right,
+            right_count: counted(|truth, reported| reported == truth),
+            over_count: counted(|truth, reported| reported > truth),
+            under_count: counted(|truth, reported| reported < truth),
+            confusion: confusion.collect(),
+            labels: Labels {
+                returns: self.returns,
+                returns_right: self.returns_right,
+                share: Share { hits: self.returns_right, of: self.returns }.value(),
+                adjusted_rand_index: Percentiles::of(&self.rand_indices),
+            },
+            openings: Openings {
+                missed: self.missed,
+                false_alarms: self.false_alarms,
+                bearing_error_rad: Percentiles::of(&self.bearing_errors_rad),
+                width_error: Percentiles::of(&self.width_errors),
+            },
+            confidence: Confidence::of(&self.answers),
+        }
+    }
+}

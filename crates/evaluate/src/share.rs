@@ -1,0 +1,87 @@
+//! How many of how many, and how sure that is.
+
+use serde::{Serialize, Serializer, ser::SerializeStruct};
+
+/// The normal quantile of a two-sided 95 % interval.
+const Z95: f64 = 1.959_963_984_540_054;
+
+/// `hits` of `of`. In JSON: `hits`, `of`, `share` and the 95 % interval (null when there is nothing to count).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// How many did.
+    pub hits: u64,
+    /// How many could.
+    pub of: u64,
+}
+
+impl Share {
+    /// Counts one more.
+    pub(crate) fn count(&mut self, hit: bool) {
+        self.hits += u64::from(hit);
+        self.of += 1;
+    }
+
+    /// Counts all that `other` counted.
+    pub(crate) fn merge(&mut self, other: Self) {
+        self.hits += other.hits;
+        self.of += other.of;
+    }
+
+    /// p = hits / of; `None` of nothing.
+    pub fn value(&self) -> Option<f64> {
+        (self.of > 0).then(|| self.hits as f64 / self.of as f64)
+    }
+
+    /// The 95 % interval of Wilson's score, within [0, 1]; `None` of nothing.
+    ///
+    /// ```text
+    /// (p + z²/2n ± z·sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n),   z = 1.96
+    /// ```
+    pub fn interval95(&self) -> Option<[f64; 2]> {
+        let (p, n) = (self.value()?, self.of as f64);
+        let z2_n = Z95 * Z95 / n;
+        let middle = p + 0.5 * z2_n;
+        let half = (z2_n * (p * (1.0 - p) + 0.25 * z2_n)).sqrt();
+        Some([middle - half, middle + half].map(|end| (end / (1.0 + z2_n)).clamp(0.0, 1.0)))
+    }
+}
+
+impl Serialize for Share {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Share", 4)?;
+        fields.serialize_field("hits", &self.hits)?;
+        fields.serialize_field("of", &self.of)?;
+        fields.serialize_field("share", &self.value())?;
+        fields.serialize_field("interval95", &self.interval95())?;
+        fields.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interval(hits: u64, of: u64) -> [f64; 2] {
+        Share { hits, of }.interval95().expect("something was counted")
+    }
+
+    #[test]
+    fn wilson_intervals_are_those_of_scipy() {
+        // scipy.stats.binomtest(hits, of).proportion_ci(method="wilson")
+        let known = [
+            (0, 10, [0.0, 0.277_532_799_862_889]),
+            (7, 10, [0.396_778_147_461_145, 0.892_208_732_593_700]),
+            (10, 10, [0.722_467_200_137_111, 1.0]),
+            (495, 500, [0.976_806_900_244_269, 0.995_721_246_103_409]),
+        ];
+        for (hits, of, [low, high]) in known {
+            let found = interval(hits, of);
+            assert!((found[0] - low).abs() < 1e-12 && (found[1] - high).abs() < 1e-12, "{hits} of {of}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_of_nothing_is_no_share() {
+        assert_eq!((Share::default().value(), Share::default().interval95()), (None, None));
+    }
+}

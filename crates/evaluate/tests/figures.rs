@@ -1,0 +1,133 @@
+//! Sums over revolutions, families and configurations, and the tables made of them.
+
+mod scans;
+
+use crosscut_evaluate::{Comparison, Confusion, Evaluation, Score, Share, tables};
+use crosscut_messages::TruthOpening;
+use crosscut_report::OpeningLine;
+
+use crate::scans::{answer, truth};
+
+fn score(true_labels: &[i32], reported: &[i64], confidence: f64) -> Score {
+    let answer = crosscut_report::ResultsLine { confidence, ..answer(reported, &[]) };
+    Score::of(&truth(true_labels, 0), &answer).expect("as many labels")
+}
+
+/// Right; counted right with wrong walls; one wall too many; one too few.
+fn four() -> [Score; 4] {
+    [
+        score(&[0, 0, 1, 1], &[0, 0, 1, 1], 0.95),
+        score(&[0, 0, 1, 1], &[0, 1, 1, 1], 0.95),
+        score(&[0, 0, 1, 1], &[0, 0, 1, 2], 0.3),
+        score(&[0, 0, 1, 1], &[0, 0, 0, 0], 0.2),
+    ]
+}
+
+fn evaluation(scores: &[Score]) -> Evaluation {
+    let mut evaluation = Evaluation::default();
+    for score in scores {
+        evaluation.add(score);
+    }
+    evaluation
+}
+
+#[test]
+fn four_revolutions_counted_by_hand() {
+    let figures = evaluation(&four()).figures();
+    assert_eq!((figures.revolutions, figures.right), (4, Share { hits: 1, of: 4 }));
+    assert_eq!(figures.right_count, Share { hits: 2, of: 4 });
+    assert_eq!((figures.over_count, figures.under_count), (Share { hits: 1, of: 4 }, Share { hits: 1, of: 4 }));
+    let confusion = |reported, revolutions| Confusion { truth: 2, reported, revolutions };
+    assert_eq!(figures.confusion, [confusion(1, 1), confusion(2, 2), confusion(3, 1)]);
+    assert_eq!((figures.labels.returns_right, figures.labels.returns), (4 + 3 + 3 + 2, 16));
+    let index = figures.labels.adjusted_rand_index.expect("two walls");
+    // By hand: 1; 0 for one of four beams moved; 4/7 for one split off; 0 for all in one.
+    assert_eq!((index.count, index.p05, index.p95), (4, 0.0, 1.0));
+    assert_eq!(figures.confidence.sure_right, Share { hits: 1, of: 2 });
+    // The right answer (0.95) ties with one wrong one and is above two.
+    assert!((figures.confidence.auroc.expect("both kinds") - 2.5 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn openings_are_summed_over_revolutions_and_not_averaged() {
+    let opening = |bearing_rad| TruthOpening { bearing_rad, width_m: 4.0 };
+    let line = |bearing_rad, width_m| OpeningLine { bearing_rad, width_m, walls: [0, 0], evidence: String::new() };
+    let mut sum = Evaluation::default();
+    let revolutions = [
+        (vec![opening(0.0), opening(1.0), opening(2.0)], vec![line(0.1, 5.0)]),
+        (vec![opening(0.0)], vec![line(-0.05, 4.0), line(3.0, 4.0)]),
+    ];
+    for (openings, lines) in revolutions {
+        let truth = crosscut_messages::Truth { openings, ..truth(&[0], 0) };
+        let answer = crosscut_report::ResultsLine { openings: lines, ..answer(&[0], &[]) };
+        sum.add(&Score::of(&truth, &answer).expect("as many labels"));
+    }
+    let openings = sum.figures().openings;
+    assert_eq!((openings.missed, openings.false_alarms), (Share { hits: 2, of: 4 }, Share { hits: 1, of: 3 }));
+    let (bearing, width) = (openings.bearing_error_rad.expect("matched"), openings.width_error.expect("matched"));
+    assert!((bearing.p50 - 0.05).abs() < 1e-12 && (bearing.p95 - 0.1).abs() < 1e-12);
+    assert_eq!((width.p50, width.p95), (0.0, 0.25));
+}
+
+#[test]
+fn merged_parts_are_the_whole() {
+    let (first, second) = (evaluation(&four()[..1]), evaluation(&four()[1..]));
+    let mut merged = first;
+    merged.merge(&second);
+    assert_eq!(merged, evaluation(&four()));
+}
+
+fn comparison() -> Comparison {
+    let mut comparison = Comparison::new(vec!["paper".into(), "default".into()]);
+    for score in four() {
+        comparison.add("clean6", 0, &score);
+        comparison.add("clean6", 1, &four()[0]);
+    }
+    comparison.add("dust", 0, &four()[3]);
+    comparison
+}
+
+#[test]
+fn all_families_together_count_revolution_by_revolution() {
+    let all = comparison().all();
+    assert_eq!(all[0].figures().right, Share { hits: 1, of: 5 });
+    assert_eq!(all[1].figures().right, Share { hits: 4, of: 4 });
+}
+
+#[test]
+fn the_overview_has_a_row_per_family_and_a_column_per_configuration() {
+    let [right, counts] = tables::overview(&comparison()).try_into().expect("two tables");
+    assert_eq!(right.header, ["family", "revolutions", "paper", "default"]);
+    assert_eq!(right.rows[0], ["clean6", "4", "25.0 [4.6, 69.9]", "100.0 [51.0, 100.0]"]);
+    assert_eq!(right.rows[1], ["dust", "1", "0.0 [0.0, 79.3]", "-"]);
+    assert_eq!(counts.rows[2], ["all", "5", "40.0", "100.0"]);
+}
+
+#[test]
+fn every_row_of_every_table_is_as_long_as_its_header() {
+    for comparison in [comparison(), Comparison::new(vec!["paper".into()]), Comparison::new(Vec::new())] {
+        for table in tables::overview(&comparison).into_iter().chain(tables::details(&comparison)) {
+            assert!(table.rows.iter().all(|row| row.len() == table.header.len()), "{}", table.title);
+        }
+    }
+}
+
+#[test]
+fn counts_far_beyond_the_truth_share_a_column_of_the_confusion_table() {
+    let mut comparison = Comparison::new(vec!["paper".into()]);
+    comparison.add("clean6", 0, &score(&[0; 12], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], 0.5));
+    comparison.add("clean6", 0, &score(&[0; 5], &[0, 1, 2, 3, 4], 0.5));
+    comparison.add("clean6", 0, &score(&[0; 3], &[0, 0, 1], 0.5));
+    let details = tables::details(&comparison);
+    let confusion = details.iter().find(|table| table.header[0] == "true").expect("there is one");
+    assert_eq!(confusion.header, ["true", "0", "1", "2", "3", "4 and more"]);
+    assert_eq!(confusion.rows, [["1", "0", "0", "1", "0", "2"]]);
+}
+
+#[test]
+fn figures_in_json_name_shares_with_their_interval_and_nothing_as_null() {
+    let json = serde_json::to_value(evaluation(&[]).figures()).expect("JSON");
+    assert_eq!(json["right"], serde_json::json!({"hits": 0, "of": 0, "share": null, "interval95": null}));
+    assert_eq!(json["openings"]["false"]["of"], 0);
+    assert_eq!(json["confidence"]["reliability"].as_array().map(Vec::len), Some(10));
+}

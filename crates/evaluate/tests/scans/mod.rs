@@ -1,0 +1,39 @@
+//! Truths and answers for tests, made from labels.
+
+use crosscut_messages::Truth;
+use crosscut_report::{ResultsLine, WallLine};
+
+/// The truth of these labels, whose first `islands` walls are islands.
+pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
+    let walls = labels.iter().max().map_or(0, |&last| (last + 1).max(0) as u32);
+    Truth { walls: walls - islands, islands, openings: Vec::new(), labels: labels.to_vec() }
+}
+
+/// The answer of these labels, with the walls in `islands` reported as such.
+pub(crate) fn answer(labels: &[i64], islands: &[u32]) -> ResultsLine {
+    let mut ids: Vec<i64> = labels.iter().copied().filter(|&label| label >= 0).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let walls: Vec<_> = ids
+        .iter()
+        .map(|&id| {
+            let (id, returns) = (id as u32, labels.iter().filter(|&&label| label == id).count());
+            WallLine { id, returns, bearing_rad: [0.0; 2], island: islands.contains(&id) }
+        })
+        .collect();
+    ResultsLine {
+        seq: 0,
+        stamp_ns: 0,
+        returns: labels.iter().filter(|&&label| label != -1).count(),
+        junctions: walls.iter().filter(|wall| !wall.island).count(),
+        k: walls.len(),
+        margin: None,
+        confidence: 0.5,
+        place: String::new(),
+        eigenvalues: Vec::new(),
+        walls,
+        openings: Vec::new(),
+        labels: labels.to_vec(),
+        notes: Vec::new(),
+    }
+}
