@@ -54,7 +54,8 @@ def margin_decades(eigenvalues, n: int, k: int, tolerance: float) -> float | Non
 
 
 def returns_of(scan: Scan) -> np.ndarray:
-    """Which beams came back from something: finite, above 0, and within the sensor's own limits."""
+    """Which beams came back from something: finite, above 0, and within the sensor's own limits. A range that only
+    rounding to f32 keeps below range_max is at range_max."""
     r = scan.ranges_m
     with np.errstate(invalid="ignore"):
         return np.isfinite(r) & (r > 0) & (r >= scan.range_min_m) & (r < scan.range_max_m * (1 - 1e-6))
