@@ -233,12 +233,17 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> S
     let known: Vec<_> = known.collect();
     let best = known
         .iter()
-        .map(|k| (strsim::jaro_winkler(name, k), *k))
+        .map(|k| (likeness(name, k), *k))
         .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness > 0.8);
+        .filter(|(likeness, _)| *likeness > 0.66);
     match best {
         Some((_, best)) => format!("did you mean {best}?"),
         None if known.is_empty() => "it has no parameters".to_owned(),
         None => format!("there are: {}", known.join(", ")),
     }
+}
+
+/// High for a name begun rightly as well as for one with letters swapped.
+fn likeness(a: &str, b: &str) -> f64 {
+    strsim::jaro_winkler(a, b).max(strsim::normalized_damerau_levenshtein(a, b))
 }

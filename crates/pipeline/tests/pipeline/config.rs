@@ -1,11 +1,9 @@
 //! Layers, kinds, and what is refused.
 
-mod stages;
-
 use std::path::Path;
 
+use crate::stages::registry;
 use crosscut_pipeline::{Config, ConfigError, Layer, PRESETS, Registry, Schema};
-use stages::registry;
 
 fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();

@@ -1,13 +1,11 @@
 //! Order, failure and shutdown of the streaming pipeline.
 
-mod stages;
-
 use std::io;
 use std::sync::atomic::Ordering;
 
+use crate::stages::{AFFINITY_CALLS, Count, STAGES, config, registry, run};
 use crosscut_pipeline::{Config, End, Engine, StopFlag, StreamOptions, stream};
 use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
-use stages::{AFFINITY_CALLS, Count, STAGES, config, registry, run};
 
 fn settings(workers: usize, in_flight: usize, more: &str) -> Config {
     let (workers, in_flight) = (format!("pipeline.workers={workers}"), format!("pipeline.in_flight={in_flight}"));

@@ -10,7 +10,7 @@ use crosscut_stage::{
 };
 
 /// Calls of all test stages of one kind, over all tests of this binary.
-pub static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
+pub(crate) static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
 
 /// Revolution at which a test stage errs or panics; beyond the end: never.
 const AT: &[ParamSpec] = &[
@@ -50,7 +50,7 @@ impl AffinityStage for Failing {
         AFFINITY_CALLS.fetch_add(1, Ordering::Relaxed);
         let x = r.points_m[0].x;
         // Uneven work, so that lanes overtake each other if nothing keeps the order.
-        std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq % 7 == 0) * 500));
+        std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq.is_multiple_of(7)) * 500));
         self.act(x)?;
         out.weights.make_dense(1)[(0, 0)] = 1.0;
         out.degrees = vec![x];
@@ -85,7 +85,7 @@ impl KmeansStage for Failing {
 }
 
 /// The standard registry, with a failing stage of each kind in front.
-pub fn registry() -> Registry {
+pub(crate) fn registry() -> Registry {
     let mut registry = Registry::standard();
     let doc = "fails when told to";
     registry.affinity.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
@@ -95,22 +95,22 @@ pub fn registry() -> Registry {
 }
 
 /// The failing stages with these settings.
-pub fn config(settings: &[&str]) -> Config {
+pub(crate) fn config(settings: &[&str]) -> Config {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let layers = [Layer::settings(&settings).expect("settings")];
     Config::resolve(&Schema::new(&registry()), &layers).expect("a configuration")
 }
 
 /// `length` revolutions of one return, at x = seq; errs or panics at `fails`.
-pub struct Count {
-    pub length: u64,
-    pub next: u64,
-    pub error_at: Option<u64>,
-    pub panic_at: Option<u64>,
+pub(crate) struct Count {
+    pub(crate) length: u64,
+    pub(crate) next: u64,
+    pub(crate) error_at: Option<u64>,
+    pub(crate) panic_at: Option<u64>,
 }
 
 impl Count {
-    pub fn to(length: u64) -> Self {
+    pub(crate) fn to(length: u64) -> Self {
         Self { length, next: 0, error_at: None, panic_at: None }
     }
 }
@@ -134,7 +134,7 @@ impl Source for Count {
 }
 
 /// What came out: the summary and the sequence numbers that were written.
-pub fn run(source: &mut Count, config: &Config) -> (Summary, Vec<u64>) {
+pub(crate) fn run(source: &mut Count, config: &Config) -> (Summary, Vec<u64>) {
     let mut written = Vec::new();
     let mut sink = |frame: &Frame| -> io::Result<()> {
         assert_eq!(frame.affinity.degrees, [frame.revolution.seq as f64], "a frame mixes two revolutions");
@@ -147,5 +147,5 @@ pub fn run(source: &mut Count, config: &Config) -> (Summary, Vec<u64>) {
 }
 
 /// `(section, step)` of the three stages that lanes run.
-pub const STAGES: [(&str, Step); 3] =
+pub(crate) const STAGES: [(&str, Step); 3] =
     [("affinity", Step::Affinity), ("spectral", Step::Spectral), ("kmeans", Step::Kmeans)];
