@@ -1,0 +1,147 @@
+"""A picture of a recording in the real Rerun viewer, drawn without a screen. Needs a Vulkan driver
+(apt-get install libvulkan1 mesa-vulkan-drivers) and rerun-sdk.
+
+    screenshot.py FILE.rrd OUT.png [--seq N] [--size WxH]
+"""
+
+import argparse
+import json
+import os
+import socket
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from rrd import RERUN
+
+DEADLINE_S = 120
+# Frames that the viewer draws after a change before it is looked at: pictures are decoded on the way.
+SETTLING_FRAMES = 40
+
+
+class Viewer:
+    """A headless viewer with a recording loaded, driven over the control protocol that it brings along."""
+
+    def __init__(self, recording: Path, size: str):
+        port = _free_port()
+        self._log = tempfile.TemporaryFile()
+        environment = {**os.environ, "RUST_LOG": "error", "NO_COLOR": "1"}
+        address = ["--bind", "127.0.0.1", "--port", str(port)]
+        self._viewer = subprocess.Popen(
+            [RERUN, "--headless", *address, "--window-size", size, recording],
+            stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log, env=environment,
+        )  # fmt: skip
+        self._control = subprocess.Popen(
+            [RERUN, "viewer-mcp"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=environment, text=True,
+        )  # fmt: skip
+        self._requests = 0
+        try:
+            client = {"name": "screenshot", "version": "1"}
+            self._request("initialize", protocolVersion="2024-11-05", capabilities={}, clientInfo=client)
+            self._send(method="notifications/initialized")
+            self._wait_until_loaded(f"http://127.0.0.1:{port}")
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        for process in (self._control, self._viewer):
+            process.terminate()
+            process.wait()
+
+    def last_revolution(self) -> int | None:
+        """`None` while nothing is loaded."""
+        for recording in self._call("viewer_state").get("recordings", []):
+            for timeline in recording["timelines"]:
+                if timeline["timeline"] == "revolution":
+                    return timeline["max"]
+        return None
+
+    def show(self, revolution: int):
+        self._call("set_time", timeline="revolution", time=revolution)
+        self._settle()
+
+    def views(self) -> dict[str, dict]:
+        """The views on the screen by name, with their place: x, y, w, h in pixels, without the title."""
+        panes = self._call("query_tree", role="Pane")["nodes"]
+        return {pane["label"]: pane["bounds"] for pane in panes if pane["label"] and not pane["hidden"]}
+
+    def save(self, path: Path):
+        self._call("screenshot", save_path=str(path.resolve()))
+
+    def _settle(self):
+        self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
+
+    def _wait_until_loaded(self, endpoint: str):
+        """Loaded is when the flight has grown no more while some frames were drawn."""
+        deadline = time.monotonic() + DEADLINE_S
+        while not self._connects(endpoint):
+            if self._viewer.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError(f"the viewer does not start: {self._said()}")
+            time.sleep(0.1)
+        before, now = None, self.last_revolution()
+        while now is None or now != before:
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"the viewer does not load the recording: {self._said()}")
+            self._settle()
+            before, now = now, self.last_revolution()
+
+    def _connects(self, endpoint: str) -> bool:
+        try:
+            self._call("connect", endpoint=endpoint)
+            return True
+        except RuntimeError:
+            return False
+
+    def _call(self, tool: str, **arguments) -> dict:
+        answer = self._request("tools/call", name=tool, arguments=arguments)
+        if "error" in answer or answer["result"]["isError"]:
+            raise RuntimeError(f"{tool}: {json.dumps(answer)[:400]}")
+        return json.loads(answer["result"]["content"][0]["text"])
+
+    def _request(self, method: str, **params) -> dict:
+        self._requests += 1
+        self._send(id=self._requests, method=method, params=params)
+        answer = self._control.stdout.readline()
+        if not answer:
+            raise RuntimeError(f"the viewer's control ended: {self._said()}")
+        return json.loads(answer)
+
+    def _send(self, **message):
+        self._control.stdin.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")
+        self._control.stdin.flush()
+
+    def _said(self) -> str:
+        self._log.seek(0)
+        return self._log.read().decode(errors="replace").strip()[-600:]
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description="A picture of a recording in the Rerun viewer.")
+    parser.add_argument("recording", type=Path)
+    parser.add_argument("picture", type=Path)
+    parser.add_argument("--seq", type=int, help="revolution to show; the last one if not given")
+    parser.add_argument("--size", default="1400x900", help="WxH in pixels (default: %(default)s)")
+    args = parser.parse_args()
+    args.picture.parent.mkdir(parents=True, exist_ok=True)
+    with Viewer(args.recording, args.size) as viewer:
+        viewer.show(viewer.last_revolution() if args.seq is None else args.seq)
+        viewer.save(args.picture)
+
+
+if __name__ == "__main__":
+    main()
