@@ -56,9 +56,8 @@ pub(crate) fn bytes(scans: &[LaserScan], writing: &Writing) -> Vec<u8> {
         .chunk_size(Some(8 * 1024))
         .profile("ros2");
     let mut writer = options.create(Cursor::new(Vec::new())).expect("memory");
-    let schema = writer
-        .add_schema(LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.as_bytes())
-        .expect("memory");
+    let schema =
+        writer.add_schema(LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.as_bytes()).expect("memory");
     for topic in writing.topics {
         let channel_id = writer.add_channel(schema, topic, CDR_ENCODING, &Default::default()).expect("memory");
         for (i, scan) in scans.iter().enumerate() {

@@ -12,8 +12,19 @@ fn every_scan_of_the_shipped_flight_has_its_line_with_every_field_of_the_contrac
     assert!(lines.len() > 50, "{} lines", lines.len());
     assert!(column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
     let fields = [
-        "seq", "stamp_ns", "returns", "junctions", "k", "margin", "confidence", "place", "eigenvalues", "walls",
-        "openings", "labels", "notes",
+        "seq",
+        "stamp_ns",
+        "returns",
+        "junctions",
+        "k",
+        "margin",
+        "confidence",
+        "place",
+        "eigenvalues",
+        "walls",
+        "openings",
+        "labels",
+        "notes",
     ];
     for line in &lines {
         for field in fields {

@@ -7,7 +7,8 @@ fn the_shipped_flight_is_what_its_command_makes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let made = folder.path().join("tee.mcap");
     run(["simulate".as_ref(), "tee".as_ref(), "--out".as_ref(), made.as_os_str()]).expect_code(0);
-    let same = std::fs::read(&made).expect("made") == std::fs::read(root().join("recordings/tee.mcap")).expect("shipped");
+    let same =
+        std::fs::read(&made).expect("made") == std::fs::read(root().join("recordings/tee.mcap")).expect("shipped");
     assert!(same, "recordings/tee.mcap is not what `crosscut simulate tee` makes now; see recordings/README.md");
 }
 

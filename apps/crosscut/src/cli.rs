@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
 #[derive(Debug, Parser)]
@@ -80,24 +80,40 @@ pub(crate) struct ConfigArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
-    /// The scenario; --list shows them.
-    #[arg(required_unless_present = "list")]
+    /// The scenario, one flight; --list shows them.
+    #[arg(conflicts_with = "suite")]
     pub(crate) scenario: Option<String>,
-    /// Where to write the flight.
-    #[arg(long, value_name = "FLIGHT.mcap", required_unless_present = "list")]
+    /// A family of scenes for evaluation instead of a flight; `all` for every family.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) suite: Option<String>,
+    /// Which scenes of the suite: choose parameters on dev, report on report.
+    #[arg(long, value_enum, default_value = "dev", requires = "suite")]
+    pub(crate) split: SplitArg,
+    /// Where to write: FLIGHT.mcap for a scenario, a folder for suites.
+    #[arg(long, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
     /// The same seed gives the same bytes.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, conflicts_with = "suite")]
     pub(crate) seed: u64,
-    /// Show the scenarios.
+    /// Show the scenarios and suites.
     #[arg(long)]
     pub(crate) list: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum SplitArg {
+    /// To choose parameters on.
+    Dev,
+    /// To report on.
+    Report,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     /// An MCAP recording.
     pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -23,7 +23,8 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     refuse_overwriting_inputs(args)?;
     let mut recording = open(args, &config)?;
     let mut results = open_results(args.results.as_deref())?;
-    let mut observers = observers(args, &config)?;
+    let mut lost = Vec::new();
+    let mut observers = observers(args, &config, &mut lost)?;
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
@@ -47,7 +48,12 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     if !args.quiet {
         eprint!("{}", summary::table(&summary, start.elapsed()));
     }
-    Ok(outcome(&summary, &recording))
+    lost.extend(recording.losses().iter().map(ToString::to_string));
+    lost.extend(summary.observer_errors.iter().cloned());
+    for loss in &lost {
+        eprintln!("lost: {loss}");
+    }
+    Ok(outcome(&summary, !lost.is_empty()))
 }
 
 fn open(args: &RunArgs, config: &Config) -> anyhow::Result<Recording> {
@@ -82,23 +88,30 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
     })
 }
 
+/// The recorder, if one is asked for. One that cannot be had is lost, the results are not.
 #[cfg(feature = "rerun")]
-fn observers(args: &RunArgs, config: &Config) -> anyhow::Result<Vec<Box<dyn Observer>>> {
+fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow::Result<Vec<Box<dyn Observer>>> {
     if args.save.is_none() && !args.view {
         return Ok(Vec::new());
     }
-    let name = args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = crosscut_recorder::RecorderOptions {
         path: args.save.clone(),
         view: args.view,
-        name,
+        started_ns: 0,
+        name: args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: config.to_string(),
     };
-    Ok(vec![Box::new(crosscut_recorder::Recorder::new(options)?)])
+    Ok(match crosscut_recorder::Recorder::new(options) {
+        Ok(recorder) => vec![Box::new(recorder)],
+        Err(error) => {
+            lost.push(error.to_string());
+            Vec::new()
+        }
+    })
 }
 
 #[cfg(not(feature = "rerun"))]
-fn observers(args: &RunArgs, _: &Config) -> anyhow::Result<Vec<Box<dyn Observer>>> {
+fn observers(args: &RunArgs, _: &Config, _: &mut Vec<String>) -> anyhow::Result<Vec<Box<dyn Observer>>> {
     if args.save.is_some() || args.view {
         return Err(UsageError("this crosscut was built without the feature `rerun`".to_owned()).into());
     }
@@ -119,14 +132,7 @@ fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
 }
 
 /// Says what went wrong, and what the exit code is.
-fn outcome(summary: &Summary, recording: &Recording) -> Outcome {
-    for loss in recording.losses() {
-        eprintln!("lost: {loss}");
-    }
-    for error in &summary.observer_errors {
-        eprintln!("lost: {error}");
-    }
-    let lost = !recording.losses().is_empty() || !summary.observer_errors.is_empty();
+fn outcome(summary: &Summary, something_lost: bool) -> Outcome {
     match &summary.end {
         End::Failed(failure) => {
             eprintln!("error: {failure}; the {} revolutions before it are saved", summary.revolutions);
@@ -137,7 +143,7 @@ fn outcome(summary: &Summary, recording: &Recording) -> Outcome {
             Outcome::Failed
         }
         End::Interrupted => Outcome::Interrupted,
-        End::Complete if lost => Outcome::SomethingLost,
+        End::Complete if something_lost => Outcome::SomethingLost,
         End::Complete => Outcome::Done,
     }
 }

@@ -1,0 +1,91 @@
+//! `crosscut info`: what is in a recording, and what ingest makes of its scans.
+
+use std::io::Write;
+
+use anyhow::Context;
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe};
+use crosscut_pipeline::Registry;
+
+use crate::cli::InfoArgs;
+use crate::config;
+use crate::exit::Outcome;
+
+/// Prints the description of a recording; what is damaged makes the exit code 3.
+pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, &Registry::standard())?;
+    let description = describe(&args.input, &Sensor::new(config.params("ingest")))?;
+    std::io::stdout().write_all(text(&description).as_bytes()).context("standard output")?;
+    for loss in &description.losses {
+        eprintln!("lost: {loss}");
+    }
+    Ok(if description.losses.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
+}
+
+fn text(recording: &Description) -> String {
+    let or = |text: &str, otherwise: &str| if text.is_empty() { otherwise.to_owned() } else { text.to_owned() };
+    let mut lines = vec![
+        format!("{}, {:.1} MB", recording.path.display(), recording.bytes as f64 / 1e6),
+        format!(
+            "profile   {}, written by {}",
+            or(&recording.profile, "none"),
+            or(&recording.library, "an unnamed program")
+        ),
+        format!("index     {}", index(recording)),
+    ];
+    if let Some(duration_s) = recording.duration_s() {
+        lines.push(format!("duration  {duration_s:.1} s"));
+    }
+    lines.push(String::new());
+    lines.push(topics(&recording.topics));
+    for topic in &recording.topics {
+        if let Some(scan) = &topic.first_scan {
+            lines.push(String::new());
+            lines.push(first_scan(&topic.info.name, scan));
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+fn index(recording: &Description) -> String {
+    let compressions = recording.compressions.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+    match recording.indexed_chunks {
+        Some(chunks) => format!("{chunks} chunks, compression: {compressions}"),
+        None => "none: messages come in the order of the file".to_owned(),
+    }
+}
+
+fn topics(topics: &[TopicDescription]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(["topic", "type", "encoding", "messages", "Hz"]);
+    for topic in topics {
+        let count = topic.info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
+        let rate = topic.rate_hz.map_or_else(String::new, |rate| format!("{rate:.1}"));
+        let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+        table.add_row([
+            Cell::new(&topic.info.name),
+            Cell::new(&topic.info.type_name),
+            Cell::new(&topic.info.encoding),
+            right(count),
+            right(rate),
+        ]);
+    }
+    table.trim_fmt()
+}
+
+fn first_scan(topic: &str, scan: &ScanDescription) -> String {
+    let [range_min_m, range_max_m] = scan.range_m;
+    let around = if scan.full_turn { ", all the way round" } else { "" };
+    let mut text = format!(
+        "first scan of {topic}, frame {:?}: {} beams, {} returns\n  view {:.1}°{around}, {:.3}° a beam, range {range_min_m} to {range_max_m} m",
+        scan.frame_id,
+        scan.beams,
+        scan.returns,
+        scan.field_of_view_rad.to_degrees(),
+        scan.step_rad.to_degrees(),
+    );
+    for note in &scan.notes {
+        text += &format!("\n  {note}");
+    }
+    text
+}

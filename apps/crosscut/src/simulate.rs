@@ -1,0 +1,73 @@
+//! `crosscut simulate`: flights and suites of scenes with known truth.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+use crosscut_simulator::{Scene, Split, Suite, scenarios, suites, write_mcap};
+
+use crate::cli::{SimulateArgs, SplitArg};
+use crate::exit::{Outcome, UsageError};
+use crate::progress;
+
+/// Writes the flight of a scenario, or a suite, or lists both.
+pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
+    let out = args.out.as_deref();
+    match (&args.scenario, &args.suite, out) {
+        _ if args.list => list()?,
+        (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out)?,
+        (None, Some(suite), Some(out)) => suite_into(suite, args.split, out)?,
+        _ => return Err(UsageError("say a scenario or --suite NAME, and --out; --list shows them".to_owned()).into()),
+    }
+    Ok(Outcome::Done)
+}
+
+fn list() -> anyhow::Result<()> {
+    let mut text = String::from("scenarios, each one flight:\n");
+    for scenario in scenarios() {
+        text += &format!("  {:<16}{}\n", scenario.name, scenario.doc);
+    }
+    text += "\nsuites, each many scenes (--suite NAME, or --suite all):\n";
+    for suite in suites() {
+        text += &format!("  {:<16}{}\n", suite.name, suite.doc);
+    }
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")
+}
+
+fn flight(name: &str, seed: u64, out: &Path) -> anyhow::Result<()> {
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name);
+    let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
+    write(out, (scenario.fly)(seed), None)
+}
+
+fn suite_into(name: &str, split: SplitArg, folder: &Path) -> anyhow::Result<()> {
+    let chosen: Vec<&Suite> = suites().iter().filter(|suite| name == ALL || suite.name == name).collect();
+    if chosen.is_empty() {
+        return Err(unknown("suite", name, suites().iter().map(|s| s.name)).into());
+    }
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let split = match split {
+        SplitArg::Dev => Split::Dev,
+        SplitArg::Report => Split::Report,
+    };
+    for suite in chosen {
+        let path = folder.join(format!("{}.mcap", suite.name));
+        write(&path, suite.scenes(split), Some(crosscut_simulator::suite::SCENES as u64))?;
+    }
+    Ok(())
+}
+
+/// Stands for every suite.
+const ALL: &str = "all";
+
+fn write(path: &Path, scenes: impl Iterator<Item = Scene>, total: Option<u64>) -> anyhow::Result<()> {
+    let bar = progress::bar(total, false);
+    let written = write_mcap(path, bar.wrap_iter(scenes))?;
+    bar.finish_and_clear();
+    eprintln!("{written} revolutions with their truth: {}", path.display());
+    Ok(())
+}
+
+fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> UsageError {
+    UsageError(format!("there is no {what} {name:?}; there are: {}", known.collect::<Vec<_>>().join(", ")))
+}
