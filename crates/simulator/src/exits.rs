@@ -31,7 +31,18 @@ pub(crate) struct Exit {
 }
 
 impl Sight<'_> {
-    pub(crate) fn sees(&self, point_m: Point) -> bool {
+    /// Whether a place of a centreline is visible. Pillars hide none: what is seen to their left and right tells how
+    /// the tunnel goes on behind them.
+    fn follows_to(&self, point_m: Point) -> bool {
+        let towards = point_m - self.from_m;
+        let distance_m = towards.norm();
+        distance_m <= self.range_m
+            && (distance_m == 0.0
+                || self.surface.cast_past_pillars(self.from_m, towards / distance_m, distance_m).is_none())
+    }
+
+    /// Whether a place is visible.
+    fn sees(&self, point_m: Point) -> bool {
         (point_m - self.from_m).norm() <= self.range_m && self.surface.sees(self.from_m, point_m)
     }
 
@@ -43,7 +54,7 @@ impl Sight<'_> {
         }
         let beside = |angle_rad: f64| {
             let direction = nalgebra::Rotation2::new(angle_rad) * towards.normalize();
-            self.surface.cast(self.from_m, direction, self.range_m).map_or(self.range_m, |hit| hit.range_m)
+            self.surface.cast_past_pillars(self.from_m, direction, self.range_m).map_or(self.range_m, |hit| hit.range_m)
         };
         (beside(1e-4) - beside(-1e-4)).abs()
     }
@@ -61,7 +72,7 @@ pub(crate) fn exits(skeleton: &Skeleton, sight: &Sight<'_>) -> Vec<Exit> {
             if walk.came_from[next] != usize::MAX {
                 continue;
             }
-            if sight.sees(skeleton.points[next].position_m) {
+            if walk.follows_to(next) {
                 walk.came_from[next] = at;
                 to_visit.push(next);
                 continue;
@@ -84,7 +95,7 @@ fn nearest_in_sight(skeleton: &Skeleton, sight: &Sight<'_>) -> Option<usize> {
     let mut nearest_m = f64::INFINITY;
     for (index, point) in skeleton.points.iter().enumerate() {
         let distance_m = (point.position_m - sight.from_m).norm();
-        if distance_m < nearest_m && sight.sees(point.position_m) {
+        if distance_m < nearest_m && sight.follows_to(point.position_m) {
             (nearest, nearest_m) = (Some(index), distance_m);
         }
     }
@@ -100,6 +111,12 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
+    /// Whether a point is visible. The end of a dead end never is: whether it is closed hangs on its face alone.
+    fn follows_to(&self, point: usize) -> bool {
+        let point = &self.skeleton.points[point];
+        point.face_m.is_none() && self.sight.follows_to(point.position_m)
+    }
+
     /// Follows the centrelines that go out of sight from `at` to `next`: whether one of them leaves, and the points at
     /// which others come back in sight.
     fn beyond(&self, at: usize, next: usize) -> (bool, Vec<usize>) {
@@ -117,7 +134,7 @@ impl Walk<'_> {
                     continue;
                 }
                 let walked_m = walked_m + self.skeleton.distance_m(point, after);
-                if self.sight.sees(self.skeleton.points[after].position_m) {
+                if self.follows_to(after) {
                     left |= walked_m >= HIDDEN_M;
                     if walked_m < HIDDEN_M && self.came_from[after] == usize::MAX && !returns.contains(&after) {
                         returns.push(after);
@@ -140,7 +157,7 @@ impl Walk<'_> {
         let (mut seen, mut unseen) = (0.0, 1.0);
         while unseen - seen > 1e-7 {
             let middle = 0.5 * (seen + unseen);
-            if self.sight.sees(from.position_m + edge_m * middle) { seen = middle } else { unseen = middle }
+            if self.sight.follows_to(from.position_m + edge_m * middle) { seen = middle } else { unseen = middle }
         }
         let mut path = vec![at];
         while let Some(&last) = path.last()

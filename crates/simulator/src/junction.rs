@@ -6,16 +6,18 @@ use rand::RngExt;
 
 use crate::course::{bent, half_widths};
 use crate::lidar::{Lidar, Motion, Pose};
+use crate::mine::Mine;
 use crate::network::{Disc, Network, Point, left_of, unit};
 use crate::noise::{Generator, generator};
-use crate::scene::Scene;
+use crate::scene::{Scene, Sweep};
 use crate::surface::{Surface, Texture};
-use crate::truth::Mine;
 
 /// Branches are at least this far apart.
 const APART_RAD: f64 = 54.0 * PI / 180.0;
 /// The lidar is at least this far from the rock.
 const CLEARANCE_M: f64 = 0.25;
+/// Each wall and pillar is met by at least this many beams: fewer are no line, and nobody could name them.
+const BEAMS_OF_WALL: usize = 3;
 /// Between a pillar and what is beside it there is at least this much room: a vehicle can pass.
 const PASSAGE_M: f64 = 0.8;
 
@@ -39,11 +41,14 @@ impl Places {
     pub(crate) fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
         let mut rng = generator(seed, "place");
         let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
-        // A place that leaves no room for the lidar or its pillars is drawn again.
-        let (mine, pose) = std::iter::repeat_with(|| self.place(branches, &mut rng))
-            .find_map(|place| place)
-            .expect("the iterator does not end");
-        Scene::take(&mine, &lidar, &Motion::still(pose), stamp_ns, &mut rng)
+        // A place that leaves no room for the lidar or its pillars, or shows a mere scrap of a wall, is drawn again.
+        loop {
+            let Some((mine, pose)) = self.place(branches, &mut rng) else { continue };
+            let sweep = Sweep::of(&mine, &lidar, &Motion::still(pose));
+            if sweep.scenery.fewest_beams() >= BEAMS_OF_WALL {
+                return sweep.scene(&mine, stamp_ns, &mut rng);
+            }
+        }
     }
 
     fn place(&self, branches: usize, rng: &mut Generator) -> Option<(Mine, Pose)> {
@@ -85,8 +90,8 @@ impl Places {
         for _ in 0..rng.random_range(self.pillars[0]..=self.pillars[1]) {
             let tunnel = &network.tunnels[rng.random_range(0..network.tunnels.len())];
             // The centreline has a point every half metre.
-            let at = rng.random_range(4..17).min(tunnel.centreline_m.len() - 1);
-            let radius_m = rng.random_range(0.25..0.7);
+            let at = rng.random_range(4..15).min(tunnel.centreline_m.len() - 1);
+            let radius_m = rng.random_range(0.4..0.8);
             let room_m = tunnel.half_widths_m[at] - radius_m - PASSAGE_M;
             if room_m <= 0.0 {
                 return None;

@@ -1,24 +1,62 @@
-//! Mines with known truth, a lidar, flights.
+//! Mines with known truth, a lidar, and flights.
+//!
+//! In goes the name of a scenario or of a suite, and a seed. Out come [`Scene`]s: one `LaserScan`, the [`Truth`] of its
+//! noise-free view, and on a flight the odometry; [`write_mcap`] makes a recording of them. Everything is in metres,
+//! radians and seconds; the same seed always makes the same bytes.
+//!
+//! ```text
+//! Network --union, bumps--> Surface --cast--> view (echo per beam) --loss, noise, dust--> readings --> LaserScan
+//!    |                         |                     |                                       |
+//!    +--centrelines------------+--walk outward--> Scenery (walls, openings) -----------------+-------> Truth
+//! ```
+//!
+//! - [`network`]: a mine is a graph of tunnels with a centreline and a width along it, chambers, alcoves, pillars.
+//!   Free space is the union of the swept tunnels.
+//! - [`surface`]: its outline in steps of 10 cm, displaced along the normal by Gaussian noise of standard deviation σ
+//!   and correlation exp(-s²/2ℓ²) along the wall. A grid of 0.5 m makes a ray look at a few segments only.
+//! - [`lidar`]: beams, field of view, range, noise, quantisation; loss at random, with range (∝ r²), at grazing
+//!   incidence, on wet rock and in patches; dust; tilt (floor and roof); the skew of a sweep on the move.
+//! - [`truth`]: openings and walls by the definitions of the vocabulary; see there.
+//! - [`vehicle`]: follows a route by pure pursuit, disturbed in course, yaw, roll and pitch; its odometry drifts.
+//! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for reports.
+//!
+//! To add a scenario or a suite, add a line to its list, and the function that it names.
+//!
+//! ```
+//! use crosscut_simulator::{Split, scenarios, suites};
+//!
+//! let tee = scenarios().iter().find(|scenario| scenario.name == "tee").expect("there is one");
+//! let first = (tee.fly)(1).next().expect("a flight has scans");
+//! assert_eq!((first.scan.ranges.len(), first.truth.walls), (360, 2));
+//!
+//! let clean = suites().iter().find(|suite| suite.name == "clean6").expect("there is one");
+//! let walls: Vec<u32> = clean.scenes(Split::Dev).take(5).map(|scene| scene.truth.walls).collect();
+//! assert_eq!(walls, [1, 2, 3, 4, 5]);
+//! ```
+//!
+//! [`Truth`]: crosscut_messages::Truth
 
 mod course;
 mod exits;
 mod grid;
 mod junction;
 pub mod lidar;
-mod mines;
+mod mine;
 pub mod network;
 mod noise;
 mod outline;
+mod presets;
 mod recording;
-pub mod scenario;
-pub mod scene;
+mod scenario;
+mod scene;
 mod skeleton;
-pub mod suite;
+mod suite;
 pub mod surface;
 pub mod truth;
 pub mod vehicle;
 
+pub use mine::Mine;
 pub use recording::{RecordingError, write_mcap};
 pub use scenario::{Scenario, scenarios};
 pub use scene::{Flight, Scene};
-pub use suite::{Split, Suite, suites};
+pub use suite::{SCENES, Split, Suite, suites};

@@ -2,12 +2,12 @@
 
 use crate::course::{bent, half_widths};
 use crate::lidar::Lidar;
-use crate::mines;
+use crate::mine::Mine;
 use crate::network::{Network, Point};
 use crate::noise::generator;
+use crate::presets;
 use crate::scene::Flight;
 use crate::surface::{Surface, Texture};
-use crate::truth::Mine;
 use crate::vehicle::{Handling, Vehicle};
 
 /// A flight that can be asked for by name.
@@ -28,12 +28,12 @@ pub fn scenarios() -> &'static [Scenario] {
         Scenario {
             name: "tunnel",
             doc: "from end to end of a tunnel of 3.5 m x 3 m with branches",
-            fly: mines::tunnel,
+            fly: presets::tunnel,
         },
         Scenario {
             name: "mine",
             doc: "through a mine of 6 m x 4 m with many junctions and wet walls",
-            fly: mines::mine,
+            fly: presets::mine,
         },
     ]
 }

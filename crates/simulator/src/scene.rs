@@ -4,9 +4,10 @@ use crosscut_messages::{
     Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
 };
 
-use crate::lidar::{Lidar, Motion, Reading};
+use crate::lidar::{Echo, Lidar, Motion, Reading};
+use crate::mine::Mine;
 use crate::noise::{Generator, generator};
-use crate::truth::Mine;
+use crate::truth::Scenery;
 use crate::vehicle::{Belief, Vehicle};
 
 /// Stamp of the first scan of every recording; what a seed makes does not depend on the day.
@@ -25,21 +26,30 @@ pub struct Scene {
     pub odometry: Option<Odometry>,
 }
 
-impl Scene {
-    /// Takes one scan.
-    pub(crate) fn take(mine: &Mine, lidar: &Lidar, motion: &Motion, stamp_ns: u64, rng: &mut Generator) -> Self {
+/// What the lidar meets in one sweep, before it errs.
+pub(crate) struct Sweep<'a> {
+    lidar: &'a Lidar,
+    moves: bool,
+    view: Vec<Echo>,
+    pub(crate) scenery: Scenery,
+}
+
+impl<'a> Sweep<'a> {
+    pub(crate) fn of(mine: &Mine, lidar: &'a Lidar, motion: &Motion) -> Self {
         let view = lidar.view(mine.surface(), mine.network().height_m, motion);
         let scenery = mine.scenery(lidar, motion, &view);
-        let readings = lidar.read(mine.surface(), &view, rng);
-        let moves = motion.start != motion.end;
-        Self {
-            stamp_ns,
-            scan: message(lidar, &readings, stamp_ns, moves),
-            truth: scenery.truth(&readings),
-            odometry: None,
-        }
+        Self { lidar, moves: motion.start != motion.end, view, scenery }
     }
 
+    /// The scan, its errors drawn from `rng`, and the truth.
+    pub(crate) fn scene(&self, mine: &Mine, stamp_ns: u64, rng: &mut Generator) -> Scene {
+        let readings = self.lidar.read(mine.surface(), &self.view, rng);
+        let scan = message(self.lidar, &readings, stamp_ns, self.moves);
+        Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None }
+    }
+}
+
+impl Scene {
     /// The same scene at another time.
     pub(crate) fn restamped(mut self, stamp_ns: u64) -> Self {
         self.stamp_ns = stamp_ns;
@@ -117,7 +127,8 @@ impl Iterator for Flight {
 
     fn next(&mut self) -> Option<Scene> {
         let (motion, belief) = self.vehicle.next()?;
-        let mut scene = Scene::take(&self.mine, &self.lidar, &motion, self.stamp_ns, &mut self.rng);
+        let sweep = Sweep::of(&self.mine, &self.lidar, &motion);
+        let mut scene = sweep.scene(&self.mine, self.stamp_ns, &mut self.rng);
         scene.odometry = Some(odometry(&belief, self.stamp_ns));
         self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
         Some(scene)

@@ -2,7 +2,7 @@
 
 use crate::junction::Places;
 use crate::lidar::Lidar;
-use crate::mines;
+use crate::presets;
 use crate::scene::{FIRST_STAMP_NS, Flight, Scene};
 
 /// Scenes in every family.
@@ -110,13 +110,13 @@ pub fn suites() -> &'static [Suite] {
             lidar: Lidar { beams: 181, field_of_view_rad: 180_f64.to_radians(), ..CLEAN.lidar },
             ..CLEAN
         }),
-        places("pillars", "5-7 m wide, one to three pillars of 0.5-1.4 m", || Places {
+        places("pillars", "5-7 m wide, one to three pillars, 0.8-1.6 m across", || Places {
             width_m: [5.0, 7.0],
             pillars: [1, 3],
             ..CLEAN
         }),
-        flights("flight_tunnel", "whole flights through tunnels of 3.5 m x 3 m, two scans a second", mines::tunnel),
-        flights("flight_mine", "whole flights through wet mines of 6 m x 4 m, two scans a second", mines::mine),
+        flights("flight_tunnel", "whole flights through tunnels of 3.5 m x 3 m, two scans a second", presets::tunnel),
+        flights("flight_mine", "whole flights through wet mines of 6 m x 4 m, two scans a second", presets::mine),
     ];
     SUITES
 }

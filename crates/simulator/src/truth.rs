@@ -1,28 +1,35 @@
 //! What the noise-free view shows: walls and openings, by the definitions of the vocabulary.
 //!
-//! An opening is where a centreline leaves the visible region: behind the shadow of a corner, or at the end of the
-//! range. It cuts the sweep at the beam that points there; the walls are the beams between consecutive cuts.
+//! *An opening* is a place where a centreline of the network leaves the visible region, behind the shadow of a corner
+//! or at the end of the range, on a walk outward from the sensor; each way out counts once, where it first leaves.
+//! - A centreline that comes back in sight within 3 m has not left it: a bump hid it. Pillars hide none.
+//! - A dead end whose face is seen is closed. One whose face lies beyond sight is an opening: whether a tunnel goes on
+//!   behind an edge is known from the network, how far it goes is not looked at.
+//! - The edge that is crossed, and the branch there, are at least 0.6 m wide: a vehicle passes.
+//! - Ways that leave with no wall seen between them are one opening.
+//! - Outside the field of view nothing is known. A centreline that leaves there at the end of the range is an opening
+//!   if at least 0.6 m of the same edge is in view.
+//! - Bearing and width are those of the branch, the part of the way that leads to this opening alone: where it is 8 m
+//!   from the sensor, or at its last visible place if that is nearer or the branch begins farther away. The width is
+//!   measured from wall to wall across the branch, as if there were no pillars.
+//!
+//! *A wall* is what the beams between two consecutive openings meet, *an island* is a pillar. Both are numbered
+//! together, by their smallest beam that meets them. Counts and numbers are those of the noise-free view: a wall all of
+//! whose beams are lost still counts, though no label names it. Floor and roof, seen by a tilted sensor, are no wall.
+//! During a sweep on the move, visibility is judged from where the sensor is half-way, bearings from where it is when it
+//! looks there.
 
 use crosscut_messages::{Truth, TruthOpening};
 
 use crate::exits::{Exit, Sight, exits};
 use crate::lidar::{Echo, Lidar, Motion, Reading};
-use crate::network::{Network, Point, Vector, left_of};
-use crate::skeleton::Skeleton;
-use crate::surface::Surface;
+use crate::mine::Mine;
+use crate::network::{Point, Vector, left_of, unit};
 
 /// An opening lets a disc of this width through.
 const VEHICLE_WIDTH_M: f64 = 0.6;
 /// Bearing and width of an opening are those of its branch at this distance from the sensor.
 const BRANCH_AT_M: f64 = 8.0;
-
-/// A mine that can be looked at: its network, its surface, and its centrelines.
-#[derive(Clone, Debug)]
-pub struct Mine {
-    network: Network,
-    surface: Surface,
-    skeleton: Skeleton,
-}
 
 /// Walls and openings of one view, before any beam is lost.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,28 +51,12 @@ struct Cut {
 }
 
 impl Mine {
-    /// A mine with a surface of its own.
-    pub fn new(network: Network, surface: Surface) -> Self {
-        let skeleton = Skeleton::new(&network, &surface);
-        Self { network, surface, skeleton }
-    }
-
-    /// Its tunnels.
-    pub fn network(&self) -> &Network {
-        &self.network
-    }
-
-    /// Its rock.
-    pub fn surface(&self) -> &Surface {
-        &self.surface
-    }
-
     /// Walls and openings of the noise-free `view` that `lidar` has on the way of `motion`.
     pub fn scenery(&self, lidar: &Lidar, motion: &Motion, view: &[Echo]) -> Scenery {
         let from_m = motion.at(0.5 * lidar.field_of_view_rad / std::f64::consts::TAU).position_m;
-        let sight = Sight { surface: &self.surface, from_m, range_m: lidar.range_max_m };
+        let sight = Sight { surface: self.surface(), from_m, range_m: lidar.range_max_m };
         let on_wall = |beam: usize| self.is_wall(&view[beam]);
-        let mut cuts: Vec<Cut> = exits(&self.skeleton, &sight)
+        let mut cuts: Vec<Cut> = exits(self.skeleton(), &sight)
             .into_iter()
             .filter(|exit| self.lets_vehicle_through(exit))
             .filter_map(|exit| Some(Cut { beam: self.cut_beam(lidar, motion, view, &exit)?, exits: vec![exit] }))
@@ -80,7 +71,7 @@ impl Mine {
     }
 
     fn is_wall(&self, echo: &Echo) -> bool {
-        matches!(*echo, Echo::Rock { segment, .. } if self.surface.segments()[segment].pillar.is_none())
+        matches!(*echo, Echo::Rock { segment, .. } if self.surface().segments()[segment].pillar.is_none())
     }
 
     fn lets_vehicle_through(&self, exit: &Exit) -> bool {
@@ -94,7 +85,9 @@ impl Mine {
         let open_from_m = 1.5 * half_width_m + 0.5;
         [left_of(along), -left_of(along)]
             .into_iter()
-            .map(|side| self.surface.cast_past_pillars(at_m, side, open_from_m).map_or(half_width_m, |hit| hit.range_m))
+            .map(|side| {
+                self.surface().cast_past_pillars(at_m, side, open_from_m).map_or(half_width_m, |hit| hit.range_m)
+            })
             .sum()
     }
 
@@ -108,8 +101,8 @@ impl Mine {
         }
         let nothing_at = |beam: f64| {
             let pose = lidar.pose_at(motion, beam);
-            let direction = crate::network::unit(pose.heading_rad + lidar.bearing_rad(beam));
-            self.surface.cast_past_pillars(pose.position_m, direction, lidar.range_max_m).is_none()
+            let direction = unit(pose.heading_rad + lidar.bearing_rad(beam));
+            self.surface().cast_past_pillars(pose.position_m, direction, lidar.range_max_m).is_none()
         };
         let outside = if beam < 0.0 { -beam } else { beam - last };
         let inward = if beam < 0.0 { 1.0 } else { -1.0 };
@@ -137,7 +130,7 @@ impl Mine {
                 wall_of_beam.push(None);
                 continue;
             };
-            let wall = match self.surface.segments()[segment].pillar {
+            let wall = match self.surface().segments()[segment].pillar {
                 Some(pillar) => match pillars.iter().find(|(known, _)| *known == pillar) {
                     Some(&(_, wall)) => wall,
                     None => {
@@ -167,7 +160,7 @@ impl Mine {
         // The branch is the part of the way out that leads nowhere else.
         let first = exit.path.iter().position(|point| !shared(point)).unwrap_or(exit.path.len());
         let branch = exit.path[first..].iter().map(|&point| {
-            let point = &self.skeleton.points[point];
+            let point = &self.skeleton().points[point];
             (point.position_m, point.half_width_m)
         });
         let branch: Vec<(Point, f64)> = branch.chain([(exit.at_m, exit.half_width_m)]).collect();
@@ -214,6 +207,13 @@ fn merge(cuts: &mut Vec<Cut>, beams: usize, full_turn: bool, on_wall: impl Fn(us
 }
 
 impl Scenery {
+    /// Number of beams that meet the wall or pillar that fewest meet.
+    pub(crate) fn fewest_beams(&self) -> usize {
+        let mut beams = vec![0; (self.walls + self.islands) as usize];
+        self.wall_of_beam.iter().flatten().for_each(|&wall| beams[wall as usize] += 1);
+        beams.into_iter().min().unwrap_or(0)
+    }
+
     /// The truth of what the lidar reported of this view.
     pub fn truth(&self, readings: &[Reading]) -> Truth {
         let labels = self.wall_of_beam.iter().zip(readings).map(|(wall, reading)| match (reading, wall) {

@@ -7,11 +7,11 @@ use rand::seq::SliceRandom;
 
 use crate::course::{bent, half_widths, swaying};
 use crate::lidar::Lidar;
+use crate::mine::Mine;
 use crate::network::{Disc, Network, Point, left_of, unit};
 use crate::noise::{Generator, generator};
 use crate::scene::Flight;
 use crate::surface::{Surface, Texture};
-use crate::truth::Mine;
 use crate::vehicle::{Handling, Vehicle};
 
 /// A flight through a tunnel 3.5 m wide and 3 m high with branches to both sides, from one dead end to the other.
