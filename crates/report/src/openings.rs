@@ -9,6 +9,8 @@
 //!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge;
 //! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
 //! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
+//!
+//! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
 
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
 use nalgebra::Vector2;
@@ -27,6 +29,33 @@ const LINE_M: f64 = 1.5;
 pub struct Finder {
     /// Returns that belong to a wall, anticlockwise around the sensor.
     ring: Vec<usize>,
+}
+
+/// An opening with the middle of its mouth.
+struct Branch {
+    opening: Opening,
+    middle_m: Point,
+}
+
+impl Branch {
+    /// Whether both lead into the same branch: their mouths overlap.
+    fn is_same_way_as(&self, other: &Self) -> bool {
+        let narrower_m = self.opening.width_m.min(other.opening.width_m);
+        (self.middle_m - other.middle_m).norm() < narrower_m / 2.0
+    }
+
+    /// Takes up the next edge anticlockwise of the same branch. The longer edge says where the mouth is.
+    fn join(&mut self, next: Self) {
+        let (clockwise, anticlockwise) = (&self.opening, &next.opening);
+        let walls = [clockwise.walls[0], anticlockwise.walls[1]];
+        let edge_m = [clockwise.edge_m[0], anticlockwise.edge_m[1]];
+        let length_m = |opening: &Opening| (opening.edge_m[0] - opening.edge_m[1]).norm();
+        if length_m(anticlockwise) > length_m(clockwise) {
+            *self = next;
+        }
+        self.opening.walls = walls;
+        self.opening.edge_m = edge_m;
+    }
 }
 
 /// Two returns that follow each other around the sensor, by their places in the ring.
@@ -51,11 +80,24 @@ impl Finder {
         let ring_beams = self.order(sweep, wall_of_return);
         let view = View { revolution, sweep, vehicle_width_m, wall_of_return, ring: &self.ring };
         let edges = if sweep.full_turn { self.ring.len() } else { self.ring.len().saturating_sub(1) };
+        let mut branches: Vec<Branch> = Vec::new();
         for clockwise in 0..edges {
             let edge = Edge { clockwise, anticlockwise: (clockwise + 1) % self.ring.len() };
             let between = beams_between(&ring_beams, &edge, sweep.len());
-            out.extend(view.opening(&edge, between));
+            let Some(branch) = view.branch(&edge, between) else { continue };
+            match branches.last_mut() {
+                Some(last) if last.is_same_way_as(&branch) => last.join(branch),
+                _ => branches.push(branch),
+            }
         }
+        if let [first, .., last] = branches.as_slice()
+            && last.is_same_way_as(first)
+        {
+            let mut joined = branches.pop().expect("two at least");
+            joined.join(branches.swap_remove(0));
+            branches.push(joined);
+        }
+        out.extend(branches.into_iter().map(|branch| branch.opening));
         out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
     }
 
@@ -127,7 +169,7 @@ impl View<'_> {
         self.revolution.range_m(self.ring[place])
     }
 
-    fn opening(&self, edge: &Edge, between: impl Iterator<Item = usize> + Clone) -> Option<Opening> {
+    fn branch(&self, edge: &Edge, between: impl Iterator<Item = usize> + Clone) -> Option<Branch> {
         let (p, q) = (self.point(edge.clockwise), self.point(edge.anticlockwise));
         if (p - q).norm() < self.vehicle_width_m {
             return None;
@@ -143,9 +185,16 @@ impl View<'_> {
         if !passable || !self.deep(p, q) {
             return None;
         }
-        let (bearing_rad, width_m) = self.mouth(edge);
-        let evidence = if dark { Evidence::NoReturn } else { Evidence::SeenThrough };
-        Some(Opening { bearing_rad, width_m, walls, evidence, edge_m: [p, q] })
+        let [a, b] = self.mouth(edge);
+        let middle_m = nalgebra::center(&a, &b);
+        let opening = Opening {
+            bearing_rad: middle_m.y.atan2(middle_m.x),
+            width_m: (a - b).norm(),
+            walls,
+            evidence: if dark { Evidence::NoReturn } else { Evidence::SeenThrough },
+            edge_m: [p, q],
+        };
+        Some(Branch { opening, middle_m })
     }
 
     /// Whether neither wall goes on along its own line across the edge, so that the vehicle can pass between them:
@@ -200,29 +249,21 @@ impl View<'_> {
         })
     }
 
-    /// Bearing and clear width of the branch, at most [`LOOKOUT_M`] from the sensor.
+    /// The two ends of the shortest line across the branch, at most [`LOOKOUT_M`] from the sensor.
     ///
-    /// From the last return of each side within that distance, the nearest point of the other side gives the width
-    /// across the branch; the middle of the narrower of the two crossings gives the bearing.
-    fn mouth(&self, edge: &Edge) -> (f64, f64) {
+    /// From the last return of each side within that distance to the nearest return of the other side; the shorter of
+    /// the two.
+    fn mouth(&self, edge: &Edge) -> [Point; 2] {
         let crossing = |place: usize, backwards: bool, other: usize| {
-            let anchor = self
-                .along_wall(place, backwards)
-                .find(|&at| self.range_m(at) <= LOOKOUT_M)
-                .map_or_else(|| self.point(place), |at| self.point(at));
+            let within = self.along_wall(place, backwards).find(|&at| self.range_m(at) <= LOOKOUT_M);
+            let anchor = self.point(within.unwrap_or(place));
             let distance = |at: &usize| (self.point(*at) - anchor).norm();
-            let nearest = self
-                .along_wall(other, !backwards)
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-                .map_or(anchor, |at| self.point(at));
-            (anchor, nearest)
+            let opposite = self.along_wall(other, !backwards).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            [anchor, self.point(opposite.unwrap_or(other))]
         };
         let from_clockwise = crossing(edge.clockwise, true, edge.anticlockwise);
         let from_anticlockwise = crossing(edge.anticlockwise, false, edge.clockwise);
-        let width_m = |(a, b): (Point, Point)| (a - b).norm();
-        let (a, b) =
-            if width_m(from_clockwise) <= width_m(from_anticlockwise) { from_clockwise } else { from_anticlockwise };
-        let middle = nalgebra::center(&a, &b);
-        (middle.y.atan2(middle.x), width_m((a, b)))
+        let length_m = |[a, b]: [Point; 2]| (a - b).norm();
+        if length_m(from_clockwise) <= length_m(from_anticlockwise) { from_clockwise } else { from_anticlockwise }
     }
 }

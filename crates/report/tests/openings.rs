@@ -192,3 +192,14 @@ fn a_cloud_has_no_openings_and_no_returns_have_none() {
     assert!(openings_of(&(Revolution::default(), Vec::new())).is_empty());
     assert!(openings(&[]).is_empty(), "nothing hit at all");
 }
+
+#[test]
+fn a_stray_return_deep_inside_a_branch_does_not_make_it_two() {
+    let mut with_stray = tunnel();
+    with_stray.push((Segment([12.0, -0.1], [12.0, 0.1]), 0));
+    let found = openings(&with_stray);
+    assert_eq!(found.len(), 2, "{found:#?}");
+    let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
+    assert_eq!(ahead.walls, [1, 0]);
+    assert_opening(ahead, 0.0, 3.5);
+}
