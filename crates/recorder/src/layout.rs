@@ -1,18 +1,19 @@
 //! The layout that goes with every recording: one revolution, stage by stage, readable at 1400×900.
 
 use crosscut_stage::Frame;
-use rerun::blueprint::components::{Corner2D, Eye3DKind, PanelState};
+use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, PanelState};
 use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView,
     Spatial3DView, StateTimelineView, Tabs, TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, SpatialInformation, TextDocumentFormat, VisualBounds2D,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, TextDocumentFormat, VisualBounds2D,
 };
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, datatypes};
 
+use crate::colors::color;
 use crate::spectrum::chart_bounds;
 
 /// How far the views have to reach; taken from the first revolution.
@@ -22,7 +23,7 @@ pub(crate) struct Extent {
     /// Returns of the revolution.
     returns: usize,
     /// Farthest row of U from its origin.
-    embedding: f64,
+    pub(crate) embedding: f64,
 }
 
 impl Default for Extent {
@@ -80,16 +81,15 @@ pub(crate) fn send(rec: &RecordingStream, extent: &Extent) -> RecordingStreamRes
 }
 
 fn messages_of(blueprint: &Blueprint) -> RecordingStreamResult<(Vec<LogMsg>, BlueprintActivationCommand)> {
-    let (scratch, storage) =
-        RecordingStreamBuilder::new("crosscut").enabled(true).send_properties(false).memory()?;
+    let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
     blueprint.send(&scratch, BlueprintActivation::default())?;
     let mut messages = storage.take();
     messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
-    let commands = messages.iter().filter_map(|message| match message {
+    let command = messages.iter().rev().find_map(|message| match message {
         LogMsg::BlueprintActivationCommand(command) => Some(command.clone()),
         _ => None,
     });
-    let command = commands.last().expect("a blueprint sent ends with its activation");
+    let command = command.expect("a blueprint that was sent ends with its activation");
     messages.retain(|message| !matches!(message, LogMsg::BlueprintActivationCommand(_)));
     Ok((messages, command))
 }
@@ -98,10 +98,8 @@ fn property_messages(
     command: &BlueprintActivationCommand,
     properties: Properties,
 ) -> RecordingStreamResult<Vec<LogMsg>> {
-    let (scratch, storage) = RecordingStreamBuilder::from_store_id(&command.blueprint_id)
-        .enabled(true)
-        .send_properties(false)
-        .memory()?;
+    let (scratch, storage) =
+        RecordingStreamBuilder::from_store_id(&command.blueprint_id).send_properties(false).memory()?;
     scratch.set_time_sequence("blueprint", 0);
     for Property { path, value } in properties.0 {
         scratch.log(path, &*value)?;
@@ -114,15 +112,15 @@ fn property_messages(
 /// One revolution, stage by stage, with the flight below.
 fn overview(extent: &Extent, properties: &mut Properties) -> Blueprint {
     let pictures = Horizontal::new([
-        picture("W: log10 weight, 1e-16 to 1, in beam order", "affinity/W", extent, properties),
-        picture("L: log10 |entry|, 1e-16 to 1, in beam order", "spectral/L", extent, properties),
+        picture("W by beam: log10, dark 1e-16, yellow 1", "affinity/W", extent, properties),
+        picture("L by beam: log10 |.|, dark 1e-16, yellow 1", "spectral/L", extent, properties),
     ]);
     let spectral = Horizontal::new([chart(properties), embedding(extent, properties)]);
     let stages = Vertical::new([pictures.into(), spectral.into()]).with_row_shares([1.15, 1.0]);
-    let scene = Vertical::new([scan(extent, properties), words(properties)]).with_row_shares([2.2, 1.0]);
-    let revolution = Horizontal::new([scene.into(), stages.into()]).with_column_shares([0.8, 1.0]);
+    let scene = Vertical::new([scan(extent, properties), words(properties)]).with_row_shares([1.9, 1.0]);
+    let revolution = Horizontal::new([scene.into(), stages.into()]).with_column_shares([0.62, 1.0]);
     let flight = Horizontal::new([junctions(properties), places(), timings(properties)]);
-    Blueprint::new(Vertical::new([revolution.into(), flight.into()]).with_row_shares([3.4, 1.0]))
+    Blueprint::new(Vertical::new([revolution.into(), flight.into()]).with_row_shares([3.3, 1.0]))
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
@@ -133,7 +131,7 @@ fn overview(extent: &Extent, properties: &mut Properties) -> Blueprint {
 /// The scan from above, x up and y left.
 fn scan(extent: &Extent, properties: &mut Properties) -> ContainerLike {
     let view = Spatial3DView::new("Scan [m]: x up, y left").with_origin("/").with_contents(["+ /scan/**"]).into();
-    let height = (2.1 * extent.range_m) as f32;
+    let height = (2.1 * extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
     let eye = EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
         .with_position([0.0, 0.0, height])
@@ -141,7 +139,7 @@ fn scan(extent: &Extent, properties: &mut Properties) -> ContainerLike {
         .with_eye_up([1.0f32, 0.0, 0.0]);
     let view = properties.with(view, "EyeControls3D", eye);
     let view = properties.with(view, "LineGrid3D", LineGrid3D::new().with_visible(false));
-    properties.with(view, "SpatialInformation", SpatialInformation::update_fields().with_show_axes(false))
+    properties.with(view, "Background", backdrop())
 }
 
 /// A matrix, with the clusters as bars along its edges.
@@ -149,30 +147,32 @@ fn picture(name: &str, entity: &str, extent: &Extent, properties: &mut Propertie
     let contents = [format!("+ /{entity}"), "+ /kmeans/labels".to_owned()];
     let view = Spatial2DView::new(name).with_origin("/").with_contents(contents).into();
     let (n, margin) = (extent.returns as f64, 0.04 * extent.returns as f64);
+    let view = properties.with(view, "Background", backdrop());
     properties.with(view, "VisualBounds2D", bounds([-margin, -margin, n + 1.0, n + 1.0]))
 }
 
 fn chart(properties: &mut Properties) -> ContainerLike {
-    let view = Spatial2DView::new("Eigenvalues λ of L (log), zeros in blue, tolerance τ")
+    let view = Spatial2DView::new("Eigenvalues of L, zeros blue, τ red")
         .with_origin("/spectral/chart")
         .with_contents(["+ $origin/**"])
         .into();
+    let view = properties.with(view, "Background", backdrop());
     properties.with(view, "VisualBounds2D", bounds(chart_bounds()))
 }
 
 /// The rows of U, from a corner.
 fn embedding(extent: &Extent, properties: &mut Properties) -> ContainerLike {
-    let contents = ["+ /spectral/embedding", "+ /kmeans/centroids"];
-    let view = Spatial3DView::new("Embedding: u1, u2, u3, and centroids").with_origin("/").with_contents(contents);
+    let contents = ["+ /spectral/embedding", "+ /spectral/axes", "+ /kmeans/centroids"];
+    let view = Spatial3DView::new("Embedding: rows of U, centroids").with_origin("/").with_contents(contents);
     let reach = extent.embedding as f32;
     let eye = EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
-        .with_position([1.6 * reach, 1.9 * reach, 1.3 * reach])
+        .with_position([1.2 * reach, 1.5 * reach, 1.0 * reach])
         .with_look_target([0.0f32, 0.0, 0.0])
         .with_eye_up([0.0f32, 0.0, 1.0]);
     let view = properties.with(view.into(), "EyeControls3D", eye);
     let view = properties.with(view, "LineGrid3D", LineGrid3D::new().with_visible(false));
-    properties.with(view, "SpatialInformation", SpatialInformation::update_fields().with_show_axes(false))
+    properties.with(view, "Background", backdrop())
 }
 
 /// The answer in words; behind it the notes, the configuration, and what the recording holds.
@@ -188,7 +188,7 @@ fn junctions(properties: &mut Properties) -> ContainerLike {
     let contents = ["+ /report/junctions", "+ /spectral/k"];
     let view = TimeSeriesView::new("Junctions and k over revolutions").with_origin("/").with_contents(contents).into();
     let view = properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
-    let range = rerun::components::Range1D::new(0.0, 8.0);
+    let range = rerun::components::Range1D::new(0.0, 5.5);
     properties.with(view, "ScalarAxis", ScalarAxis::new().with_range(range))
 }
 
@@ -201,8 +201,14 @@ fn timings(properties: &mut Properties) -> ContainerLike {
     properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
 }
 
+/// The same in a dark and in a light viewer, so that the colours always stand out.
+fn backdrop() -> Background {
+    Background::new(BackgroundKind::SolidColor).with_color(color(0x0D10_11FF))
+}
+
 /// Left, top, right and bottom of a 2D view.
 fn bounds([left, top, right, bottom]: [f64; 4]) -> VisualBounds2D {
-    let range = datatypes::Range2D { x_range: datatypes::Range1D([left, right]), y_range: datatypes::Range1D([top, bottom]) };
+    let range =
+        datatypes::Range2D { x_range: datatypes::Range1D([left, right]), y_range: datatypes::Range1D([top, bottom]) };
     VisualBounds2D::new(rerun::blueprint::components::VisualBounds2D(range))
 }

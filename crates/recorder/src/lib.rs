@@ -10,27 +10,28 @@
 //! |---|---|---|---|
 //! | `/scan/returns` | returns, class = wall | n points, m, body frame | f32 |
 //! | `/scan/ranges`, `/scan/seen` | ranges as on the wire; what each beam saw | beams, m | exact |
-//! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, when they change | beams, rad | exact |
-//! | `/scan/walls` | lines along the walls, broken at gaps | m | f32 |
-//! | `/scan/openings` | arrows, widths; bearing and width as a tensor | openings × 2, rad and m | exact |
-//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], beam order | n×n, up to n = 1024 | 256 levels |
-//! | `/affinity/degrees` | D | n | exact |
+//! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, logged when they change | beams, rad | exact |
+//! | `/scan/walls` | lines along the walls, broken at gaps | m | within 3 cm |
+//! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
+//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], in beam order | n×n, up to n = 1024 | a decade a level |
+//! | `/affinity/degrees` | D | n | f32 |
 //! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ, τ, k, margin | | exact |
 //! | `/spectral/chart/...` | λ and τ drawn on a logarithmic scale | | drawing |
-//! | `/spectral/U`, `/spectral/embedding` | U; its first three columns as points | n×k | exact; f32 |
+//! | `/spectral/U`, `/spectral/embedding` | U; its first three columns as points | n×k | f32 |
 //! | `/kmeans/labels`, `/kmeans/centroids` | labels (-1: none), centres; both also drawn | n; clusters×k | exact |
 //! | `/report/junctions`, `/confidence`, `/place`, `/summary` | the answer | | exact; words |
 //! | `/timing/<stage>` | time of each step | ms | exact |
 //! | `/log`, `/config`, `/about` | notes; configuration as TOML; what is exact | | words |
 //!
-//! A level of a picture is 16/255 of a decade: a value of 1e-16 or more reads back within 0.032 decades. Raw ranges and
-//! configuration let anybody recompute W, L and U in full precision, so exact matrices need not be stored; one would go
-//! to a tensor of its own, `/affinity/W/exact`, in [`matrices`](self) terms a second log call per revolution.
+//! A value of 1e-16 or more reads back from a picture within half a decade. Raw ranges and configuration let anybody
+//! recompute W, L and U in full precision, so exact matrices need not be stored; where they are wanted, they go to an
+//! entity of their own, `/affinity/W/exact`. L is computed here, from W and the degrees: no stage builds anything for
+//! the recording alone.
 //!
 //! An empty revolution writes empty values, so that nothing of the one before stays on the screen.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
-//! behind lacks at most the last second of the flight, and opens. Row ids hold the time of writing, so the bytes of two
+//! behind lacks at most the last 1.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two
 //! recordings differ. A write that fails (full disk) is an error of the next call, and the file ends with its last whole
 //! message.
 //!

@@ -1,7 +1,8 @@
-//! W and L as pictures in beam order: log10 |value| over [-16, 0] in 256 levels.
+//! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level.
 //!
-//! Linear grey levels would show nothing: the leaks that decide the count are 1e-8. L = I - D^-1/2 W D^-1/2 is computed
-//! here, from W and the degrees, for the picture alone.
+//! Linear levels would show nothing: the leaks that decide the count are 1e-8. Finer levels show the sensor's noise: 256
+//! of them make a picture nearly three times as large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees, for the
+//! picture alone.
 
 use crosscut_stage::{Affinity, Frame};
 use rerun::components::{Colormap, MediaType};
@@ -9,12 +10,12 @@ use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncode
 use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
 use rerun::{Clear, EncodedDepthImage, RecordingStream, RecordingStreamResult};
 
-use crate::tensors::f64_vector;
+use crate::tensors::f32_vector;
 
 /// Beyond this many returns no picture is made.
 pub(crate) const LARGEST_PICTURE: usize = 1024;
 
-/// The decades that a picture spans, ending at 1.
+/// The decades that a picture spans, ending at 1: the level of a value of 1 or more. Level 0 is 1e-16 or less.
 const DECADES: f32 = 16.0;
 
 /// Buffers for the pictures, reused from one revolution to the next.
@@ -31,7 +32,7 @@ impl Pictures {
     /// Degrees, and the pictures of W and L; beyond [`LARGEST_PICTURE`] the pictures are cleared.
     pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
         let affinity = &frame.affinity;
-        rec.log("affinity/degrees", &f64_vector(affinity.degrees.clone(), "return"))?;
+        rec.log("affinity/degrees", &f32_vector(affinity.degrees.iter().map(|&d| d as f32).collect(), "return"))?;
         let n = affinity.weights.n();
         if !is_drawn(affinity) {
             rec.log("affinity/W", &Clear::flat())?;
@@ -75,7 +76,7 @@ impl Pictures {
         EncodedDepthImage::new(png(&self.levels, n))
             .with_media_type(MediaType::PNG)
             .with_colormap(Colormap::Viridis)
-            .with_depth_range([0.0, 1.0])
+            .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // a grey PNG is read as 0 to 1
     }
 }
 
@@ -85,16 +86,16 @@ pub(crate) fn is_drawn(affinity: &Affinity) -> bool {
     (1..=LARGEST_PICTURE).contains(&n) && affinity.degrees.len() == n
 }
 
-/// 0 for 1e-16 and below, 255 for 1 and above.
+/// Decades above 1e-16.
 fn level(decades: f32) -> u8 {
-    ((decades / DECADES + 1.0) * 255.0).round() as u8 // a cast keeps to 0..=255, and makes 0 of NaN
+    (decades + DECADES).clamp(0.0, DECADES).round() as u8 // NaN casts to 0
 }
 
 /// An n×n grey picture as PNG.
 fn png(levels: &[u8], n: usize) -> Vec<u8> {
     let mut png = Vec::with_capacity(levels.len() / 4);
     let side = n as u32;
-    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Sub)
+    PngEncoder::new_with_quality(&mut png, CompressionType::Level(4), FilterType::NoFilter)
         .write_image(levels, side, side, ExtendedColorType::L8)
         .expect("n×n levels make an n×n picture, and memory takes it");
     png
@@ -106,8 +107,8 @@ mod tests {
 
     #[test]
     fn levels_span_sixteen_decades_and_never_wrap() {
-        assert_eq!([level(0.0), level(3.0), level(f32::INFINITY)], [255; 3]);
+        assert_eq!([level(0.0), level(3.0), level(f32::INFINITY)], [16; 3]);
         assert_eq!([level(-16.0), level(-300.0), level(f32::NEG_INFINITY), level(f32::NAN)], [0; 4]);
-        assert_eq!(level(-8.0), 128);
+        assert_eq!([level(-8.0), level(-7.6), level(-7.4)], [8, 8, 9]);
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
     let points = Points3D::new(points.map(|p: [f32; 3]| p))
         .with_class_ids((0..clusters).map(|c| class_of(u32::try_from(c).ok())))
         .with_show_labels(false);
-    let exact = f64_matrix(rows_of(centroids), [clusters, k], ["cluster", "eigenvector"]);
+    let exact = f64_matrix(rows_of(centroids).collect(), [clusters, k], ["cluster", "eigenvector"]);
     rec.log("kmeans/centroids", &[&exact as &dyn AsComponents, &points])
 }
 
@@ -39,7 +39,7 @@ fn log_labels(rec: &RecordingStream, partition: &Partition) -> RecordingStreamRe
     let bars = LineStrips2D::new(runs.iter().flat_map(along))
         .with_class_ids(runs.iter().flat_map(|&(from, _)| [class_of(labels[from]); 2]))
         .with_show_labels(false);
-    let exact = i32_vector(labels.iter().map(|label| label.map_or(-1, |l| l.cast_signed())), "return");
+    let exact = i32_vector(labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), "return");
     rec.log("kmeans/labels", &[&exact as &dyn AsComponents, &bars])
 }
 

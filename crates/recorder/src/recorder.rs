@@ -17,7 +17,7 @@ use crate::scan::BeamGeometry;
 use crate::{layout, partition, report, scan, spectrum, viewer};
 
 /// What is on the disk never lags behind by more than this much sensor time...
-const FLUSH_AFTER_NS: u64 = 1_000_000_000;
+const FLUSH_AFTER_NS: u64 = 1_500_000_000;
 /// ...nor by more revolutions than this, whatever the stamps say.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 /// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
@@ -62,6 +62,9 @@ pub enum RecorderError {
         /// What the system said.
         cause: String,
     },
+    /// The environment tells Rerun to drop everything in silence.
+    #[error("RERUN=0 in the environment turns every recording off; unset it")]
+    Disabled,
     /// There is no native viewer on this machine.
     #[error("no Rerun viewer found; `pip install rerun-sdk==0.36.3` brings it")]
     NoViewer,
@@ -89,8 +92,11 @@ impl Recorder {
     /// Opens the file and the viewer, and writes what holds for the whole recording.
     ///
     /// # Errors
-    /// When the file cannot be created, or there is no viewer to show it.
+    /// When the file cannot be created, there is no viewer to show it, or the environment turns recordings off.
     pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
+        if !rerun::decide_logging_enabled(true) {
+            return Err(RecorderError::Disabled);
+        }
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
@@ -103,7 +109,6 @@ impl Recorder {
             ..ChunkBatcherConfig::DEFAULT
         };
         let rec = RecordingStreamBuilder::new("crosscut")
-            .enabled(true) // whatever RERUN=0 in the environment says: who asks for a recording gets one
             .recording_name(options.name)
             .recording_started(options.started_ns.cast_signed())
             .batcher_config(batches)
@@ -167,6 +172,7 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
+        spectrum::log_axes(&self.rec, extent.embedding)?;
         layout::send(&self.rec, &extent)?;
         self.layout_sent = true;
         Ok(())

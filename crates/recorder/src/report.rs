@@ -12,10 +12,12 @@ use crate::matrices::{LARGEST_PICTURE, is_drawn};
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    let line = |name: &str, rgba| SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([2.0]);
-    rec.log_static("report/junctions", &line("junctions (walls)", REPORTED))?;
+    let line = |name: &str, rgba, width: f32| {
+        SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([width])
+    };
+    rec.log_static("report/junctions", &line("junctions (walls)", REPORTED, 5.0))?; // seen behind k where both agree
     for (step, rgba) in Step::ALL.into_iter().zip(STEPS) {
-        rec.log_static(format!("timing/{step}"), &line(step.name(), rgba))?;
+        rec.log_static(format!("timing/{step}"), &line(step.name(), rgba, 2.0))?;
     }
     Ok(())
 }

@@ -10,6 +10,10 @@ use crate::tensors::{f32_vector, f64_matrix, f64_vector, u8_vector};
 
 /// Neighbouring returns of a wall that lie farther apart are not joined by a line.
 const GAP_M: f64 = 2.5;
+/// A line along a wall passes its returns within this distance.
+const LINE_M: f32 = 0.03;
+/// Length of the arrows through the openings.
+const ARROW_M: f64 = 2.5;
 
 /// Look of the entities, and what never changes.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
@@ -31,7 +35,7 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
     let classes = (0..revolution.len()).map(|i| class_of(wall_of(i)));
     rec.log("scan/returns", &Points3D::new(points).with_class_ids(classes))?;
     if let Some(sweep) = &revolution.sweep {
-        rec.log("scan/ranges", &f32_vector(&sweep.ranges_m, "beam"))?;
+        rec.log("scan/ranges", &f32_vector(sweep.ranges_m.clone(), "beam"))?;
         rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
     }
     log_walls(rec, revolution, junction)?;
@@ -53,7 +57,7 @@ fn log_walls(rec: &RecordingStream, revolution: &Revolution, junction: &Junction
         None => Vec::new(), // returns of a cloud have no order to draw a line along
     };
     let classes: Vec<u16> = strips.iter().map(|(wall, _)| class_of(Some(*wall))).collect();
-    let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(strip));
+    let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip)));
     rec.log("scan/walls", &LineStrips3D::new(lines).with_class_ids(classes).with_show_labels(false))
 }
 
@@ -80,19 +84,46 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
     strips
 }
 
-/// An arrow towards each opening, a bar across it with its width; bearing and width exactly as a tensor.
+/// The line without the points that lie within [`LINE_M`] of it (Douglas and Peucker).
+fn simplified(line: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut kept = vec![line[0]];
+    let mut spans = vec![(0, line.len() - 1)];
+    while let Some((from, to)) = spans.pop() {
+        let distance = |i: usize| distance_m(line[i], line[from], line[to]);
+        match (from + 1..to).max_by(|&a, &b| distance(a).total_cmp(&distance(b))) {
+            Some(far) if distance(far) > LINE_M => spans.extend([(far, to), (from, far)]),
+            _ => kept.push(line[to]),
+        }
+    }
+    kept
+}
+
+/// From point `p` to the segment from `a` to `b`.
+fn distance_m(p: [f32; 3], a: [f32; 3], b: [f32; 3]) -> f32 {
+    let [p, a, b] = [p, a, b].map(nalgebra::Vector3::from);
+    let along = ((p - a).dot(&(b - a)) / (b - a).norm_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (p - a - along * (b - a)).norm()
+}
+
+/// An arrow through each opening, a bar across it with its width; bearing and width exactly as a tensor.
 fn log_openings(rec: &RecordingStream, openings: &[Opening]) -> RecordingStreamResult<()> {
-    let arrows = Arrows3D::from_vectors(openings.iter().map(|opening| {
-        let [a, b] = opening.edge_m;
-        let reach = nalgebra::center(&a, &b).coords.norm().max(1.5);
-        [(reach * opening.bearing_rad.cos()) as f32, (reach * opening.bearing_rad.sin()) as f32, 0.0]
-    }));
+    let (origins, vectors): (Vec<_>, Vec<_>) = openings.iter().map(arrow).unzip();
+    let arrows = Arrows3D::from_vectors(vectors).with_origins(origins);
     let bars = LineStrips3D::new(openings.iter().map(|o| [xyz(&o.edge_m[0]), xyz(&o.edge_m[1])]))
         .with_labels(openings.iter().map(|o| format!("{:.1} m", o.width_m)))
         .with_show_labels(true);
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
     rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &table])
+}
+
+/// From the middle of the opening into the branch: towards the point 8 m from the sensor that its bearing names.
+fn arrow(opening: &Opening) -> ([f32; 3], [f32; 3]) {
+    let middle = nalgebra::center(&opening.edge_m[0], &opening.edge_m[1]);
+    let ahead = nalgebra::Vector3::new(opening.bearing_rad.cos(), opening.bearing_rad.sin(), 0.0);
+    let inwards = (8.0 * ahead - middle.coords).try_normalize(1.0).unwrap_or(ahead);
+    let inwards = if inwards.dot(&ahead) > 0.0 { inwards } else { ahead };
+    (xyz(&middle), xyz(&Point::from(ARROW_M * inwards)))
 }
 
 /// The beams' geometry, logged when it changes.
@@ -112,7 +143,7 @@ impl BeamGeometry {
         self.bearings_rad.clone_from(&sweep.bearings_rad);
         self.wire = sweep.wire_geometry;
         rec.log("scan/beams", &f64_vector(self.bearings_rad.clone(), "beam"))?;
-        rec.log("scan/beams/wire", &f32_vector(&self.wire, "angle_min, angle_increment, range_min, range_max"))
+        rec.log("scan/beams/wire", &f32_vector(self.wire.to_vec(), "angle_min, angle_increment, range_min, range_max"))
     }
 }
 
@@ -153,6 +184,31 @@ mod tests {
     fn a_wall_is_broken_where_its_neighbouring_returns_lie_far_apart() {
         let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (9.0, 0.0), (10.0, 0.0)];
         assert_eq!(strips(&points, &[Some(4); 5], false), [(4, 3), (4, 2)]);
+    }
+
+    #[test]
+    fn a_line_keeps_its_corners_and_passes_all_returns() {
+        let line: Vec<[f32; 3]> =
+            (0..=40).map(|i| i as f32 / 10.0).map(|s| [s.min(2.0), (s - 2.0).max(0.0), 0.0]).collect();
+        assert_eq!(simplified(&line), [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
+        assert_eq!(simplified(&line[..2]), line[..2]);
+        let closed = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
+        assert_eq!(simplified(&closed), closed);
+    }
+
+    #[test]
+    fn an_arrow_leads_into_the_branch_even_if_the_opening_lies_beyond_it() {
+        let opening = |x: f64, bearing_rad| Opening {
+            bearing_rad,
+            width_m: 2.0,
+            walls: [0, 1],
+            evidence: crosscut_stage::Evidence::NoReturn,
+            edge_m: [Point::new(x, -1.0, 0.0), Point::new(x, 1.0, 0.0)],
+        };
+        for x in [3.0, 8.0, 12.0] {
+            let (origin, vector) = arrow(&opening(x, 0.0));
+            assert_eq!((origin, vector), ([x as f32, 0.0, 0.0], [2.5, 0.0, 0.0]));
+        }
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use crosscut_stage::{Frame, Spectrum};
 use rerun::{
-    AsComponents, BarChart, Color, LineStrips2D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
-    Scalars, SeriesLines, TensorBuffer, TensorData,
+    AsComponents, BarChart, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius, RecordingStream,
+    RecordingStreamResult, Scalars, SeriesLines, TensorBuffer, TensorData,
 };
 
 use crate::colors::{GREY, TOLERANCE, ZEROS, class_of, color};
-use crate::tensors::{f64_matrix, rows_of};
+use crate::tensors::{f32_matrix, rows_of};
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
 const FLOOR_DECADE: f32 = -18.0;
@@ -15,25 +15,43 @@ const FLOOR_DECADE: f32 = -18.0;
 const DRAWN: usize = 16;
 /// Width of a column of the chart, in decades.
 const COLUMN: f32 = 1.6;
+/// Right end of the chart.
+const RIGHT: f32 = COLUMN * (DRAWN as f32 + 0.5);
 
 /// Look of the entities, and the chart's axis.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static("spectral/embedding", &Points3D::update_fields().with_radii([ui(3.0)]))?;
-    let line = |name: &str, rgba| SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([2.0]);
+    let line = |name: &str, rgba| SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([1.5]);
     rec.log_static("spectral/k", &line("k (zeros)", ZEROS))?;
     rec.log_static("spectral/margin", &line("margin [decades]", GREY))?;
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
-    let right = COLUMN * (DRAWN as f32 + 0.5);
-    let grid = LineStrips2D::new(decades.iter().map(|&d| [[0.0, -d as f32], [right, -d as f32]]))
+    let grid = LineStrips2D::new(decades.iter().map(|&d| [[0.0, -d as f32], [RIGHT, -d as f32]]))
         .with_radii([ui(0.5)])
         .with_colors([color(0x8C8C_8C60)]);
-    let marks = Points2D::new(decades.iter().map(|&d| [-1.6, -d as f32]))
+    let numbered = [0, 3, 7, 11, 15];
+    let places = decades.iter().map(|&d| [-1.8, -d as f32 - 1.0]);
+    let marks = Points2D::new(places.chain(numbered.iter().map(|&i| [column_x(i), -FLOOR_DECADE])))
         .with_radii([ui(0.0)])
         .with_colors([color(GREY)])
-        .with_labels(decades.iter().map(|d| format!("1e{d}")))
+        .with_labels(decades.iter().map(|d| format!("1e{d}")).chain(numbered.iter().map(|i| format!("λ{}", i + 1))))
         .with_show_labels(true);
     rec.log_static("spectral/chart/axis", &[&grid as &dyn AsComponents, &marks])
+}
+
+/// Axes of the embedding, as long as its points lie far out.
+pub(crate) fn log_axes(rec: &RecordingStream, reach: f64) -> RecordingStreamResult<()> {
+    let tip = |axis: usize| std::array::from_fn(|i| if i == axis { 1.2 * reach as f32 } else { 0.0 });
+    let tips: [[f32; 3]; 3] = [tip(0), tip(1), tip(2)];
+    let axes = LineStrips3D::new(tips.map(|tip| [[0.0; 3], tip]))
+        .with_radii([Radius::new_ui_points(0.75)])
+        .with_colors([color(GREY)]);
+    let names = Points3D::new(tips)
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(GREY)])
+        .with_labels(["u1", "u2", "u3"])
+        .with_show_labels(true);
+    rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])
 }
 
 /// λ, τ, k, margin, U and the embedding of one revolution.
@@ -47,43 +65,50 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
     rec.log("spectral/margin", &Scalars::new(spectrum.margin_decades))?;
     log_chart(rec, spectrum)?;
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
-    rec.log("spectral/U", &f64_matrix(rows_of(&spectrum.u), [n, k], ["return", "eigenvector"]))?;
+    rec.log(
+        "spectral/U",
+        &f32_matrix(rows_of(&spectrum.u).map(|u| u as f32).collect(), [n, k], ["return", "eigenvector"]),
+    )?;
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| std::array::from_fn(|j| if j < k { spectrum.u[(i, j)] as f32 } else { 0.0 }));
     let embedding = Points3D::new(points.map(|p: [f32; 3]| p)).with_class_ids((0..n).map(|i| class_of(wall_of(i))));
     rec.log("spectral/embedding", &embedding)
 }
 
-/// A column for each eigenvalue on a logarithmic scale, the zeros in colour, and τ across them all.
+/// A column for each eigenvalue on a logarithmic scale, the zeros in colour, τ across them all, and k in words.
 fn log_chart(rec: &RecordingStream, spectrum: &Spectrum) -> RecordingStreamResult<()> {
     let drawn = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(DRAWN)];
-    let x = |i: usize| COLUMN * (i as f32 + 0.75);
-    let bars = LineStrips2D::new(drawn.iter().enumerate().map(|(i, &l)| [[x(i), -FLOOR_DECADE], [x(i), height(l)]]))
-        .with_colors((0..drawn.len()).map(|i| zero_or_not(i, spectrum.k)))
+    let columns = drawn.iter().enumerate().map(|(i, &l)| [[column_x(i), -FLOOR_DECADE], [column_x(i), height(l)]]);
+    let columns = LineStrips2D::new(columns)
+        .with_colors((0..drawn.len()).map(|i| color(if i < spectrum.k { ZEROS } else { GREY })))
         .with_radii([Radius::new_scene_units(0.3 * COLUMN)]);
-    let deciding: Vec<usize> = [spectrum.k.checked_sub(1), Some(spectrum.k)].into_iter().flatten().collect();
-    let deciding = deciding.into_iter().filter(|&i| i < drawn.len());
-    let tops = Points2D::new(deciding.clone().map(|i| [x(i), height(drawn[i]) - 0.8]))
-        .with_colors(deciding.clone().map(|i| zero_or_not(i, spectrum.k)))
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_labels(deciding.map(|i| format!("λ{} {:.0e}", i + 1, drawn[i])))
-        .with_show_labels(true);
-    rec.log("spectral/chart/columns", &[&bars as &dyn AsComponents, &tops])?;
+    rec.log("spectral/chart/columns", &columns)?;
     let at = height(spectrum.tolerance);
-    let (left, right) = (0.0, COLUMN * (DRAWN as f32 + 0.5));
-    let line = LineStrips2D::new([[[left, at], [right, at]]])
+    let line = LineStrips2D::new([[[0.0, at], [RIGHT, at]]])
         .with_colors([color(TOLERANCE)])
         .with_radii([Radius::new_ui_points(1.5)]);
-    let name = Points2D::new([[right - 4.0, at - 0.8]])
-        .with_colors([color(TOLERANCE)])
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_labels([format!("τ {:.0e} → k = {}", spectrum.tolerance, spectrum.k)])
-        .with_show_labels(true);
-    rec.log("spectral/chart/tolerance", &[&line as &dyn AsComponents, &name])
+    rec.log("spectral/chart/tolerance", &[&line as &dyn AsComponents, &label([0.5 * RIGHT, -3.4], verdict(spectrum))])
 }
 
-fn zero_or_not(i: usize, k: usize) -> Color {
-    color(if i < k { ZEROS } else { GREY })
+/// The inequality that k follows from: "λ3 2e-8 < τ 1e-7 ≤ λ4 1e-2: k = 3".
+fn verdict(spectrum: &Spectrum) -> String {
+    let (k, values) = (spectrum.k, &spectrum.eigenvalues);
+    let below = k.checked_sub(1).and_then(|last| Some(format!("λ{k} {:.0e} < ", values.get(last)?)));
+    let above = values.get(k).map(|next| format!(" ≤ λ{} {next:.0e}", k + 1));
+    let (below, above) = (below.unwrap_or_default(), above.unwrap_or_default());
+    format!("{below}τ {:.0e}{above}: k = {k}", spectrum.tolerance)
+}
+
+fn label(at: [f32; 2], text: String) -> Points2D {
+    Points2D::new([at])
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(TOLERANCE)])
+        .with_labels([text])
+        .with_show_labels(true)
+}
+
+fn column_x(i: usize) -> f32 {
+    COLUMN * (i as f32 + 0.75)
 }
 
 /// Where a value stands in the chart: 2D views have y downwards.
@@ -93,5 +118,28 @@ fn height(value: f64) -> f32 {
 
 /// Left, top, right and bottom of the chart.
 pub(crate) fn chart_bounds() -> [f64; 4] {
-    [-3.0, -1.5, f64::from(COLUMN) * (DRAWN as f64 + 0.5) + 0.5, f64::from(-FLOOR_DECADE) + 0.5]
+    [-3.5, -4.5, f64::from(RIGHT) + 0.5, f64::from(-FLOOR_DECADE) + 2.5]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_verdict_names_the_eigenvalues_on_both_sides_where_there_are_any() {
+        let verdict = |eigenvalues: &[f64], k| {
+            verdict(&Spectrum { eigenvalues: eigenvalues.to_vec(), tolerance: 1e-7, k, ..Spectrum::default() })
+        };
+        assert_eq!(verdict(&[1e-16, 2e-8, 0.01], 2), "λ2 2e-8 < τ 1e-7 ≤ λ3 1e-2: k = 2");
+        assert_eq!(verdict(&[1e-16], 1), "λ1 1e-16 < τ 1e-7: k = 1");
+        assert_eq!(verdict(&[], 0), "τ 1e-7: k = 0");
+        assert_eq!(verdict(&[], 3), "τ 1e-7: k = 3", "a k that the eigenvalues do not reach breaks nothing");
+    }
+
+    #[test]
+    fn rounding_below_zero_and_exact_zero_stand_on_the_floor_of_the_chart() {
+        assert_eq!([height(0.0), height(1e-30)], [18.0; 2]);
+        assert_eq!(height(-1e-16), 16.0);
+        assert!(height(f64::NAN).is_nan());
+    }
 }

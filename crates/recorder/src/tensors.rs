@@ -1,10 +1,10 @@
-//! Values that must read back exactly, as tensors with named dimensions.
+//! Values to read back, as tensors with named dimensions.
 
 use faer::Mat;
 use rerun::{Tensor, TensorBuffer, TensorData};
 
-pub(crate) fn f32_vector(values: &[f32], dim: &str) -> Tensor {
-    tensor(&[values.len()], TensorBuffer::F32(values.to_vec().into()), &[dim])
+pub(crate) fn f32_vector(values: Vec<f32>, dim: &str) -> Tensor {
+    tensor(&[values.len()], TensorBuffer::F32(values.into()), &[dim])
 }
 
 pub(crate) fn f64_vector(values: Vec<f64>, dim: &str) -> Tensor {
@@ -22,13 +22,18 @@ pub(crate) fn u8_vector(values: impl Iterator<Item = u8>, dim: &str) -> Tensor {
 }
 
 /// `values` row by row.
+pub(crate) fn f32_matrix(values: Vec<f32>, shape: [usize; 2], dims: [&str; 2]) -> Tensor {
+    tensor(&shape, TensorBuffer::F32(values.into()), &dims)
+}
+
+/// `values` row by row.
 pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: [&str; 2]) -> Tensor {
     tensor(&shape, TensorBuffer::F64(values.into()), &dims)
 }
 
 /// The values of `m`, row by row.
-pub(crate) fn rows_of(m: &Mat<f64>) -> Vec<f64> {
-    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+pub(crate) fn rows_of(m: &Mat<f64>) -> impl Iterator<Item = f64> {
+    (0..m.nrows()).flat_map(move |i| (0..m.ncols()).map(move |j| m[(i, j)]))
 }
 
 fn tensor(shape: &[usize], buffer: TensorBuffer, dims: &[&str]) -> Tensor {

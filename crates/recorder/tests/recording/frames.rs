@@ -1,6 +1,6 @@
 //! Frames as the pipeline would fill them: a vehicle driving through a 3.5 m tunnel towards a T junction.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use crosscut_stage::{
     Affinity, Beam, Evidence, Frame, Junction, Opening, Partition, Place, Point, Revolution, Spectrum, Step, Sweep,
@@ -8,7 +8,7 @@ use crosscut_stage::{
 };
 use faer::{Mat, Side};
 
-pub const BEAMS: usize = 360;
+pub(crate) const BEAMS: usize = 360;
 const RANGE_M: f64 = 15.0;
 const HALF_WIDTH_M: f64 = 1.75;
 const CROSSING_X_M: f64 = 9.0;
@@ -16,12 +16,12 @@ const SIGMA_PER_M2: f64 = 1.5;
 const TOLERANCE: f64 = 1e-7;
 
 /// The frame of revolution `seq`, 10 Hz and 5 cm from the one before.
-pub fn frame(seq: u64) -> Frame {
+pub(crate) fn frame(seq: u64) -> Frame {
     frame_of(seq, BEAMS)
 }
 
 /// The same with another number of beams.
-pub fn frame_of(seq: u64, beams: usize) -> Frame {
+pub(crate) fn frame_of(seq: u64, beams: usize) -> Frame {
     let mut frame = Frame::default();
     let walls = scan(seq, beams, &mut frame.revolution);
     fill_affinity(&frame.revolution, &mut frame.affinity);
@@ -35,7 +35,7 @@ pub fn frame_of(seq: u64, beams: usize) -> Frame {
 }
 
 /// A revolution in which no beam came back.
-pub fn empty_frame(seq: u64) -> Frame {
+pub(crate) fn empty_frame(seq: u64) -> Frame {
     let mut frame = Frame::default();
     let mut sweep = geometry(BEAMS);
     sweep.ranges_m = vec![f32::INFINITY; BEAMS];
@@ -46,8 +46,23 @@ pub fn empty_frame(seq: u64) -> Frame {
     frame
 }
 
+/// `n` returns without beams, each linked to itself alone, in sparse form: what a 3D cloud may look like.
+pub(crate) fn cloud_frame(seq: u64, n: usize) -> Frame {
+    let mut frame = Frame::default();
+    frame.revolution.seq = seq;
+    frame.revolution.stamp_ns = stamp_ns(seq);
+    frame.revolution.points_m = (0..n).map(|i| Point::new(i as f64, 1.0, 0.5)).collect();
+    frame.affinity.degrees = vec![1.0; n];
+    let w = frame.affinity.weights.make_sparse();
+    for i in 0..n {
+        w.push(i as u32, 1.0);
+        w.end_row();
+    }
+    frame
+}
+
 /// When revolution `seq` was taken.
-pub fn stamp_ns(seq: u64) -> u64 {
+pub(crate) fn stamp_ns(seq: u64) -> u64 {
     1_700_000_000_000_000_000 + 100_000_000 * seq
 }
 
@@ -123,7 +138,7 @@ fn fill_affinity(revolution: &Revolution, out: &mut Affinity) {
 }
 
 /// L = I - D^-1/2 W D^-1/2.
-pub fn laplacian(affinity: &Affinity) -> Mat<f64> {
+pub(crate) fn laplacian(affinity: &Affinity) -> Mat<f64> {
     let n = affinity.weights.n();
     let mut l = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)));
     affinity.weights.for_each(|i, j, w| l[(i, j)] -= w / (affinity.degrees[i] * affinity.degrees[j]).sqrt());
@@ -168,11 +183,16 @@ fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {
     out.confidence = 0.97;
     out.wall_of_return = walls.iter().copied().map(Some).collect();
     out.openings = vec![
-        opening(-side.min(FRAC_PI_2), [0, 1], [near, -h], [far, -h]),
-        opening(side.min(FRAC_PI_2), [1, 2], [far, h], [near, h]),
+        opening(-side, [0, 1], [near, -h], [far, -h]),
+        opening(side, [1, 2], [far, h], [near, h]),
         opening(PI, [2, 0], [-8.0, h], [-8.0, -h]),
     ];
     out.walls = (0..3)
-        .map(|id| Wall { id, returns: walls.iter().filter(|w| **w == id).count(), bearing_rad: [0.0, 1.0], island: false })
+        .map(|id| Wall {
+            id,
+            returns: walls.iter().filter(|w| **w == id).count(),
+            bearing_rad: [0.0, 1.0],
+            island: false,
+        })
         .collect();
 }

@@ -1,0 +1,118 @@
+//! Reads an .rrd back: values by entity, component and revolution.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use crosscut_recorder::{Recorder, RecorderOptions};
+use crosscut_stage::{Frame, Observer as _};
+use rerun::external::arrow::array::ArrayRef;
+use rerun::external::image::{self, GrayImage};
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::{EntityPath, LogMsg};
+use rerun::log::Chunk;
+use rerun::{Component, ComponentDescriptor, EncodedDepthImage, StoreKind, Tensor, TensorBuffer, components};
+
+/// The recording's own chunks, without those of the layout.
+pub(crate) struct Recording {
+    pub(crate) chunks: Vec<Chunk>,
+    /// Messages of the layout.
+    pub(crate) layout_messages: usize,
+}
+
+/// Records the frames, to the end, and reads them back.
+pub(crate) fn recorded(frames: &[Frame]) -> Recording {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.rrd");
+    record(&path, frames);
+    Recording::read(&path)
+}
+
+pub(crate) fn record(path: &Path, frames: &[Frame]) {
+    let mut recorder = Recorder::new(options(path)).unwrap();
+    for frame in frames {
+        recorder.observe(frame).unwrap();
+    }
+    recorder.finish().unwrap();
+}
+
+pub(crate) fn options(path: &Path) -> RecorderOptions {
+    RecorderOptions {
+        path: Some(path.to_owned()),
+        name: "tee".to_owned(),
+        started_ns: crate::frames::stamp_ns(0),
+        config_toml: "[affinity]\nkind = \"rbf\"\n".to_owned(),
+        ..RecorderOptions::default()
+    }
+}
+
+impl Recording {
+    pub(crate) fn read(path: &Path) -> Self {
+        let mut recording = Self { chunks: Vec::new(), layout_messages: 0 };
+        for message in DecoderApp::decode_eager(BufReader::new(File::open(path).unwrap())).unwrap() {
+            match message.unwrap() {
+                LogMsg::ArrowMsg(store, message) if store.kind() == StoreKind::Recording => {
+                    recording.chunks.push(Chunk::from_arrow_msg(&message).unwrap());
+                }
+                message => recording.layout_messages += usize::from(message.store_id().kind() == StoreKind::Blueprint),
+            }
+        }
+        recording
+    }
+
+    pub(crate) fn of<'a>(&'a self, entity: &str) -> impl Iterator<Item = &'a Chunk> + use<'a> {
+        let entity = EntityPath::parse_strict(entity).unwrap();
+        self.chunks.iter().filter(move |chunk| *chunk.entity_path() == entity)
+    }
+
+    /// What was logged of a component at a revolution; `None` if nothing was.
+    pub(crate) fn at<C: Component>(&self, entity: &str, component: ComponentDescriptor, seq: i64) -> Option<Vec<C>> {
+        self.of(entity).find_map(|chunk| {
+            let row = times(chunk, "revolution").iter().position(|&time| time == seq)?;
+            Some(chunk.component_batch(component.component, row)?.unwrap())
+        })
+    }
+
+    pub(crate) fn scalar(&self, entity: &str, seq: i64) -> Option<f64> {
+        let values: Vec<components::Scalar> = self.at(entity, rerun::Scalars::descriptor_scalars(), seq)?;
+        values.first().map(|value| value.0.0)
+    }
+
+    /// A logged tensor: its shape and values.
+    pub(crate) fn tensor(&self, entity: &str, seq: i64) -> Option<(Vec<u64>, TensorBuffer)> {
+        let tensors: Vec<components::TensorData> = self.at(entity, Tensor::descriptor_data(), seq)?;
+        tensors.into_iter().next().map(|tensor| (tensor.0.shape.to_vec(), tensor.0.buffer))
+    }
+
+    pub(crate) fn picture(&self, entity: &str, seq: i64) -> Option<GrayImage> {
+        let blobs: Vec<components::Blob> = self.at(entity, EncodedDepthImage::descriptor_blob(), seq)?;
+        blobs.first().map(|blob| image::load_from_memory(&blob.0.0).unwrap().to_luma8())
+    }
+
+    /// The revolutions that an entity was logged at.
+    pub(crate) fn revolutions(&self, entity: &str) -> BTreeSet<i64> {
+        self.of(entity).flat_map(|chunk| times(chunk, "revolution")).collect()
+    }
+
+    /// Every value, by entity, component and revolution (none if it is static).
+    pub(crate) fn content(&self) -> BTreeMap<(String, String, Option<i64>), ArrayRef> {
+        let mut content = BTreeMap::new();
+        for chunk in &self.chunks {
+            let times = times(chunk, "revolution");
+            for component in chunk.components_identifiers() {
+                for row in 0..chunk.num_rows() {
+                    let Some(value) = chunk.component_batch_raw(component, row) else { continue };
+                    let key = (chunk.entity_path().to_string(), component.to_string(), times.get(row).copied());
+                    content.insert(key, value.unwrap());
+                }
+            }
+        }
+        content
+    }
+}
+
+/// The times of a chunk's rows; none for a static chunk.
+pub(crate) fn times(chunk: &Chunk, timeline: &'static str) -> Vec<i64> {
+    chunk.timelines().get(&timeline.into()).map_or_else(Vec::new, |column| column.times_raw().to_vec())
+}
