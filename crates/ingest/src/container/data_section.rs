@@ -1,0 +1,153 @@
+//! The records of a file, from one to the next or where the index says.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+
+use mcap::records::op;
+
+use super::chunk::{Checked, check, visit_chunk};
+use super::records::{HEAD_BYTES, Visitor, read_body, read_head, skip, visit};
+use crate::Damage;
+
+const DATA_END_BYTES: u64 = 4;
+pub(super) const FOOTER_BYTES: u64 = 20;
+
+/// A file, read record by record.
+pub(super) struct DataSection {
+    input: BufReader<File>,
+    at_byte: u64,
+    length: u64,
+    body: Vec<u8>,
+}
+
+/// What a step came to.
+pub(super) enum Step {
+    /// A record or a chunk, whole.
+    Whole,
+    /// A record or a chunk that is of no use; the next one can be read.
+    Lost { at_byte: u64, damage: Damage },
+    /// There are no more messages.
+    End,
+    /// Nothing more can be read; [`Damage::Ended`] if the file is cut off here.
+    Stopped { at_byte: u64, damage: Damage },
+}
+
+impl DataSection {
+    /// At the first record after the magic bytes.
+    pub(super) fn new(file: File, length: u64) -> io::Result<Self> {
+        let mut section = Self { input: BufReader::new(file), at_byte: 0, length, body: Vec::new() };
+        section.rewind()?;
+        Ok(section)
+    }
+
+    pub(super) fn rewind(&mut self) -> io::Result<()> {
+        self.go_to(mcap::MAGIC.len() as u64)
+    }
+
+    pub(super) fn input(&mut self) -> &mut BufReader<File> {
+        &mut self.input
+    }
+
+    fn go_to(&mut self, at_byte: u64) -> io::Result<()> {
+        self.input.seek(SeekFrom::Start(at_byte))?;
+        self.at_byte = at_byte;
+        Ok(())
+    }
+
+    /// Reads past what is left of a record, which is in the buffer more often than not.
+    fn skip_to(&mut self, at_byte: u64) -> io::Result<()> {
+        let here = self.input.stream_position()?;
+        self.input.seek_relative(at_byte as i64 - here as i64)?;
+        self.at_byte = at_byte;
+        Ok(())
+    }
+
+    /// Hands the next record, or all records of the next chunk, to `visitor`, and settles it.
+    pub(super) fn step(&mut self, visitor: &mut impl Visitor) -> Step {
+        let at_byte = self.at_byte;
+        let (opcode, length) = match read_head(&mut self.input) {
+            Ok(Some(head)) => head,
+            Ok(None) => return Step::Stopped { at_byte, damage: Damage::Ended },
+            Err(damage) => return Step::Stopped { at_byte, damage },
+        };
+        let end = at_byte.saturating_add(HEAD_BYTES).saturating_add(length);
+        let ends_data = matches!((opcode, length), (op::DATA_END, DATA_END_BYTES) | (op::FOOTER, FOOTER_BYTES));
+        if ends_data && end <= self.length {
+            return Step::End;
+        }
+        if opcode == 0 {
+            let damage = Damage::Record("a record of type 0 cannot be".to_owned());
+            return Step::Stopped { at_byte, damage };
+        }
+        match self.visit_record((opcode, length), visitor) {
+            // The file ends in this record. What is whole in it is kept, though there is no checksum of a part.
+            Ok(()) | Err(Damage::Ended) if end > self.length => {
+                visitor.settle(true);
+                Step::Stopped { at_byte, damage: Damage::Ended }
+            }
+            Ok(()) => {
+                visitor.settle(true);
+                self.proceed(Step::Whole, end)
+            }
+            Err(damage) => {
+                visitor.settle(false);
+                self.proceed(Step::Lost { at_byte, damage }, end)
+            }
+        }
+    }
+
+    fn proceed(&mut self, step: Step, to_byte: u64) -> Step {
+        match self.skip_to(to_byte.min(self.length)) {
+            Ok(()) => step,
+            Err(error) => Step::Stopped { at_byte: self.at_byte, damage: error.into() },
+        }
+    }
+
+    fn visit_record(&mut self, (opcode, length): (u8, u64), visitor: &mut impl Visitor) -> Result<(), Damage> {
+        let mut record = (&mut self.input).take(length);
+        match opcode {
+            op::CHUNK => visit_chunk(record, &mut self.body, visitor),
+            _ => visit((opcode, length), &mut record, &mut self.body, visitor),
+        }
+    }
+
+    /// Holds all bytes before the record that the last step found to be the end against the checksum in that record.
+    pub(super) fn check_whole(&mut self) -> Result<(), Damage> {
+        let end = self.at_byte;
+        let mcap::records::Record::DataEnd(data_end) = self.record(end, op::DATA_END)? else { return Ok(()) };
+        if data_end.data_section_crc == 0 {
+            return Ok(());
+        }
+        self.go_to(0)?;
+        let mut checked = Checked::new(&mut self.input);
+        skip(&mut checked, end)?;
+        check(data_end.data_section_crc, checked.finish().1)
+    }
+
+    /// Hands all records of the chunk at `at_byte` to `visitor`, and settles it.
+    pub(super) fn chunk(&mut self, at_byte: u64, visitor: &mut impl Visitor) -> Result<(), Damage> {
+        let result =
+            self.head_of(at_byte, op::CHUNK).and_then(|length| self.visit_record((op::CHUNK, length), visitor));
+        visitor.settle(result.is_ok());
+        result
+    }
+
+    /// Reads the whole record at `at_byte`, which must be of type `opcode`.
+    pub(super) fn record(&mut self, at_byte: u64, opcode: u8) -> Result<mcap::records::Record<'_>, Damage> {
+        let length = self.head_of(at_byte, opcode)?;
+        read_body(&mut self.input, length, &mut self.body)?;
+        Ok(mcap::parse_record(opcode, &self.body)?)
+    }
+
+    /// Length of the record at `at_byte`, which must be of type `wanted`.
+    fn head_of(&mut self, at_byte: u64, wanted: u8) -> Result<u64, Damage> {
+        self.go_to(at_byte)?;
+        match read_head(&mut self.input)? {
+            Some((opcode, length)) if opcode == wanted => Ok(length),
+            Some((opcode, _)) => {
+                Err(Damage::Record(format!("a record of type {opcode} is where one of type {wanted} belongs")))
+            }
+            None => Err(Damage::Ended),
+        }
+    }
+}

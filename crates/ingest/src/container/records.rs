@@ -1,0 +1,87 @@
+//! Records: an opcode, a length, and that many bytes.
+
+use std::io::{self, Read};
+
+use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
+
+use crate::Damage;
+
+/// Bytes of opcode and length.
+pub(super) const HEAD_BYTES: u64 = 9;
+/// Bytes of a message record before the message.
+const MESSAGE_HEADER_BYTES: usize = 22;
+
+/// Takes what a recording holds, record by record.
+pub(super) trait Visitor {
+    /// A schema is defined.
+    fn schema(&mut self, schema: SchemaHeader);
+    /// A channel is defined.
+    fn channel(&mut self, channel: Channel);
+    /// Whether the body of this message is wanted.
+    fn wants(&self, header: &MessageHeader) -> bool;
+    /// A message, whole; `body` is empty if it was not wanted, and may be taken away.
+    fn message(&mut self, header: &MessageHeader, body: &mut Vec<u8>);
+    /// All since the last call is whole, or else is to be forgotten.
+    fn settle(&mut self, whole: bool);
+}
+
+/// Opcode and length of the next record; `None` where the bytes end.
+pub(super) fn read_head(input: &mut impl Read) -> Result<Option<(u8, u64)>, Damage> {
+    let mut opcode = [0];
+    let mut length = [0; 8];
+    if input.read(&mut opcode)? == 0 {
+        return Ok(None);
+    }
+    input.read_exact(&mut length)?;
+    Ok(Some((opcode[0], u64::from_le_bytes(length))))
+}
+
+/// Reads the rest of `input` up to `length` bytes into `body`, which grows no faster than there are bytes.
+pub(super) fn read_body(input: &mut impl Read, length: u64, body: &mut Vec<u8>) -> Result<(), Damage> {
+    body.clear();
+    input.take(length).read_to_end(body)?;
+    if body.len() as u64 == length { Ok(()) } else { Err(Damage::Ended) }
+}
+
+/// Reads past `length` bytes.
+pub(super) fn skip(input: &mut impl Read, length: u64) -> Result<(), Damage> {
+    if io::copy(&mut input.take(length), &mut io::sink())? == length { Ok(()) } else { Err(Damage::Ended) }
+}
+
+/// Hands the record to `visitor` if it is a schema, a channel or a message; others are not read.
+pub(super) fn visit(
+    (opcode, length): (u8, u64),
+    input: &mut impl Read,
+    body: &mut Vec<u8>,
+    visitor: &mut impl Visitor,
+) -> Result<(), Damage> {
+    match opcode {
+        0 => Err(Damage::Record("a record of type 0 cannot be".to_owned())),
+        op::SCHEMA | op::CHANNEL => {
+            read_body(input, length, body)?;
+            match mcap::parse_record(opcode, body)? {
+                Record::Schema { header, .. } => visitor.schema(header),
+                Record::Channel(channel) => visitor.channel(channel),
+                _ => {}
+            }
+            Ok(())
+        }
+        op::MESSAGE => {
+            let Some(body_bytes) = length.checked_sub(MESSAGE_HEADER_BYTES as u64) else {
+                return Err(Damage::Record(format!("a message record of {length} bytes has no room for its header")));
+            };
+            let mut header = [0; MESSAGE_HEADER_BYTES];
+            input.read_exact(&mut header)?;
+            let Record::Message { header, .. } = mcap::parse_record(opcode, &header)? else { return Ok(()) };
+            if visitor.wants(&header) {
+                read_body(input, body_bytes, body)?;
+            } else {
+                skip(input, body_bytes)?;
+                body.clear();
+            }
+            visitor.message(&header, body);
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,105 @@
+//! Why there is nothing to read.
+
+use std::path::PathBuf;
+
+use crate::{Found, Loss, TopicList};
+
+/// Why no revolution can be had: what was found instead, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IngestError {
+    /// No file was named.
+    #[error("no recording was given")]
+    NoInput,
+    /// A file or folder cannot be opened.
+    #[error("{source}: cannot open {}", path.display())]
+    Open {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A folder without recordings.
+    #[error(
+        "none of the {files} files in this folder is an .mcap{}: {}",
+        found.as_ref().map(|found| format!(" (of one of them: {found})")).unwrap_or_default(),
+        path.display()
+    )]
+    NoRecordings {
+        /// The folder.
+        path: PathBuf,
+        /// How many files it has.
+        files: usize,
+        /// What one of them is.
+        found: Option<Found>,
+    },
+    /// A file of another kind.
+    #[error("not an MCAP: {found}: {}", path.display())]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        found: Found,
+    },
+    /// No topic at all.
+    #[error("no message can be read{}", because(losses))]
+    NothingReadable {
+        /// Why.
+        losses: Vec<Loss>,
+    },
+    /// Topics, but none with scans that can be read.
+    #[error("no topic carries sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(topics))]
+    NoScanTopic {
+        /// All topics.
+        topics: TopicList,
+    },
+    /// More than one topic with scans.
+    #[error("there are several scan topics; name one with --topic:\n{topics}")]
+    SeveralScanTopics {
+        /// The topics with scans.
+        topics: TopicList,
+    },
+    /// The topic that was asked for is not there.
+    #[error("there is no topic {wanted}; the recording has\n{topics}")]
+    NoSuchTopic {
+        /// The topic.
+        wanted: String,
+        /// All topics, the nearest name first.
+        topics: TopicList,
+    },
+    /// The topic that was asked for has no scans.
+    #[error("{wanted} does not carry sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(topics))]
+    NotAScanTopic {
+        /// The topic.
+        wanted: String,
+        /// All topics, that one first.
+        topics: TopicList,
+    },
+    /// The scan topic has no messages.
+    #[error("{topic} has no messages{}", because(losses))]
+    NoScans {
+        /// The topic.
+        topic: String,
+        /// What was lost, which may be why.
+        losses: Vec<Loss>,
+    },
+}
+
+fn because(losses: &[Loss]) -> String {
+    losses.iter().map(|loss| format!("; {loss}")).collect()
+}
+
+fn hint(topics: &TopicList) -> &'static str {
+    let scans_in = |encoding: &str| {
+        topics.0.iter().any(|topic| topic.type_name.contains("LaserScan") && topic.encoding.contains(encoding))
+    };
+    if scans_in("ros1") {
+        "\nscans in the encoding of ROS 1 cannot be read; convert them to ROS 2, for example with `rosbags-convert`"
+    } else if scans_in("") {
+        "\nscans in another encoding than CDR cannot be read; record them as ROS 2 messages"
+    } else if topics.0.iter().any(|topic| topic.type_name.ends_with("PointCloud2")) {
+        "\na point cloud becomes scans with the ROS 2 package pointcloud_to_laserscan"
+    } else {
+        ""
+    }
+}

@@ -1,0 +1,89 @@
+//! The files that the inputs of a run stand for.
+
+use std::cmp::Ordering;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::{Found, IngestError};
+
+/// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, `flight_2` before
+/// `flight_10`.
+///
+/// # Errors
+/// When there are none, or a folder cannot be read or has none.
+pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
+    let mut files = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            files.extend(recordings_in_folder(input)?);
+        } else {
+            files.push(input.clone());
+        }
+    }
+    if files.is_empty() { Err(IngestError::NoInput) } else { Ok(files) }
+}
+
+fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+    let failed = |source| IngestError::Open { path: folder.to_owned(), source };
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
+    let (recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| has_extension(path, "mcap"));
+    if recordings.is_empty() {
+        let found = others.iter().any(|path| has_extension(path, "db3")).then_some(Found::Sqlite);
+        return Err(IngestError::NoRecordings { path: folder.to_owned(), files: others.len(), found });
+    }
+    Ok(recordings)
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// Runs of digits compare as numbers, all else character by character.
+fn natural_order(a: &str, b: &str) -> Ordering {
+    let (mut rest_a, mut rest_b) = (a, b);
+    loop {
+        let (run_a, run_b) = (digits(rest_a), digits(rest_b));
+        let order = if !run_a.is_empty() && !run_b.is_empty() {
+            (rest_a, rest_b) = (&rest_a[run_a.len()..], &rest_b[run_b.len()..]);
+            let (number_a, number_b) = (run_a.trim_start_matches('0'), run_b.trim_start_matches('0'));
+            number_a.len().cmp(&number_b.len()).then_with(|| number_a.cmp(number_b))
+        } else {
+            let (mut chars_a, mut chars_b) = (rest_a.chars(), rest_b.chars());
+            match (chars_a.next(), chars_b.next()) {
+                (None, None) => return a.cmp(b), // equal but for leading zeros
+                (char_a, char_b) => {
+                    (rest_a, rest_b) = (chars_a.as_str(), chars_b.as_str());
+                    char_a.cmp(&char_b)
+                }
+            }
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+    }
+}
+
+/// The digits that `text` begins with.
+fn digits(text: &str) -> &str {
+    &text[..text.bytes().take_while(u8::is_ascii_digit).count()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_names_count_as_numbers() {
+        let mut names = ["f_10.mcap", "f_2.mcap", "f_02.mcap", "f_1.mcap", "f.mcap", "e_11.mcap", "f_2_b.mcap"];
+        names.sort_by(|a, b| natural_order(a, b));
+        assert_eq!(names, ["e_11.mcap", "f.mcap", "f_1.mcap", "f_02.mcap", "f_2.mcap", "f_2_b.mcap", "f_10.mcap"]);
+        assert_eq!(natural_order("f_99999999999999999999999", "f_100000000000000000000000"), Ordering::Less);
+    }
+}

@@ -1,0 +1,138 @@
+//! What a recording should have given and could not.
+
+use std::path::PathBuf;
+
+use crosscut_messages::DecodeError;
+
+/// Something that was lost, or had to be read another way. It did not stop the reading of the rest.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{kind}, in {}", file.display())]
+pub struct Loss {
+    /// Where.
+    pub file: PathBuf,
+    /// What.
+    pub kind: LossKind,
+}
+
+/// What was lost.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LossKind {
+    /// The file ends before its end: whatever was recorded after that is not there.
+    #[error("cut off at byte {at_byte}: every whole message before it was read, what came after it is missing")]
+    CutOff {
+        /// Where the record that is not whole begins.
+        at_byte: u64,
+    },
+    /// All messages are there, but not what would put them in order.
+    #[error("the index at its end cannot be used ({damage}): read in file order, no message is missing")]
+    Index {
+        /// What is wrong with it.
+        damage: Damage,
+    },
+    /// A chunk, or a record outside of chunks, gave nothing; the rest was read.
+    #[error("the {} at byte {at_byte} is lost: {damage}", scans_at(*scans))]
+    Part {
+        /// Where it begins.
+        at_byte: u64,
+        /// How many scans were in it, if that is known.
+        scans: Option<u64>,
+        /// What is wrong with it.
+        damage: Damage,
+    },
+    /// From here on nothing can be read.
+    #[error("nothing can be read from byte {at_byte} on: {damage}")]
+    Rest {
+        /// Where.
+        at_byte: u64,
+        /// What is wrong there.
+        damage: Damage,
+    },
+    /// Scan messages that are there but make no sense; each is an empty revolution in the results.
+    #[error("{count} messages of {topic} cannot be decoded, the first is number {first_seq}: {cause}")]
+    Messages {
+        /// Topic of the scans.
+        topic: String,
+        /// Index of the first one in its topic.
+        first_seq: u64,
+        /// How many.
+        count: u64,
+        /// What is wrong with the first one.
+        cause: DecodeError,
+    },
+    /// Messages whose topic is not defined in any part that can be read.
+    #[error("{count} messages are of no known topic: its definition is lost")]
+    UnknownTopic {
+        /// How many.
+        count: u64,
+    },
+    /// The recording counts more scans than can be found, and no damage explains it.
+    #[error("{count} messages of {topic} that the recording counts cannot be found")]
+    Missing {
+        /// Topic of the scans.
+        topic: String,
+        /// How many.
+        count: u64,
+    },
+    /// Everything could be read, but some of it is not what was written.
+    #[error("something in it is not as it was written, and it cannot be told what: {damage}")]
+    Altered {
+        /// Which checksum is wrong.
+        damage: Damage,
+    },
+    /// One of several files of a flight is of no use.
+    #[error("left out: {cause}")]
+    File {
+        /// Why.
+        cause: String,
+    },
+}
+
+fn scans_at(scans: Option<u64>) -> String {
+    match scans {
+        Some(1) => "part with 1 scan".to_owned(),
+        Some(scans) => format!("part with {scans} scans"),
+        None => "part".to_owned(),
+    }
+}
+
+/// What is wrong with a stretch of bytes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// It is shorter than it says.
+    #[error("it ends in the middle of a record")]
+    Ended,
+    /// Its bytes are not those that were written.
+    #[error("its checksum is {calculated:#010x} instead of {saved:#010x}")]
+    Checksum {
+        /// As written.
+        saved: u32,
+        /// Of the bytes that are there.
+        calculated: u32,
+    },
+    /// Compressed in a way that this program does not know.
+    #[error("its compression `{0}` is neither zstd nor lz4")]
+    Compression(String),
+    /// The decompression or the disk says no.
+    #[error("it cannot be read: {0}")]
+    Unreadable(String),
+    /// A record that cannot be.
+    #[error("{0}")]
+    Record(String),
+}
+
+impl From<std::io::Error> for Damage {
+    fn from(error: std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => Self::Ended,
+            _ => Self::Unreadable(error.to_string()),
+        }
+    }
+}
+
+impl From<mcap::McapError> for Damage {
+    fn from(error: mcap::McapError) -> Self {
+        Self::Record(error.to_string())
+    }
+}

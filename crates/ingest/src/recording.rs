@@ -1,0 +1,269 @@
+//! One flight, from one file or several, revolution by revolution.
+
+use std::collections::VecDeque;
+use std::num::NonZero;
+use std::path::PathBuf;
+
+use crosscut_messages::{DecodeError, LaserScan, Message as _};
+use crosscut_stage::{Notes, Revolution, Source, SourceError};
+
+use crate::container::{Container, Message, ScanReader};
+use crate::topics::{scan_topic, topics_of};
+use crate::{IngestError, Loss, LossKind, Sensor, recordings_in};
+
+const NS_PER_S: f64 = 1e9;
+
+/// Which scans of a recording are wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// The scan topic; `None` takes the only one there is.
+    pub topic: Option<String>,
+    /// From this many seconds after the first scan's log time.
+    pub from_s: Option<f64>,
+    /// Up to and with this many seconds after the first scan's log time.
+    pub to_s: Option<f64>,
+    /// Only messages whose index in the topic is a multiple of this.
+    pub every: NonZero<u64>,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self { topic: None, from_s: None, to_s: None, every: NonZero::<u64>::MIN }
+    }
+}
+
+/// A recorded flight. It gives one revolution for each scan message that is selected, empty ones too.
+pub struct Recording {
+    parts: VecDeque<ScanReader>,
+    options: ReadOptions,
+    sensor: Sensor,
+    topic: String,
+    total_messages: Option<u64>,
+    scan: LaserScan,
+    next_seq: u64,
+    first_log_time_ns: Option<u64>,
+    previous: Option<Previous>,
+    last_log_time_ns: u64,
+    reordered: u64,
+    of_other_frames: u64,
+    losses: Vec<Loss>,
+}
+
+/// What the revolution before said, to be compared with the next.
+struct Previous {
+    stamp_ns: u64,
+    frame_id: String,
+}
+
+impl Recording {
+    /// Opens the recordings in `inputs` (see [`recordings_in`]) as the parts of one flight, in that order, and finds
+    /// the scan topic.
+    ///
+    /// # Errors
+    /// When there is nothing that can be read: what was found instead. A part that is empty is a loss if others are
+    /// not.
+    pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
+        let (containers, mut losses) = open_all(&recordings_in(inputs)?)?;
+        let topics = topics_of(&containers);
+        let damage = || containers.iter().flat_map(|container| container.losses.clone()).collect();
+        if topics.is_empty() {
+            return Err(IngestError::NothingReadable { losses: damage() });
+        }
+        let topic = scan_topic(topics, options.topic.as_deref())?;
+        if topic.messages == Some(0) {
+            return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
+        }
+        let mut parts = VecDeque::new();
+        for container in containers {
+            let channels = container.channels_of(&topic.name);
+            let mut part = ScanReader::new(container, channels);
+            losses.extend(part.take_losses());
+            parts.push_back(part);
+        }
+        Ok(Self {
+            parts,
+            options: options.clone(),
+            sensor,
+            total_messages: topic.messages,
+            topic: topic.name,
+            scan: LaserScan::default(),
+            next_seq: 0,
+            first_log_time_ns: None,
+            previous: None,
+            last_log_time_ns: 0,
+            reordered: 0,
+            of_other_frames: 0,
+            losses,
+        })
+    }
+
+    /// The topic that the scans are of.
+    pub fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// How many revolutions there will be, if that is known before they are read.
+    pub fn total_messages(&self) -> Option<u64> {
+        let whole_flight = self.options.from_s.is_none() && self.options.to_s.is_none();
+        self.total_messages.filter(|_| whole_flight).map(|total| total.div_ceil(self.options.every.get()))
+    }
+
+    /// When the last revolution was recorded, nanoseconds since the epoch; 0 before the first.
+    pub fn last_log_time_ns(&self) -> u64 {
+        self.last_log_time_ns
+    }
+
+    /// How many scans were recorded later than the scan that came after them in the file; without an index they come
+    /// in file order.
+    pub fn reordered(&self) -> u64 {
+        self.reordered
+    }
+
+    /// How many scans were not selected because of their `frame_id`.
+    pub fn of_other_frames(&self) -> u64 {
+        self.of_other_frames
+    }
+
+    /// What was lost up to now. All of it is known once there are no more revolutions.
+    pub fn losses(&self) -> &[Loss] {
+        &self.losses
+    }
+
+    /// The next message with its index in the topic, from whichever part is at hand.
+    fn next_message(&mut self) -> Option<(u64, Message)> {
+        loop {
+            let part = self.parts.front_mut()?;
+            let message = part.next();
+            self.losses.extend(part.take_losses());
+            self.next_seq += part.take_skipped();
+            if let Some(message) = message {
+                self.next_seq += 1;
+                return Some((self.next_seq - 1, message));
+            }
+            self.parts.pop_front();
+        }
+    }
+
+    fn is_selected(&mut self, seq: u64, log_time_ns: u64) -> bool {
+        let first_ns = *self.first_log_time_ns.get_or_insert(log_time_ns);
+        let since_first_s = (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
+        if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
+            if let Some(part) = self.parts.pop_front_if(|part| part.is_by_log_time()) {
+                self.next_seq += part.left();
+            }
+            return false;
+        }
+        seq.is_multiple_of(self.options.every.get()) && self.options.from_s.is_none_or(|from_s| since_first_s >= from_s)
+    }
+
+    /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
+    fn read(&mut self, seq: u64, message: &Message, out: &mut Revolution, notes: &mut Notes) -> bool {
+        let decoded = self.scan.decode_into(&message.data);
+        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header.frame_id) {
+            self.of_other_frames += 1;
+            return false;
+        }
+        if message.log_time_ns < self.last_log_time_ns {
+            self.reordered += 1;
+            notes.add(format!(
+                "recorded {} before the scan before it",
+                seconds(self.last_log_time_ns, message.log_time_ns)
+            ));
+        }
+        self.last_log_time_ns = message.log_time_ns;
+        match decoded {
+            Ok(()) => self.sensor.revolution(&self.scan, out, notes),
+            Err(cause) => {
+                out.clear();
+                out.sweep.get_or_insert_default();
+                notes.add(format!("the message cannot be decoded: {cause}"));
+                self.lose_message(seq, cause);
+            }
+        }
+        out.seq = seq;
+        if out.stamp_ns == 0 {
+            out.stamp_ns = message.log_time_ns;
+            notes.add("no stamp: the time of recording is used");
+        }
+        self.compare_with_previous(out, notes);
+        true
+    }
+
+    fn compare_with_previous(&mut self, revolution: &Revolution, notes: &mut Notes) {
+        let Some(previous) = &mut self.previous else {
+            let (stamp_ns, frame_id) = (revolution.stamp_ns, revolution.frame_id.clone());
+            self.previous = Some(Previous { stamp_ns, frame_id });
+            return;
+        };
+        if revolution.stamp_ns == previous.stamp_ns {
+            notes.add("the stamp is that of the scan before");
+        } else if revolution.stamp_ns < previous.stamp_ns {
+            let back = seconds(previous.stamp_ns, revolution.stamp_ns);
+            notes.add(format!("the stamp is {back} before that of the scan before"));
+        }
+        previous.stamp_ns = revolution.stamp_ns;
+        if revolution.frame_id != previous.frame_id {
+            notes.add(format!("frame_id `{}` after `{}`", revolution.frame_id, previous.frame_id));
+            previous.frame_id.clone_from(&revolution.frame_id);
+        }
+    }
+
+    /// Messages that cannot be decoded are one loss a file, however many they are.
+    fn lose_message(&mut self, seq: u64, cause: DecodeError) {
+        let Some(part) = self.parts.front() else { return };
+        let file = &part.container().path;
+        let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
+            LossKind::Messages { count, .. } => Some(count),
+            _ => None,
+        });
+        match known {
+            Some(count) => *count += 1,
+            None => {
+                let kind = LossKind::Messages { topic: self.topic.clone(), first_seq: seq, count: 1, cause };
+                self.losses.push(Loss { file: file.clone(), kind });
+            }
+        }
+    }
+}
+
+impl Source for Recording {
+    fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
+        while let Some((seq, message)) = self.next_message() {
+            let is_read = self.is_selected(seq, message.log_time_ns) && self.read(seq, &message, out, notes);
+            if let Some(part) = self.parts.front_mut() {
+                part.recycle(message);
+            }
+            if is_read {
+                return Ok(true);
+            }
+        }
+        match self.sensor.frame_id() {
+            Some(wanted) if self.previous.is_none() && self.of_other_frames > 0 => Err(SourceError(format!(
+                "ingest.frame_id is {wanted:?}, but none of the {} scans of {} is of that frame; the last one is of {:?}",
+                self.of_other_frames, self.topic, self.scan.header.frame_id
+            ))),
+            _ => Ok(false),
+        }
+    }
+}
+
+/// Opens every file. One that a crash may have left behind is a loss, as long as another can be read.
+fn open_all(files: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
+    let (mut containers, mut losses) = (Vec::new(), Vec::new());
+    for file in files {
+        match Container::open(file) {
+            Ok(container) => containers.push(container),
+            Err(IngestError::NotMcap { found, .. }) if files.len() > 1 && found.may_be_a_wreck() => {
+                let kind = LossKind::File { cause: format!("not an MCAP: {found}") };
+                losses.push(Loss { file: file.clone(), kind });
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if containers.is_empty() { Err(IngestError::NothingReadable { losses }) } else { Ok((containers, losses)) }
+}
+
+/// The time from `earlier_ns` to `later_ns` in words.
+fn seconds(later_ns: u64, earlier_ns: u64) -> String {
+    format!("{:.3} s", later_ns.saturating_sub(earlier_ns) as f64 / NS_PER_S)
+}

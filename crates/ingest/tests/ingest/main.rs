@@ -1,0 +1,7 @@
+//! Ingest from outside: recordings built in memory, whole and damaged, and real ones where they are at hand.
+
+mod damaged;
+mod flight;
+mod real;
+mod recording;
+mod sensor;

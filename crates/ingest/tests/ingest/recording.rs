@@ -1,0 +1,299 @@
+//! Whole recordings: every form that an MCAP can have, order, selection, parts, topics.
+
+use std::num::NonZero;
+
+use crosscut_ingest::{Found, IngestError, LossKind, ReadOptions, Recording, describe};
+use crosscut_messages::{Endian, Header, LaserScan, Message, Time};
+use crosscut_stage::{Notes, Revolution, Source, Value};
+
+use crate::flight::{
+    Folder, Form, Record, START_NS, drain, expected, open, plain_flight, record_at, scan, sensor, time_ns,
+};
+
+fn options(topic: Option<&str>) -> ReadOptions {
+    ReadOptions { topic: topic.map(str::to_owned), ..ReadOptions::default() }
+}
+
+fn refused(folder: &Folder, topic: Option<&str>) -> IngestError {
+    match Recording::open(&[folder.path().to_owned()], &options(topic), sensor(&[])) {
+        Ok(_) => panic!("must be refused"),
+        Err(error) => error,
+    }
+}
+
+fn of_type(topic: &'static str, type_name: &'static str, encoding: &'static str) -> Record {
+    Record { type_name, encoding, ..record_at(topic, START_NS, &scan(0)) }
+}
+
+#[test]
+fn every_form_of_mcap_gives_the_same_revolutions() {
+    let folder = Folder::new();
+    for form in Form::all() {
+        let path = folder.add("flight.mcap", &form.write(&plain_flight(23)));
+        let mut recording = open(&path).expect("a recording");
+        assert_eq!((recording.topic(), recording.total_messages()), ("/scan", Some(23)), "{form:?}");
+        assert_eq!(drain(&mut recording), expected(23), "{form:?}");
+        assert_eq!((recording.losses(), recording.reordered()), (&[][..], 0), "{form:?}");
+        assert_eq!(recording.last_log_time_ns(), time_ns(22));
+    }
+}
+
+#[test]
+fn big_endian_scans_read_like_little_endian_ones() {
+    let mut records = plain_flight(4);
+    records[2].data = scan(2).encode(Endian::Big);
+    let folder = Folder::new();
+    let mut recording = open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording");
+    assert_eq!(drain(&mut recording), expected(4));
+}
+
+#[test]
+fn an_index_gives_log_time_order_with_ties_in_file_order_and_none_gives_file_order_and_counts() {
+    // Chunks of five: the second one begins before the first one ends; 3 and 7 have the same log time as 2.
+    let log_times = [0, 1, 2, 2, 9, 4, 3, 2, 8, 5, 10];
+    let records: Vec<_> =
+        log_times.iter().enumerate().map(|(i, &t)| record_at("/scan", time_ns(t), &scan(i as u64))).collect();
+    let folder = Folder::new();
+    for form in Form::all() {
+        let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
+        let read = drain(&mut recording);
+        let order: Vec<u64> = read.stamps_ns.iter().map(|stamp| (stamp - START_NS) / crate::flight::STEP_NS).collect();
+        assert_eq!(read.seqs, (0..11).collect::<Vec<_>>(), "seq is the place in the order that is delivered");
+        if form.is_indexed() {
+            assert_eq!(order, [0, 1, 2, 3, 7, 6, 5, 9, 8, 4, 10], "{form:?}");
+            assert_eq!(recording.reordered(), 0);
+        } else {
+            assert_eq!(order, (0..11).collect::<Vec<_>>(), "{form:?}");
+            assert_eq!(recording.reordered(), 4);
+            assert_eq!(read.notes[5], ["recorded 0.500 s before the scan before it"]);
+        }
+        assert!(recording.losses().is_empty(), "nothing is lost by order");
+    }
+}
+
+#[test]
+fn messages_of_other_topics_are_passed_over() {
+    let mut records = Vec::new();
+    for record in plain_flight(12) {
+        records.push(Record { data: vec![0xee; 3000], ..of_type("/camera", "sensor_msgs/msg/Image", "cdr") });
+        records.push(record);
+    }
+    let folder = Folder::new();
+    for form in Form::all() {
+        let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
+        assert_eq!(drain(&mut recording), expected(12), "{form:?}");
+    }
+}
+
+#[test]
+fn several_scan_topics_have_to_be_told_apart_by_name() {
+    let folder = Folder::new();
+    let records =
+        [record_at("/front", START_NS, &scan(0)), record_at("/rear", START_NS, &scan(1)), of_type("/odom", "O", "cdr")];
+    let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
+    assert_eq!(
+        refused(&folder, None).to_string(),
+        "there are several scan topics; name one with --topic:\n  \
+         /front  sensor_msgs/msg/LaserScan  cdr  1 messages\n  /rear  sensor_msgs/msg/LaserScan  cdr  1 messages"
+    );
+    let mut rear = Recording::open(&[path], &options(Some("/rear")), sensor(&[])).expect("named");
+    assert_eq!(drain(&mut rear).ranges, expected(2).ranges[1..]);
+}
+
+#[test]
+fn a_wrong_topic_lists_what_there_is_nearest_first() {
+    let folder = Folder::new();
+    folder
+        .add("f.mcap", &Form::CHUNKED.write(&[of_type("/camera", "I", "cdr"), record_at("/scan", START_NS, &scan(0))]));
+    let IngestError::NoSuchTopic { wanted, topics } = refused(&folder, Some("/scam")) else { panic!("another error") };
+    assert_eq!((wanted.as_str(), topics.0[0].name.as_str(), topics.0.len()), ("/scam", "/scan", 2));
+    assert!(matches!(refused(&folder, Some("/camera")), IngestError::NotAScanTopic { .. }));
+}
+
+#[test]
+fn scans_in_another_encoding_are_named_with_what_to_do() {
+    let says = |type_name: &'static str, encoding: &'static str, what: &str| {
+        let folder = Folder::new();
+        folder.add("f.mcap", &Form::CHUNKED.write(&[of_type("/scan", type_name, encoding)]));
+        let text = refused(&folder, None).to_string();
+        assert!(text.contains(what) && text.contains(type_name), "{text}");
+        assert!(refused(&folder, Some("/scan")).to_string().contains(what));
+    };
+    says("sensor_msgs/LaserScan", "ros1", "encoding of ROS 1");
+    says("foxglove.LaserScan", "json", "another encoding than CDR");
+    says("sensor_msgs/msg/PointCloud2", "cdr", "pointcloud_to_laserscan");
+}
+
+#[test]
+fn files_of_other_kinds_are_named() {
+    let folder = Folder::new();
+    let found = |name: &str, bytes: &[u8]| match open(&folder.add(name, bytes)) {
+        Err(IngestError::NotMcap { found, .. }) => found,
+        other => panic!("{:?}", other.err()),
+    };
+    assert_eq!(found("a.bag", b"#ROSBAG V2.0\n..."), Found::Ros1Bag);
+    assert_eq!(found("a.db3", b"SQLite format 3\0..."), Found::Sqlite);
+    assert_eq!(found("a.rrd", b"RRF2...."), Found::Rerun);
+    assert_eq!(found("a.mcap", b""), Found::Empty);
+    assert!(matches!(open(&folder.path().join("none.mcap")), Err(IngestError::Open { .. })));
+    assert!(matches!(open(&folder.add("b.mcap", mcap::MAGIC)), Err(IngestError::NothingReadable { .. })));
+    let empty = Folder::new();
+    empty.add("f.db3", b"");
+    assert!(refused(&empty, None).to_string().contains("SQLite"));
+}
+
+#[test]
+fn a_folder_is_one_flight_in_natural_order_and_seq_counts_on() {
+    let folder = Folder::new();
+    let flight = plain_flight(15);
+    let mut parts = flight.chunks(5);
+    for name in ["flight_1.mcap", "flight_2.mcap", "flight_10.mcap"] {
+        folder.add(name, &Form::CHUNKED.write(parts.next().expect("three parts")));
+    }
+    folder.add("metadata.yaml", b"rosbag2_bagfile_information:\n");
+    let mut recording =
+        Recording::open(&[folder.path().to_owned()], &ReadOptions::default(), sensor(&[])).expect("a flight");
+    assert_eq!(recording.total_messages(), Some(15));
+    assert_eq!(drain(&mut recording), expected(15));
+}
+
+#[test]
+fn an_empty_part_is_a_loss_and_a_part_of_another_kind_is_refused() {
+    let folder = Folder::new();
+    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
+    folder.add("f_2.mcap", b"");
+    let mut recording =
+        Recording::open(&[folder.path().to_owned()], &ReadOptions::default(), sensor(&[])).expect("a flight");
+    assert_eq!(drain(&mut recording).len(), 5);
+    assert!(matches!(recording.losses(), [loss] if matches!(loss.kind, LossKind::File { .. })));
+    folder.add("f_3.mcap", b"#ROSBAG V2.0\n");
+    assert!(matches!(refused(&folder, None), IngestError::NotMcap { found: Found::Ros1Bag, .. }));
+}
+
+#[test]
+fn times_and_every_select_and_seq_stays_that_of_the_whole_topic() {
+    let folder = Folder::new();
+    let (first, second) = (plain_flight(20), (20..30).map(|i| record_at("/scan", time_ns(i), &scan(i))));
+    for form in Form::all() {
+        folder.add("f_1.mcap", &form.write(&first));
+        folder.add("f_2.mcap", &form.write(&second.clone().collect::<Vec<_>>()));
+        let seqs = |from_s: Option<f64>, to_s: Option<f64>, every: u64| {
+            let every = NonZero::new(every).expect("not 0");
+            let options = ReadOptions { from_s, to_s, every, topic: None };
+            let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
+            let total = recording.total_messages();
+            let read = drain(&mut recording);
+            assert!(total.is_none_or(|total| total == read.len() as u64));
+            assert_eq!(read.stamps_ns, read.seqs.iter().map(|&seq| time_ns(seq)).collect::<Vec<_>>());
+            read.seqs
+        };
+        assert_eq!(seqs(None, None, 7), [0, 7, 14, 21, 28], "{form:?}");
+        assert_eq!(seqs(Some(0.5), Some(0.8), 1), [5, 6, 7, 8], "{form:?}");
+        assert_eq!(seqs(Some(1.95), None, 4), [20, 24, 28], "{form:?}");
+        assert_eq!(seqs(None, Some(0.2), 2), [0, 2], "{form:?}");
+        assert_eq!(seqs(Some(99.0), None, 1), [0; 0], "{form:?}");
+    }
+}
+
+#[test]
+fn parts_that_overlap_keep_their_seq_when_the_first_is_left_early() {
+    let folder = Folder::new();
+    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(20)));
+    folder.add("f_2.mcap", &Form::CHUNKED.write(&plain_flight(2)));
+    let options = ReadOptions { to_s: Some(0.1), ..ReadOptions::default() };
+    let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
+    assert_eq!(drain(&mut recording).seqs, [0, 1, 20, 21]);
+    assert!(recording.losses().is_empty());
+}
+
+fn with_stamp(i: u64, stamp_ns: u64) -> Record {
+    let odd = LaserScan { header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".to_owned() }, ..scan(i) };
+    record_at("/scan", time_ns(i), &odd)
+}
+
+#[test]
+fn missing_repeated_and_backward_stamps_are_kept_in_order_and_noted() {
+    let stamps = [time_ns(0), 0, time_ns(5), time_ns(5), time_ns(4)];
+    let records: Vec<_> = stamps.iter().enumerate().map(|(i, &stamp)| with_stamp(i as u64, stamp)).collect();
+    let folder = Folder::new();
+    let read = drain(&mut open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording"));
+    assert_eq!(read.stamps_ns, [time_ns(0), time_ns(1), time_ns(5), time_ns(5), time_ns(4)]);
+    assert_eq!(
+        read.notes.concat(),
+        [
+            "no stamp: the time of recording is used",
+            "the stamp is that of the scan before",
+            "the stamp is 0.100 s before that of the scan before"
+        ]
+    );
+}
+
+fn two_sensors() -> Vec<Record> {
+    let of_frame = |i: u64, frame_id: &str| LaserScan {
+        header: Header { stamp: Time::from_ns(time_ns(i)), frame_id: frame_id.to_owned() },
+        ..scan(i)
+    };
+    let frames = ["front", "front", "rear", "front"];
+    frames.iter().zip(0..).map(|(frame, i)| record_at("/scan", time_ns(i), &of_frame(i, frame))).collect()
+}
+
+#[test]
+fn two_frames_on_one_topic_are_noted_at_each_change() {
+    let folder = Folder::new();
+    let read = drain(&mut open(&folder.add("f.mcap", &Form::CHUNKED.write(&two_sensors()))).expect("a recording"));
+    assert_eq!(read.notes[1..], [vec![], vec!["frame_id `rear` after `front`"], vec!["frame_id `front` after `rear`"]]);
+}
+
+#[test]
+fn one_frame_can_be_selected_and_one_that_is_not_there_is_an_error() {
+    let folder = Folder::new();
+    let path = folder.add("f.mcap", &Form::CHUNKED.write(&two_sensors()));
+    let of_frame = |frame: &str| {
+        let sensor = sensor(&[("frame_id", Value::Text(frame.to_owned()))]);
+        Recording::open(std::slice::from_ref(&path), &ReadOptions::default(), sensor).expect("a recording")
+    };
+    let mut front = of_frame("front");
+    let read = drain(&mut front);
+    assert_eq!((read.seqs, front.of_other_frames()), (vec![0, 1, 3], 1));
+    assert!(read.notes.concat().is_empty());
+    let error = of_frame("top").next(&mut Revolution::default(), &mut Notes::default()).expect_err("no such frame");
+    assert!(error.to_string().contains("\"top\"") && error.to_string().contains("\"front\""), "{error}");
+}
+
+#[test]
+fn messages_that_cannot_be_decoded_are_empty_revolutions_and_one_loss() {
+    let mut records = plain_flight(12);
+    records[3].data.truncate(60);
+    records[7].data = vec![0, 3, 0, 0];
+    let folder = Folder::new();
+    let mut recording = open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!((read.len(), read.stamps_ns[3]), (12, time_ns(3)));
+    assert!(read.ranges[3].is_empty() && read.notes[3][0].starts_with("the message cannot be decoded"), "{read:?}");
+    assert!(read.notes[7][0].contains("PL_CDR"));
+    let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
+    let text = loss.to_string();
+    assert!(text.starts_with("2 messages of /scan cannot be decoded, the first is number 3: "), "{text}");
+    assert!(text.ends_with("f.mcap"), "{text}");
+}
+
+#[test]
+fn a_description_says_what_is_in_the_file() {
+    let mut records = plain_flight(11);
+    records.push(of_type("/odom", "nav_msgs/msg/Odometry", "cdr"));
+    let folder = Folder::new();
+    for form in Form::all() {
+        let path = folder.add("f.mcap", &form.write(&records));
+        let description = describe(&path, &sensor(&[])).expect("a recording");
+        assert_eq!((description.profile.as_str(), description.library.as_str()), ("ros2", "test"));
+        assert_eq!(description.indexed_chunks, form.is_indexed().then_some(3), "{form:?}");
+        assert_eq!(description.duration_s(), Some(1.0));
+        let [odometry, scans] = &description.topics[..] else { panic!("{:?}", description.topics) };
+        assert_eq!((odometry.info.messages, odometry.first_scan.is_none()), (Some(1), true));
+        assert_eq!((scans.info.messages, scans.rate_hz), (Some(11), Some(10.0)));
+        let first = scans.first_scan.as_ref().expect("a scan");
+        assert_eq!((first.frame_id.as_str(), first.beams, first.returns, first.full_turn), ("laser", 8, 7, false));
+        assert!((first.field_of_view_rad - 0.7).abs() < 1e-6 && first.notes.is_empty());
+        assert!(description.losses.is_empty(), "{form:?}");
+    }
+}
