@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_simulator::{Scene, Split, Suite, scenarios, suites, write_mcap};
+use crosscut_simulator::{SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
@@ -52,7 +52,7 @@ fn suite_into(name: &str, split: SplitArg, folder: &Path) -> anyhow::Result<()> 
     };
     for suite in chosen {
         let path = folder.join(format!("{}.mcap", suite.name));
-        write(&path, suite.scenes(split), Some(crosscut_simulator::suite::SCENES as u64))?;
+        write(&path, suite.scenes(split), Some(SCENES as u64))?;
     }
     Ok(())
 }
