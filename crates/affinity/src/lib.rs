@@ -7,6 +7,12 @@
 //! | kind | W_ij for i ≠ j | stored |
 //! |---|---|---|
 //! | `rbf` | exp(-σ ‖x_i - x_j‖²), the paper's equation (1) | dense |
+//! | `threshold` | 1 if ‖x_i - x_j‖ <= radius, else 0 | sparse |
+//! | `breakpoint` | 1 between neighbouring beams without a jump of the range, else 0; needs beams | sparse |
+//! | `dbscan` | 1 between cores in reach, and from a border return to one core, else 0 | sparse |
+//!
+//! The last three are baselines. Each clusters by the components of its 0/1 graph, and goes through the same stages as the
+//! rest: their components are its zero eigenvalues.
 //!
 //! Each kind says which changes of the revolution leave W alone: [`INVARIANCES`].
 //!
@@ -28,17 +34,29 @@
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity
 
+mod breakpoint;
+mod dbscan;
+mod edges;
 mod finite;
 mod invariance;
 mod rbf;
+mod threshold;
 
 use crosscut_stage::{AffinityStage, Kind};
 
+pub use breakpoint::Breakpoint;
+pub use dbscan::Dbscan;
 pub use invariance::Invariance;
 pub use rbf::Rbf;
+pub use threshold::Threshold;
 
 /// The affinities that crosscut ships.
-pub const KINDS: &[Kind<dyn AffinityStage>] = &[rbf::KIND];
+pub const KINDS: &[Kind<dyn AffinityStage>] = &[rbf::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
 
 /// What each of [`KINDS`] is blind to, by name and in the same order.
-pub const INVARIANCES: &[(&str, &[Invariance])] = &[(rbf::KIND.name, rbf::INVARIANCES)];
+pub const INVARIANCES: &[(&str, &[Invariance])] = &[
+    (rbf::KIND.name, rbf::INVARIANCES),
+    (threshold::KIND.name, threshold::INVARIANCES),
+    (breakpoint::KIND.name, breakpoint::INVARIANCES),
+    (dbscan::KIND.name, dbscan::INVARIANCES),
+];

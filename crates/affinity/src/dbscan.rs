@@ -1,0 +1,152 @@
+//! `dbscan`: density-based clustering as a graph, a baseline (Ester, Kriegel, Sander and Xu 1996).
+
+use crosscut_stage::{
+    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Point, Revolution, Shape, StageError, Value,
+};
+use nalgebra::distance_squared;
+
+use crate::Invariance;
+use crate::edges::{edges_bytes, write_edges};
+use crate::finite::check_finite;
+
+const EPS_M: ParamSpec = ParamSpec {
+    name: "eps_m",
+    unit: "m",
+    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 1e6) },
+    doc: "returns no farther apart than this are neighbours",
+};
+
+const MIN_POINTS: ParamSpec = ParamSpec {
+    name: "min_points",
+    unit: "returns",
+    shape: Shape::Integer { default: 4, min: 1, max: 1_000_000 },
+    doc: "a return with at least this many neighbours, itself included, is a core",
+};
+
+pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
+    name: "dbscan",
+    doc: "a 0/1 graph whose components are DBSCAN's clusters; noise is alone (baseline)",
+    params: &[EPS_M, MIN_POINTS],
+    build: |params| Box::new(Dbscan::with(params.number(EPS_M.name), params.count(MIN_POINTS.name))),
+};
+
+/// Not `Permutation`: to which of two clusters a border return goes depends on the order of the returns.
+pub(crate) const INVARIANCES: &[Invariance] =
+    &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror];
+
+/// W_ij = 1 between any two cores within `eps`, and between a border return and one core. A core has at least
+/// `min_points` returns within `eps`, itself included; a border return is no core, but has one within `eps`. All others
+/// are noise and have no edge.
+///
+/// A border return is tied to the core that reaches it first when clusters are grown one after the other, depth first,
+/// from their first core in beam order: so it joins the cluster in which scikit-learn puts it. Every pair is looked at,
+/// n² distances.
+#[derive(Clone, Debug)]
+pub struct Dbscan {
+    eps_m: f64,
+    min_points: usize,
+    neighbours: Neighbours,
+    /// The core that reached a return first; none for noise and as long as it is not reached.
+    reached_by: Vec<Option<u32>>,
+    open: Vec<u32>,
+}
+
+impl Dbscan {
+    /// `eps` in metres, above 0, and the number of returns within it, at least 1, that makes a core.
+    ///
+    /// # Errors
+    /// When a number is out of range.
+    pub fn new(eps_m: f64, min_points: u32) -> Result<Self, ParamError> {
+        EPS_M.check(Value::Number(eps_m))?;
+        MIN_POINTS.check(Value::Integer(min_points.into()))?;
+        Ok(Self::with(eps_m, min_points as usize))
+    }
+
+    fn with(eps_m: f64, min_points: usize) -> Self {
+        let neighbours = Neighbours::default();
+        Self { eps_m, min_points, neighbours, reached_by: Vec::new(), open: Vec::new() }
+    }
+
+    fn is_core(&self, i: usize) -> bool {
+        self.neighbours.of(i).len() >= self.min_points
+    }
+
+    /// Fills `reached_by`.
+    fn grow_clusters(&mut self, n: usize) {
+        self.reached_by.clear();
+        self.reached_by.resize(n, None);
+        for first in 0..n {
+            if !self.is_core(first) || self.reached_by[first].is_some() {
+                continue;
+            }
+            self.reached_by[first] = Some(first as u32);
+            self.open.push(first as u32);
+            while let Some(core) = self.open.pop() {
+                for &j in self.neighbours.of(core as usize) {
+                    if self.reached_by[j as usize].is_none() {
+                        self.reached_by[j as usize] = Some(core);
+                        if self.is_core(j as usize) {
+                            self.open.push(j);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The returns that return i has an edge with, ascending.
+    fn row(&self, i: usize) -> impl Iterator<Item = u32> {
+        self.neighbours.of(i).iter().copied().filter(move |&j| self.edge(i, j as usize))
+    }
+
+    /// Whether neighbours i and j have an edge; every return is its own neighbour.
+    fn edge(&self, i: usize, j: usize) -> bool {
+        match (self.is_core(i), self.is_core(j)) {
+            (true, true) => true,
+            (true, false) => self.reached_by[j] == Some(i as u32),
+            (false, true) => self.reached_by[i] == Some(j as u32),
+            (false, false) => i == j,
+        }
+    }
+}
+
+impl AffinityStage for Dbscan {
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        let points_m = &revolution.points_m;
+        check_finite(points_m)?;
+        self.neighbours.find(points_m, self.eps_m);
+        self.grow_clusters(points_m.len());
+        let grown: &Self = self;
+        write_edges(out, points_m.len(), |i| grown.row(i));
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        edges_bytes(n, n) // at worst: all within one eps
+    }
+}
+
+/// The returns within a distance of each return, itself included, ascending.
+#[derive(Clone, Debug, Default)]
+struct Neighbours {
+    start: Vec<usize>,
+    all: Vec<u32>,
+}
+
+impl Neighbours {
+    fn find(&mut self, points_m: &[Point], reach_m: f64) {
+        let reach_m2 = reach_m * reach_m;
+        self.start.clear();
+        self.all.clear();
+        for p in points_m {
+            self.start.push(self.all.len());
+            let near = |j: &u32| distance_squared(p, &points_m[*j as usize]) <= reach_m2;
+            self.all.extend((0..points_m.len() as u32).filter(near));
+        }
+        self.start.push(self.all.len());
+    }
+
+    fn of(&self, i: usize) -> &[u32] {
+        &self.all[self.start[i]..self.start[i + 1]]
+    }
+}

@@ -1,0 +1,64 @@
+//! `threshold`: returns within a radius of each other, a baseline.
+
+use crosscut_stage::{
+    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError, Value,
+};
+use nalgebra::distance_squared;
+
+use crate::Invariance;
+use crate::edges::{edges_bytes, write_edges};
+use crate::finite::check_finite;
+
+const RADIUS_M: ParamSpec = ParamSpec {
+    name: "radius_m",
+    unit: "m",
+    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 1e6) },
+    doc: "returns no farther apart than this have an edge",
+};
+
+pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
+    name: "threshold",
+    doc: "a 0/1 graph: an edge between any two returns within a radius (baseline)",
+    params: &[RADIUS_M],
+    build: |params| Box::new(Threshold { radius_m: params.number(RADIUS_M.name) }),
+};
+
+pub(crate) const INVARIANCES: &[Invariance] =
+    &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror, Invariance::Permutation];
+
+/// W_ij = 1 if ‖x_i - x_j‖ <= radius, else 0: single-linkage clustering, once its components are taken.
+///
+/// Every pair is looked at, n² distances. It depends on distances alone, so it is blind to every rigid motion, to
+/// mirroring, and to the order of the returns.
+#[derive(Clone, Debug)]
+pub struct Threshold {
+    radius_m: f64,
+}
+
+impl Threshold {
+    /// The radius in metres, above 0.
+    ///
+    /// # Errors
+    /// When the radius is out of range.
+    pub fn new(radius_m: f64) -> Result<Self, ParamError> {
+        RADIUS_M.check(Value::Number(radius_m))?;
+        Ok(Self { radius_m })
+    }
+}
+
+impl AffinityStage for Threshold {
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        let points_m = &revolution.points_m;
+        check_finite(points_m)?;
+        let reach_m2 = self.radius_m * self.radius_m;
+        write_edges(out, points_m.len(), |i| {
+            let near = move |j: &u32| distance_squared(&points_m[i], &points_m[*j as usize]) <= reach_m2;
+            (0..points_m.len() as u32).filter(near)
+        });
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        edges_bytes(n, n) // at worst: all within one radius
+    }
+}
