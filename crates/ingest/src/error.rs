@@ -75,6 +75,14 @@ pub enum IngestError {
         /// All topics, that one first.
         topics: TopicList,
     },
+    /// No truth to hold results against.
+    #[error("there is no truth in JSON on /truth; the recording has\n{topics}\n({})", path.display())]
+    NoTruth {
+        /// The file.
+        path: PathBuf,
+        /// All topics.
+        topics: TopicList,
+    },
     /// The scan topic has no messages.
     #[error("{topic} has no messages{}", because(losses))]
     NoScans {

@@ -1,4 +1,62 @@
 //! Recordings to revolutions.
+//!
+//! In: MCAP files with ROS 2 `sensor_msgs/msg/LaserScan` in CDR, whole or damaged. Out: one
+//! [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the body frame
+//! (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned, left out,
+//! repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
+//!
+//! - [`Sensor`] makes one scan a revolution: pure, no I/O, for a robot's own program as well.
+//! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source).
+//! - [`describe`] says what is in a file; [`Truths`] reads the truth beside the scans.
+//!
+//! # One scan
+//! Beam i looks at θᵢ = yaw ± (angle_min + i·angle_increment), minus if the sensor hangs upside down, and a return of
+//! range r stands at (r cos θᵢ, r sin θᵢ, 0). Ranges and angles become f64 before any arithmetic.
+//!
+//! | range | the beam is | note |
+//! |---|---|---|
+//! | NaN, +∞ | no return | |
+//! | 0 | no return | yes |
+//! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
+//! | beyond `max_range_m` of the configuration | no return | yes |
+//! | -∞ | unknown | |
+//! | negative, below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
+//! | anything else | a return | |
+//!
+//! *No return* means that nothing is there within range; *unknown* that nothing is known.
+//!
+//! | the scan says | what is done, with a note unless said |
+//! |---|---|
+//! | `range_max` 0, negative or NaN | no limit |
+//! | `range_max` infinite | no limit, no note |
+//! | `range_max` not above `range_min` | neither is a limit |
+//! | `range_min` negative, infinite or NaN | 0 |
+//! | `angle_increment` negative | the sensor turns clockwise, no note |
+//! | `angle_increment` 0, NaN, below 1e-6 rad or beyond π | replaced by (angle_max - angle_min) / (beams - 1); if that is of no use either, no beam has a bearing |
+//! | `angle_max` more than 1.5 steps from where the last beam is | angle_min + i·angle_increment is believed |
+//! | `angle_min` not finite, or beyond two turns (degrees?) | no beam has a bearing: all are unknown, the revolution is empty |
+//! | last beam where the first one is | the last one is left out (unknown) |
+//! | more than a full turn | beams beyond the turn are left out (unknown) |
+//! | no beams | an empty revolution |
+//! | one beam | its bearing is `angle_min`, no note |
+//! | intensities of another number than ranges | they are not used anyway |
+//! | stamp 0 or before 1970 | log time |
+//! | stamp that of the scan before, or earlier | kept |
+//! | another `frame_id` than the scan before | kept; with `frame_id` in the configuration only that one is taken, and others are not selected: they have no result, and [`Recording::of_other_frames`] counts them |
+//! | bytes that are no LaserScan | an empty revolution, and a loss |
+//!
+//! # One recording
+//! With an index (chunks, with a summary at the end) scans come by log time, ties in file order; without one in file
+//! order, and scans that are out of order are noted and counted. Memory holds the scans of the chunks that overlap in
+//! time, whatever the size of the file. A file without an index is looked through once before it is read, so that its
+//! topics, counts and losses are known.
+//!
+//! A file that is cut off gives every whole scan before the cut. A chunk that is damaged (checksum, compression,
+//! records) is lost alone; `seq` counts its scans if its message index can still be read. If the index is damaged the
+//! file is read without it.
+//!
+//! To add another kind of recording: read it into [`LaserScan`](crosscut_messages::LaserScan)s, pass these through
+//! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
 
 mod container;
 mod describe;
@@ -9,6 +67,7 @@ mod loss;
 mod recording;
 mod sensor;
 mod topics;
+mod truths;
 
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
@@ -18,3 +77,4 @@ pub use loss::{Damage, Loss, LossKind};
 pub use recording::{ReadOptions, Recording};
 pub use sensor::{PARAMS, Sensor};
 pub use topics::{TopicInfo, TopicList};
+pub use truths::Truths;

@@ -5,3 +5,4 @@ mod flight;
 mod real;
 mod recording;
 mod sensor;
+mod truths;

@@ -1,0 +1,67 @@
+//! The truth that a simulated or labelled recording holds beside its scans.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+
+use crosscut_messages::{JSON_ENCODING, TRUTH_TOPIC, Truth, TruthError};
+
+use crate::container::{Container, ScanReader};
+use crate::topics::topics_of;
+use crate::{IngestError, TopicList};
+
+/// The truths of one recording. A truth belongs to the scan with the same log time; of several with the same log time,
+/// the first to the first.
+pub struct Truths {
+    reader: ScanReader,
+    /// Read, but not asked for yet, by log time.
+    waiting: BTreeMap<u64, VecDeque<Result<Truth, TruthError>>>,
+}
+
+impl Truths {
+    /// Opens the recording `path`.
+    ///
+    /// # Errors
+    /// When it cannot be read, or has no truth.
+    pub fn open(path: &Path) -> Result<Self, IngestError> {
+        let container = Container::open(path)?;
+        let is_truth =
+            |id: &u16| container.catalogue.channels.get(id).is_some_and(|topic| topic.encoding == JSON_ENCODING);
+        let mut channels = container.channels_of(TRUTH_TOPIC);
+        channels.retain(is_truth);
+        if channels.is_empty() || container.count(&channels) == Some(0) {
+            let topics = TopicList(topics_of(std::slice::from_ref(&container)));
+            return Err(IngestError::NoTruth { path: path.to_owned(), topics });
+        }
+        Ok(Self { reader: ScanReader::new(container, channels), waiting: BTreeMap::new() })
+    }
+
+    /// The truth of the next scan that was recorded at `log_time_ns`, if there is one. Scans are asked for in the order
+    /// in which [`Recording`](crate::Recording) gives them.
+    ///
+    /// In a recording without an index, where order says nothing, a missing truth is looked for up to the end, and all
+    /// on the way is kept in memory.
+    ///
+    /// # Errors
+    /// When its message cannot be read.
+    pub fn at(&mut self, log_time_ns: u64) -> Result<Option<Truth>, TruthError> {
+        let in_order = self.reader.is_by_log_time();
+        if in_order {
+            self.waiting = self.waiting.split_off(&log_time_ns);
+        }
+        while !self.waiting.contains_key(&log_time_ns) {
+            if in_order && self.waiting.last_key_value().is_some_and(|(&latest, _)| latest > log_time_ns) {
+                break;
+            }
+            let Some(message) = self.reader.next() else { break };
+            let truth = Truth::from_json(&message.data);
+            self.waiting.entry(message.log_time_ns).or_default().push_back(truth);
+            self.reader.recycle(message);
+        }
+        let Some(same_time) = self.waiting.get_mut(&log_time_ns) else { return Ok(None) };
+        let truth = same_time.pop_front();
+        if same_time.is_empty() {
+            self.waiting.remove(&log_time_ns);
+        }
+        truth.transpose()
+    }
+}
