@@ -23,6 +23,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Make a flight through a mine whose truth is known.
     Simulate(SimulateArgs),
+    /// Compare the results of one configuration or several with the truth in recordings.
+    Evaluate(EvaluateArgs),
     /// Show what is in a recording.
     Info(InfoArgs),
     /// Show every setting with its value, unit, range and where it comes from. The output is a configuration file.
@@ -106,6 +108,35 @@ pub(crate) enum SplitArg {
     Dev,
     /// To report on.
     Report,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EvaluateArgs {
+    /// MCAP recordings with /truth, or folders of them; each file is a family of scenes, named after it.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// A configuration to evaluate: a preset, or a file of settings over the preset `default`. May be given again, to
+    /// see them side by side.
+    #[arg(long, value_name = "PRESET|FILE.toml")]
+    pub(crate) with: Vec<String>,
+    /// A single setting, over every configuration. May be given again.
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Scan topic; found by itself when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
+    /// Show counts, labels, openings and confidence as well.
+    #[arg(long)]
+    pub(crate) details: bool,
+    /// Write every figure as JSON; `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write the tables as Markdown; `-` is standard output.
+    #[arg(long, value_name = "FILE.md")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// No progress, no tables on the terminal.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -39,7 +39,7 @@ pub(crate) fn json(comparison: &Comparison, configurations: &[(&str, String)], s
 /// Names to the left, numbers to the right.
 fn drawn(table: &Table, style: TableStyle) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
-    drawn.load_preset(style).set_header(&table.header).add_rows(&table.rows);
+    drawn.load_style(style).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
         let is_name = matches!(table.header[place].as_str(), "family" | "configuration");
         column.set_cell_alignment(if is_name { CellAlignment::Left } else { CellAlignment::Right });

@@ -3,7 +3,9 @@
 //! One file per command. Results go to files or standard output, words for people to standard error.
 
 mod cli;
+mod comparison;
 mod config;
+mod evaluate;
 mod exit;
 mod info;
 mod progress;
@@ -21,6 +23,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Evaluate(args) => evaluate::evaluate(&args),
         Command::Info(args) => info::info(&args),
         Command::Config(args) => config::print(&args),
     };

@@ -119,7 +119,7 @@ fn observers(args: &RunArgs, _: &Config, _: &mut Vec<String>) -> anyhow::Result<
 }
 
 /// Ctrl-C stops ingest and lets the rest drain; a second one quits.
-fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
+pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
     let asked = AtomicBool::new(false);
     ctrlc::set_handler(move || {
         if asked.swap(true, Ordering::Relaxed) {
