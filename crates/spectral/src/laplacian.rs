@@ -3,6 +3,8 @@
 use crosscut_stage::{Affinity, StageError, Weights};
 use faer::{Mat, MatRef};
 
+use crate::degrees::check_degrees;
+
 /// Forms L = I - D^-1/2 W D^-1/2, dense, in a matrix that is used again the next time.
 #[derive(Clone, Debug)]
 pub struct Laplacian {
@@ -24,7 +26,9 @@ impl Laplacian {
     /// When a degree is not above 0, or a value is not finite.
     pub fn form(&mut self, affinity: &Affinity) -> Result<MatRef<'_, f64>, StageError> {
         let n = affinity.weights.n();
-        self.invert_degrees(&affinity.degrees, n)?;
+        check_degrees(affinity)?;
+        self.inverse_sqrt_degrees.clear();
+        self.inverse_sqrt_degrees.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
         self.matrix.resize_with(n, n, |_, _| 0.0);
         let scale = &self.inverse_sqrt_degrees;
         // s_i s_j is formed first: it is the same number for (i, j) and (j, i), so symmetry survives the rounding.
@@ -49,26 +53,6 @@ impl Laplacian {
             Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
             None => Ok(self.matrix.as_ref()),
         }
-    }
-
-    fn invert_degrees(&mut self, degrees: &[f64], n: usize) -> Result<(), StageError> {
-        if degrees.len() != n {
-            return Err(StageError::Unsupported(format!("W is {n}x{n}, but there are {} degrees", degrees.len())));
-        }
-        self.inverse_sqrt_degrees.clear();
-        for (index, &degree) in degrees.iter().enumerate() {
-            if !degree.is_finite() {
-                return Err(StageError::NotFinite { what: "the degree", index });
-            }
-            if degree <= 0.0 {
-                let message = format!(
-                    "the degree of return {index} is {degree}: an affinity has W_ii = 1 and no negative weight"
-                );
-                return Err(StageError::Unsupported(message));
-            }
-            self.inverse_sqrt_degrees.push(degree.sqrt().recip());
-        }
-        Ok(())
     }
 }
 

@@ -11,6 +11,7 @@
 //! |---|---|---|---|
 //! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
+//! | `components` | union-find, no decomposition | the k zeros, exact | 0/1 graphs, the baselines |
 //!
 //! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
 //! repeated eigenvalue, which k > 1 zeros always are, only the span of the eigenvectors is defined: compare U·Uᵀ.
@@ -36,6 +37,8 @@
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
 
+mod components;
+mod degrees;
 mod embedding;
 mod faer_evd;
 mod laplacian;
@@ -44,10 +47,11 @@ mod zero_rule;
 
 use crosscut_stage::{Kind, SpectralStage};
 
+pub use components::Components;
 pub use faer_evd::FaerEvd;
 pub use laplacian::Laplacian;
 pub use nalgebra_evd::NalgebraEvd;
 pub use zero_rule::ZeroRule;
 
 /// The solvers that crosscut ships.
-pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND];
+pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND, components::KIND];

@@ -1,0 +1,114 @@
+//! `components`: the zero eigenvalues without a decomposition, for 0/1 graphs.
+
+use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+
+use crate::degrees::check_degrees;
+
+pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
+    name: "components",
+    doc: "the zero eigenvalues alone, exact: one for each connected component, however weak its edges (baseline)",
+    params: &[],
+    build: |_| Box::new(Components::default()),
+};
+
+/// The components of the graph, by union-find. Every weight that is not 0 is an edge.
+///
+/// L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U, components
+/// in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros without the next
+/// one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive number could replace.
+#[derive(Clone, Debug, Default)]
+pub struct Components {
+    forest: Forest,
+    /// Σ D_ii over the component of each number.
+    volumes: Vec<f64>,
+}
+
+impl SpectralStage for Components {
+    fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
+        check_degrees(affinity)?;
+        let n = affinity.degrees.len();
+        self.forest.plant(n);
+        let mut not_finite = None;
+        affinity.weights.for_each(|i, j, weight| {
+            if !weight.is_finite() {
+                not_finite.get_or_insert(i);
+            } else if weight != 0.0 {
+                self.forest.join(i, j);
+            }
+        });
+        if let Some(index) = not_finite {
+            return Err(StageError::NotFinite { what: "the affinity", index });
+        }
+
+        let component_of_return = self.forest.number_components();
+        self.volumes.clear();
+        for (&component, &degree) in component_of_return.iter().zip(&affinity.degrees) {
+            match self.volumes.get_mut(component as usize) {
+                Some(volume) => *volume += degree,
+                None => self.volumes.push(degree), // components appear in the order of their numbers
+            }
+        }
+
+        out.k = self.volumes.len();
+        out.eigenvalues.clear();
+        out.eigenvalues.resize(out.k, 0.0);
+        (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
+        out.u.resize_with(n, out.k, |_, _| 0.0);
+        out.u.fill(0.0);
+        for (i, (&component, degree)) in component_of_return.iter().zip(&affinity.degrees).enumerate() {
+            let component = component as usize;
+            out.u[(i, component)] = (degree / self.volumes[component]).sqrt();
+        }
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        // A parent and at most one volume a return.
+        (n as u64).saturating_mul(4 + 8)
+    }
+}
+
+/// Union-find in which the root of a tree is its smallest member.
+#[derive(Clone, Debug, Default)]
+struct Forest {
+    parent: Vec<u32>,
+}
+
+impl Forest {
+    /// n trees of one member each.
+    fn plant(&mut self, n: usize) {
+        self.parent.clear();
+        self.parent.extend(0..n as u32);
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        let (a, b) = (self.root(i as u32), self.root(j as u32));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The root of the tree of `i`; every other member on the way is tied to its grandparent.
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parent[i as usize] != i {
+            let grandparent = self.parent[self.parent[i as usize] as usize];
+            self.parent[i as usize] = grandparent;
+            i = grandparent;
+        }
+        i
+    }
+
+    /// The component of each member, numbered by their smallest member. The forest is used up.
+    fn number_components(&mut self) -> &[u32] {
+        let mut next = 0;
+        for i in 0..self.parent.len() {
+            let parent = self.parent[i] as usize;
+            // A parent is smaller, so it holds the number of its component already.
+            self.parent[i] = if parent == i {
+                next += 1;
+                next - 1
+            } else {
+                self.parent[parent]
+            };
+        }
+        &self.parent
+    }
+}
