@@ -3,7 +3,8 @@
 //! Points and lines carry class ids; one annotation context at the root of the recording says what colour a class has.
 //! The colours are those of Okabe and Ito that stand out on black as well as on white.
 
-use rerun::{AnnotationContext, ClassDescription, Color, Rgba32};
+use rerun::components::InterpolationMode;
+use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
 
 /// Okabe and Ito's colours, without black and yellow; repeated when there are more walls.
 const WALLS: [u32; 6] = [0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF, 0xD55E_00FF, 0x0072_B2FF];
@@ -30,6 +31,15 @@ pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF,
 /// A colour given as 0xRRGGBBAA.
 pub(crate) fn color(rgba: u32) -> Color {
     Color::from_u32(rgba)
+}
+
+/// A line over revolutions: what holds at one of them holds until the next.
+pub(crate) fn series(name: &str, rgba: u32, width: f32) -> SeriesLines {
+    SeriesLines::new()
+        .with_names([name])
+        .with_colors([color(rgba)])
+        .with_widths([width])
+        .with_interpolation_mode(InterpolationMode::StepAfter)
 }
 
 /// The class of a wall or cluster: its number.

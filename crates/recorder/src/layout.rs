@@ -1,7 +1,7 @@
 //! The layout that goes with every recording: one revolution, stage by stage, readable at 1400×900.
 
 use crosscut_stage::Frame;
-use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, PanelState};
+use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, PanelState, PlayState};
 use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial2DView,
     Spatial3DView, StateTimelineView, Tabs, TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical,
@@ -113,7 +113,7 @@ fn property_messages(
 fn overview(extent: &Extent, properties: &mut Properties) -> Blueprint {
     let pictures = Horizontal::new([
         picture("W by beam: log10, dark 1e-16, yellow 1", "affinity/W", extent, properties),
-        picture("L by beam: log10 |.|, dark 1e-16, yellow 1", "spectral/L", extent, properties),
+        picture("L by beam: log10, dark 1e-16, yellow 1", "spectral/L", extent, properties),
     ]);
     let spectral = Horizontal::new([chart(properties), embedding(extent, properties)]);
     let stages = Vertical::new([pictures.into(), spectral.into()]).with_row_shares([1.15, 1.0]);
@@ -125,7 +125,16 @@ fn overview(extent: &Extent, properties: &mut Properties) -> Blueprint {
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
-        .with_time_panel(TimePanel::new().with_state(PanelState::Collapsed).with_timeline("revolution"))
+        .with_time_panel(time_panel())
+}
+
+/// By revolution; at the newest one until somebody moves it.
+fn time_panel() -> TimePanel {
+    TimePanel::new()
+        .with_state(PanelState::Collapsed)
+        .with_timeline("revolution")
+        .with_play_state(PlayState::Following)
+        .with_fps(10.0)
 }
 
 /// The scan from above, x up and y left.
@@ -167,7 +176,7 @@ fn embedding(extent: &Extent, properties: &mut Properties) -> ContainerLike {
     let reach = extent.embedding as f32;
     let eye = EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
-        .with_position([1.2 * reach, 1.5 * reach, 1.0 * reach])
+        .with_position([1.5 * reach, 1.9 * reach, 1.25 * reach])
         .with_look_target([0.0f32, 0.0, 0.0])
         .with_eye_up([0.0f32, 0.0, 1.0]);
     let view = properties.with(view.into(), "EyeControls3D", eye);

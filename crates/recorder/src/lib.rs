@@ -28,7 +28,8 @@
 //! entity of their own, `/affinity/W/exact`. L is computed here, from W and the degrees: no stage builds anything for
 //! the recording alone.
 //!
-//! An empty revolution writes empty values, so that nothing of the one before stays on the screen.
+//! An empty revolution writes empty values, so that nothing of the one before stays on the screen; a picture that is not
+//! there is a single pixel of level 0.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
 //! behind lacks at most the last 1.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two

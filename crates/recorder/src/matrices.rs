@@ -8,7 +8,7 @@ use crosscut_stage::{Affinity, Frame};
 use rerun::components::{Colormap, MediaType};
 use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
-use rerun::{Clear, EncodedDepthImage, RecordingStream, RecordingStreamResult};
+use rerun::{EncodedDepthImage, RecordingStream, RecordingStreamResult};
 
 use crate::tensors::f32_vector;
 
@@ -29,20 +29,21 @@ pub(crate) struct Pictures {
 }
 
 impl Pictures {
-    /// Degrees, and the pictures of W and L; beyond [`LARGEST_PICTURE`] the pictures are cleared.
+    /// Degrees, and the pictures of W and L; where there is none, a single dark pixel takes the place of the last one
+    /// (the viewer goes on drawing a picture that is cleared).
     pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
         let affinity = &frame.affinity;
         rec.log("affinity/degrees", &f32_vector(affinity.degrees.iter().map(|&d| d as f32).collect(), "return"))?;
         let n = affinity.weights.n();
         if !is_drawn(affinity) {
-            rec.log("affinity/W", &Clear::flat())?;
-            return rec.log("spectral/L", &Clear::flat());
+            rec.log("affinity/W", &picture(&[0], 1))?;
+            return rec.log("spectral/L", &picture(&[0], 1));
         }
         self.take_decades(affinity);
         self.draw_w();
-        rec.log("affinity/W", &self.picture(n))?;
+        rec.log("affinity/W", &picture(&self.levels, n))?;
         self.draw_l(affinity);
-        rec.log("spectral/L", &self.picture(n))
+        rec.log("spectral/L", &picture(&self.levels, n))
     }
 
     fn take_decades(&mut self, affinity: &Affinity) {
@@ -71,13 +72,13 @@ impl Pictures {
             self.levels[i * n + i] = level((1.0 - own_share).abs().log10());
         }
     }
+}
 
-    fn picture(&self, n: usize) -> EncodedDepthImage {
-        EncodedDepthImage::new(png(&self.levels, n))
-            .with_media_type(MediaType::PNG)
-            .with_colormap(Colormap::Viridis)
-            .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // a grey PNG is read as 0 to 1
-    }
+fn picture(levels: &[u8], n: usize) -> EncodedDepthImage {
+    EncodedDepthImage::new(png(levels, n))
+        .with_media_type(MediaType::PNG)
+        .with_colormap(Colormap::Viridis)
+        .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
 }
 
 /// Whether W and L of this revolution are drawn.

@@ -1,23 +1,16 @@
 //! The answer: count, place, walls and openings in words; notes and timings.
 
-use std::fmt::Write as _;
+use crosscut_stage::{Frame, Opening, Step, Wall};
+use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, TextDocument, TextLog, TextLogLevel};
 
-use crosscut_stage::{Frame, Step};
-use rerun::{
-    RecordingStream, RecordingStreamResult, Scalars, SeriesLines, StateChange, TextDocument, TextLog, TextLogLevel,
-};
-
-use crate::colors::{REPORTED, STEPS, color};
+use crate::colors::{REPORTED, STEPS, series};
 use crate::matrices::{LARGEST_PICTURE, is_drawn};
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    let line = |name: &str, rgba, width: f32| {
-        SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([width])
-    };
-    rec.log_static("report/junctions", &line("junctions (walls)", REPORTED, 5.0))?; // seen behind k where both agree
+    rec.log_static("report/junctions", &series("junctions (walls)", REPORTED, 5.0))?; // seen behind k where both agree
     for (step, rgba) in Step::ALL.into_iter().zip(STEPS) {
-        rec.log_static(format!("timing/{step}"), &line(step.name(), rgba, 2.0))?;
+        rec.log_static(format!("timing/{step}"), &series(step.name(), rgba, 2.0))?;
     }
     Ok(())
 }
@@ -48,38 +41,40 @@ fn log_notes(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> 
     Ok(())
 }
 
-/// The revolution in a few large words, then its walls and openings.
+/// The revolution in a few large words, then its openings and walls.
 fn summary(frame: &Frame) -> String {
     let (junction, spectrum) = (&frame.junction, &frame.spectrum);
-    let place = junction.place.to_string().replace('_', " ");
-    let plural = if junction.junctions == 1 { "" } else { "s" };
-    let mut text = format!("# {} · {place}\n\n", junction.junctions);
-    let mut line = |words: std::fmt::Arguments<'_>| {
-        text.write_fmt(words).expect("a string takes any text");
-        text.push('\n');
-    };
-    line(format_args!(
-        "**{} junction{plural}** (walls), k = {}, {} returns. Confidence {:.0} %.",
-        junction.junctions,
-        spectrum.k,
-        frame.revolution.len(),
-        100.0 * junction.confidence
-    ));
-    if let Some(margin) = spectrum.margin_decades {
-        line(format_args!("τ = {:.0e} may move {margin:.1} decades before k changes.", spectrum.tolerance));
+    let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
+    let confidence = 100.0 * junction.confidence;
+    let mut lines = vec![
+        format!("# {count} · {}\n", spaced(&junction.place)),
+        format!("**{count}** walls, k = {k}, {n} returns. Confidence {confidence:.0} %."),
+    ];
+    lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
+    if !junction.openings.is_empty() {
+        lines.push("\n| opening | width | between walls | seen by |\n|---|---|---|---|".to_owned());
+        lines.extend(junction.openings.iter().map(opening_row));
     }
-    line(format_args!("\n| opening | width | walls | seen by |\n|---|---|---|---|"));
-    for opening in &junction.openings {
-        let [right, left] = opening.walls;
-        let bearing_deg = opening.bearing_rad.to_degrees();
-        let evidence = opening.evidence.to_string().replace('_', " ");
-        line(format_args!("| {bearing_deg:+.0}° | {:.1} m | {right}, {left} | {evidence} |", opening.width_m));
+    if !junction.walls.is_empty() {
+        lines.push("\n| wall | returns | from | to |\n|---|---|---|---|".to_owned());
+        lines.extend(junction.walls.iter().map(wall_row));
     }
-    line(format_args!("\n| wall | returns | from | to |\n|---|---|---|---|"));
-    for wall in &junction.walls {
-        let [from, to] = wall.bearing_rad.map(f64::to_degrees);
-        let island = if wall.island { " (island)" } else { "" };
-        line(format_args!("| {}{island} | {} | {from:+.0}° | {to:+.0}° |", wall.id, wall.returns));
-    }
-    text
+    lines.join("\n")
+}
+
+fn opening_row(opening: &Opening) -> String {
+    let bearing_deg = opening.bearing_rad.to_degrees();
+    let [right, left] = opening.walls;
+    format!("| {bearing_deg:+.0}° | {:.1} m | {right}, {left} | {} |", opening.width_m, spaced(&opening.evidence))
+}
+
+fn wall_row(wall: &Wall) -> String {
+    let island = if wall.island { " (island)" } else { "" };
+    let [from_deg, to_deg] = wall.bearing_rad.map(f64::to_degrees);
+    format!("| {}{island} | {} | {from_deg:+.0}° | {to_deg:+.0}° |", wall.id, wall.returns)
+}
+
+/// A name as in results, without its underscores.
+fn spaced(name: &impl ToString) -> String {
+    name.to_string().replace('_', " ")
 }

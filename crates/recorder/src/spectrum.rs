@@ -3,10 +3,10 @@
 use crosscut_stage::{Frame, Spectrum};
 use rerun::{
     AsComponents, BarChart, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius, RecordingStream,
-    RecordingStreamResult, Scalars, SeriesLines, TensorBuffer, TensorData,
+    RecordingStreamResult, Scalars, TensorBuffer, TensorData,
 };
 
-use crate::colors::{GREY, TOLERANCE, ZEROS, class_of, color};
+use crate::colors::{GREY, TOLERANCE, ZEROS, class_of, color, series};
 use crate::tensors::{f32_matrix, rows_of};
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
@@ -22,9 +22,8 @@ const RIGHT: f32 = COLUMN * (DRAWN as f32 + 0.5);
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static("spectral/embedding", &Points3D::update_fields().with_radii([ui(3.0)]))?;
-    let line = |name: &str, rgba| SeriesLines::new().with_names([name]).with_colors([color(rgba)]).with_widths([1.5]);
-    rec.log_static("spectral/k", &line("k (zeros)", ZEROS))?;
-    rec.log_static("spectral/margin", &line("margin [decades]", GREY))?;
+    rec.log_static("spectral/k", &series("k (zeros)", ZEROS, 1.5))?;
+    rec.log_static("spectral/margin", &series("margin [decades]", GREY, 1.5))?;
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
     let grid = LineStrips2D::new(decades.iter().map(|&d| [[0.0, -d as f32], [RIGHT, -d as f32]]))
         .with_radii([ui(0.5)])

@@ -15,7 +15,7 @@ const CHILD_PATH: &str = "CROSSCUT_TEST_RECORDING";
 
 /// This test program, told to run one test alone.
 fn this_program(test: &str) -> Command {
-    let mut program = Command::new(std::env::current_exe().unwrap());
+    let mut program = Command::new(std::env::current_exe().expect("the path of this program"));
     program.args(["--exact", test]);
     program
 }

@@ -23,18 +23,18 @@ pub(crate) struct Recording {
 
 /// Records the frames, to the end, and reads them back.
 pub(crate) fn recorded(frames: &[Frame]) -> Recording {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("flight.rrd");
     record(&path, frames);
     Recording::read(&path)
 }
 
 pub(crate) fn record(path: &Path, frames: &[Frame]) {
-    let mut recorder = Recorder::new(options(path)).unwrap();
+    let mut recorder = Recorder::new(options(path)).expect("a recorder");
     for frame in frames {
-        recorder.observe(frame).unwrap();
+        recorder.observe(frame).expect("the frame is recorded");
     }
-    recorder.finish().unwrap();
+    recorder.finish().expect("the recording ends well");
 }
 
 pub(crate) fn options(path: &Path) -> RecorderOptions {
@@ -50,10 +50,11 @@ pub(crate) fn options(path: &Path) -> RecorderOptions {
 impl Recording {
     pub(crate) fn read(path: &Path) -> Self {
         let mut recording = Self { chunks: Vec::new(), layout_messages: 0 };
-        for message in DecoderApp::decode_eager(BufReader::new(File::open(path).unwrap())).unwrap() {
-            match message.unwrap() {
+        let file = BufReader::new(File::open(path).expect("the recording is there"));
+        for message in DecoderApp::decode_eager(file).expect("an .rrd") {
+            match message.expect("a whole message") {
                 LogMsg::ArrowMsg(store, message) if store.kind() == StoreKind::Recording => {
-                    recording.chunks.push(Chunk::from_arrow_msg(&message).unwrap());
+                    recording.chunks.push(Chunk::from_arrow_msg(&message).expect("a chunk"));
                 }
                 message => recording.layout_messages += usize::from(message.store_id().kind() == StoreKind::Blueprint),
             }
@@ -62,7 +63,7 @@ impl Recording {
     }
 
     pub(crate) fn of<'a>(&'a self, entity: &str) -> impl Iterator<Item = &'a Chunk> + use<'a> {
-        let entity = EntityPath::parse_strict(entity).unwrap();
+        let entity = EntityPath::parse_strict(entity).expect("an entity path");
         self.chunks.iter().filter(move |chunk| *chunk.entity_path() == entity)
     }
 
@@ -70,7 +71,7 @@ impl Recording {
     pub(crate) fn at<C: Component>(&self, entity: &str, component: ComponentDescriptor, seq: i64) -> Option<Vec<C>> {
         self.of(entity).find_map(|chunk| {
             let row = times(chunk, "revolution").iter().position(|&time| time == seq)?;
-            Some(chunk.component_batch(component.component, row)?.unwrap())
+            Some(chunk.component_batch(component.component, row)?.expect("values of this type"))
         })
     }
 
@@ -87,7 +88,7 @@ impl Recording {
 
     pub(crate) fn picture(&self, entity: &str, seq: i64) -> Option<GrayImage> {
         let blobs: Vec<components::Blob> = self.at(entity, EncodedDepthImage::descriptor_blob(), seq)?;
-        blobs.first().map(|blob| image::load_from_memory(&blob.0.0).unwrap().to_luma8())
+        blobs.first().map(|blob| image::load_from_memory(&blob.0.0).expect("a picture").to_luma8())
     }
 
     /// The revolutions that an entity was logged at.
@@ -104,7 +105,7 @@ impl Recording {
                 for row in 0..chunk.num_rows() {
                     let Some(value) = chunk.component_batch_raw(component, row) else { continue };
                     let key = (chunk.entity_path().to_string(), component.to_string(), times.get(row).copied());
-                    content.insert(key, value.unwrap());
+                    content.insert(key, value.expect("a row"));
                 }
             }
         }

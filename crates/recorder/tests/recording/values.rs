@@ -73,7 +73,7 @@ fn every_entity_is_there_at_every_revolution_on_both_timelines_and_on_no_other()
         assert_eq!(found, stamps, "{entity}");
     }
     for chunk in &recording.chunks {
-        let names: BTreeSet<&str> = chunk.timelines().keys().map(|name| name.as_str()).collect();
+        let names: BTreeSet<&str> = chunk.timelines().keys().map(rerun::TimelineName::as_str).collect();
         assert!(chunk.is_static() || names == BTreeSet::from(["revolution", "stamp"]), "{}", chunk.entity_path());
     }
 }
@@ -147,7 +147,7 @@ fn walls_pass_their_returns_and_openings_keep_bearing_and_width() {
     let arrows: Vec<components::Vector3D> =
         recording.at("/scan/openings", Arrows3D::descriptor_vectors(), seq).unwrap();
     let labels: Vec<components::Text> = recording.at("/scan/openings", LineStrips3D::descriptor_labels(), seq).unwrap();
-    assert_eq!((arrows.len(), labels.iter().map(|label| label.as_str()).collect()), (3, vec!["3.5 m"; 3]));
+    assert_eq!((arrows.len(), labels.iter().map(rerun::Text::as_str).collect()), (3, vec!["3.5 m"; 3]));
 }
 
 /// Whether each level of the picture is within half a decade of log10 |m|, and 0 where that is -16 or less.
