@@ -258,3 +258,120 @@ impl Lidar {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::Network;
+    use crate::noise::generator;
+    use crate::surface::Texture;
+
+    /// Along a tunnel 4 m wide; wet all over, if asked.
+    fn tunnel(wet_share: f64) -> Surface {
+        let mut network = Network::new(4.0);
+        let start = network.add_node(Point::new(-30.0, 0.0));
+        network.add_branch(start, vec![Point::new(-30.0, 0.0), Point::new(30.0, 0.0)], vec![2.0; 2]);
+        Surface::new(&network, &Texture { wet_share, ..Texture::SMOOTH }, 0)
+    }
+
+    /// Readings of many sweeps from the middle of the tunnel, with the noise-free view.
+    fn sweeps(lidar: &Lidar, surface: &Surface) -> (Vec<Echo>, Vec<Vec<Reading>>) {
+        let view = lidar.view(surface, 4.0, &Motion::still(Pose::level(Point::origin(), 0.0)));
+        let mut rng = generator(1, "test");
+        let readings = (0..200).map(|_| lidar.read(surface, &view, &mut rng)).collect();
+        (view, readings)
+    }
+
+    /// Share of the sweeps in which `beam` is lost.
+    fn lost(readings: &[Vec<Reading>], beam: usize) -> f64 {
+        let lost = readings.iter().filter(|sweep| sweep[beam] == Reading::Nothing).count();
+        lost as f64 / readings.len() as f64
+    }
+
+    #[test]
+    fn noise_has_the_stated_size_and_ranges_are_whole_quanta() {
+        let lidar = Lidar { noise_sd_m: 0.02, quantum_m: 0.005, ..Lidar::CLEAN };
+        let (_, readings) = sweeps(&lidar, &tunnel(0.0));
+        // Beam 270 looks at the wall 2 m to the left.
+        let errors: Vec<f64> = readings
+            .iter()
+            .map(|sweep| match sweep[270] {
+                Reading::Echo(range_m) => {
+                    assert!((range_m / 0.005 - (range_m / 0.005).round()).abs() < 1e-9);
+                    range_m - 2.0
+                }
+                other => panic!("{other:?} at the wall"),
+            })
+            .collect();
+        let sd_m = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        assert!((sd_m - 0.02).abs() < 0.004, "{sd_m}");
+    }
+
+    #[test]
+    fn each_kind_of_loss_strikes_where_it_should() {
+        // Beam 270 meets the wall head on 2 m away, beam 190 at 10° of incidence 11.5 m away.
+        let losses = |lidar: Lidar, wet_share: f64| {
+            let (_, readings) = sweeps(&lidar, &tunnel(wet_share));
+            [lost(&readings, 270), lost(&readings, 190)]
+        };
+        let near = |found: [f64; 2], wanted: [f64; 2]| {
+            assert!((0..2).all(|i| (found[i] - wanted[i]).abs() < 0.1), "{found:?} is not {wanted:?}");
+        };
+        near(losses(Lidar::CLEAN, 0.0), [0.0, 0.0]);
+        near(losses(Lidar { loss: 0.3, ..Lidar::CLEAN }, 0.0), [0.3, 0.3]);
+        near(losses(Lidar { loss_at_range_max: 0.8, ..Lidar::CLEAN }, 0.0), [0.8 * 0.0178, 0.8 * 0.589]);
+        near(losses(Lidar { loss_at_grazing: 0.8, ..Lidar::CLEAN }, 0.0), [0.0, 0.8 * (1.0 - 0.1736 / 0.3420)]);
+        near(losses(Lidar { loss_on_wet: 0.7, ..Lidar::CLEAN }, 1.0), [0.7, 0.7]);
+        near(losses(Lidar { loss_on_wet: 0.7, ..Lidar::CLEAN }, 0.0), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn patches_take_the_stated_share_in_runs_of_the_stated_length() {
+        let lidar = Lidar { patch_share: 0.15, patch_beams: [4, 4], ..Lidar::CLEAN };
+        let (view, readings) = sweeps(&lidar, &tunnel(0.0));
+        let hit: Vec<usize> = (0..360).filter(|&beam| view[beam] != Echo::Nothing).collect();
+        let share = hit.iter().map(|&beam| lost(&readings, beam)).sum::<f64>() / hit.len() as f64;
+        assert!((0.14..0.18).contains(&share), "{share}");
+        for sweep in &readings {
+            // Between beams 60 and 120 everything returns unless it lies in a patch.
+            let gone: Vec<bool> = (60..120).map(|beam| sweep[beam] == Reading::Nothing).collect();
+            for run in gone[4..56].split(|gone| !gone).filter(|run| !run.is_empty()) {
+                let at_the_rim = gone[4..8].iter().all(|&g| g) || gone[52..56].iter().all(|&g| g);
+                assert!(run.len() >= 4 || at_the_rim || gone[4] || gone[55], "a run of {}", run.len());
+            }
+        }
+    }
+
+    #[test]
+    fn dust_is_nearer_than_the_wall_and_within_its_range() {
+        let lidar = Lidar { dust: 0.2, dust_range_m: 6.0, ..Lidar::CLEAN };
+        let (view, readings) = sweeps(&lidar, &tunnel(0.0));
+        let mut count = 0;
+        for sweep in &readings {
+            for (echo, reading) in view.iter().zip(sweep) {
+                let Reading::Dust(dust_m) = *reading else { continue };
+                count += 1;
+                assert!((0.3..=6.0).contains(&dust_m));
+                assert!(!matches!(*echo, Echo::Rock { range_m, .. } if dust_m >= range_m));
+            }
+        }
+        let share = f64::from(count) / (200.0 * 360.0);
+        assert!((share - 0.2).abs() < 0.01, "{share}");
+    }
+
+    #[test]
+    fn the_beam_towards_a_place_is_the_one_that_meets_it_on_the_move() {
+        let motion = Motion {
+            start: Pose::level(Point::new(0.0, 0.3), 0.2),
+            end: Pose { heading_rad: 0.35, ..Pose::level(Point::new(0.2, 0.4), 0.0) },
+        };
+        for lidar in [Lidar::CLEAN, Lidar { beams: 256, field_of_view_rad: 4.45, ..Lidar::CLEAN }] {
+            for beam in [10.0, 100.5, 190.0, 250.0] {
+                let pose = lidar.pose_at(&motion, beam);
+                let target = pose.position_m + unit(pose.heading_rad + lidar.bearing_rad(beam)) * 4.0;
+                let found = lidar.beam_towards(&motion, target);
+                assert!((found - beam).abs() < 1e-3, "{found} is not {beam}");
+            }
+        }
+    }
+}

@@ -43,3 +43,55 @@ pub(crate) fn circle(centre_m: Point, radius_m: f64) -> Vec<Point> {
     let corners = (PI * (radius_m / 0.01).sqrt()).ceil().max(8.0) as usize;
     (0..corners).map(|i| centre_m + unit(TAU * i as f64 / corners as f64) * radius_m).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area_m2(contour: &[Point]) -> f64 {
+        let next = contour.iter().cycle().skip(1);
+        contour.iter().zip(next).map(|(a, b)| 0.5 * a.coords.perp(&b.coords)).sum()
+    }
+
+    fn cross(half_length_m: f64) -> Network {
+        let mut network = Network::new(4.0);
+        let centre = network.add_node(Point::origin());
+        for quarter in 0..4 {
+            let end = Point::origin() + unit(TAU / 4.0 * f64::from(quarter)) * half_length_m;
+            network.add_branch(centre, vec![Point::origin(), end], vec![2.0; 2]);
+        }
+        network
+    }
+
+    #[test]
+    fn tunnels_that_cross_become_one_outline_without_counting_their_overlap_twice() {
+        let contours = rock(&cross(20.0));
+        assert_eq!(contours.len(), 1);
+        assert!((area_m2(&contours[0]).abs() - (2.0 * 40.0 * 4.0 - 16.0)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn rock_between_tunnels_is_a_contour_of_its_own() {
+        let mut network = Network::new(4.0);
+        let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0), (0.0, 20.0)].map(|(x, y)| Point::new(x, y));
+        let nodes = corners.map(|corner| network.add_node(corner));
+        for i in 0..4 {
+            let j = (i + 1) % 4;
+            network.add_tunnel(nodes[i], nodes[j], vec![corners[i], corners[j]], vec![2.0; 2]);
+        }
+        let mut areas: Vec<f64> = rock(&network).iter().map(|contour| area_m2(contour).abs()).collect();
+        areas.sort_by(f64::total_cmp);
+        assert_eq!(areas.len(), 2);
+        assert!((areas[0] - 256.0).abs() < 1e-3, "the block of 16 m x 16 m has {} m²", areas[0]);
+    }
+
+    #[test]
+    fn a_circle_stays_within_5_mm() {
+        for radius_m in [0.3, 2.0, 8.0] {
+            let contour = circle(Point::new(1.0, 2.0), radius_m);
+            let middle = contour[0] + 0.5 * (contour[1] - contour[0]);
+            let sagitta_m = radius_m - (middle - Point::new(1.0, 2.0)).norm();
+            assert!((0.0..0.005).contains(&sagitta_m), "{sagitta_m}");
+        }
+    }
+}

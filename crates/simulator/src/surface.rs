@@ -208,3 +208,82 @@ fn wet_patches(n: usize, step_m: f64, texture: &Texture, rng: &mut Generator) ->
     }
     wet
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::course::{bent, half_widths};
+    use crate::network::{Disc, unit};
+
+    fn winding() -> Network {
+        let mut rng = generator(5, "winding");
+        let mut network = Network::new(4.0);
+        let node = network.add_node(Point::new(3.0, -2.0));
+        for heading_rad in [0.3, 2.0, 4.4] {
+            let line = bent(Point::new(3.0, -2.0), heading_rad, 18.0, 0.02);
+            let widths = half_widths(line.len(), 1.7, 0.1, &mut rng);
+            network.add_branch(node, line, widths);
+        }
+        network.pillars.push(Disc { centre_m: Point::new(6.0, -1.0), radius_m: 0.4 });
+        network
+    }
+
+    #[test]
+    fn a_ray_through_the_grid_meets_what_it_meets_without_a_grid() {
+        let surface = Surface::new(&winding(), &Texture { bump_sd_m: 0.2, bump_length_m: 0.7, ..Texture::SMOOTH }, 1);
+        let mut rng = generator(9, "rays");
+        for _ in 0..3000 {
+            let origin_m = Point::new(rng.random_range(-30.0..30.0), rng.random_range(-30.0..30.0));
+            let direction = unit(rng.random_range(0.0..std::f64::consts::TAU));
+            let limit_m = rng.random_range(0.5..40.0);
+            let all = surface.segments.iter().filter_map(|segment| segment.meets(origin_m, direction));
+            let wanted_m = all.filter(|&range_m| range_m <= limit_m).min_by(f64::total_cmp);
+            let found_m = surface.cast(origin_m, direction, limit_m).map(|hit| hit.range_m);
+            assert_eq!(found_m, wanted_m, "from {origin_m} towards {direction}");
+        }
+    }
+
+    #[test]
+    fn rays_along_the_lines_of_the_grid_and_straight_up_are_cast_too() {
+        let mut network = Network::new(4.0);
+        let start = network.add_node(Point::origin());
+        network.add_branch(start, vec![Point::origin(), Point::new(10.0, 0.0)], vec![2.0; 2]);
+        let surface = Surface::new(&network, &Texture::SMOOTH, 0);
+        for (direction, wanted_m) in [((1.0, 0.0), 6.0), ((-1.0, 0.0), 4.0), ((0.0, 1.0), 2.0), ((0.0, -1.0), 2.0)] {
+            let hit = surface.cast(Point::new(4.0, 0.0), Vector::new(direction.0, direction.1), 20.0).expect("a wall");
+            assert!((hit.range_m - wanted_m).abs() < 1e-9, "{direction:?}: {}", hit.range_m);
+        }
+        assert!(!surface.sees(Point::new(4.0, 0.0), Point::new(4.0, 2.5)));
+        assert!(surface.sees(Point::new(4.0, 0.0), Point::new(9.5, 1.5)));
+    }
+
+    #[test]
+    fn the_outline_has_no_gap_and_steps_of_at_most_ten_centimetres() {
+        let surface = Surface::new(&winding(), &Texture::SMOOTH, 1);
+        let mut starts: Vec<(u64, u64)> = surface.segments.iter().map(|s| bits(s.from_m)).collect();
+        let mut ends: Vec<(u64, u64)> = surface.segments.iter().map(|s| bits(s.to_m)).collect();
+        starts.sort_unstable();
+        ends.sort_unstable();
+        assert_eq!(starts, ends, "every segment begins where another ends");
+        assert!(surface.segments.iter().all(|s| (s.to_m - s.from_m).norm() <= STEP_M + 1e-9));
+    }
+
+    fn bits(point: Point) -> (u64, u64) {
+        (point.x.to_bits(), point.y.to_bits())
+    }
+
+    #[test]
+    fn bumps_and_wet_patches_come_in_the_stated_amounts() {
+        let mut network = Network::new(4.0);
+        let start = network.add_node(Point::origin());
+        network.add_branch(start, vec![Point::origin(), Point::new(4000.0, 0.0)], vec![2.0; 2]);
+        let texture = Texture { bump_sd_m: 0.3, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
+        let surface = Surface::new(&network, &texture, 2);
+        let wall: Vec<&Segment> = surface.segments.iter().filter(|s| (5.0..3995.0).contains(&s.from_m.x)).collect();
+        let n = wall.len() as f64;
+        let sd_m = (wall.iter().map(|s| (s.from_m.y.abs() - 2.0).powi(2)).sum::<f64>() / n).sqrt();
+        assert!((sd_m - 0.3).abs() < 0.015, "bumps of {sd_m} m");
+        let wet = wall.iter().filter(|s| s.wet).count() as f64 / n;
+        assert!((wet - 0.25).abs() < 0.03, "{wet} is wet");
+    }
+}
