@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 use crate::lloyd::Lloyd;
+use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
 use crate::rows::Rows;
 use crate::seeding::Seeding;
@@ -117,19 +118,14 @@ impl KmeansStage for KmeansPlusPlus {
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
         self.rows.copy_from(spectrum)?;
         let (n, k) = (self.rows.len(), self.rows.dimension());
-        out.labels.clear();
         if n == 0 || k == 0 {
-            if n > 0 {
-                notes.add("k-means: no eigenvalue is zero, so no return has a cluster");
-            }
-            (out.clusters, out.inertia) = (0, 0.0);
-            out.labels.resize(n, None);
-            out.centroids.resize_with(0, k, |_, _| 0.0);
+            without_clusters(n, k, out, notes);
             return Ok(());
         }
         self.restart(notes);
         let Lloyd { centroids, labels, .. } = &self.best;
         let numbers = by_first_return(labels.iter().copied(), centroids.len() / k);
+        out.labels.clear();
         out.labels.extend(labels.iter().map(|&label| numbers[label as usize]));
         out.clusters = numbers.iter().flatten().count();
         out.inertia = self.best.inertia();

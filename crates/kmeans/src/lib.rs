@@ -9,6 +9,7 @@
 //! | kind | clusters | for |
 //! |---|---|---|
 //! | `kmeans++` | k-means: k-means++ seeding, Lloyd's iteration, the best of several restarts | the paper |
+//! | `components` | the columns of a U with one entry that is not 0 in each row | the baselines |
 //!
 //! ```
 //! use crosscut_kmeans::KmeansPlusPlus;
@@ -30,15 +31,18 @@
 //! [`Spectrum`]: crosscut_stage::Spectrum
 //! [`Partition`]: crosscut_stage::Partition
 
+mod components;
 mod kmeans_plus_plus;
 mod lloyd;
+mod no_zeros;
 mod numbering;
 mod rows;
 mod seeding;
 
 use crosscut_stage::{Kind, KmeansStage};
 
+pub use components::Components;
 pub use kmeans_plus_plus::KmeansPlusPlus;
 
 /// The assignments that crosscut ships.
-pub const KINDS: &[Kind<dyn KmeansStage>] = &[kmeans_plus_plus::KIND];
+pub const KINDS: &[Kind<dyn KmeansStage>] = &[kmeans_plus_plus::KIND, components::KIND];

@@ -125,18 +125,6 @@ fn centroids_are_means_and_the_inertia_is_that_of_labels_and_centroids() {
 }
 
 #[test]
-fn no_return_is_nearer_to_another_centroid_than_its_own() {
-    for_every_kind(&any_spectrum(), |kind, spectrum| {
-        let Some(partition) = partition(kind, &spectrum) else { return };
-        for (i, label) in partition.labels.iter().enumerate().filter_map(|(i, label)| Some((i, (*label)? as usize))) {
-            let own = distance_squared(&spectrum, i, &partition, label);
-            let nearest = (0..partition.clusters).map(|c| distance_squared(&spectrum, i, &partition, c));
-            assert!(own <= nearest.fold(f64::INFINITY, f64::min), "return {i} in cluster {label}");
-        }
-    });
-}
-
-#[test]
 fn turning_u_changes_no_label() {
     for_every_kind(&(components(0..40), vec(-3.0..3.0f64, 6)), |kind, (component_of_return, angles_rad)| {
         let spectrum = of_components(&component_of_return);

@@ -47,6 +47,23 @@ fn no_partition_of_a_few_returns_is_better() {
     assert!(ran.is_ok(), "{ran:?}");
 }
 
+#[test]
+fn no_return_is_nearer_to_another_centroid_than_its_own() {
+    let config = Config { cases: 100, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let ran = TestRunner::new(config).run(&arbitrary(1..40), |spectrum| {
+        let partition = run(0, 10, 300, &spectrum).0;
+        for (i, label) in partition.labels.iter().enumerate() {
+            let distance =
+                |c: usize| (0..spectrum.k).map(|j| (spectrum.u[(i, j)] - partition.centroids[(c, j)]).powi(2));
+            let own = distance(label.expect("every return has a cluster") as usize).sum::<f64>();
+            let nearest = (0..partition.clusters).map(|c| distance(c).sum::<f64>()).fold(f64::INFINITY, f64::min);
+            assert!(own <= nearest, "return {i} is in cluster {label:?}");
+        }
+        Ok(())
+    });
+    assert!(ran.is_ok(), "{ran:?}");
+}
+
 /// Twelve tight blobs, the corners of a 4×3 grid in the first two coordinates.
 fn blobs() -> Spectrum {
     spectrum(Mat::from_fn(120, 12, |i, j| {

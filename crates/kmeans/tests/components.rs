@@ -1,0 +1,47 @@
+//! `components`: what is left out, and which U it refuses.
+
+use crosscut_kmeans::Components;
+use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum, StageError};
+use faer::{Mat, mat};
+
+fn run(min_cluster: u32, u: Mat<f64>) -> Result<(Partition, Vec<String>), StageError> {
+    let (mut out, mut notes) = (Partition::default(), Notes::default());
+    let mut stage = Components::new(min_cluster).expect("in range");
+    stage.partition(&Spectrum { k: u.ncols(), u, ..Spectrum::default() }, &mut out, &mut notes)?;
+    Ok((out, notes.iter().map(str::to_owned).collect()))
+}
+
+/// Components of 1, 3 and 2 returns, degrees not all equal.
+fn u() -> Mat<f64> {
+    mat![[1.0, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 0.8], [0.0, 0.48, 0.0], [0.0, 0.64, 0.0], [0.0, 0.0, 0.6]]
+}
+
+#[test]
+fn small_components_get_no_cluster_and_a_note() {
+    let (all, notes) = run(1, u()).expect("disjoint columns");
+    assert_eq!(all.labels, [Some(0), Some(1), Some(2), Some(1), Some(1), Some(2)]);
+    assert!(notes.is_empty());
+
+    let (without_noise, notes) = run(2, u()).expect("disjoint columns");
+    assert_eq!(without_noise.labels, [None, Some(0), Some(1), Some(0), Some(0), Some(1)]);
+    assert_eq!((without_noise.clusters, without_noise.centroids.nrows()), (2, 2));
+    assert!((without_noise.inertia - 0.101_6 / 3.0).abs() < 1e-15);
+    assert_eq!(notes, ["components: 1 of fewer than 2 returns left out, 1 returns in all"]);
+
+    let (nothing, notes) = run(9, u()).expect("disjoint columns");
+    assert_eq!((nothing.clusters, nothing.labels), (0, vec![None; 6]));
+    assert_eq!(notes, ["components: 3 of fewer than 9 returns left out, 6 returns in all"]);
+}
+
+#[test]
+fn a_u_whose_columns_share_a_row_or_leave_one_out_is_refused() {
+    for bad in [mat![[1.0, 0.0], [0.6, 0.8]], mat![[1.0, 0.0], [0.0, 0.0]]] {
+        let refused = run(1, bad).expect_err("not the U of components").to_string();
+        assert!(refused.starts_with("row 1 of U") && refused.contains("spectral `components`"), "{refused}");
+    }
+}
+
+#[test]
+fn a_least_size_of_nothing_is_refused() {
+    assert!(Components::new(0).is_err_and(|error| error.name == "min_cluster"));
+}
