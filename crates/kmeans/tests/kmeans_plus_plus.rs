@@ -53,10 +53,10 @@ fn no_return_is_nearer_to_another_centroid_than_its_own() {
     let ran = TestRunner::new(config).run(&arbitrary(1..40), |spectrum| {
         let partition = run(0, 10, 300, &spectrum).0;
         for (i, label) in partition.labels.iter().enumerate() {
-            let distance =
-                |c: usize| (0..spectrum.k).map(|j| (spectrum.u[(i, j)] - partition.centroids[(c, j)]).powi(2));
-            let own = distance(label.expect("every return has a cluster") as usize).sum::<f64>();
-            let nearest = (0..partition.clusters).map(|c| distance(c).sum::<f64>()).fold(f64::INFINITY, f64::min);
+            let offset = |c: usize, j: usize| spectrum.u[(i, j)] - partition.centroids[(c, j)];
+            let distance = |c: usize| (0..spectrum.k).map(|j| offset(c, j).powi(2)).sum::<f64>();
+            let own = distance(label.expect("every return has a cluster") as usize);
+            let nearest = (0..partition.clusters).map(distance).fold(f64::INFINITY, f64::min);
             assert!(own <= nearest, "return {i} is in cluster {label:?}");
         }
         Ok(())
