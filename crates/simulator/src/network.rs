@@ -126,17 +126,15 @@ impl Network {
         route_m
     }
 
-    /// Whether a centreline with this half width keeps `apart_m` of rock to every tunnel, looking only at points
-    /// farther than `clear_of_m` from its own start.
-    pub fn has_room_for(&self, centreline_m: &[Point], half_width_m: f64, apart_m: f64, clear_of_m: f64) -> bool {
-        let start = centreline_m[0];
-        centreline_m.iter().filter(|point| (**point - start).norm() > clear_of_m).all(|point| {
-            self.tunnels.iter().all(|tunnel| {
-                tunnel
-                    .centreline_m
-                    .iter()
-                    .zip(&tunnel.half_widths_m)
-                    .all(|(other, other_half_m)| (point - other).norm() > half_width_m + other_half_m + apart_m)
+    /// Whether a tunnel from node `from` would keep `apart_m` of rock to every other. To those that meet it at `from`
+    /// it needs that only farther than four half widths away.
+    pub(crate) fn has_room_for(&self, from: usize, centreline_m: &[Point], half_width_m: f64, apart_m: f64) -> bool {
+        let far = |point: &Point| (point - self.nodes[from].position_m).norm() > 4.0 * half_width_m;
+        self.tunnels.iter().all(|tunnel| {
+            let meets = tunnel.ends.contains(&from);
+            centreline_m.iter().filter(|point| !meets || far(point)).all(|point| {
+                let mut others = tunnel.centreline_m.iter().zip(&tunnel.half_widths_m);
+                others.all(|(other, other_half_m)| (point - other).norm() > half_width_m + other_half_m + apart_m)
             })
         })
     }

@@ -157,8 +157,9 @@ fn add_spur(
         let length_m = rng.random_range(6.0..30.0);
         let line = bent(from_m, heading_rad, length_m, rng.random_range(-0.015..0.015));
         let apart = |way: &f64| crosscut_stage::wrap_angle_rad(heading_rad - way).abs() > 0.85;
-        // Neighbours 0.85 rad apart are clear of each other beyond 1.2 widths / tan(0.425).
-        if ways.iter().all(apart) && network.has_room_for(&line, half_width_m, 1.5, 6.5 * half_width_m) {
+        // At distance d two tunnels that part at 0.85 rad are 2·d·sin(0.425) apart: clear of each other from d = 4
+        // half widths on.
+        if ways.iter().all(apart) && network.has_room_for(node, &line, half_width_m, 1.5) {
             let widths = half_widths(line.len(), half_width_m, 0.08, rng);
             network.add_branch(node, line, widths);
             return;
@@ -223,4 +224,54 @@ fn mid_tunnel(network: &Network, clear_m: f64, rng: &mut Generator) -> Option<(u
     let at = rng.random_range(0..line.len());
     let clear = |end: &Point| (line[at] - end).norm() > clear_m;
     (clear(&line[0]) && clear(&line[line.len() - 1])).then_some((tunnel, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::Tunnel;
+
+    #[test]
+    fn tunnels_meet_only_at_their_nodes() {
+        for seed in 0..40 {
+            for (network, _) in [drive(&mut generator(seed, "tunnel")), rooms(&mut generator(seed, "mine"))] {
+                for (a, tunnel) in network.tunnels.iter().enumerate() {
+                    for other in &network.tunnels[..a] {
+                        assert_apart(&network, [tunnel, other], seed);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Rock between two tunnels, but for the points that are within 5 half widths of a node that they share.
+    fn assert_apart(network: &Network, pair: [&Tunnel; 2], seed: u64) {
+        let shared: Vec<Point> = pair[0]
+            .ends
+            .into_iter()
+            .filter(|end| pair[1].ends.contains(end))
+            .map(|node| network.nodes[node].position_m)
+            .collect();
+        for (p, p_half_m) in pair[0].centreline_m.iter().zip(&pair[0].half_widths_m) {
+            if shared.iter().any(|node| (p - node).norm() < 5.0 * p_half_m) {
+                continue;
+            }
+            for (q, q_half_m) in pair[1].centreline_m.iter().zip(&pair[1].half_widths_m) {
+                assert!((p - q).norm() > p_half_m + q_half_m + 0.5, "seed {seed}: tunnels at {p} and {q} run together");
+            }
+        }
+    }
+
+    #[test]
+    fn pillars_leave_room_to_pass_on_both_sides() {
+        for seed in 0..40 {
+            let (network, _) = rooms(&mut generator(seed, "mine"));
+            let bare = Network { pillars: Vec::new(), ..network.clone() };
+            let surface = Surface::new(&bare, &Texture::SMOOTH, 0);
+            for pillar in &network.pillars {
+                let gap_m = surface.clearance_m(pillar.centre_m, 10.0) - pillar.radius_m;
+                assert!(gap_m > 0.6, "seed {seed}: {gap_m} m between the pillar at {} and the wall", pillar.centre_m);
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! A vehicle that follows a route through a mine, disturbed on its way, and odometry that drifts.
 
 use crate::lidar::{Motion, Pose};
-use crate::network::{Point, Vector, unit};
+use crate::network::{Point, Vector, left_of, unit};
 use crate::noise::{Drifting, Generator, generator, normal};
 
 /// Steps of the motion within one sweep.
@@ -44,7 +44,8 @@ impl Default for Handling {
     }
 }
 
-/// Where the odometry believes the vehicle to be, starting at the origin, and how fast it believes it moves.
+/// Where the odometry believes the vehicle to be, starting at the origin, and how fast it moved since the
+/// sweep before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Belief {
     /// Place in the odometry's own frame.
@@ -114,14 +115,12 @@ impl Vehicle {
         let turn_rate = wanted_rad_s.clamp(-handling.turn_rate_max_rad_s, handling.turn_rate_max_rad_s);
         self.course_rad += turn_rate * dt_s;
         self.position_m += unit(self.course_rad) * (handling.speed_m_s * dt_s);
-        let before = self.pose;
         self.pose = Pose {
             position_m: self.position_m,
             heading_rad: self.course_rad + self.yaw.step(dt_s, &mut self.rng),
             roll_rad: self.roll.step(dt_s, &mut self.rng),
             pitch_rad: self.pitch.step(dt_s, &mut self.rng),
         };
-        self.believe(&before, dt_s);
     }
 
     /// The point of the route that lies the look-ahead in front, displaced to the side by the disturbance.
@@ -133,10 +132,10 @@ impl Vehicle {
         }
         let ahead = self.route_m[self.passed] - self.position_m;
         let offset_m = self.offset.step(dt_s, &mut self.rng);
-        self.position_m + ahead + crate::network::left_of(ahead.try_normalize(1e-9).unwrap_or_default()) * offset_m
+        self.position_m + ahead + left_of(ahead.try_normalize(1e-9).unwrap_or_default()) * offset_m
     }
 
-    /// What the odometry makes of the step from `before` to now.
+    /// What the odometry makes of the `dt_s` from `before` to now.
     fn believe(&mut self, before: &Pose, dt_s: f64) {
         let moved = nalgebra::Rotation2::new(-before.heading_rad) * (self.pose.position_m - before.position_m);
         let turned_rad = self.pose.heading_rad - before.heading_rad;
@@ -161,6 +160,7 @@ impl Iterator for Vehicle {
         for _ in 0..STEPS_PER_SWEEP {
             self.step(self.sweep_s / STEPS_PER_SWEEP as f64);
         }
+        self.believe(&start, self.sweep_s);
         Some((Motion { start, end: self.pose }, belief))
     }
 }
