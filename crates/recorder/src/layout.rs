@@ -13,6 +13,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, datatypes};
 
+use crate::beam_order::BeamOrder;
 use crate::colors::color;
 use crate::spectrum::chart_bounds;
 
@@ -20,15 +21,15 @@ use crate::spectrum::chart_bounds;
 pub(crate) struct Extent {
     /// Farthest distance that the scan shows, metres.
     pub(crate) range_m: f64,
-    /// Returns of the revolution.
-    returns: usize,
+    /// Places along the side of the pictures.
+    places: usize,
     /// Farthest row of U from its origin.
     pub(crate) embedding: f64,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { range_m: 15.0, returns: 360, embedding: 0.15 }
+        Self { range_m: 15.0, places: 360, embedding: 0.15 }
     }
 }
 
@@ -39,12 +40,13 @@ impl Extent {
         let farthest = (0..revolution.len()).map(|i| revolution.range_m(i)).fold(0.0, f64::max);
         let limit = revolution.sweep.as_ref().map(|s| s.range_max_m).filter(|m| m.is_finite() && *m > 0.0);
         let range_m = limit.map_or(farthest, |limit| if farthest > 0.0 { farthest.min(limit) } else { limit });
+        let places = BeamOrder::of(revolution).used;
         let u = &frame.spectrum.u;
         let row_norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
         let embedding = (0..u.nrows()).map(row_norm).fold(0.0, f64::max);
         Self {
             range_m: if range_m > 0.0 { range_m } else { default.range_m },
-            returns: if revolution.is_empty() { default.returns } else { revolution.len() },
+            places: if places > 0 { places } else { default.places },
             embedding: if embedding > 0.0 { embedding } else { default.embedding },
         }
     }
@@ -155,7 +157,7 @@ fn scan(extent: &Extent, properties: &mut Properties) -> ContainerLike {
 fn picture(name: &str, entity: &str, extent: &Extent, properties: &mut Properties) -> ContainerLike {
     let contents = [format!("+ /{entity}"), "+ /kmeans/labels".to_owned()];
     let view = Spatial2DView::new(name).with_origin("/").with_contents(contents).into();
-    let (n, margin) = (extent.returns as f64, 0.04 * extent.returns as f64);
+    let (n, margin) = (extent.places as f64, 0.04 * extent.places as f64);
     let view = properties.with(view, "Background", backdrop());
     properties.with(view, "VisualBounds2D", bounds([-margin, -margin, n + 1.0, n + 1.0]))
 }

@@ -13,7 +13,7 @@
 //! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, logged when they change | beams, rad | exact |
 //! | `/scan/walls` | lines along the walls, broken at gaps | m | within 3 cm |
 //! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
-//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], in beam order | n×n, up to n = 1024 | a decade a level |
+//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0] | by beam, up to n = 1024 | a decade a level |
 //! | `/affinity/degrees` | D | n | f32 |
 //! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ, τ, k, margin | | exact |
 //! | `/spectral/chart/...` | λ and τ drawn on a logarithmic scale | | drawing |
@@ -23,13 +23,15 @@
 //! | `/timing/<stage>` | time of each step | ms | exact |
 //! | `/log`, `/config`, `/about` | notes; configuration as TOML; what is exact | | words |
 //!
-//! A value of 1e-16 or more reads back from a picture within half a decade. Raw ranges and configuration let anybody
+//! In the pictures, return i stands at the pixel of its beam, so that walls stay in place and openings are dark bands; the
+//! side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024, return i stands at
+//! pixel i of 1024. A value of 1e-16 or more reads back within half a decade. Raw ranges and configuration let anybody
 //! recompute W, L and U in full precision, so exact matrices need not be stored; where they are wanted, they go to an
 //! entity of their own, `/affinity/W/exact`. L is computed here, from W and the degrees: no stage builds anything for
 //! the recording alone.
 //!
 //! An empty revolution writes empty values, so that nothing of the one before stays on the screen; a picture that is not
-//! there is a single pixel of level 0.
+//! there is dark.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
 //! behind lacks at most the last 1.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two
@@ -39,6 +41,7 @@
 //! To log something new: a function in the file of its area, taking the stream and the frame; a line in `about.md` and
 //! in the table above; a view in `layout.rs`.
 
+mod beam_order;
 mod colors;
 mod file;
 mod layout;

@@ -1,8 +1,8 @@
 //! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level.
 //!
 //! Linear levels would show nothing: the leaks that decide the count are 1e-8. Finer levels show the sensor's noise: 256
-//! of them make a picture nearly three times as large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees, for the
-//! picture alone.
+//! of them make a picture nearly three times as large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees,
+//! for the picture alone.
 
 use crosscut_stage::{Affinity, Frame};
 use rerun::components::{Colormap, MediaType};
@@ -10,10 +10,8 @@ use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncode
 use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
 use rerun::{EncodedDepthImage, RecordingStream, RecordingStreamResult};
 
+use crate::beam_order::{BeamOrder, LARGEST_SIDE};
 use crate::tensors::f32_vector;
-
-/// Beyond this many returns no picture is made.
-pub(crate) const LARGEST_PICTURE: usize = 1024;
 
 /// The decades that a picture spans, ending at 1: the level of a value of 1 or more. Level 0 is 1e-16 or less.
 const DECADES: f32 = 16.0;
@@ -21,38 +19,53 @@ const DECADES: f32 = 16.0;
 /// Buffers for the pictures, reused from one revolution to the next.
 #[derive(Default)]
 pub(crate) struct Pictures {
-    /// log10 W, n×n.
+    /// Pixels a side of the last pictures.
+    side: usize,
+    /// log10 W, side×side, -∞ where there is no return.
     decades: Vec<f32>,
-    /// ½ log10 D, n.
+    /// ½ log10 D, by place.
     half_degree_decades: Vec<f32>,
     levels: Vec<u8>,
 }
 
 impl Pictures {
-    /// Degrees, and the pictures of W and L; where there is none, a single dark pixel takes the place of the last one
-    /// (the viewer goes on drawing a picture that is cleared).
-    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
-        let affinity = &frame.affinity;
-        rec.log("affinity/degrees", &f32_vector(affinity.degrees.iter().map(|&d| d as f32).collect(), "return"))?;
-        let n = affinity.weights.n();
-        if !is_drawn(affinity) {
-            rec.log("affinity/W", &picture(&[0], 1))?;
-            return rec.log("spectral/L", &picture(&[0], 1));
+    /// Degrees, and the pictures of W and L.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame, order: &BeamOrder) -> RecordingStreamResult<()> {
+        let degrees = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
+        rec.log("affinity/degrees", &f32_vector(degrees, "return"))?;
+        self.side = order.side;
+        if !is_drawn(frame) {
+            return self.log_dark(rec);
         }
-        self.take_decades(affinity);
+        self.take_decades(&frame.affinity, order);
         self.draw_w();
-        rec.log("affinity/W", &picture(&self.levels, n))?;
-        self.draw_l(affinity);
-        rec.log("spectral/L", &picture(&self.levels, n))
+        rec.log("affinity/W", &self.picture())?;
+        self.draw_l(order);
+        rec.log("spectral/L", &self.picture())
     }
 
-    fn take_decades(&mut self, affinity: &Affinity) {
-        let n = affinity.weights.n();
+    /// Dark pictures of the size of the last ones: the viewer goes on showing a picture that is cleared.
+    pub(crate) fn log_dark(&mut self, rec: &RecordingStream) -> RecordingStreamResult<()> {
+        if self.side == 0 {
+            return Ok(()); // there was no picture yet
+        }
+        self.levels.clear();
+        self.levels.resize(self.side * self.side, 0);
+        let dark = self.picture();
+        rec.log("affinity/W", &dark)?;
+        rec.log("spectral/L", &dark)
+    }
+
+    fn take_decades(&mut self, affinity: &Affinity, order: &BeamOrder) {
+        let (side, places) = (order.side, &order.places);
         self.decades.clear();
-        self.decades.resize(n * n, f32::NEG_INFINITY);
-        affinity.weights.for_each(|i, j, w| self.decades[i * n + j] = (w as f32).log10());
+        self.decades.resize(side * side, f32::NEG_INFINITY);
+        affinity.weights.for_each(|i, j, w| self.decades[places[i] * side + places[j]] = (w as f32).log10());
         self.half_degree_decades.clear();
-        self.half_degree_decades.extend(affinity.degrees.iter().map(|&d| 0.5 * d.log10() as f32));
+        self.half_degree_decades.resize(side, 0.0);
+        for (&place, degree) in places.iter().zip(&affinity.degrees) {
+            self.half_degree_decades[place] = 0.5 * degree.log10() as f32;
+        }
     }
 
     fn draw_w(&mut self) {
@@ -61,30 +74,31 @@ impl Pictures {
     }
 
     /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i.
-    fn draw_l(&mut self, affinity: &Affinity) {
-        let n = affinity.weights.n();
+    fn draw_l(&mut self, order: &BeamOrder) {
         let halves = &self.half_degree_decades;
         self.levels.clear();
-        for i in 0..n {
-            let row = &self.decades[i * n..(i + 1) * n];
-            self.levels.extend(row.iter().zip(halves).map(|(w, half)| level(w - halves[i] - half)));
-            let own_share = 10f32.powf(row[i] - 2.0 * halves[i]);
-            self.levels[i * n + i] = level((1.0 - own_share).abs().log10());
+        for (row, own_half) in self.decades.chunks_exact(order.side).zip(halves) {
+            self.levels.extend(row.iter().zip(halves).map(|(w, half)| level(w - own_half - half)));
         }
+        for &place in &order.places {
+            let diagonal = place * order.side + place;
+            let own_share = 10f32.powf(self.decades[diagonal] - 2.0 * halves[place]);
+            self.levels[diagonal] = level((1.0 - own_share).abs().log10());
+        }
+    }
+
+    fn picture(&self) -> EncodedDepthImage {
+        EncodedDepthImage::new(png(&self.levels, self.side))
+            .with_media_type(MediaType::PNG)
+            .with_colormap(Colormap::Viridis)
+            .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
     }
 }
 
-fn picture(levels: &[u8], n: usize) -> EncodedDepthImage {
-    EncodedDepthImage::new(png(levels, n))
-        .with_media_type(MediaType::PNG)
-        .with_colormap(Colormap::Viridis)
-        .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
-}
-
 /// Whether W and L of this revolution are drawn.
-pub(crate) fn is_drawn(affinity: &Affinity) -> bool {
-    let n = affinity.weights.n();
-    (1..=LARGEST_PICTURE).contains(&n) && affinity.degrees.len() == n
+pub(crate) fn is_drawn(frame: &Frame) -> bool {
+    let n = frame.affinity.weights.n();
+    (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && frame.revolution.len() == n
 }
 
 /// Decades above 1e-16.
@@ -92,13 +106,13 @@ fn level(decades: f32) -> u8 {
     (decades + DECADES).clamp(0.0, DECADES).round() as u8 // NaN casts to 0
 }
 
-/// An n×n grey picture as PNG.
-fn png(levels: &[u8], n: usize) -> Vec<u8> {
+/// A square grey picture as PNG.
+fn png(levels: &[u8], side: usize) -> Vec<u8> {
     let mut png = Vec::with_capacity(levels.len() / 4);
-    let side = n as u32;
+    let pixels = side as u32;
     PngEncoder::new_with_quality(&mut png, CompressionType::Level(4), FilterType::NoFilter)
-        .write_image(levels, side, side, ExtendedColorType::L8)
-        .expect("n×n levels make an n×n picture, and memory takes it");
+        .write_image(levels, pixels, pixels, ExtendedColorType::L8)
+        .expect("the levels fill the picture, and memory takes it");
     png
 }
 

@@ -3,8 +3,12 @@
 use crosscut_stage::{Frame, Partition};
 use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
+use crate::beam_order::BeamOrder;
 use crate::colors::class_of;
 use crate::tensors::{f64_matrix, i32_vector, rows_of};
+
+/// A bar goes on over fewer beams without a return than this.
+const GAP: usize = 4;
 
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
@@ -14,9 +18,9 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 }
 
 /// Labels and centroids of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, order: &BeamOrder) -> RecordingStreamResult<()> {
     let partition = &frame.partition;
-    log_labels(rec, partition)?;
+    log_labels(rec, partition, order)?;
     let centroids = &partition.centroids;
     let (clusters, k) = (centroids.nrows(), centroids.ncols());
     let points = (0..clusters).map(|c| std::array::from_fn(|j| if j < k { centroids[(c, j)] as f32 } else { 0.0 }));
@@ -27,41 +31,41 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
     rec.log("kmeans/centroids", &[&exact as &dyn AsComponents, &points])
 }
 
-/// The labels, -1 for a return that was left out, and each run of equal labels as a bar along the edges of W.
-fn log_labels(rec: &RecordingStream, partition: &Partition) -> RecordingStreamResult<()> {
+/// The labels, -1 for a return that was left out, and the clusters as bars along the edges of W.
+fn log_labels(rec: &RecordingStream, partition: &Partition, order: &BeamOrder) -> RecordingStreamResult<()> {
     let labels = &partition.labels;
-    let margin = -0.02 * labels.len() as f32;
-    let runs: Vec<(usize, usize)> = runs(labels);
-    let along = |&(from, to): &(usize, usize)| {
+    let margin = -0.02 * order.used as f32;
+    let runs = runs(labels, &order.places);
+    let along = |&(_, from, to): &(u16, usize, usize)| {
         let (from, to) = (from as f32, to as f32);
         [[[from, margin], [to, margin]], [[margin, from], [margin, to]]]
     };
     let bars = LineStrips2D::new(runs.iter().flat_map(along))
-        .with_class_ids(runs.iter().flat_map(|&(from, _)| [class_of(labels[from]); 2]))
+        .with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]))
         .with_show_labels(false);
     let exact = i32_vector(labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), "return");
     rec.log("kmeans/labels", &[&exact as &dyn AsComponents, &bars])
 }
 
-/// Where each run of equal labels starts, and where the next one does.
-fn runs(labels: &[Option<u32>]) -> Vec<(usize, usize)> {
-    let mut runs = Vec::new();
-    let mut start = 0;
-    for run in labels.chunk_by(|a, b| a == b) {
-        runs.push((start, start + run.len()));
-        start += run.len();
-    }
-    runs
+/// Class, first place and place after the last of each run of equal labels, broken where places are left out.
+fn runs(labels: &[Option<u32>], places: &[usize]) -> Vec<(u16, usize, usize)> {
+    let placed: Vec<_> = labels.iter().zip(places).collect();
+    let joined = |a: &(&Option<u32>, &usize), b: &(&Option<u32>, &usize)| a.0 == b.0 && b.1 - a.1 <= GAP;
+    let runs = placed.chunk_by(joined);
+    runs.map(|run| (class_of(*run[0].0), *run[0].1, run[run.len() - 1].1 + 1)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colors::NO_WALL;
 
     #[test]
-    fn runs_cover_all_labels_without_overlap() {
+    fn runs_end_where_the_label_changes_and_where_beams_came_back_without_a_return() {
         let (a, b) = (Some(0), Some(1));
-        assert_eq!(runs(&[a, a, b, None, None, a]), [(0, 2), (2, 3), (3, 5), (5, 6)]);
-        assert_eq!(runs(&[]), []);
+        assert_eq!(runs(&[a, a, b, None, a], &[2, 3, 4, 5, 6]), [(0, 2, 4), (1, 4, 5), (NO_WALL, 5, 6), (0, 6, 7)]);
+        assert_eq!(runs(&[a, a, a], &[0, 2, 30]), [(0, 0, 3), (0, 30, 31)]);
+        assert_eq!(runs(&[], &[]), []);
+        assert_eq!(runs(&[a], &[]), [], "labels that do not fit the returns break nothing");
     }
 }

@@ -9,6 +9,7 @@ use rerun::sink::LogSink;
 use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, RecordingStreamError, TextDocument};
 use rerun::{TextLog, TextLogLevel};
 
+use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
 use crate::file::RrdFile;
 use crate::layout::Extent;
@@ -150,22 +151,24 @@ impl Recorder {
 
     /// Everything of one revolution. An empty one writes empty values, so that nothing stale stays on the screen.
     fn log(&mut self, frame: &Frame) -> Result<(), RecorderError> {
+        let order = BeamOrder::of(&frame.revolution);
         if let Some(sweep) = &frame.revolution.sweep {
             self.beams.log(&self.rec, sweep)?;
         }
         scan::log(&self.rec, frame)?;
-        self.pictures.log(&self.rec, frame)?;
+        self.pictures.log(&self.rec, frame, &order)?;
         spectrum::log(&self.rec, frame)?;
-        partition::log(&self.rec, frame)?;
+        partition::log(&self.rec, frame, &order)?;
         report::log(&self.rec, frame)?;
         Ok(())
     }
 
     /// A failed frame holds parts of another revolution: they are not recorded, and the screen is cleared.
-    fn log_failure(&self, failure: &str) -> Result<(), RecorderError> {
+    fn log_failure(&mut self, failure: &str) -> Result<(), RecorderError> {
         for part in ["scan", "affinity", "spectral", "kmeans", "report"] {
             self.rec.log(part, &Clear::recursive())?;
         }
+        self.pictures.log_dark(&self.rec)?;
         self.rec.log("log", &TextLog::new(failure).with_level(TextLogLevel::ERROR))?;
         Ok(())
     }

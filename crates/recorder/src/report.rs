@@ -3,8 +3,9 @@
 use crosscut_stage::{Frame, Opening, Step, Wall};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, TextDocument, TextLog, TextLogLevel};
 
+use crate::beam_order::LARGEST_SIDE;
 use crate::colors::{REPORTED, STEPS, series};
-use crate::matrices::{LARGEST_PICTURE, is_drawn};
+use crate::matrices::is_drawn;
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
@@ -34,8 +35,8 @@ fn log_notes(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> 
         rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
     }
     let n = frame.affinity.weights.n();
-    if n > 0 && !is_drawn(&frame.affinity) {
-        let note = format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_PICTURE}");
+    if n > 0 && !is_drawn(frame) {
+        let note = format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}");
         rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
     }
     Ok(())
