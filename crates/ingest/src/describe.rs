@@ -103,7 +103,7 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
         let rate_hz = spans.zip(duration_s).map(|(spans, duration_s)| spans / duration_s);
         let mut first_scan = None;
         if info.has_scans() {
-            let channels = container.channels_of(&info.name);
+            let channels = info.channels_in(&container);
             let mut reader = ScanReader::new(container, channels);
             first_scan = describe_first(&mut reader, &info.name, sensor, &mut description.losses);
             container = reader.into_container();

@@ -12,7 +12,7 @@ pub enum IngestError {
     #[error("no recording was given")]
     NoInput,
     /// A file or folder cannot be opened.
-    #[error("{source}: cannot open {}", path.display())]
+    #[error("cannot be opened: {source}: {}", path.display())]
     Open {
         /// Which.
         path: PathBuf,

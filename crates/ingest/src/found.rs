@@ -20,7 +20,7 @@ pub enum Found {
     BagMetadata,
     Carmen,
     Json,
-    Numbers,
+    Table,
     /// Its first bytes.
     Unknown(Vec<u8>),
 }
@@ -83,7 +83,7 @@ impl Found {
         // The last cell may be cut.
         let first_cells: Vec<_> = cells.by_ref().take(3).collect();
         let numbers = first_cells.len() == 3 && first_cells.iter().all(|cell| cell.parse::<f64>().is_ok());
-        (numbers || first_line.matches(',').count() >= 3).then_some(Self::Numbers)
+        (numbers || first_line.matches(',').count() >= 3).then_some(Self::Table)
     }
 
     /// A file that a crash may have left in place of a recording; not one that was named by mistake.
@@ -117,8 +117,8 @@ impl fmt::Display for Found {
                  the Python packages mcap and mcap-ros2-support"
             }
             Self::Json => "it is JSON, such as results of crosscut; give the MCAP that they were made of",
-            Self::Numbers => {
-                "it is a table of numbers; convert its rows to sensor_msgs/msg/LaserScan in an MCAP, for example with \
+            Self::Table => {
+                "it is a table, such as CSV; convert its rows to sensor_msgs/msg/LaserScan in an MCAP, for example with \
                  the Python packages mcap and mcap-ros2-support"
             }
             Self::Unknown(start) => return write!(f, "it begins with the bytes {start:02x?}, which is no known format"),
@@ -134,9 +134,9 @@ mod tests {
     fn text_formats_are_told_apart_by_their_first_lines() {
         let found = |text: &str| Found::in_file(text.as_bytes());
         assert_eq!(found("# message_name [message contents]\nPARAM a 1\nFLASER 3 1 2 3\n"), Found::Carmen);
-        assert_eq!(found("\u{feff}0.018,nan,1.25,3\n"), Found::Numbers);
-        assert_eq!(found("1.0 2.0 3.0\n"), Found::Numbers);
-        assert_eq!(found("seq,stamp,r0,r1\n"), Found::Numbers);
+        assert_eq!(found("\u{feff}0.018,nan,1.25,3\n"), Found::Table);
+        assert_eq!(found("1.0 2.0 3.0\n"), Found::Table);
+        assert_eq!(found("seq,stamp,r0,r1\n"), Found::Table);
         assert_eq!(found("{\"seq\":0}\n"), Found::Json);
         assert_eq!(found("rosbag2_bagfile_information:\n  version: 9\n"), Found::BagMetadata);
         assert!(matches!(found("Dear reader"), Found::Unknown(_)));

@@ -75,7 +75,7 @@ impl Recording {
         }
         let mut parts = VecDeque::new();
         for container in containers {
-            let channels = container.channels_of(&topic.name);
+            let channels = topic.channels_in(&container);
             let mut part = ScanReader::new(container, channels);
             losses.extend(part.take_losses());
             parts.push_back(part);
@@ -102,10 +102,11 @@ impl Recording {
         &self.topic
     }
 
-    /// How many revolutions there will be, if that is known before they are read.
+    /// How many revolutions there will be if none is lost, as far as that is known before they are read.
     pub fn total_messages(&self) -> Option<u64> {
-        let whole_flight = self.options.from_s.is_none() && self.options.to_s.is_none();
-        self.total_messages.filter(|_| whole_flight).map(|total| total.div_ceil(self.options.every.get()))
+        let ReadOptions { from_s, to_s, .. } = self.options;
+        let all = from_s.is_none() && to_s.is_none() && self.sensor.frame_id().is_none();
+        self.total_messages.filter(|_| all).map(|total| total.div_ceil(self.options.every.get()))
     }
 
     /// When the last revolution was recorded, nanoseconds since the epoch; 0 before the first.

@@ -1,5 +1,6 @@
 //! Which topic carries the scans.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use crosscut_messages::{CDR_ENCODING, LaserScan, Message};
@@ -40,6 +41,14 @@ impl TopicInfo {
     pub(crate) fn has_scans(&self) -> bool {
         self.type_name == LaserScan::SCHEMA_NAME && self.encoding == CDR_ENCODING
     }
+
+    /// The channels of this topic in `container`; another type under the same name is another topic.
+    pub(crate) fn channels_in(&self, container: &Container) -> BTreeSet<u16> {
+        let is_same = |topic: &Topic| {
+            (&topic.name, &topic.type_name, &topic.encoding) == (&self.name, &self.type_name, &self.encoding)
+        };
+        container.catalogue.channels.iter().filter(|(_, topic)| is_same(topic)).map(|(&id, _)| id).collect()
+    }
 }
 
 /// All topics of the containers by name, each counted over all of them.
@@ -47,18 +56,10 @@ pub(crate) fn topics_of(containers: &[Container]) -> Vec<TopicInfo> {
     let mut topics: Vec<Topic> = containers.iter().flat_map(|c| c.catalogue.channels.values().cloned()).collect();
     topics.sort();
     topics.dedup();
-    let count = |topic: &Topic| {
-        let in_one = |container: &Container| {
-            let channels = container.catalogue.channels.iter();
-            container.count(&channels.filter(|(_, known)| *known == topic).map(|(&id, _)| id).collect())
-        };
-        containers.iter().map(in_one).sum::<Option<u64>>()
-    };
-    let info = |topic: Topic| TopicInfo {
-        messages: count(&topic),
-        name: topic.name,
-        type_name: topic.type_name,
-        encoding: topic.encoding,
+    let info = |Topic { name, type_name, encoding }| {
+        let mut info = TopicInfo { name, type_name, encoding, messages: None };
+        info.messages = containers.iter().map(|container| container.count(&info.channels_in(container))).sum();
+        info
     };
     topics.into_iter().map(info).collect()
 }

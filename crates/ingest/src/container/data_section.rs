@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use mcap::records::op;
 
 use super::chunk::{Checked, check, visit_chunk};
-use super::records::{HEAD_BYTES, Visitor, read_body, read_head, skip, visit};
+use super::records::{HEAD_BYTES, Visitor, parse, read_body, read_head, skip, visit};
 use crate::Damage;
 
 const DATA_END_BYTES: u64 = 4;
@@ -136,7 +136,7 @@ impl DataSection {
     pub(super) fn record(&mut self, at_byte: u64, opcode: u8) -> Result<mcap::records::Record<'_>, Damage> {
         let length = self.head_of(at_byte, opcode)?;
         read_body(&mut self.input, length, &mut self.body)?;
-        Ok(mcap::parse_record(opcode, &self.body)?)
+        parse(opcode, &self.body)
     }
 
     /// Length of the record at `at_byte`, which must be of type `wanted`.

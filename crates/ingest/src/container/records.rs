@@ -48,6 +48,40 @@ pub(super) fn skip(input: &mut impl Read, length: u64) -> Result<(), Damage> {
     if io::copy(&mut input.take(length), &mut io::sink())? == length { Ok(()) } else { Err(Damage::Ended) }
 }
 
+/// Takes a record apart.
+pub(super) fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, Damage> {
+    if !lengths_fit(opcode, body) {
+        return Err(Damage::Record(format!("a length in a record of type {opcode} goes beyond its end")));
+    }
+    Ok(mcap::parse_record(opcode, body)?)
+}
+
+/// Whether the texts of a record end before the record does: `mcap` reserves memory on the word of their lengths, and
+/// 4 GiB are more than a robot may have.
+fn lengths_fit(opcode: u8, body: &[u8]) -> bool {
+    let text_end = |at: usize| {
+        let length = u32::from_le_bytes(body.get(at..)?.first_chunk().copied()?);
+        let end = at + 4 + length as usize;
+        (end <= body.len()).then_some(end)
+    };
+    let last_end = || match opcode {
+        op::HEADER => text_end(text_end(0)?),
+        op::SCHEMA => text_end(text_end(2)?),
+        op::CHANNEL => {
+            let metadata = text_end(text_end(4)?)?;
+            let metadata_end = text_end(metadata)?;
+            let mut at = metadata + 4;
+            while at < metadata_end {
+                at = text_end(at)?;
+            }
+            Some(at)
+        }
+        op::CHUNK_INDEX => text_end(text_end(32)? + 8),
+        _ => Some(0),
+    };
+    last_end().is_some()
+}
+
 /// Hands the record to `visitor` if it is a schema, a channel or a message; others are not read.
 pub(super) fn visit(
     (opcode, length): (u8, u64),
@@ -59,7 +93,7 @@ pub(super) fn visit(
         0 => Err(Damage::Record("a record of type 0 cannot be".to_owned())),
         op::SCHEMA | op::CHANNEL => {
             read_body(input, length, body)?;
-            match mcap::parse_record(opcode, body)? {
+            match parse(opcode, body)? {
                 Record::Schema { header, .. } => visitor.schema(header),
                 Record::Channel(channel) => visitor.channel(channel),
                 _ => {}
@@ -72,7 +106,7 @@ pub(super) fn visit(
             };
             let mut header = [0; MESSAGE_HEADER_BYTES];
             input.read_exact(&mut header)?;
-            let Record::Message { header, .. } = mcap::parse_record(opcode, &header)? else { return Ok(()) };
+            let Record::Message { header, .. } = parse(opcode, &header)? else { return Ok(()) };
             if visitor.wants(&header) {
                 read_body(input, body_bytes, body)?;
             } else {
@@ -83,5 +117,33 @@ pub(super) fn visit(
             Ok(())
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A channel with one entry of metadata, whose key claims `key_length` bytes.
+    fn channel(key_length: u32) -> Vec<u8> {
+        let mut body = vec![1, 0, 1, 0];
+        for text in ["/scan", "cdr"] {
+            body.extend((text.len() as u32).to_le_bytes());
+            body.extend(text.bytes());
+        }
+        body.extend(10u32.to_le_bytes());
+        body.extend(key_length.to_le_bytes());
+        body.extend(b"k\x01\0\0\0v");
+        body
+    }
+
+    #[test]
+    fn a_text_that_claims_more_than_its_record_has_is_refused_before_memory_is_reserved_for_it() {
+        assert!(matches!(parse(op::CHANNEL, &channel(1)), Ok(Record::Channel(channel)) if channel.topic == "/scan"));
+        let refused = parse(op::CHANNEL, &channel(u32::MAX)).expect_err("must be refused");
+        assert_eq!(refused.to_string(), "a length in a record of type 4 goes beyond its end");
+        assert!(parse(op::SCHEMA, &[1, 0, 255, 255, 255, 255]).is_err());
+        assert!(parse(op::CHUNK_INDEX, &[255; 60]).is_err());
+        assert!(parse(op::HEADER, &[]).is_err());
     }
 }

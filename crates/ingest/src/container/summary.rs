@@ -7,7 +7,7 @@ use mcap::records::{Channel, ChunkIndex, Record, SchemaHeader, Statistics, op};
 
 use super::chunk::{Checked, check};
 use super::data_section::FOOTER_BYTES;
-use super::records::{HEAD_BYTES, read_body, read_head, skip};
+use super::records::{HEAD_BYTES, parse, read_body, read_head, skip};
 use crate::Damage;
 
 /// Bytes of the footer record that its own checksum covers: all but the checksum.
@@ -35,7 +35,7 @@ impl Summary {
             return Err(Damage::Ended);
         }
         let (head, footer) = footer.split_at(HEAD_BYTES as usize);
-        let Record::Footer(footer) = mcap::parse_record(head[0], footer)? else {
+        let Record::Footer(footer) = parse(head[0], footer)? else {
             return Err(Damage::Record("there is no footer before the last 8 bytes".to_owned()));
         };
         if footer.summary_start == 0 {
@@ -62,7 +62,7 @@ impl Summary {
                 continue;
             }
             read_body(input, length, &mut body)?;
-            match mcap::parse_record(opcode, &body)? {
+            match parse(opcode, &body)? {
                 Record::Schema { header, .. } => summary.schemas.push(header),
                 Record::Channel(channel) => summary.channels.push(channel),
                 Record::ChunkIndex(chunk) => summary.chunks.push(chunk),

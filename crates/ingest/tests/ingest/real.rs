@@ -51,7 +51,7 @@ fn a_corridor_is_described_as_it_is_documented() {
 fn recordings_of_other_kinds_are_told_apart() {
     let kinds = [
         ("corridor_ros1.bag", Found::Ros1Bag),
-        ("corridor_dead_rows.csv", Found::Numbers),
+        ("corridor_dead_rows.csv", Found::Table),
         ("aces_excerpt.clf", Found::Carmen),
         ("intel_excerpt.clf", Found::Carmen),
         ("frclinic_robotlaser_excerpt.clf", Found::Carmen),

@@ -86,6 +86,17 @@ fn messages_of_other_topics_are_passed_over() {
 }
 
 #[test]
+fn another_type_under_the_name_of_the_scan_topic_is_left_alone() {
+    let mut records = plain_flight(3);
+    records.insert(1, of_type("/scan", "std_msgs/msg/String", "cdr"));
+    let folder = Folder::new();
+    for form in Form::all() {
+        let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
+        assert_eq!((drain(&mut recording), recording.losses()), (expected(3), &[][..]), "{form:?}");
+    }
+}
+
+#[test]
 fn several_scan_topics_have_to_be_told_apart_by_name() {
     let folder = Folder::new();
     let records =
