@@ -5,10 +5,11 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt;
 
 use crate::course::{bent, half_widths};
-use crate::lidar::{Lidar, Motion, Pose};
+use crate::lidar::Lidar;
 use crate::mine::Mine;
 use crate::network::{Disc, Network, Point, left_of, unit};
 use crate::noise::{Generator, generator};
+use crate::pose::{Motion, Pose};
 use crate::scene::{Scene, Sweep};
 use crate::surface::{Surface, Texture};
 

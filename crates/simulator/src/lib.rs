@@ -45,6 +45,7 @@ mod mine;
 pub mod network;
 mod noise;
 mod outline;
+pub mod pose;
 mod presets;
 mod recording;
 mod scenario;

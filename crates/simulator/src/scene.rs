@@ -4,9 +4,10 @@ use crosscut_messages::{
     Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
 };
 
-use crate::lidar::{Echo, Lidar, Motion, Reading};
+use crate::lidar::{Echo, Lidar, Reading};
 use crate::mine::Mine;
 use crate::noise::{Generator, generator};
+use crate::pose::Motion;
 use crate::truth::Scenery;
 use crate::vehicle::{Belief, Vehicle};
 

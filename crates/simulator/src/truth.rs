@@ -22,9 +22,10 @@
 use crosscut_messages::{Truth, TruthOpening};
 
 use crate::exits::{Exit, Sight, exits};
-use crate::lidar::{Echo, Lidar, Motion, Reading};
+use crate::lidar::{Echo, Lidar, Reading};
 use crate::mine::Mine;
 use crate::network::{Point, Vector, left_of, unit};
+use crate::pose::Motion;
 
 /// An opening lets a disc of this width through.
 const VEHICLE_WIDTH_M: f64 = 0.6;

@@ -1,8 +1,8 @@
 //! A vehicle that follows a route through a mine, disturbed on its way, and odometry that drifts.
 
-use crate::lidar::{Motion, Pose};
 use crate::network::{Point, Vector, left_of, unit};
 use crate::noise::{Drifting, Generator, generator, normal};
+use crate::pose::{Motion, Pose};
 
 /// Steps of the motion within one sweep.
 const STEPS_PER_SWEEP: usize = 10;

@@ -3,8 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crosscut_simulator::Mine;
-use crosscut_simulator::lidar::{Echo, Lidar, Motion, Pose};
+use crosscut_simulator::lidar::{Echo, Lidar};
 use crosscut_simulator::network::{Disc, Network, Point};
+use crosscut_simulator::pose::{Motion, Pose};
 use crosscut_simulator::surface::{Surface, Texture};
 use crosscut_simulator::truth::Scenery;
 use crosscut_stage::wrap_angle_rad;
