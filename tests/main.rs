@@ -1,6 +1,7 @@
 //! The whole program at its process boundary: what is typed, what comes out, and how it ends.
 
 mod configuration;
+mod evaluation;
 mod flight;
 mod input;
 mod interruption;

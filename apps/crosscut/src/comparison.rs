@@ -1,8 +1,8 @@
 //! How a comparison is shown: on a terminal, as Markdown, as JSON.
 
 use comfy_table::{CellAlignment, TableStyle, presets};
-use crosscut_evaluate::Comparison;
 use crosscut_evaluate::tables::Table;
+use crosscut_evaluate::{Comparison, Evaluation};
 use serde_json::json;
 
 /// For a terminal.
@@ -20,18 +20,25 @@ pub(crate) fn markdown(tables: &[Table]) -> String {
     tables.iter().map(|table| format!("**{}**\n\n{}\n\n", table.title, drawn(table))).collect()
 }
 
-/// Every figure, by family and configuration, with each configuration in full and what went wrong.
-pub(crate) fn json(comparison: &Comparison, configurations: &[(&str, String)], said: &[String]) -> String {
-    let figures = |evaluations: &[crosscut_evaluate::Evaluation]| -> Vec<_> {
-        let named = configurations.iter().zip(evaluations);
-        named.map(|((name, _), of)| json!({"configuration": name, "figures": of.figures()})).collect()
+/// Every figure, by family and configuration, with the `settings` of each configuration in full and what went wrong.
+pub(crate) fn json(comparison: &Comparison, settings: &[String], problems: &[String]) -> String {
+    let names = comparison.configurations();
+    let configurations: Vec<_> =
+        names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
+    let results = |evaluations: &[Evaluation]| -> Vec<_> {
+        let named = names.iter().zip(evaluations);
+        named.map(|(name, of)| json!({"configuration": name, "figures": of.figures()})).collect()
     };
-    let families = comparison.families().iter();
+    let families: Vec<_> = comparison
+        .families()
+        .iter()
+        .map(|family| json!({"family": family.name, "results": results(&family.evaluations)}))
+        .collect();
     let document = json!({
-        "configurations": configurations.iter().map(|(name, toml)| json!({"name": name, "toml": toml})).collect::<Vec<_>>(),
-        "families": families.map(|f| json!({"family": f.name, "results": figures(&f.evaluations)})).collect::<Vec<_>>(),
-        "all": figures(&comparison.all()),
-        "problems": said,
+        "configurations": configurations,
+        "families": families,
+        "all": results(&comparison.all()),
+        "problems": problems,
     });
     format!("{document:#}\n")
 }

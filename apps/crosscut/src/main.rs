@@ -10,6 +10,7 @@ mod exit;
 mod info;
 mod progress;
 mod run;
+mod scoring;
 mod simulate;
 mod summary;
 

@@ -115,6 +115,11 @@ impl Evaluation {
         self.answers.extend(&other.answers);
     }
 
+    /// How many revolutions were taken in.
+    pub fn revolutions(&self) -> u64 {
+        self.right.of
+    }
+
     /// What it amounts to.
     pub fn figures(&self) -> Figures {
         let counted = |is: fn(usize, usize) -> bool| Share {

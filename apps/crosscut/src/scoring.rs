@@ -1,0 +1,117 @@
+//! One configuration over one recording, against the truth in it.
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use anyhow::Context;
+use crosscut_evaluate::{Evaluation, Score};
+use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths};
+use crosscut_messages::{Truth, TruthError};
+use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, stream};
+use crosscut_report::ResultsLine;
+use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError};
+use indicatif::ProgressBar;
+
+/// What came of it.
+pub(crate) struct Scored {
+    /// Every revolution that has a truth.
+    pub(crate) evaluation: Evaluation,
+    /// How the run ended.
+    pub(crate) end: End,
+    /// What was lost or could not be compared.
+    pub(crate) losses: Vec<String>,
+}
+
+/// The scans of a recording that is to be evaluated.
+pub(crate) fn open(path: &Path, topic: Option<&str>, config: &Config) -> anyhow::Result<Recording> {
+    let options = ReadOptions { topic: topic.map(str::to_owned), ..ReadOptions::default() };
+    Ok(Recording::open(&[path.to_owned()], &options, Sensor::new(config.params("ingest")))?)
+}
+
+/// Streams the recording through the stages of `config`, and scores each result as it comes.
+pub(crate) fn score(
+    path: &Path,
+    topic: Option<&str>,
+    config: &Config,
+    registry: &Registry,
+    stop: &StopFlag,
+    bar: &ProgressBar,
+) -> anyhow::Result<Scored> {
+    // Results come in the order of the source, so a queue is enough to bring each together with its truth.
+    let queue = Mutex::new(VecDeque::new());
+    let mut source =
+        WithTruth { recording: open(path, topic, config)?, truths: Truths::open(path)?, of_results: &queue };
+    let (mut evaluation, mut not_compared) = (Evaluation::default(), NotCompared::default());
+    let mut results = |frame: &Frame| {
+        let truth = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+        match compare(frame, truth.unwrap_or(Ok(None))) {
+            Ok(score) => evaluation.add(&score),
+            Err(why) => not_compared.add(why),
+        }
+        bar.inc(1);
+        Ok(())
+    };
+    let options = StreamOptions { rate: None, stop: stop.clone() };
+    let summary = stream(&mut source, config, registry, &mut results, &mut [], &options);
+    let end = summary.context("a thread could not be started")?.end;
+    let lost = source.recording.losses().iter().map(ToString::to_string);
+    Ok(Scored { evaluation, end, losses: lost.chain(not_compared.in_words(path)).collect() })
+}
+
+type TruthAt = Result<Option<Truth>, TruthError>;
+
+/// A recording that puts the truth of each revolution into a queue.
+struct WithTruth<'a> {
+    recording: Recording,
+    truths: Truths,
+    of_results: &'a Mutex<VecDeque<TruthAt>>,
+}
+
+impl Source for WithTruth<'_> {
+    fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
+        let more = self.recording.next(out, notes)?;
+        if more {
+            let truth = self.truths.at(self.recording.last_log_time_ns());
+            self.of_results.lock().unwrap_or_else(PoisonError::into_inner).push_back(truth);
+        }
+        Ok(more)
+    }
+}
+
+/// Why a result was not compared: `None` if there is no truth, else what is wrong with it.
+type WhyNot = Option<String>;
+
+fn compare(frame: &Frame, truth: TruthAt) -> Result<Score, WhyNot> {
+    let truth = truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?;
+    Score::of(&truth.ok_or(None)?, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))
+}
+
+/// Revolutions that could not be compared with their truth.
+#[derive(Default)]
+struct NotCompared {
+    without_truth: u64,
+    /// How many others, and why the first.
+    others: Option<(u64, String)>,
+}
+
+impl NotCompared {
+    fn add(&mut self, why: WhyNot) {
+        match why {
+            None => self.without_truth += 1,
+            Some(why) => self.others.get_or_insert((0, why)).0 += 1,
+        }
+    }
+
+    fn in_words(self, path: &Path) -> Vec<String> {
+        let path = path.display();
+        let mut losses = Vec::new();
+        if self.without_truth > 0 {
+            losses.push(format!("{} scans have no truth of the same log time, in {path}", self.without_truth));
+        }
+        if let Some((count, first)) = self.others {
+            losses.push(format!("{count} scans cannot be compared with their truth, the first: {first}, in {path}"));
+        }
+        losses
+    }
+}

@@ -1,0 +1,161 @@
+//! `crosscut evaluate`, on recordings of this project and on others.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use crosscut_messages::{
+    CDR_ENCODING, Endian, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, SCHEMA_ENCODING,
+};
+use mcap::records::MessageHeader;
+use serde_json::Value;
+
+use crate::flight::{PERIOD_NS, file, tunnel_scan};
+use crate::program::{Ran, root, run, shipped_flight};
+
+/// The truth of [`tunnel_scan`], as somebody else would write it: two walls, ways on ahead and behind.
+fn tunnel_truth() -> Value {
+    let label = |(beam, range): (usize, &f32)| if range.is_finite() { i32::from(beam >= 90) } else { -1 };
+    let labels: Vec<_> = tunnel_scan(0).ranges.iter().enumerate().map(label).collect();
+    let opening =
+        |bearing_rad: f64| serde_json::json!({"bearing_rad": bearing_rad, "width_m": 6.0, "name": "a way on"});
+    let openings = [opening(-std::f64::consts::PI), opening(0.0)];
+    serde_json::json!({"walls": 2, "islands": 0, "openings": openings, "labels": labels, "author": "by hand"})
+}
+
+/// A recording of tunnel scans with these truths, by another writer: other topic of scans, truths behind all scans.
+fn recording(folder: &Path, name: &str, truths: &[Option<Value>]) -> PathBuf {
+    let mut writer =
+        mcap::WriteOptions::new().chunk_size(Some(8 * 1024)).create(Cursor::new(Vec::new())).expect("memory");
+    let schema = writer.add_schema(LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.as_bytes());
+    let scans = writer.add_channel(schema.expect("memory"), "/front/scan", CDR_ENCODING, &Default::default());
+    let schema = writer.add_schema("Truth", JSON_SCHEMA_ENCODING, b"{}").expect("memory");
+    let truth_channel = writer.add_channel(schema, "/truth", JSON_ENCODING, &Default::default()).expect("memory");
+    let mut write = |channel_id: u16, i: usize, data: &[u8]| {
+        let log_time = (i as u64 + 1) * PERIOD_NS;
+        let header = MessageHeader { channel_id, sequence: 0, log_time, publish_time: 0 };
+        writer.write_to_known_channel(&header, data).expect("memory");
+    };
+    let scans = scans.expect("memory");
+    for i in 0..truths.len() {
+        write(scans, i, &tunnel_scan(i as u64).encode(Endian::Big));
+    }
+    for (i, truth) in truths.iter().enumerate() {
+        if let Some(truth) = truth {
+            write(truth_channel, i, truth.to_string().as_bytes());
+        }
+    }
+    writer.finish().expect("memory");
+    file(folder, name, &writer.into_inner().into_inner())
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn evaluate(input: &Path, more: &[&str]) -> Ran {
+    run([&["evaluate", input.to_str().expect("a path in UTF-8")], more].concat())
+}
+
+fn json_of(ran: &Ran) -> Value {
+    serde_json::from_str(&ran.stdout).expect("the output is JSON")
+}
+
+#[test]
+fn a_tunnel_that_somebody_else_recorded_and_labelled_is_right() {
+    let folder = folder();
+    let input = recording(folder.path(), "tunnel.mcap", &vec![Some(tunnel_truth()); 5]);
+    let figures = &json_of(&evaluate(&input, &["--json", "-"]).expect_code(0))["families"][0]["results"][0]["figures"];
+    assert_eq!((&figures["right"]["hits"], &figures["right"]["of"]), (&5.into(), &5.into()), "{figures:#}");
+    assert_eq!(figures["labels"]["share"], 1.0);
+    assert_eq!((&figures["openings"]["missed"]["of"], &figures["openings"]["missed"]["hits"]), (&10.into(), &0.into()));
+}
+
+#[test]
+fn configurations_stand_side_by_side_by_family_and_in_all() {
+    let folder = folder();
+    recording(folder.path(), "tunnel.mcap", &vec![Some(tunnel_truth()); 3]);
+    std::fs::copy(shipped_flight(), folder.path().join("tee.mcap")).expect("a copy");
+    // No wall has so many returns: nothing is found.
+    let blind = file(folder.path(), "blind.toml", b"[report]\nmin_returns = 1000\n");
+    let with = ["--with", "paper", "--with", blind.to_str().expect("a path in UTF-8")];
+    let json = json_of(&evaluate(folder.path(), &[&with[..], &["--json", "-"]].concat()).expect_code(0));
+    let families: Vec<_> = json["families"].as_array().expect("a list").iter().map(|f| f["family"].clone()).collect();
+    assert_eq!(families, ["tee", "tunnel"]);
+    assert_eq!(json["configurations"][1]["name"], "blind");
+    assert!(json["configurations"][1]["settings"].as_str().expect("TOML").contains("min_returns = 1000"));
+    let figures = |family: usize, column: usize| &json["families"][family]["results"][column]["figures"];
+    assert_eq!(figures(1, 0)["right"]["share"], 1.0);
+    assert_eq!(figures(1, 1)["under_count"]["share"], 1.0);
+    let all = &json["all"][0]["figures"]["revolutions"];
+    assert_eq!(all.as_u64(), figures(0, 0)["revolutions"].as_u64().map(|tee| tee + 3));
+
+    let table = evaluate(folder.path(), &with).expect_code(0).stdout;
+    let row = table.lines().find(|line| line.trim_start().starts_with("tunnel")).expect("a row for the tunnel");
+    assert!(row.contains("100.0 [43.9, 100.0]") && row.contains("0.0 [0.0, 56.1]"), "{table}");
+}
+
+#[test]
+fn markdown_and_details_hold_every_table() {
+    let folder = folder();
+    let input = recording(folder.path(), "a|b.mcap", &[Some(tunnel_truth())]);
+    let ran = evaluate(&input, &["--markdown", "-", "--details"]).expect_code(0);
+    let titles = ran.stdout.lines().filter(|line| line.starts_with("**")).count();
+    let rules = ran.stdout.lines().filter(|line| line.starts_with("|--")).count();
+    assert_eq!((titles, rules), (8, 8), "{}", ran.stdout);
+    assert!(ran.stdout.contains("a\\|b"), "a bar in a name must not end its cell: {}", ran.stdout);
+}
+
+#[test]
+fn without_truth_the_exit_code_is_1_and_nothing_is_written() {
+    let folder = folder();
+    let input = recording(folder.path(), "unlabelled.mcap", &[None, None]);
+    let json = folder.path().join("out.json");
+    let ran = evaluate(&input, &["--json", json.to_str().expect("a path in UTF-8")]).expect_code(1);
+    assert!(ran.stderr.contains("/truth") && ran.stderr.contains("unlabelled.mcap"), "{}", ran.stderr);
+    assert!(!json.exists());
+}
+
+#[test]
+fn scans_that_cannot_be_compared_are_named_and_the_exit_code_is_3() {
+    let folder = folder();
+    let (good, short) =
+        (tunnel_truth(), serde_json::json!({"walls": 2, "islands": 0, "openings": [], "labels": [0, 1]}));
+    let truths = [Some(good.clone()), None, Some(short), Some(serde_json::json!("two")), Some(good)];
+    let input = recording(folder.path(), "gaps.mcap", &truths);
+    let ran = evaluate(&input, &["--json", "-", "--with", "paper", "--with", "default"]).expect_code(3);
+    assert_eq!(json_of(&ran)["all"][0]["figures"]["right"]["of"], 2);
+    assert_eq!(ran.stderr.matches("1 scans have no truth").count(), 1, "once for both: {}", ran.stderr);
+    assert!(ran.stderr.contains("2 scans cannot be compared") && ran.stderr.contains("revolution 2"), "{}", ran.stderr);
+}
+
+#[test]
+fn truths_that_belong_to_no_scan_are_a_failure() {
+    let folder = folder();
+    let short = serde_json::json!({"walls": 0, "islands": 0, "openings": [], "labels": []});
+    let input = recording(folder.path(), "foreign.mcap", &[Some(short.clone()), Some(short)]);
+    let ran = evaluate(&input, &[]).expect_code(1);
+    assert!(ran.stderr.contains("no scan could be compared"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_recording_cut_off_is_evaluated_as_far_as_it_goes() {
+    let folder = folder();
+    let whole = std::fs::read(shipped_flight()).expect("it ships");
+    let input = file(folder.path(), "cut.mcap", &whole[..whole.len() * 2 / 3]);
+    let ran = evaluate(&input, &["--json", "-"]).expect_code(3);
+    let compared = json_of(&ran)["all"][0]["figures"]["revolutions"].as_u64().expect("a number");
+    let of_whole = json_of(&evaluate(&shipped_flight(), &["--json", "-"]))["all"][0]["figures"]["revolutions"].clone();
+    assert!(compared > 0 && Some(compared) < of_whole.as_u64(), "{compared} of {of_whole}");
+    assert!(ran.stderr.contains("cut off"), "{}", ran.stderr);
+}
+
+#[test]
+fn wrong_usage_is_refused_before_anything_runs() {
+    let flight = shipped_flight();
+    let refused = |more: &[&str]| evaluate(&flight, more).expect_code(2).stderr;
+    assert!(refused(&["--with", "papper"]).contains("there are: paper, default"));
+    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same place"));
+    assert!(refused(&["--json", flight.to_str().expect("a path in UTF-8")]).contains("would be overwritten"));
+    assert!(refused(&["--with", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
+    assert!(root().join("recordings/tee.mcap").metadata().expect("it is still there").len() > 1000);
+}
