@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crosscut_messages::{LaserScan, Message as _};
 use crosscut_stage::{Notes, Revolution};
 
-use crate::container::{Container, ScanReader};
+use crate::container::{Container, TopicReader};
 use crate::topics::topics_of;
 use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo};
 
@@ -104,7 +104,7 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
         let mut first_scan = None;
         if info.has_scans() {
             let channels = info.channels_in(&container);
-            let mut reader = ScanReader::new(container, channels);
+            let mut reader = TopicReader::new(container, channels);
             first_scan = describe_first(&mut reader, &info.name, sensor, &mut description.losses);
             container = reader.into_container();
         }
@@ -114,7 +114,7 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
 }
 
 fn describe_first(
-    reader: &mut ScanReader,
+    reader: &mut TopicReader,
     topic: &str,
     sensor: &Sensor,
     losses: &mut Vec<Loss>,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use crosscut_messages::{DecodeError, LaserScan, Message as _};
 use crosscut_stage::{Notes, Revolution, Source, SourceError};
 
-use crate::container::{Container, Message, ScanReader};
+use crate::container::{Container, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
 use crate::{IngestError, Loss, LossKind, Sensor, recordings_in};
 
@@ -34,7 +34,7 @@ impl Default for ReadOptions {
 
 /// A recorded flight. It gives one revolution for each scan message that is selected, empty ones too.
 pub struct Recording {
-    parts: VecDeque<ScanReader>,
+    parts: VecDeque<TopicReader>,
     options: ReadOptions,
     sensor: Sensor,
     topic: String,
@@ -76,7 +76,7 @@ impl Recording {
         let mut parts = VecDeque::new();
         for container in containers {
             let channels = topic.channels_in(&container);
-            let mut part = ScanReader::new(container, channels);
+            let mut part = TopicReader::new(container, channels);
             losses.extend(part.take_losses());
             parts.push_back(part);
         }
@@ -173,20 +173,23 @@ impl Recording {
         }
         self.last_log_time_ns = message.log_time_ns;
         match decoded {
-            Ok(()) => self.sensor.revolution(&self.scan, out, notes),
+            Ok(()) => {
+                self.sensor.revolution(&self.scan, out, notes);
+                if out.stamp_ns == 0 {
+                    out.stamp_ns = message.log_time_ns;
+                    notes.add("no stamp: the time of recording is used");
+                }
+                self.compare_with_previous(out, notes);
+            }
             Err(cause) => {
                 out.clear();
+                out.stamp_ns = message.log_time_ns;
                 out.sweep.get_or_insert_default();
                 notes.add(format!("the message cannot be decoded: {cause}"));
                 self.lose_message(seq, cause);
             }
         }
         out.seq = seq;
-        if out.stamp_ns == 0 {
-            out.stamp_ns = message.log_time_ns;
-            notes.add("no stamp: the time of recording is used");
-        }
-        self.compare_with_previous(out, notes);
         true
     }
 

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use crosscut_messages::{JSON_ENCODING, TRUTH_TOPIC, Truth, TruthError};
 
-use crate::container::{Container, ScanReader};
+use crate::container::{Container, TopicReader};
 use crate::topics::topics_of;
 use crate::{IngestError, TopicList};
 
 /// The truths of one recording. A truth belongs to the scan with the same log time; of several with the same log time,
 /// the first to the first.
 pub struct Truths {
-    reader: ScanReader,
+    reader: TopicReader,
     /// Read, but not asked for yet, by log time.
     waiting: BTreeMap<u64, VecDeque<Result<Truth, TruthError>>>,
 }
@@ -32,7 +32,7 @@ impl Truths {
             let topics = TopicList(topics_of(std::slice::from_ref(&container)));
             return Err(IngestError::NoTruth { path: path.to_owned(), topics });
         }
-        Ok(Self { reader: ScanReader::new(container, channels), waiting: BTreeMap::new() })
+        Ok(Self { reader: TopicReader::new(container, channels), waiting: BTreeMap::new() })
     }
 
     /// The truth of the next scan that was recorded at `log_time_ns`, if there is one. Scans are asked for in the order

@@ -8,7 +8,7 @@ use mcap::Compression;
 use mcap::records::op;
 use proptest::prelude::{ProptestConfig, any, prop, prop_assert, proptest};
 
-use crate::flight::{Folder, Form, Read, drain, expected, open, plain_flight, sensor};
+use crate::flight::{Folder, Form, Read, drain, expected, open, plain_flight, record_at, scan, sensor};
 
 const SCANS: u64 = 23;
 
@@ -128,6 +128,48 @@ fn a_damaged_index_is_a_loss_and_costs_no_scan() {
             assert!(matches!(recording.losses(), [loss] if matches!(loss.kind, LossKind::Index { .. })));
         }
     }
+}
+
+#[test]
+fn scans_that_are_counted_but_not_there_are_a_loss() {
+    let mut bytes = Form::CHUNKED.write(&plain_flight(SCANS));
+    let footer = positions_of(&bytes, op::FOOTER)[0];
+    bytes[footer + 9 + 16..footer + 9 + 20].fill(0); // a summary without a checksum
+    let statistics = positions_of(&bytes, op::STATISTICS)[0];
+    let count_at = statistics + 9 + 8 + 2 + 4 * 4 + 2 * 8 + 4 + 2; // the count of the only channel, in the map at the end
+    assert_eq!(bytes[count_at], SCANS as u8);
+    bytes[count_at] += 2;
+    let folder = Folder::new();
+    let (read, recording) = read(&folder.add("f.mcap", &bytes)).expect("a recording");
+    assert_eq!(read, expected(SCANS));
+    let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
+    assert_eq!(loss.kind, LossKind::Missing { topic: "/scan".to_owned(), count: 2 });
+}
+
+#[test]
+fn a_tail_of_zeros_as_a_power_cut_leaves_it_is_a_loss_and_nothing_else() {
+    let whole = Form { chunked: false, ..Form::CHUNKED }.write(&plain_flight(SCANS));
+    let messages = positions_of(&whole, op::MESSAGE);
+    let bytes = [&whole[..messages[9]], &[0; 5000]].concat();
+    let folder = Folder::new();
+    let (read, recording) = read(&folder.add("f.mcap", &bytes)).expect("a recording");
+    assert_eq!(read, expected(9));
+    let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
+    assert!(matches!(loss.kind, LossKind::Rest { at_byte, .. } if at_byte == messages[9] as u64), "{loss}");
+}
+
+#[test]
+fn messages_whose_topic_is_lost_with_its_definition_are_counted() {
+    let form = Form { chunked: false, summary: false, ..Form::CHUNKED };
+    let mut records = plain_flight(4);
+    records.push(record_at("/rear", crate::flight::time_ns(9), &scan(0)));
+    let mut bytes = form.write(&records);
+    let rear = positions_of(&bytes, op::CHANNEL)[1];
+    bytes[rear] = 0x7f; // a type that is not defined, so it is passed over
+    let folder = Folder::new();
+    let (read, recording) = read(&folder.add("f.mcap", &bytes)).expect("a recording");
+    assert_eq!(read, expected(4));
+    assert!(recording.losses().iter().any(|loss| loss.kind == LossKind::UnknownTopic { count: 1 }));
 }
 
 #[test]

@@ -282,6 +282,8 @@ fn messages_that_cannot_be_decoded_are_empty_revolutions_and_one_loss() {
     assert_eq!((read.len(), read.stamps_ns[3]), (12, time_ns(3)));
     assert!(read.ranges[3].is_empty() && read.notes[3][0].starts_with("the message cannot be decoded"), "{read:?}");
     assert!(read.notes[7][0].contains("PL_CDR"));
+    let counts: Vec<usize> = read.notes.iter().map(Vec::len).collect();
+    assert_eq!(counts, [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0], "their neighbours are as they were: {:?}", read.notes);
     let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
     let text = loss.to_string();
     assert!(text.starts_with("2 messages of /scan cannot be decoded, the first is number 3: "), "{text}");

@@ -1,16 +1,16 @@
-//! The messages of the scan topic, one after the other.
+//! The messages of one topic, one after the other.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::mem;
 
 use mcap::records::{Channel, ChunkIndex, MessageHeader, Record, SchemaHeader, op};
 
-use super::catalogue::Container;
+use super::Container;
 use super::data_section::{DataSection, Step};
 use super::records::Visitor;
 use crate::{Loss, LossKind};
 
-/// A scan message.
+/// A message of the topic.
 #[derive(Default)]
 pub(crate) struct Message {
     pub(crate) log_time_ns: u64,
@@ -21,8 +21,8 @@ pub(crate) struct Message {
 
 /// Reads the messages of one topic: by log time if there is an index, ties in file order; else in file order.
 ///
-/// Memory holds the scans of the chunks that overlap in time.
-pub(crate) struct ScanReader {
+/// Memory holds the messages of the chunks that overlap in time.
+pub(crate) struct TopicReader {
     container: Container,
     plan: Plan,
     collector: Collector,
@@ -40,7 +40,7 @@ enum Plan {
     InFileOrder { ended: bool },
 }
 
-impl ScanReader {
+impl TopicReader {
     pub(crate) fn new(mut container: Container, channels: BTreeSet<u16>) -> Self {
         let has_scans = |chunk: &ChunkIndex| {
             let indexed = &chunk.message_index_offsets;
@@ -64,7 +64,7 @@ impl ScanReader {
         self.container
     }
 
-    /// The next message; give it back by [`ScanReader::recycle`].
+    /// The next message; give it back by [`TopicReader::recycle`].
     pub(crate) fn next(&mut self) -> Option<Message> {
         match self.plan {
             Plan::ByLogTime(_) => self.read_chunks(),
@@ -157,7 +157,7 @@ fn scans_in(chunk: &ChunkIndex, channels: &BTreeSet<u16>, section: &mut DataSect
     Some(scans)
 }
 
-/// Keeps the scan messages of the chunks that were read.
+/// Keeps the messages of the topic in the chunks that were read.
 #[derive(Default)]
 struct Collector {
     channels: BTreeSet<u16>,
