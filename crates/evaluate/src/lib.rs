@@ -1,8 +1,8 @@
 //! Results against truth: how often the answer is right, and how far off it is where it is not.
 //!
 //! In: pairs of a [`Truth`](crosscut_messages::Truth) and the [`ResultsLine`](crosscut_report::ResultsLine) of the same
-//! scan, from a recording, a simulator or anywhere else ([`Score::of`]). Out: an [`Evaluation`] per family and
-//! configuration ([`Comparison`]), its [`Figures`], and [`tables`]. No I/O.
+//! scan, from a recording (where they share a log time), a simulator or anywhere else ([`Score::of`]). Out: an
+//! [`Evaluation`] per family and configuration ([`Comparison`]), its [`Figures`], and [`tables`]. No I/O.
 //!
 //! # Definitions
 //!
