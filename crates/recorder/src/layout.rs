@@ -23,31 +23,25 @@ pub(crate) struct Extent {
     pub(crate) range_m: f64,
     /// Places along the side of the pictures.
     places: usize,
-    /// Farthest row of U from its origin.
-    pub(crate) embedding: f64,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { range_m: 15.0, places: 360, embedding: 0.15 }
+        Self { range_m: 15.0, places: 360 }
     }
 }
 
 impl Extent {
+    /// The sensor's range, but at most twice as far as its returns lie; the sensor's beams.
     pub(crate) fn of(frame: &Frame) -> Self {
-        let default = Self::default();
-        let revolution = &frame.revolution;
-        let farthest = (0..revolution.len()).map(|i| revolution.range_m(i)).fold(0.0, f64::max);
-        let limit = revolution.sweep.as_ref().map(|s| s.range_max_m).filter(|m| m.is_finite() && *m > 0.0);
-        let range_m = limit.map_or(farthest, |limit| if farthest > 0.0 { farthest.min(limit) } else { limit });
+        let (default, revolution) = (Self::default(), &frame.revolution);
+        let farthest_m = (0..revolution.len()).map(|i| revolution.range_m(i)).fold(0.0, f64::max);
+        let seen_m = if farthest_m > 0.0 { 2.0 * farthest_m } else { default.range_m };
+        let limit_m = revolution.sweep.as_ref().map(|sweep| sweep.range_max_m).filter(|limit| *limit > 0.0);
         let places = BeamOrder::of(revolution).used;
-        let u = &frame.spectrum.u;
-        let row_norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
-        let embedding = (0..u.nrows()).map(row_norm).fold(0.0, f64::max);
         Self {
-            range_m: if range_m > 0.0 { range_m } else { default.range_m },
+            range_m: limit_m.unwrap_or(f64::INFINITY).min(seen_m),
             places: if places > 0 { places } else { default.places },
-            embedding: if embedding > 0.0 { embedding } else { default.embedding },
         }
     }
 }
@@ -117,7 +111,7 @@ fn overview(extent: &Extent, properties: &mut Properties) -> Blueprint {
         picture("W by beam: log10, dark 1e-16, yellow 1", "affinity/W", extent, properties),
         picture("L by beam: log10, dark 1e-16, yellow 1", "spectral/L", extent, properties),
     ]);
-    let spectral = Horizontal::new([chart(properties), embedding(extent, properties)]);
+    let spectral = Horizontal::new([chart(properties), embedding(properties)]);
     let stages = Vertical::new([pictures.into(), spectral.into()]).with_row_shares([1.15, 1.0]);
     let scene = Vertical::new([scan(extent, properties), words(properties)]).with_row_shares([1.9, 1.0]);
     let revolution = Horizontal::new([scene.into(), stages.into()]).with_column_shares([0.62, 1.0]);
@@ -157,9 +151,9 @@ fn scan(extent: &Extent, properties: &mut Properties) -> ContainerLike {
 fn picture(name: &str, entity: &str, extent: &Extent, properties: &mut Properties) -> ContainerLike {
     let contents = [format!("+ /{entity}"), "+ /kmeans/labels".to_owned()];
     let view = Spatial2DView::new(name).with_origin("/").with_contents(contents).into();
-    let (n, margin) = (extent.places as f64, 0.04 * extent.places as f64);
+    let n = extent.places as f64;
     let view = properties.with(view, "Background", backdrop());
-    properties.with(view, "VisualBounds2D", bounds([-margin, -margin, n + 1.0, n + 1.0]))
+    properties.with(view, "VisualBounds2D", bounds([-0.04 * n, -0.04 * n, 1.02 * n, 1.06 * n]))
 }
 
 fn chart(properties: &mut Properties) -> ContainerLike {
@@ -172,13 +166,12 @@ fn chart(properties: &mut Properties) -> ContainerLike {
 }
 
 /// The rows of U, from a corner.
-fn embedding(extent: &Extent, properties: &mut Properties) -> ContainerLike {
+fn embedding(properties: &mut Properties) -> ContainerLike {
     let contents = ["+ /spectral/embedding", "+ /spectral/axes", "+ /kmeans/centroids"];
-    let view = Spatial3DView::new("Embedding: rows of U, centroids").with_origin("/").with_contents(contents);
-    let reach = extent.embedding as f32;
+    let view = Spatial3DView::new("Embedding: rows of U scaled, centroids").with_origin("/").with_contents(contents);
     let eye = EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
-        .with_position([1.5 * reach, 1.9 * reach, 1.25 * reach])
+        .with_position([1.5, 1.9, 1.25])
         .with_look_target([0.0f32, 0.0, 0.0])
         .with_eye_up([0.0f32, 0.0, 1.0]);
     let view = properties.with(view.into(), "EyeControls3D", eye);

@@ -15,9 +15,10 @@
 //! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
 //! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0] | by beam, up to n = 1024 | a decade a level |
 //! | `/affinity/degrees` | D | n | f32 |
-//! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ, τ, k, margin | | exact |
+//! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ (the 64 smallest, or k + 1), τ, k, margin | | exact |
 //! | `/spectral/chart/...` | λ and τ drawn on a logarithmic scale | | drawing |
-//! | `/spectral/U`, `/spectral/embedding` | U; its first three columns as points | n×k | f32 |
+//! | `/spectral/U` | U | n×k | f32 |
+//! | `/spectral/embedding` | the first three columns of U, scaled to reach 1 | n points | drawing |
 //! | `/kmeans/labels`, `/kmeans/centroids` | labels (-1: none), centres; both also drawn | n; clusters×k | exact |
 //! | `/report/junctions`, `/confidence`, `/place`, `/summary` | the answer | | exact; words |
 //! | `/timing/<stage>` | time of each step | ms | exact |

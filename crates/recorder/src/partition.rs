@@ -5,6 +5,7 @@ use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, Recor
 
 use crate::beam_order::BeamOrder;
 use crate::colors::class_of;
+use crate::spectrum::drawn_row;
 use crate::tensors::{f64_matrix, i32_vector, rows_of};
 
 /// A bar goes on over fewer beams without a return than this.
@@ -17,14 +18,13 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("kmeans/centroids", &Points3D::update_fields().with_radii([ui(7.0)]))
 }
 
-/// Labels and centroids of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, order: &BeamOrder) -> RecordingStreamResult<()> {
+/// Labels and centroids of one revolution, the centroids drawn at the embedding's `scale`.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, scale: f64) -> RecordingStreamResult<()> {
     let partition = &frame.partition;
     log_labels(rec, partition, order)?;
     let centroids = &partition.centroids;
     let (clusters, k) = (centroids.nrows(), centroids.ncols());
-    let points = (0..clusters).map(|c| std::array::from_fn(|j| if j < k { centroids[(c, j)] as f32 } else { 0.0 }));
-    let points = Points3D::new(points.map(|p: [f32; 3]| p))
+    let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
         .with_class_ids((0..clusters).map(|c| class_of(u32::try_from(c).ok())))
         .with_show_labels(false);
     let exact = f64_matrix(rows_of(centroids).collect(), [clusters, k], ["cluster", "eigenvector"]);

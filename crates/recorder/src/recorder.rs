@@ -157,8 +157,9 @@ impl Recorder {
         }
         scan::log(&self.rec, frame)?;
         self.pictures.log(&self.rec, frame, &order)?;
-        spectrum::log(&self.rec, frame)?;
-        partition::log(&self.rec, frame, &order)?;
+        let scale = spectrum::embedding_scale(&frame.spectrum.u);
+        spectrum::log(&self.rec, frame, scale)?;
+        partition::log(&self.rec, frame, &order, scale)?;
         report::log(&self.rec, frame)?;
         Ok(())
     }
@@ -175,7 +176,6 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
-        spectrum::log_axes(&self.rec, extent.embedding)?;
         layout::send(&self.rec, &extent)?;
         self.layout_sent = true;
         Ok(())

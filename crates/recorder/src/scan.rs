@@ -13,7 +13,7 @@ const GAP_M: f64 = 2.5;
 /// A line along a wall passes its returns within this distance.
 const LINE_M: f32 = 0.03;
 /// Length of the arrows through the openings.
-const ARROW_M: f64 = 2.5;
+const ARROW_M: f64 = 1.5;
 
 /// Look of the entities, and what never changes.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
@@ -207,7 +207,7 @@ mod tests {
         };
         for x in [3.0, 8.0, 12.0] {
             let (origin, vector) = arrow(&opening(x, 0.0));
-            assert_eq!((origin, vector), ([x as f32, 0.0, 0.0], [2.5, 0.0, 0.0]));
+            assert_eq!((origin, vector), ([x as f32, 0.0, 0.0], [1.5, 0.0, 0.0]));
         }
     }
 

@@ -1,6 +1,7 @@
 //! λ, τ, k and U: exact values, and a chart in which "why 4 and not 3" can be seen.
 
 use crosscut_stage::{Frame, Spectrum};
+use faer::Mat;
 use rerun::{
     AsComponents, BarChart, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius, RecordingStream,
     RecordingStreamResult, Scalars, TensorBuffer, TensorData,
@@ -11,6 +12,8 @@ use crate::tensors::{f32_matrix, rows_of};
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
 const FLOOR_DECADE: f32 = -18.0;
+/// Eigenvalues stored; more only if k is larger.
+const STORED: usize = 64;
 /// Eigenvalues drawn; more of them would not be told apart.
 const DRAWN: usize = 16;
 /// Width of a column of the chart, in decades.
@@ -22,6 +25,7 @@ const RIGHT: f32 = COLUMN * (DRAWN as f32 + 0.5);
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static("spectral/embedding", &Points3D::update_fields().with_radii([ui(3.0)]))?;
+    log_axes(rec)?;
     rec.log_static("spectral/k", &series("k (zeros)", ZEROS, 1.5))?;
     rec.log_static("spectral/margin", &series("margin [decades]", GREY, 1.5))?;
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
@@ -38,26 +42,11 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("spectral/chart/axis", &[&grid as &dyn AsComponents, &marks])
 }
 
-/// Axes of the embedding, as long as its points lie far out.
-pub(crate) fn log_axes(rec: &RecordingStream, reach: f64) -> RecordingStreamResult<()> {
-    let tip = |axis: usize| std::array::from_fn(|i| if i == axis { 1.2 * reach as f32 } else { 0.0 });
-    let tips: [[f32; 3]; 3] = [tip(0), tip(1), tip(2)];
-    let axes = LineStrips3D::new(tips.map(|tip| [[0.0; 3], tip]))
-        .with_radii([Radius::new_ui_points(0.75)])
-        .with_colors([color(GREY)]);
-    let names = Points3D::new(tips)
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(GREY)])
-        .with_labels(["u1", "u2", "u3"])
-        .with_show_labels(true);
-    rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])
-}
-
-/// λ, τ, k, margin, U and the embedding of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+/// λ, τ, k, margin, U and the embedding of one revolution, the embedding drawn at `scale`.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, scale: f64) -> RecordingStreamResult<()> {
     let spectrum = &frame.spectrum;
-    let values = &spectrum.eigenvalues;
-    let exact = TensorData::new(vec![values.len() as u64], TensorBuffer::F64(values.clone().into()));
+    let stored = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(STORED.max(spectrum.k + 1))];
+    let exact = TensorData::new(vec![stored.len() as u64], TensorBuffer::F64(stored.to_vec().into()));
     rec.log("spectral/eigenvalues", &BarChart::new(exact).with_color(color(ZEROS)))?;
     rec.log("spectral/tolerance", &Scalars::single(spectrum.tolerance))?;
     rec.log("spectral/k", &Scalars::single(spectrum.k as f64))?;
@@ -69,9 +58,33 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
         &f32_matrix(rows_of(&spectrum.u).map(|u| u as f32).collect(), [n, k], ["return", "eigenvector"]),
     )?;
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
-    let points = (0..n).map(|i| std::array::from_fn(|j| if j < k { spectrum.u[(i, j)] as f32 } else { 0.0 }));
-    let embedding = Points3D::new(points.map(|p: [f32; 3]| p)).with_class_ids((0..n).map(|i| class_of(wall_of(i))));
-    rec.log("spectral/embedding", &embedding)
+    let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
+    rec.log("spectral/embedding", &Points3D::new(points).with_class_ids((0..n).map(|i| class_of(wall_of(i)))))
+}
+
+/// What the rows of U are drawn with: it brings the farthest of them to 1, whatever n is.
+pub(crate) fn embedding_scale(u: &Mat<f64>) -> f64 {
+    let norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
+    let farthest = (0..u.nrows()).map(norm).fold(0.0, f64::max);
+    if farthest > 0.0 { farthest.recip() } else { 1.0 }
+}
+
+/// The first three columns of row `i`, as many as there are.
+pub(crate) fn drawn_row(rows: &Mat<f64>, i: usize, scale: f64) -> [f32; 3] {
+    std::array::from_fn(|j| if j < rows.ncols() { (scale * rows[(i, j)]) as f32 } else { 0.0 })
+}
+
+fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let tips = [[1.2f32, 0.0, 0.0], [0.0, 1.2, 0.0], [0.0, 0.0, 1.2]];
+    let axes = LineStrips3D::new(tips.map(|tip| [[0.0; 3], tip]))
+        .with_radii([Radius::new_ui_points(0.75)])
+        .with_colors([color(GREY)]);
+    let names = Points3D::new(tips)
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(GREY)])
+        .with_labels(["u1", "u2", "u3"])
+        .with_show_labels(true);
+    rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])
 }
 
 /// A column for each eigenvalue on a logarithmic scale, the zeros in colour, τ across them all, and k in words.

@@ -154,7 +154,7 @@ fn walls_pass_their_returns_and_openings_keep_bearing_and_width() {
 /// Whether the picture is dark but where two beams with a return meet, and there within half a decade of log10 |m|.
 fn assert_draws(picture: &GrayImage, m: &Mat<f64>, frame: &Frame, name: &str) {
     assert_eq!((picture.width(), picture.height()), (384, 384), "{name}");
-    let beams = &frame.revolution.sweep.as_ref().unwrap().beams;
+    let beams = &frame.revolution.sweep.as_ref().expect("a sweep").beams;
     let return_at = |pixel: u32| match beams.get(pixel as usize) {
         Some(Beam::Return(i)) => Some(*i as usize),
         _ => None,
@@ -220,21 +220,54 @@ fn the_spectrum_reads_back() {
         assert_eq!(recording.scalar("/spectral/margin", seq), spectrum.margin_decades);
         let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
         let u: Vec<f32> = (0..n * k).map(|at| spectrum.u[(at / k, at % k)] as f32).collect();
-        assert_eq!(f32s(&recording, "/spectral/U", seq), (vec![n as u64, k as u64], u.clone()));
-        let points: Vec<components::Position3D> =
-            recording.at("/spectral/embedding", Points3D::descriptor_positions(), seq).unwrap();
-        assert_eq!((points.len(), points[5].0.0), (n, [u[5 * k], u[5 * k + 1], u[5 * k + 2]]));
+        assert_eq!(f32s(&recording, "/spectral/U", seq), (vec![n as u64, k as u64], u));
+    }
+}
+
+#[test]
+fn the_embedding_is_u_scaled_to_reach_one_and_the_centroids_lie_in_it() {
+    let frame = frames::frame(0);
+    let recording = recorded(std::slice::from_ref(&frame));
+    let points = |entity: &str| -> Vec<components::Position3D> {
+        recording.at(entity, Points3D::descriptor_positions(), 0).unwrap()
+    };
+    let norm = |p: &components::Position3D| p.0.0.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+    let (embedding, centroids) = (points("/spectral/embedding"), points("/kmeans/centroids"));
+    let farthest = embedding.iter().map(norm).fold(0.0, f64::max);
+    assert!((farthest - 1.0).abs() < 1e-6);
+    let (u, c) = (&frame.spectrum.u, &frame.partition.centroids);
+    let row_norm = |i: usize| (0..3).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
+    let reach = (0..u.nrows()).map(row_norm).fold(0.0, f64::max);
+    for (drawn, exact) in
+        [(embedding[5].0.0, [0, 1, 2].map(|j| u[(5, j)])), (centroids[1].0.0, [0, 1, 2].map(|j| c[(1, j)]))]
+    {
+        assert!(drawn.iter().zip(exact).all(|(drawn, exact)| (f64::from(*drawn) - exact / reach).abs() < 1e-6));
     }
 }
 
 #[test]
 fn an_embedding_of_one_column_lies_on_the_first_axis() {
     let mut frame = frames::frame(0);
-    frame.spectrum.u = Mat::from_fn(frame.revolution.len(), 1, |i, _| i as f64);
+    let n = frame.revolution.len();
+    frame.spectrum.u = Mat::from_fn(n, 1, |i, _| (i + 1) as f64);
     let recording = recorded(&[frame]);
     let points: Vec<components::Position3D> =
         recording.at("/spectral/embedding", Points3D::descriptor_positions(), 0).unwrap();
-    assert_eq!(points[3].0.0, [3.0, 0.0, 0.0]);
+    assert_eq!(points[n - 1].0.0, [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn of_many_eigenvalues_the_smallest_are_kept_and_always_the_zeros_and_the_next() {
+    let stored = |k: usize| -> usize {
+        let mut frame = frames::frame(0);
+        frame.spectrum.eigenvalues = (0..300).map(f64::from).collect();
+        frame.spectrum.k = k;
+        let recording = recorded(&[frame]);
+        let values: Vec<components::TensorData> =
+            recording.at("/spectral/eigenvalues", BarChart::descriptor_values(), 0).unwrap();
+        values[0].0.shape[0] as usize
+    };
+    assert_eq!([3, 100, 299, 300].map(stored), [64, 101, 300, 300]);
 }
 
 #[test]
