@@ -34,7 +34,7 @@ class Flights:
     def __init__(self, root: Path, crosscut: Crosscut, work: Path):
         self.crosscut = crosscut
         self.work = work
-        self._data = root / "../shared/data"
+        self.data = root / "../shared/data"
         self._shipped = root / "recordings"
         work.mkdir(parents=True, exist_ok=True)
 
@@ -48,11 +48,8 @@ class Flights:
 
     @cache
     def real(self) -> list[Flight]:
-        """Real corridors; an empty list, with a note, where they are not on this machine."""
-        found = [Flight(path.stem, path) for path in sorted(self._data.glob("corridor_*.mcap"))]
-        if not found:
-            print(f"  note: no real recordings in {self._data}; shipped, simulated and made ones are checked")
-        return found
+        """Real corridors; none where they are not on this machine."""
+        return [Flight(path.stem, path) for path in sorted(self.data.glob("corridor_*.mcap"))]
 
     @cache
     def simulated(self, seed: int) -> Flight:

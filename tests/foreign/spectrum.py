@@ -60,6 +60,7 @@ class Tally:
     largest_margin_difference: float = 0.0
     by_numpy: Agreement = field(default_factory=Agreement)
     by_recording: Agreement = field(default_factory=Agreement)
+    unclear: Agreement = field(default_factory=Agreement)
     residual: float = 0.0
     residual_tolerance: float = EIGENVALUE_TOLERANCE
     walls_right: int = 0
@@ -122,9 +123,13 @@ def add_labels(tally: Tally, spectrum: oracle.Spectrum, labels: np.ndarray, line
     residual = spectrum.laplacian @ recorded_u - recorded_u * spectrum.eigenvalues[:k]
     skew = recorded_u.T @ recorded_u - np.eye(k)
     tally.residual = max(tally.residual, *(np.abs(m).max(initial=0.0) for m in (residual, skew)))
-    if k == spectrum.k and k > 0 and spectrum.margin_decades >= CLEAR_MARGIN_DECADES:
+    if k != spectrum.k or k == 0:
+        return
+    if spectrum.margin_decades >= CLEAR_MARGIN_DECADES:
         tally.by_numpy.add(spectrum.u, labels)
         tally.by_recording.add(recorded_u, labels)
+    else:
+        tally.unclear.add(spectrum.u, labels)
 
 
 def report(flight: Flight, tally: Tally, verdicts: Verdicts):
@@ -156,6 +161,7 @@ def report(flight: Flight, tally: Tally, verdicts: Verdicts):
     )
     verdicts.that(tally.by_numpy.holds(), f"{name}: labels, KMeans on numpy's U", tally.by_numpy.figures())
     verdicts.that(tally.by_recording.holds(), f"{name}: labels, KMeans on recorded U", tally.by_recording.figures())
+    verdicts.note(f"{name}: labels, margin below {CLEAR_MARGIN_DECADES:.0f} decade", tally.unclear.figures())
     if flight.walls is not None:
         verdicts.that(
             tally.walls_right == tally.revolutions,

@@ -1,9 +1,11 @@
 """What was compared, with figures, and whether it held: a line each, as it comes."""
 
+from collections import Counter
+
 
 class Verdicts:
     def __init__(self):
-        self._counts = {"ok": 0, "FAILED": 0, "skipped": 0}
+        self._counts = Counter()
 
     def begin(self, check: str):
         print(f"\n{check}", flush=True)
@@ -21,8 +23,12 @@ class Verdicts:
     def skipped(self, what: str, why: str):
         self._row("skipped", what, why)
 
+    def note(self, what: str, figures: str):
+        """Figures that nothing is held against."""
+        self._row("note", what, figures)
+
     def summary(self) -> str:
-        passed, failed, skipped = self._counts.values()
+        passed, failed, skipped = (self._counts[verdict] for verdict in ("ok", "FAILED", "skipped"))
         return f"\n{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else "")
 
     def all_held(self) -> bool:
@@ -30,4 +36,4 @@ class Verdicts:
 
     def _row(self, verdict: str, what: str, figures: str):
         self._counts[verdict] += 1
-        print(f"  {verdict:<8} {what:<44} {figures}", flush=True)
+        print(f"  {verdict:<8} {what:<50} {figures}", flush=True)
