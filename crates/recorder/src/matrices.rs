@@ -40,7 +40,7 @@ impl Pictures {
         self.take_decades(&frame.affinity, order);
         self.draw_w();
         rec.log("affinity/W", &self.picture())?;
-        self.draw_l(order);
+        self.draw_l(&frame.affinity, order);
         rec.log("spectral/L", &self.picture())
     }
 
@@ -73,17 +73,16 @@ impl Pictures {
         self.levels.extend(self.decades.iter().map(|&decades| level(decades)));
     }
 
-    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i.
-    fn draw_l(&mut self, order: &BeamOrder) {
+    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i with W_ii = 1, in f64:
+    /// for a return that is nearly alone it is a leak of 1e-8 and less, which f32 would round to 0.
+    fn draw_l(&mut self, affinity: &Affinity, order: &BeamOrder) {
         let halves = &self.half_degree_decades;
         self.levels.clear();
         for (row, own_half) in self.decades.chunks_exact(order.side).zip(halves) {
             self.levels.extend(row.iter().zip(halves).map(|(w, half)| level(w - own_half - half)));
         }
-        for &place in &order.places {
-            let diagonal = place * order.side + place;
-            let own_share = 10f32.powf(self.decades[diagonal] - 2.0 * halves[place]);
-            self.levels[diagonal] = level((1.0 - own_share).abs().log10());
+        for (&place, degree) in order.places.iter().zip(&affinity.degrees) {
+            self.levels[place * order.side + place] = level((1.0 - 1.0 / degree).abs().log10() as f32);
         }
     }
 

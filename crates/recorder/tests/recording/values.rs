@@ -186,6 +186,20 @@ fn pictures_of_w_and_l_are_right_to_half_a_decade() {
 }
 
 #[test]
+fn a_return_that_is_nearly_alone_shows_its_leak_on_the_diagonal_of_l() {
+    let mut frame = frames::frame(0);
+    let mut w = dense(&frame.affinity);
+    for j in 1..w.ncols() {
+        let leak = if j == 1 { 1e-9 } else { 0.0 };
+        (w[(0, j)], w[(j, 0)]) = (leak, leak);
+    }
+    frame.affinity.degrees = w.row_iter().map(|row| row.iter().sum()).collect();
+    frame.affinity.weights = Weights::Dense(w);
+    let recording = recorded(std::slice::from_ref(&frame));
+    assert_draws(&recording.picture("/spectral/L", 0).unwrap(), &frames::laplacian(&frame.affinity), &frame, "L");
+}
+
+#[test]
 fn a_sparse_w_is_drawn_like_the_dense_matrix_that_it_stands_for() {
     let mut frame = frames::frame(3);
     let full = dense(&frame.affinity);
