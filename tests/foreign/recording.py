@@ -28,8 +28,9 @@ STATIC = {"/config"}
 
 SIGMA_PER_M2 = 1.5
 PICTURES_CHECKED = 20
-# A level is a decade: half of one by rounding, and a little for values of f32.
+# A level is a decade: half of one by rounding, and a little for values of f32. What lies below 1e-15 is rounding.
 LEVEL_TOLERANCE = 0.51
+LEAST_VALUE = 1e-15
 
 # What the layout has to show, as words in the names of its views.
 SHOWN = ("Scan", "W", "L", "Eigenvalues", "Embedding", "Junctions", "Place")
@@ -123,9 +124,9 @@ def level_error(drawn: np.ndarray, scan: scans.Scan, entity: str) -> float:
     affinity = oracle.affinity_of(oracle.points_of(scan), SIGMA_PER_M2)
     matrix = affinity if entity == "/affinity/W" else oracle.laplacian_of(affinity)
     beams = np.flatnonzero(oracle.returns_of(scan))
-    expected = np.zeros(drawn.shape)
-    expected[np.ix_(beams, beams)] = np.log10(np.clip(np.abs(matrix), 1e-16, 1)) + 16
-    return float(np.abs(drawn - expected).max())
+    expected = np.full(drawn.shape, np.log10(LEAST_VALUE) + 16)
+    expected[np.ix_(beams, beams)] = np.log10(np.clip(np.abs(matrix), LEAST_VALUE, 1)) + 16
+    return float(np.abs(np.maximum(drawn, expected.min()) - expected).max())
 
 
 def check_picture(flight: Flight, flights: Flights, verdicts: Verdicts):
