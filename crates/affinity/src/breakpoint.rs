@@ -13,7 +13,7 @@ use crate::finite::check_finite;
 const LAMBDA_DEG: ParamSpec = ParamSpec {
     name: "lambda_deg",
     unit: "°",
-    shape: Shape::Number { default: 10.0, range: Interval::above(0.0, 90.0) },
+    shape: Shape::Number { default: 4.0, range: Interval::above(0.0, 90.0) },
     doc: "λ, the smallest angle between a beam and the wall that it hits",
 };
 
@@ -27,7 +27,7 @@ const RANGE_NOISE_M: ParamSpec = ParamSpec {
 const MISSING_BEAMS: ParamSpec = ParamSpec {
     name: "missing_beams",
     unit: "beams",
-    shape: Shape::Integer { default: 2, min: 0, max: 10_000 },
+    shape: Shape::Integer { default: 3, min: 0, max: 10_000 },
     doc: "beams without a return that may lie between two neighbours; more break the wall",
 };
 

@@ -12,14 +12,14 @@ use crate::finite::check_finite;
 const EPS_M: ParamSpec = ParamSpec {
     name: "eps_m",
     unit: "m",
-    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 1e6) },
+    shape: Shape::Number { default: 2.5, range: Interval::above(0.0, 1e6) },
     doc: "returns no farther apart than this are neighbours",
 };
 
 const MIN_POINTS: ParamSpec = ParamSpec {
     name: "min_points",
     unit: "returns",
-    shape: Shape::Integer { default: 4, min: 1, max: 1_000_000 },
+    shape: Shape::Integer { default: 3, min: 1, max: 1_000_000 },
     doc: "a return with at least this many neighbours, itself included, is a core",
 };
 

@@ -12,7 +12,7 @@ use crate::finite::check_finite;
 const RADIUS_M: ParamSpec = ParamSpec {
     name: "radius_m",
     unit: "m",
-    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 1e6) },
+    shape: Shape::Number { default: 2.5, range: Interval::above(0.0, 1e6) },
     doc: "returns no farther apart than this have an edge",
 };
 

@@ -5,13 +5,13 @@ use faer::Mat;
 /// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
-    /// λ ascending: the smallest that were computed, at least the k zeros and the next (if there is a next).
+    /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a next).
     pub eigenvalues: Vec<f64>,
     /// τ: eigenvalues below it count as zero.
     pub tolerance: f64,
     /// k, the number of eigenvalues below τ.
     pub k: usize,
-    /// How far, in decades, τ could be moved before k changes; `None` if there are no eigenvalues.
+    /// How far, in decades, τ could be moved before k changes; `None` if no eigenvalue is known but exact zeros.
     pub margin_decades: Option<f64>,
     /// U, n×k: column j is a unit eigenvector of λ_j. With a repeated eigenvalue only the span is defined.
     pub u: Mat<f64>,
