@@ -17,11 +17,13 @@ mod engine;
 mod memory;
 mod pace;
 mod registry;
+mod stop;
 mod stream;
 mod summary;
 
 pub use config::{Config, ConfigError, Layer, PIPELINE_PARAMS, PRESETS, Schema};
 pub use engine::Engine;
 pub use registry::Registry;
-pub use stream::{ResultsSink, StopFlag, StreamOptions, stream};
+pub use stop::StopFlag;
+pub use stream::{ResultsSink, StreamOptions, stream};
 pub use summary::{End, StageTimes, Summary};

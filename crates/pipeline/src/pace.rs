@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::stream::StopFlag;
+use crate::stop::StopFlag;
 
 /// A wait looks this often whether it should stop.
 const SLICE: Duration = Duration::from_millis(20);

@@ -6,8 +6,6 @@
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, Scope};
 use std::time::Instant;
 
@@ -17,27 +15,12 @@ use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 use crate::engine::{Engine, Stage, elapsed_ns, panic_text};
 use crate::memory::MemoryBudget;
 use crate::pace::Pace;
+use crate::stop::StopFlag;
 use crate::summary::{End, Summary};
 use crate::{Config, Registry};
 
 /// Where results go: called once per revolution, in order, on the report thread.
 pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
-
-/// Asks a run to stop: ingest ends, what is in flight is finished and written.
-#[derive(Clone, Debug, Default)]
-pub struct StopFlag(Arc<AtomicBool>);
-
-impl StopFlag {
-    /// Asks.
-    pub fn set(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether somebody asked.
-    pub fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// How a source is run through.
 #[derive(Clone, Debug, Default)]

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::ConfigError;
-use super::resolve::nearest;
+use super::error::{ConfigError, nearest};
 
 /// The presets: name, and the settings as TOML.
 pub const PRESETS: &[(&str, &str)] =

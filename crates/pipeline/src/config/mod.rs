@@ -3,11 +3,13 @@
 //! Layers are applied in order, each over the ones before: preset, file, single settings. Within a layer a section's
 //! `kind` applies first, and a kind other than before replaces the section by that kind's defaults.
 
+mod error;
 mod layer;
 mod print;
 mod resolve;
 mod schema;
 
+pub use error::ConfigError;
 pub use layer::{Layer, PRESETS};
-pub use resolve::{Config, ConfigError};
+pub use resolve::Config;
 pub use schema::{PIPELINE_PARAMS, Schema};

@@ -2,6 +2,7 @@
 
 use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
 
+use super::error::{ConfigError, nearest};
 use super::layer::Layer;
 use super::schema::{Body, Choice, Schema, Section};
 use crate::Registry;
@@ -29,28 +30,6 @@ pub(super) struct ResolvedKind {
     pub(super) name: &'static str,
     pub(super) doc: &'static str,
     pub(super) layer: String,
-}
-
-/// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs)] // the messages say what the fields are
-pub enum ConfigError {
-    #[error("there is no preset {name:?}; {nearest}")]
-    UnknownPreset { name: String, nearest: String },
-    #[error("{layer}: this is not TOML: {message}")]
-    Syntax { layer: String, message: String },
-    #[error("{setting:?} is not of the form section.key=value")]
-    MalformedSetting { setting: String },
-    #[error("{layer}: there is no section [{name}]; {nearest}")]
-    UnknownSection { layer: String, name: String, nearest: String },
-    #[error("{layer}: {section} must be a section: [{section}]")]
-    NotASection { layer: String, section: &'static str },
-    #[error("{layer}: there is no {section}.kind = {kind}; {nearest}")]
-    UnknownKind { layer: String, section: &'static str, kind: String, nearest: String },
-    #[error("{layer}: {section} has no {key}; {nearest}")]
-    UnknownKey { layer: String, section: String, key: String, nearest: String },
-    #[error("{layer}: {section}.{error}")]
-    BadValue { layer: String, section: &'static str, error: ParamError },
 }
 
 impl Config {
@@ -226,24 +205,4 @@ fn pair(value: &toml::Value) -> Option<[f64; 2]> {
         [from, to] => Some([number(from)?, number(to)?]),
         _ => None,
     }
-}
-
-/// "did you mean ...?" when one of the known names is near, else all of them.
-pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let known: Vec<_> = known.collect();
-    let best = known
-        .iter()
-        .map(|k| (likeness(name, k), *k))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness > 0.66);
-    match best {
-        Some((_, best)) => format!("did you mean {best}?"),
-        None if known.is_empty() => "it has no parameters".to_owned(),
-        None => format!("there are: {}", known.join(", ")),
-    }
-}
-
-/// High for a name begun rightly as well as for one with letters swapped.
-fn likeness(a: &str, b: &str) -> f64 {
-    strsim::jaro_winkler(a, b).max(strsim::normalized_damerau_levenshtein(a, b))
 }

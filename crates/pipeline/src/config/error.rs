@@ -1,0 +1,45 @@
+//! Why a configuration is refused, and the nearest right name.
+
+use crosscut_stage::ParamError;
+
+/// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the messages say what the fields are
+pub enum ConfigError {
+    #[error("there is no preset {name:?}; {nearest}")]
+    UnknownPreset { name: String, nearest: String },
+    #[error("{layer}: this is not TOML: {message}")]
+    Syntax { layer: String, message: String },
+    #[error("{setting:?} is not of the form section.key=value")]
+    MalformedSetting { setting: String },
+    #[error("{layer}: there is no section [{name}]; {nearest}")]
+    UnknownSection { layer: String, name: String, nearest: String },
+    #[error("{layer}: {section} must be a section: [{section}]")]
+    NotASection { layer: String, section: &'static str },
+    #[error("{layer}: there is no {section}.kind = {kind}; {nearest}")]
+    UnknownKind { layer: String, section: &'static str, kind: String, nearest: String },
+    #[error("{layer}: {section} has no {key}; {nearest}")]
+    UnknownKey { layer: String, section: String, key: String, nearest: String },
+    #[error("{layer}: {section}.{error}")]
+    BadValue { layer: String, section: &'static str, error: ParamError },
+}
+
+/// "did you mean ...?" when one of the known names is near, else all of them.
+pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let known: Vec<_> = known.collect();
+    let best = known
+        .iter()
+        .map(|k| (likeness(name, k), *k))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness > 0.66);
+    match best {
+        Some((_, best)) => format!("did you mean {best}?"),
+        None if known.is_empty() => "it has no parameters".to_owned(),
+        None => format!("there are: {}", known.join(", ")),
+    }
+}
+
+/// High for a name begun rightly as well as for one with letters swapped.
+fn likeness(a: &str, b: &str) -> f64 {
+    strsim::jaro_winkler(a, b).max(strsim::normalized_damerau_levenshtein(a, b))
+}
