@@ -1,4 +1,4 @@
-//! One body of tests for every solver in `KINDS`, against a decomposition and a component count of the test's own.
+//! One body of tests for every solver in `KINDS` and the Laplacian that they share, against a decomposition and a component count of the test's own.
 
 mod graphs;
 
@@ -51,6 +51,24 @@ fn for_every_kind<T: Debug>(inputs: &impl Strategy<Value = T>, body: impl Fn(&Sp
             panic!("{}: {error}", kind.name);
         }
     }
+}
+
+#[test]
+fn the_laplacian_is_that_of_equation_2_exactly_symmetric_and_takes_the_root_of_the_degrees_to_zero() {
+    for_every_kind(&graph(0..40), |_, graph| {
+        let affinity = graph.dense();
+        let l = laplacian(&affinity);
+        let root: Vec<f64> = affinity.degrees.iter().map(|degree| degree.sqrt()).collect();
+        affinity.weights.for_each(|i, j, weight| {
+            let expected = f64::from(u8::from(i == j)) - weight / (root[i] * root[j]);
+            assert!((l[(i, j)] - expected).abs() <= 4.0 * f64::EPSILON, "L[{i}, {j}] = {}, not {expected}", l[(i, j)]);
+            assert_eq!(l[(i, j)].to_bits(), l[(j, i)].to_bits(), "symmetry at {i}, {j}");
+        });
+        for i in 0..graph.n {
+            let image: f64 = (0..graph.n).map(|j| l[(i, j)] * root[j]).sum();
+            assert!(image.abs() <= rounding(graph.n), "(L D^1/2 1)[{i}] = {image}");
+        }
+    });
 }
 
 #[test]
