@@ -16,6 +16,8 @@ const FLOOR_DECADE: f32 = -18.0;
 const STORED: usize = 64;
 /// Eigenvalues drawn; more of them would not be told apart.
 const DRAWN: usize = 16;
+/// Rounding of the drawn embedding, whose farthest point lies at 1.
+const DRAWN_STEP: f64 = 1.0 / 256.0;
 /// Width of a column of the chart, in decades.
 const COLUMN: f32 = 1.6;
 /// Right end of the chart.
@@ -69,9 +71,10 @@ pub(crate) fn embedding_scale(u: &Mat<f64>) -> f64 {
     if farthest > 0.0 { farthest.recip() } else { 1.0 }
 }
 
-/// The first three columns of row `i`, as many as there are.
+/// The first three columns of row `i`, as many as there are; rounded, as equal points take less room.
 pub(crate) fn drawn_row(rows: &Mat<f64>, i: usize, scale: f64) -> [f32; 3] {
-    std::array::from_fn(|j| if j < rows.ncols() { (scale * rows[(i, j)]) as f32 } else { 0.0 })
+    let drawn = |value: f64| ((value * scale / DRAWN_STEP).round() * DRAWN_STEP) as f32;
+    std::array::from_fn(|j| if j < rows.ncols() { drawn(rows[(i, j)]) } else { 0.0 })
 }
 
 fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {

@@ -90,7 +90,7 @@ fn a_revolution_of_360_beams_takes_no_more_than_the_budget() {
     record(&path, &frames);
     let bytes = std::fs::metadata(&path).unwrap().len() / 60;
     let returns = frames[30].revolution.len();
-    assert!(bytes < 42_000, "{bytes} bytes a revolution of {returns} returns");
+    assert!(bytes < 40_000, "{bytes} bytes a revolution of {returns} returns");
 }
 
 /// Not a test of its own: what the next one runs with RERUN=0.

@@ -248,14 +248,19 @@ fn the_embedding_is_u_scaled_to_reach_one_and_the_centroids_lie_in_it() {
     let norm = |p: &components::Position3D| p.0.0.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
     let (embedding, centroids) = (points("/spectral/embedding"), points("/kmeans/centroids"));
     let farthest = embedding.iter().map(norm).fold(0.0, f64::max);
-    assert!((farthest - 1.0).abs() < 1e-6);
+    assert!((farthest - 1.0).abs() < 0.004);
     let (u, c) = (&frame.spectrum.u, &frame.partition.centroids);
     let row_norm = |i: usize| (0..3).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
     let reach = (0..u.nrows()).map(row_norm).fold(0.0, f64::max);
     for (drawn, exact) in
         [(embedding[5].0.0, [0, 1, 2].map(|j| u[(5, j)])), (centroids[1].0.0, [0, 1, 2].map(|j| c[(1, j)]))]
     {
-        assert!(drawn.iter().zip(exact).all(|(drawn, exact)| (f64::from(*drawn) - exact / reach).abs() < 1e-6));
+        assert!(
+            drawn
+                .iter()
+                .zip(exact)
+                .all(|(drawn, exact)| (f64::from(*drawn) - exact / reach).abs() <= 0.5 / 256.0 + 1e-6)
+        );
     }
 }
 
