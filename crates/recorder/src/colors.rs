@@ -19,7 +19,7 @@ pub(crate) const NO_WALL: u16 = u16::MAX;
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
 /// Openings, in no wall's colour.
 pub(crate) const OPENING: u32 = 0xE830_8CFF;
-/// The tolerance, and what lies beyond it.
+/// The tolerance.
 pub(crate) const TOLERANCE: u32 = 0xE830_8CFF;
 /// What the numbers say before clean-up: k, the zeros.
 pub(crate) const ZEROS: u32 = 0x56B4_E9FF;

@@ -23,8 +23,8 @@ const FLUSH_AFTER_NS: u64 = 1_500_000_000;
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 /// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
 const FLUSH_AFTER_BYTES: u64 = 16 << 20;
-/// A viewer wants to see things soon.
-const LIVE_TICK: Duration = Duration::from_millis(100);
+/// A viewer wants to see things soon; sooner still would double the file.
+const LIVE_TICK: Duration = Duration::from_millis(500);
 /// A viewer that does not take what is sent for so long is given up.
 const VIEWER_TIMEOUT: Duration = Duration::from_secs(10);
 
@@ -37,7 +37,7 @@ pub struct RecorderOptions {
     pub view: bool,
     /// Name of the recording, as the viewer lists it.
     pub name: String,
-    /// When the flight started: the first stamp, nanoseconds since the epoch.
+    /// When the flight started, nanoseconds since the epoch; 0 takes the stamp of the first revolution.
     pub started_ns: u64,
     /// The resolved configuration, as TOML.
     pub config_toml: String,
@@ -98,12 +98,12 @@ impl Recorder {
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
-        let file = options.path.as_deref().map(RrdFile::create).transpose()?;
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
-        sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         if options.view {
-            sinks.push(Box::new(viewer::connect("rerun")?));
+            sinks.push(Box::new(viewer::connect("rerun")?)); // first: without a viewer, no older file is lost
         }
+        let file = options.path.as_deref().map(RrdFile::create).transpose()?;
+        sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         let batches = ChunkBatcherConfig {
             flush_tick: if options.view { LIVE_TICK } else { Duration::MAX },
             flush_num_bytes: FLUSH_AFTER_BYTES,
@@ -135,6 +135,10 @@ impl Recorder {
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
         if !self.layout_sent {
             self.send_layout(Extent::of(frame))?;
+            if self.flushed_stamp_ns == 0 {
+                self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
+                self.flushed_stamp_ns = revolution.stamp_ns;
+            }
         }
         match &frame.failure {
             None => self.log(frame)?,

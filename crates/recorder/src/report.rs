@@ -48,8 +48,8 @@ fn summary(frame: &Frame) -> String {
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence = 100.0 * junction.confidence;
     let mut lines = vec![
-        format!("# {count} · {}\n", spaced(&junction.place)),
-        format!("**{count}** walls, k = {k}, {n} returns. Confidence {confidence:.0} %."),
+        format!("# {count} junction{} · {}\n", if count == 1 { "" } else { "s" }, spaced(&junction.place)),
+        format!("k = {k}, {n} returns, confidence {confidence:.0} %."),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
     if !junction.openings.is_empty() {

@@ -2,16 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_stage::{Affinity, Beam, Frame, Step, Weights};
+use crosscut_recorder::{Recorder, RecorderOptions};
+use crosscut_stage::{Affinity, Beam, Frame, Observer as _, Step, Weights};
 use faer::Mat;
 use rerun::external::image::GrayImage;
 use rerun::{
-    AnnotationContext, Arrows3D, BarChart, LineStrips3D, Points3D, StateChange, TensorBuffer, TextDocument, TextLog,
-    components,
+    AnnotationContext, Arrows3D, BarChart, LineStrips3D, Points3D, RecordingInfo, StateChange, TensorBuffer,
+    TextDocument, TextLog, components,
 };
 
 use crate::frames;
-use crate::reading::{Recording, recorded, times};
+use crate::reading::{Recording, options, recorded, times};
 
 const EVERY_REVOLUTION: [&str; 27] = [
     "/scan/returns",
@@ -95,6 +96,19 @@ fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
         root.component_batch(AnnotationContext::descriptor_context().component, 0).unwrap().unwrap();
     assert!(classes[0].0.iter().any(|class| class.class_id.0 == u16::MAX), "returns of no wall have a colour");
     assert!(recording.layout_messages > 20);
+}
+
+#[test]
+fn a_recording_starts_at_the_first_stamp_and_not_when_it_was_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.rrd");
+    let mut recorder = Recorder::new(RecorderOptions { started_ns: 0, ..options(&path) }).unwrap();
+    recorder.observe(&frames::frame(5)).unwrap();
+    recorder.finish().unwrap();
+    let recording = Recording::read(&path);
+    let start = RecordingInfo::descriptor_start_time().component;
+    let starts = recording.chunks.iter().filter_map(|chunk| chunk.component_batch::<components::Timestamp>(start, 0));
+    assert_eq!(starts.last().unwrap().unwrap()[0].0.0, frames::stamp_ns(5) as i64);
 }
 
 #[test]
@@ -313,7 +327,7 @@ fn the_answer_notes_and_timings_read_back() {
     let place: Vec<components::Text> = recording.at("/report/place", StateChange::descriptor_state(), 2).unwrap();
     assert_eq!(place[0].as_str(), "tee");
     let summary: Vec<components::Text> = recording.at("/report/summary", TextDocument::descriptor_text(), 2).unwrap();
-    assert!(summary[0].starts_with("# 3 · tee"), "{}", summary[0].as_str());
+    assert!(summary[0].starts_with("# 3 junctions · tee"), "{}", summary[0].as_str());
     let note: Vec<components::Text> = recording.at("/log", TextLog::descriptor_text(), 2).unwrap();
     assert_eq!(note[0].as_str(), "3 beams masked");
     for step in Step::ALL {
