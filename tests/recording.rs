@@ -1,7 +1,7 @@
 //! `--save`: the recording of every stage.
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{results_of, run, shipped_flight};
+use crate::program::{Ran, crosscut, results_of, run, shipped_flight};
 
 #[test]
 fn a_recording_is_saved_beside_the_same_results_as_without() {
@@ -33,4 +33,20 @@ fn a_saved_recording_of_an_empty_flight_is_no_failure() {
     let saved = folder.path().join("none.rrd");
     run(["run", flight.to_str().expect("UTF-8"), "--from", "100", "--save", saved.to_str().expect("UTF-8")])
         .expect_code(0);
+}
+
+#[test]
+fn without_a_viewer_the_recording_is_saved_all_the_same_and_the_exit_code_is_3() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let saved = folder.path().join("tunnel.rrd");
+    let ran: Ran =
+        crosscut(["run".as_ref(), flight.as_os_str(), "--view".as_ref(), "--save".as_ref(), saved.as_os_str()])
+            .env("PATH", folder.path())
+            .output()
+            .expect("the program starts")
+            .into();
+    let ran = ran.expect_code(3);
+    assert!(ran.stderr.contains("pip install rerun-sdk"), "how to get one: {}", ran.stderr);
+    assert!(saved.metadata().expect("saved").len() > 20_000);
 }

@@ -88,20 +88,28 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
     })
 }
 
-/// The recorder, if one is asked for. One that cannot be had is lost, the results are not.
+/// The recorder, if one is asked for. A recording or a view that cannot be had is lost, the rest is not.
 #[cfg(feature = "rerun")]
 fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow::Result<Vec<Box<dyn Observer>>> {
-    if args.save.is_none() && !args.view {
-        return Ok(Vec::new());
-    }
-    let options = crosscut_recorder::RecorderOptions {
+    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
+
+    let options = |view| RecorderOptions {
         path: args.save.clone(),
-        view: args.view,
-        started_ns: 0,
+        view,
         name: args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: config.to_string(),
     };
-    Ok(match crosscut_recorder::Recorder::new(options) {
+    if args.save.is_none() && !args.view {
+        return Ok(Vec::new());
+    }
+    let mut recorder = Recorder::new(options(args.view));
+    if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_))) = &recorder
+        && args.save.is_some()
+    {
+        lost.push(error.to_string());
+        recorder = Recorder::new(options(false));
+    }
+    Ok(match recorder {
         Ok(recorder) => vec![Box::new(recorder)],
         Err(error) => {
             lost.push(error.to_string());

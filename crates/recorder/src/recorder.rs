@@ -37,8 +37,6 @@ pub struct RecorderOptions {
     pub view: bool,
     /// Name of the recording, as the viewer lists it.
     pub name: String,
-    /// When the flight started, nanoseconds since the epoch; 0 takes the stamp of the first revolution.
-    pub started_ns: u64,
     /// The resolved configuration, as TOML.
     pub config_toml: String,
 }
@@ -111,7 +109,7 @@ impl Recorder {
         };
         let rec = RecordingStreamBuilder::new("crosscut")
             .recording_name(options.name)
-            .recording_started(options.started_ns.cast_signed())
+            .recording_started(0) // until the first revolution says when
             .batcher_config(batches)
             .set_sinks(sinks)?;
         rec.set_log_time_enabled(false); // a recording depends on the flight, not on when it was made
@@ -124,7 +122,7 @@ impl Recorder {
             layout_sent: false,
             beams: BeamGeometry::default(),
             pictures: Pictures::default(),
-            flushed_stamp_ns: options.started_ns,
+            flushed_stamp_ns: 0,
             unflushed: 0,
         })
     }
@@ -135,10 +133,8 @@ impl Recorder {
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
         if !self.layout_sent {
             self.send_layout(Extent::of(frame))?;
-            if self.flushed_stamp_ns == 0 {
-                self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
-                self.flushed_stamp_ns = revolution.stamp_ns;
-            }
+            self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
+            self.flushed_stamp_ns = revolution.stamp_ns;
         }
         match &frame.failure {
             None => self.log(frame)?,

@@ -41,7 +41,6 @@ pub(crate) fn options(path: &Path) -> RecorderOptions {
     RecorderOptions {
         path: Some(path.to_owned()),
         name: "tee".to_owned(),
-        started_ns: crate::frames::stamp_ns(0),
         config_toml: "[affinity]\nkind = \"rbf\"\n".to_owned(),
         ..RecorderOptions::default()
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_recorder::{Recorder, RecorderOptions};
+use crosscut_recorder::Recorder;
 use crosscut_stage::{Affinity, Beam, Frame, Observer as _, Step, Weights};
 use faer::Mat;
 use rerun::external::image::GrayImage;
@@ -102,7 +102,7 @@ fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
 fn a_recording_starts_at_the_first_stamp_and_not_when_it_was_made() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
-    let mut recorder = Recorder::new(RecorderOptions { started_ns: 0, ..options(&path) }).unwrap();
+    let mut recorder = Recorder::new(options(&path)).unwrap();
     recorder.observe(&frames::frame(5)).unwrap();
     recorder.finish().unwrap();
     let recording = Recording::read(&path);
