@@ -12,8 +12,14 @@ use crosscut_stage::{
 /// Calls of all test stages of one kind, over all tests of this binary.
 pub(crate) static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
 
-/// Revolution at which a test stage errs or panics; beyond the end: never.
+/// Revolution at which a test stage errs, panics, or (kmeans) names a cluster that there is not; -1: never.
 const AT: &[ParamSpec] = &[
+    ParamSpec {
+        name: "lie_at_x",
+        unit: "",
+        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
+        doc: "",
+    },
     ParamSpec {
         name: "error_at_x",
         unit: "",
@@ -32,11 +38,16 @@ const AT: &[ParamSpec] = &[
 struct Failing {
     error_at_x: f64,
     panic_at_x: f64,
+    lie_at_x: f64,
 }
 
 impl Failing {
     fn new(params: &crosscut_stage::Params) -> Self {
-        Self { error_at_x: params.number("error_at_x"), panic_at_x: params.number("panic_at_x") }
+        Self {
+            error_at_x: params.number("error_at_x"),
+            panic_at_x: params.number("panic_at_x"),
+            lie_at_x: params.number("lie_at_x"),
+        }
     }
 
     fn act(&self, x: f64) -> Result<(), StageError> {
@@ -79,7 +90,7 @@ impl KmeansStage for Failing {
     fn partition(&mut self, s: &Spectrum, out: &mut Partition, _: &mut Notes) -> Result<(), StageError> {
         self.act(s.eigenvalues[0])?;
         out.clusters = 1;
-        out.labels = vec![Some(0)];
+        out.labels = vec![Some(u32::from(s.eigenvalues[0] == self.lie_at_x))];
         Ok(())
     }
 }

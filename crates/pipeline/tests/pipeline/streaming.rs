@@ -49,6 +49,16 @@ fn a_panic_in_any_stage_leaves_exactly_the_earlier_revolutions() {
 }
 
 #[test]
+fn a_panic_in_the_report_leaves_exactly_the_earlier_revolutions() {
+    // A cluster that there is not makes the report reach beyond its walls.
+    let (summary, written) = run(&mut Count::to(50), &settings(2, 8, "kmeans.lie_at_x=17"));
+    assert!(written.iter().copied().eq(0..17), "{written:?}");
+    let End::Failed(failure) = summary.end else { panic!("{:?}", summary.end) };
+    assert_eq!((failure.step, failure.seq), (Step::Report, 17));
+    assert!(matches!(failure.cause, FailureCause::Panic(_)), "{}", failure.cause);
+}
+
+#[test]
 fn an_error_in_any_stage_leaves_exactly_the_earlier_revolutions_and_says_where() {
     for (section, step) in STAGES {
         let (summary, written) = run(&mut Count::to(50), &settings(2, 8, &format!("{section}.error_at_x=9")));
