@@ -2,6 +2,7 @@
 
 import io
 import subprocess
+import warnings
 from collections import defaultdict
 from pathlib import Path
 
@@ -27,9 +28,12 @@ def timelines(path: Path) -> dict[str, set[str]]:
 
 
 def last_stamp_ns(path: Path) -> dict[str, int]:
-    """For each entity that changes, the last stamp at which it was logged."""
+    """For each entity that changes, the last stamp at which it was logged; also in a file without its footer."""
     last: dict[str, int] = {}
-    for chunk in RrdReader(path).stream():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it says that there is no footer
+        reader = RrdReader(path)
+    for chunk in reader.stream():
         if "stamp" in chunk.timeline_names:
             stamps = chunk.to_record_batch().column("stamp").cast("int64").to_numpy()
             last[chunk.entity_path] = max(last.get(chunk.entity_path, 0), int(stamps.max()))

@@ -39,13 +39,13 @@ class Agreement:
             self.rand.append(adjusted_rand_score(theirs, labels))
 
     def holds(self) -> bool:
-        """Where two answers differ, ours may only be the better minimum of equation (4)."""
+        """Where two answers differ, ours must be as good a minimum of equation (4)."""
         return self.equal + self.no_worse == self.compared
 
     def figures(self) -> str:
         text = f"{self.equal} of {self.compared} revolutions equal ({self.with_several} of them with k >= 2)"
         if self.rand:
-            text += f"; {self.no_worse} of the others minimise (4) better; adjusted Rand index {min(self.rand):.3f}"
+            text += f"; {self.no_worse} of the others minimise (4) as well or better; adjusted Rand index {min(self.rand):.3f}"
         return text
 
 
