@@ -7,8 +7,13 @@ use toml::{Table, Value};
 use super::error::{ConfigError, nearest};
 
 /// The presets: name, and the settings as TOML.
-pub const PRESETS: &[(&str, &str)] =
-    &[("paper", include_str!("presets/paper.toml")), ("default", include_str!("presets/default.toml"))];
+pub const PRESETS: &[(&str, &str)] = &[
+    ("paper", include_str!("presets/paper.toml")),
+    ("default", include_str!("presets/default.toml")),
+    ("threshold", include_str!("presets/threshold.toml")),
+    ("breakpoint", include_str!("presets/breakpoint.toml")),
+    ("dbscan", include_str!("presets/dbscan.toml")),
+];
 
 /// Settings from one place.
 #[derive(Clone, Debug)]

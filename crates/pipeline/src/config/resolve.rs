@@ -74,8 +74,11 @@ impl Config {
         self.params("pipeline").count("in_flight")
     }
 
-    /// Builds the stage that was chosen among `kinds`, which are those that the schema was made with.
-    pub(crate) fn build<S: StageKind + ?Sized>(&self, kinds: &[Kind<S>]) -> Box<S> {
+    /// Builds the stage that was chosen among `kinds`, for programs that run stages one by one.
+    ///
+    /// # Panics
+    /// When `kinds` are not those of the registry that the configuration was resolved with.
+    pub fn build<S: StageKind + ?Sized>(&self, kinds: &[Kind<S>]) -> Box<S> {
         let section = self.section(S::SECTION);
         let chosen = section.kind.as_ref().map(|kind| kind.name);
         let kind = kinds.iter().find(|kind| Some(kind.name) == chosen);

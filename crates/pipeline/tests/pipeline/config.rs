@@ -42,6 +42,16 @@ fn every_preset_prints_a_file_that_resolves_to_itself() {
 }
 
 #[test]
+fn every_preset_chooses_every_kind_itself() {
+    for (name, _) in PRESETS {
+        let text = Config::preset(name, &Registry::standard()).expect("a preset").to_string();
+        let chosen = format!("# preset {name}");
+        let kinds = text.lines().filter(|line| line.starts_with("kind = ") && line.ends_with(&chosen)).count();
+        assert_eq!(kinds, 3, "{text}");
+    }
+}
+
+#[test]
 fn a_changed_kind_takes_its_own_defaults_and_applies_before_the_rest_of_its_layer() {
     let config = resolve("[affinity]\nerror_at_x = 4\nkind = \"failing\"", &[]).expect("allowed");
     assert_eq!(config.params("affinity").number("error_at_x"), 4.0);
