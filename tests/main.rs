@@ -5,6 +5,7 @@ mod evaluation;
 mod flight;
 mod input;
 mod interruption;
+mod paper;
 mod program;
 #[cfg(feature = "rerun")]
 mod recording;

@@ -25,6 +25,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Compare the results of one configuration or several with the truth in recordings.
     Evaluate(EvaluateArgs),
+    /// Repeat the paper's evaluation on scenes of its kind: figures, and the zero tolerance against what is right.
+    Paper(PaperArgs),
     /// Show what is in a recording.
     Info(InfoArgs),
     /// Show every setting with its value, unit, range and where it comes from. The output is a configuration file.
@@ -69,7 +71,7 @@ pub(crate) struct RunArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
-    /// Settings to start from: paper, default.
+    /// Settings to start from: paper, default, or a baseline: threshold, breakpoint, dbscan.
     #[arg(long, default_value = "default")]
     pub(crate) preset: String,
     /// A file of settings (TOML), over the preset.
@@ -135,6 +137,19 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
     /// No progress, no tables on the terminal.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PaperArgs {
+    /// The folder to write paper.md and its figures into.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How many scenes of each family the table of tolerances counts.
+    #[arg(long, value_name = "N", default_value_t = crosscut_simulator::SCENES)]
+    pub(crate) scenes: usize,
+    /// No progress.
     #[arg(long)]
     pub(crate) quiet: bool,
 }

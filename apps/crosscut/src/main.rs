@@ -7,7 +7,9 @@ mod comparison;
 mod config;
 mod evaluate;
 mod exit;
+mod figure;
 mod info;
+mod paper;
 mod progress;
 mod run;
 mod scoring;
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Evaluate(args) => evaluate::evaluate(&args),
+        Command::Paper(args) => paper::paper(&args),
         Command::Info(args) => info::info(&args),
         Command::Config(args) => config::print(&args),
     };

@@ -1,0 +1,135 @@
+//! Figures as SVG: scans from above, each wall in its own colour, the ways on, and a title above each.
+
+use crosscut_messages::Truth;
+use crosscut_stage::{Beam, Frame, Revolution};
+use svg::Document;
+use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
+
+/// Okabe and Ito's colours, as in the recordings for the viewer; repeated when there are more walls.
+const WALLS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#0072b2"];
+/// Returns of no wall.
+const NO_WALL: &str = "#8c8c8c";
+const INK: &str = "#333333";
+
+/// Half the side of a panel, in metres and units of the figure: the range of the lidar and a margin.
+const HALF_M: f64 = 16.0;
+const TITLE_M: f64 = 3.0;
+/// A panel with its title, and what lies between panels.
+const WIDTH_M: f64 = 2.0 * HALF_M + 1.0;
+const HEIGHT_M: f64 = 2.0 * HALF_M + TITLE_M + 1.0;
+const PIXELS_PER_M: f64 = 6.0;
+/// Openings are drawn at this distance, where their bearing and width are defined.
+const OPENING_AT_M: f64 = 8.0;
+
+/// One scan in a square of its own. The vehicle is in the middle, its nose up.
+pub(crate) struct Panel {
+    title: String,
+    /// Forward and left.
+    returns_m: Vec<[f64; 2]>,
+    wall_of_return: Vec<Option<u32>>,
+    /// Bearing and width.
+    openings: Vec<[f64; 2]>,
+}
+
+impl Panel {
+    /// What is there.
+    pub(crate) fn of_truth(title: String, revolution: &Revolution, truth: &Truth) -> Self {
+        let mut wall_of_return = vec![None; revolution.len()];
+        let beams = revolution.sweep.iter().flat_map(|sweep| &sweep.beams);
+        for (beam, &label) in beams.zip(&truth.labels) {
+            if let Beam::Return(i) = *beam {
+                wall_of_return[i as usize] = u32::try_from(label).ok();
+            }
+        }
+        let openings = truth.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m]).collect();
+        Self { title, returns_m: positions(revolution), wall_of_return, openings }
+    }
+
+    /// What was answered.
+    pub(crate) fn of_answer(title: String, frame: &Frame) -> Self {
+        let openings = frame.junction.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m]).collect();
+        let wall_of_return = frame.junction.wall_of_return.clone();
+        Self { title, returns_m: positions(&frame.revolution), wall_of_return, openings }
+    }
+
+    /// Drawn around its vehicle.
+    fn drawn(&self) -> Group {
+        let frame = Rectangle::new()
+            .set("x", -HALF_M)
+            .set("y", -HALF_M)
+            .set("width", 2.0 * HALF_M)
+            .set("height", 2.0 * HALF_M)
+            .set("fill", "white")
+            .set("stroke", "#cccccc")
+            .set("stroke-width", 0.1);
+        let title = Text::new(self.title.as_str())
+            .set("x", 0)
+            .set("y", -HALF_M - 0.25 * TITLE_M)
+            .set("text-anchor", "middle")
+            .set("fill", INK);
+        let vehicle = Circle::new().set("r", 0.35).set("fill", INK);
+        let nose = Line::new().set("y2", -1.2).set("stroke", INK).set("stroke-width", 0.2);
+        let mut group = Group::new().add(frame).add(title);
+        for opening in &self.openings {
+            group = group.add(way_on(*opening));
+        }
+        for path in self.walls() {
+            group = group.add(path);
+        }
+        group.add(vehicle).add(nose)
+    }
+
+    /// A path of dots for each wall, and one for the returns of no wall.
+    fn walls(&self) -> impl Iterator<Item = Path> {
+        let last = self.wall_of_return.iter().flatten().max().copied();
+        let numbers = std::iter::once(None).chain((0..=last.unwrap_or(0)).map(Some));
+        numbers.filter_map(|number| {
+            let of_wall = self.returns_m.iter().zip(&self.wall_of_return).filter(|(_, wall)| **wall == number);
+            // A line of no length with a round cap is a dot.
+            let dots: String = of_wall.map(|([x_m, y_m], _)| format!("M{:.2} {:.2}h0", -y_m, -x_m)).collect();
+            let colour = number.map_or(NO_WALL, |number| WALLS[number as usize % WALLS.len()]);
+            (!dots.is_empty()).then(|| Path::new().set("d", dots).set("stroke", colour))
+        })
+    }
+}
+
+fn positions(revolution: &Revolution) -> Vec<[f64; 2]> {
+    revolution.points_m.iter().map(|point| [point.x, point.y]).collect()
+}
+
+/// A line along the bearing, and across it one as long as the opening is wide.
+fn way_on([bearing_rad, width_m]: [f64; 2]) -> Group {
+    let dashed = Line::new().set("y1", -1.5).set("y2", -OPENING_AT_M).set("stroke-dasharray", "0.3 0.3");
+    let across = Line::new()
+        .set("x1", format!("{:.2}", -0.5 * width_m))
+        .set("x2", format!("{:.2}", 0.5 * width_m))
+        .set("y1", -OPENING_AT_M)
+        .set("y2", -OPENING_AT_M);
+    Group::new()
+        .set("transform", format!("rotate({:.1})", -bearing_rad.to_degrees()))
+        .set("stroke", INK)
+        .set("stroke-width", 0.15)
+        .add(dashed)
+        .add(across)
+}
+
+/// Panels in rows of `columns`.
+pub(crate) fn sheet(panels: &[Panel], columns: usize) -> String {
+    let (width_m, height_m) = (columns as f64 * WIDTH_M, panels.len().div_ceil(columns) as f64 * HEIGHT_M);
+    let mut document = Document::new()
+        .set("viewBox", (0, 0, width_m, height_m))
+        .set("width", width_m * PIXELS_PER_M)
+        .set("height", height_m * PIXELS_PER_M)
+        .set("font-family", "sans-serif")
+        .set("font-size", 0.7 * TITLE_M)
+        .set("fill", "none")
+        .set("stroke-linecap", "round")
+        .set("stroke-width", 0.5)
+        .add(Rectangle::new().set("width", width_m).set("height", height_m).set("fill", "white"));
+    for (place, panel) in panels.iter().enumerate() {
+        let (row, column) = (place / columns, place % columns);
+        let (x_m, y_m) = ((column as f64 + 0.5) * WIDTH_M, row as f64 * HEIGHT_M + TITLE_M + HALF_M);
+        document = document.add(panel.drawn().set("transform", format!("translate({x_m} {y_m})")));
+    }
+    document.to_string() + "\n"
+}

@@ -1,0 +1,49 @@
+//! What a preset answers to one scene.
+
+use crosscut_evaluate::Score;
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Engine, Registry};
+use crosscut_report::ResultsLine;
+use crosscut_simulator::Scene;
+use crosscut_stage::Frame;
+
+use crate::cli::ConfigArgs;
+use crate::config;
+use crate::figure::Panel;
+
+/// A preset, ready to answer.
+pub(crate) struct Answers {
+    sensor: Sensor,
+    engine: Engine,
+}
+
+impl Answers {
+    pub(crate) fn of(preset: &str, registry: &Registry) -> anyhow::Result<Self> {
+        let args = ConfigArgs { preset: preset.to_owned(), config: None, set: Vec::new() };
+        let config = config::resolve(&args, registry)?;
+        Ok(Self { sensor: Sensor::new(config.params("ingest")), engine: Engine::new(&config, registry) })
+    }
+
+    /// The answer, the count above it.
+    pub(crate) fn panel(&mut self, scene: &Scene) -> anyhow::Result<Panel> {
+        let mut frame = Frame::default();
+        self.sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+        self.engine.process(&mut frame)?;
+        let score = Score::of(&scene.truth, &ResultsLine::of(&frame))?;
+        let count = score.reported_walls;
+        let title = match (score.right, score.right_count()) {
+            (true, _) => count.to_string(),
+            (false, true) => format!("{count}, other walls"),
+            (false, false) => format!("{count}, true: {}", score.true_walls),
+        };
+        Ok(Panel::of_answer(title, &frame))
+    }
+}
+
+/// The truth under a title of its own.
+pub(crate) fn truth_panel(title: String, scene: &Scene) -> Panel {
+    let sensor = Sensor::new(&crosscut_stage::Params::defaults(crosscut_ingest::PARAMS));
+    let mut frame = Frame::default();
+    sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+    Panel::of_truth(title, &frame.revolution, &scene.truth)
+}

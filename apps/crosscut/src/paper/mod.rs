@@ -1,0 +1,35 @@
+//! `crosscut paper`: the evaluation of the paper, on scenes of its kind.
+
+mod answers;
+mod document;
+mod figures;
+mod tolerance;
+
+use std::path::Path;
+
+use anyhow::Context;
+use crosscut_pipeline::Registry;
+use crosscut_simulator::suites;
+
+use crate::cli::PaperArgs;
+use crate::exit::Outcome;
+use crate::progress;
+
+/// Writes the figures, the table, and a page that shows them all. The same program always writes the same bytes.
+pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
+    let registry = Registry::standard();
+    std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make the folder {}", args.out.display()))?;
+    let figures = figures::figures(&registry)?;
+    for figure in &figures {
+        write(&args.out.join(figure.file()), &figure.svg())?;
+    }
+    let bar = progress::bar(Some((args.scenes * suites().len()) as u64), args.quiet);
+    let families = tolerance::families(args.scenes, &registry, &bar)?;
+    bar.finish_and_clear();
+    write(&args.out.join("paper.md"), &document::document(&figures, &families))?;
+    Ok(Outcome::Done)
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}

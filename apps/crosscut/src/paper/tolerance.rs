@@ -1,0 +1,132 @@
+//! The zero tolerance against what is right, from one eigendecomposition per scene.
+//!
+//! With all n eigenvalues and eigenvectors at hand, k at a tolerance τ is the number of eigenvalues below it. An answer
+//! can be right only if k is the true number of walls, and U is then the same whichever τ gave that k. So the returns of
+//! a scene are clustered once, for that k, and the verdict holds at every such τ. Nothing is approximated: the counts
+//! are those of the preset `paper` with `spectral.zero_tolerance` set to τ.
+
+use crosscut_evaluate::{Score, Share};
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::Registry;
+use crosscut_report::{Reporter, ResultsLine};
+use crosscut_simulator::{Scene, Split, Suite, suites};
+use crosscut_stage::{AffinityStage, Frame, KmeansStage, ReportStage, SpectralStage};
+use indicatif::ProgressBar;
+
+use crate::cli::ConfigArgs;
+use crate::config;
+
+/// The tolerances are the powers of ten with these exponents.
+pub(crate) const EXPONENTS: [i32; 16] = [-16, -15, -14, -13, -12, -11, -10, -9, -8, -7, -6, -5, -4, -3, -2, -1];
+
+/// What is right at each tolerance.
+#[derive(Clone)]
+pub(crate) struct Family {
+    pub(crate) name: &'static str,
+    pub(crate) right_count: [Share; EXPONENTS.len()],
+    pub(crate) right: [Share; EXPONENTS.len()],
+}
+
+/// Every family over its first `scenes` development scenes, the paper's tolerance being a choice made there.
+pub(crate) fn families(scenes: usize, registry: &Registry, bar: &ProgressBar) -> anyhow::Result<Vec<Family>> {
+    let mut method = Method::new(registry)?;
+    let nothing = [Share::default(); EXPONENTS.len()];
+    let family = |suite: &Suite| {
+        let mut family = Family { name: suite.name, right_count: nothing, right: nothing };
+        for scene in suite.scenes(Split::Dev).take(scenes) {
+            let (right_counts, walls_right) = method.judge(&scene)?;
+            for (at, &right_count) in right_counts.iter().enumerate() {
+                count(&mut family.right_count[at], right_count);
+                count(&mut family.right[at], right_count && walls_right);
+            }
+            bar.inc(1);
+        }
+        Ok(family)
+    };
+    suites().iter().map(family).collect()
+}
+
+fn count(share: &mut Share, hit: bool) {
+    *share = Share { hits: share.hits + u64::from(hit), of: share.of + 1 };
+}
+
+/// The preset `paper`, step by step.
+struct Method {
+    sensor: Sensor,
+    affinity: Box<dyn AffinityStage>,
+    spectral: Box<dyn SpectralStage>,
+    kmeans: Box<dyn KmeansStage>,
+    report: Reporter,
+    frame: Frame,
+}
+
+impl Method {
+    fn new(registry: &Registry) -> anyhow::Result<Self> {
+        // The eigenvalues of an L whose W has ones on its diagonal are below 2: every one counts as zero, and U holds
+        // all eigenvectors.
+        let set = vec!["spectral.zero_tolerance=2".to_owned()];
+        let config = config::resolve(&ConfigArgs { preset: "paper".to_owned(), config: None, set }, registry)?;
+        Ok(Self {
+            sensor: Sensor::new(config.params("ingest")),
+            affinity: config.build(&registry.affinity),
+            spectral: config.build(&registry.spectral),
+            kmeans: config.build(&registry.kmeans),
+            report: Reporter::new(config.params("report"), config.params("vehicle")),
+            frame: Frame::default(),
+        })
+    }
+
+    /// Whether the count is right at each tolerance, and whether the walls are right where it is.
+    fn judge(&mut self, scene: &Scene) -> anyhow::Result<([bool; EXPONENTS.len()], bool)> {
+        let Frame { revolution, affinity, spectrum, partition, junction, notes, .. } = &mut self.frame;
+        notes.clear();
+        self.sensor.revolution(&scene.scan, revolution, notes);
+        self.affinity.affinity(revolution, affinity, notes)?;
+        self.spectral.spectrum(affinity, spectrum, notes)?;
+        let walls = scene.truth.walls as usize;
+        let zeros = |tolerance: f64| spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
+        let right_counts = EXPONENTS.map(|exponent| zeros(10_f64.powi(exponent)) == walls);
+        if !right_counts.contains(&true) {
+            return Ok((right_counts, false));
+        }
+        spectrum.k = walls;
+        spectrum.u.truncate(revolution.len(), walls);
+        self.kmeans.partition(spectrum, partition, notes)?;
+        self.report.report(revolution, spectrum, partition, junction, notes)?;
+        Ok((right_counts, Score::of(&scene.truth, &ResultsLine::of(&self.frame))?.right))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crosscut_pipeline::Engine;
+
+    use super::*;
+
+    /// The whole method, run anew at every tolerance.
+    #[test]
+    fn one_decomposition_gives_what_a_run_at_every_tolerance_gives() {
+        let registry = Registry::standard();
+        let mut method = Method::new(&registry).expect("a preset");
+        let (mut right, mut wrong) = (0, 0);
+        for suite in suites().iter().filter(|suite| ["clean35", "narrow", "pillars"].contains(&suite.name)) {
+            for scene in suite.scenes(Split::Dev).take(3) {
+                let (right_counts, walls_right) = method.judge(&scene).expect("it answers");
+                for (exponent, right_count) in EXPONENTS.into_iter().zip(right_counts).skip(2) {
+                    let set = vec![format!("spectral.zero_tolerance=1e{exponent}")];
+                    let args = ConfigArgs { preset: "paper".to_owned(), config: None, set };
+                    let config = config::resolve(&args, &registry).expect("allowed");
+                    let mut frame = Frame::default();
+                    let sensor = Sensor::new(config.params("ingest"));
+                    sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+                    Engine::new(&config, &registry).process(&mut frame).expect("it answers");
+                    let score = Score::of(&scene.truth, &ResultsLine::of(&frame)).expect("the same scan");
+                    let verdict = (score.right_count(), score.right);
+                    assert_eq!((right_count, right_count && walls_right), verdict, "{}, 1e{exponent}", suite.name);
+                    *if score.right { &mut right } else { &mut wrong } += 1;
+                }
+            }
+        }
+        assert!(right > 0 && wrong > 0, "{right} right, {wrong} wrong: both are compared");
+    }
+}
