@@ -10,8 +10,9 @@
 //! | `threshold` | 1 if ‖x_i - x_j‖ <= radius, else 0 | sparse |
 //! | `breakpoint` | 1 between neighbouring beams without a jump of the range, else 0; needs beams | sparse |
 //! | `dbscan` | 1 between cores in reach, and from a border return to one core, else 0 | sparse |
+//! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0; needs beams | sparse |
 //!
-//! The last three are baselines. Each clusters by the components of its 0/1 graph, and goes through the same stages as the
+//! `threshold`, `breakpoint` and `dbscan` are baselines. Each clusters by the components of its 0/1 graph, and goes through the same stages as the
 //! rest: their components are its zero eigenvalues. Their defaults are what is right most often over all development
 //! scenes of the simulator when components of fewer than 8 returns are left out (kmeans `components`, `min_cluster = 8`).
 //!
@@ -40,6 +41,7 @@ mod dbscan;
 mod edges;
 mod finite;
 mod invariance;
+mod passage;
 mod rbf;
 mod threshold;
 
@@ -48,15 +50,18 @@ use crosscut_stage::{AffinityStage, Kind};
 pub use breakpoint::Breakpoint;
 pub use dbscan::Dbscan;
 pub use invariance::Invariance;
+pub use passage::Passage;
 pub use rbf::Rbf;
 pub use threshold::Threshold;
 
 /// The affinities that crosscut ships.
-pub const KINDS: &[Kind<dyn AffinityStage>] = &[rbf::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
+pub const KINDS: &[Kind<dyn AffinityStage>] = 
+    &[rbf::KIND, passage::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
 
 /// What each of [`KINDS`] is blind to, by name and in the same order.
 pub const INVARIANCES: &[(&str, &[Invariance])] = &[
     (rbf::KIND.name, rbf::INVARIANCES),
+    (passage::KIND.name, passage::INVARIANCES),
     (threshold::KIND.name, threshold::INVARIANCES),
     (breakpoint::KIND.name, breakpoint::INVARIANCES),
     (dbscan::KIND.name, dbscan::INVARIANCES),

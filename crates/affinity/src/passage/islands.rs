@@ -1,0 +1,102 @@
+//! Short pieces that stand free: pillars.
+
+use super::gap::Limits;
+use super::ring::Ring;
+use super::tangent::{End, tangent};
+
+/// What is seen past an end of an island lies at least this much farther.
+const BEHIND_M: f64 = 0.5;
+/// And so steeply behind it: the angle between the step and the beam, over at most [`STEP_BEAMS`] beams.
+const STEEP_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
+const STEP_BEAMS: usize = 3;
+/// And so many times farther than the island's own spacing.
+const SPACINGS: f64 = 2.0;
+/// An island is not on the line of a wall beside it, by this much.
+const OFF_LINE_M: f64 = 1.0;
+/// That line is taken over at most so many returns, none farther from the next than this.
+const LINE_RETURNS: usize = 14;
+const LINE_STEP_M: f64 = 2.5;
+/// Fewer returns are no island.
+const LEAST_RETURNS: usize = 3;
+
+/// Takes the islands out of `pieces`, nearest first, so that one that is partly hidden by another is found after it.
+pub(super) fn take(
+    ring: &Ring,
+    pieces: &mut Vec<Vec<usize>>,
+    island_m: f64,
+    limits: &Limits,
+    island_beams: &mut [bool],
+) -> Vec<Vec<usize>> {
+    let mut islands = Vec::new();
+    loop {
+        let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
+        let nearest = (0..pieces.len())
+            .filter(|&at| stands_free(ring, pieces, at, island_m, limits))
+            .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])));
+        let Some(at) = nearest else { return islands };
+        let island = pieces.remove(at);
+        island.iter().for_each(|&i| island_beams[ring.returns[i].beam] = true);
+        islands.push(island);
+    }
+}
+
+fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, limits: &Limits) -> bool {
+    let (n, piece) = (pieces.len(), &pieces[at]);
+    let at_the_end = !ring.full_turn && (at == 0 || at + 1 == n);
+    if n < 3 || piece.len() < LEAST_RETURNS || at_the_end {
+        return false;
+    }
+    let (first, last) = (piece[0], piece[piece.len() - 1]);
+    let length_m = piece.iter().map(|&i| ring.distance_m(first, i)).fold(0.0, f64::max);
+    let (before, after) = (&pieces[(at + n - 1) % n], &pieces[(at + 1) % n]);
+    length_m < island_m
+        && hides(ring, first, piece[1], before[before.len() - 1])
+        && hides(ring, last, piece[piece.len() - 2], after[0])
+        && !is_on_line(ring, pieces, at, End::First, limits)
+        && !is_on_line(ring, pieces, at, End::Last, limits)
+}
+
+/// Whether the end of a piece stands in front of the next return beyond it.
+fn hides(ring: &Ring, end: usize, inner: usize, outer: usize) -> bool {
+    let apart = ring.beams_apart(end, outer);
+    let behind_m = ring.range_m(outer) - ring.range_m(end);
+    let aside_m = ring.range_m(end) * apart.min(STEP_BEAMS) as f64 * ring.step_rad;
+    let spacing_m = ring.distance_m(end, inner) / ring.beams_apart(end, inner).max(1) as f64;
+    behind_m > BEHIND_M
+        && aside_m.atan2(behind_m) < STEEP_RAD
+        && ring.distance_m(end, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
+}
+
+/// Whether the wall beside that end of the piece, before or after it, runs towards the piece.
+fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, limits: &Limits) -> bool {
+    let piece = &pieces[at];
+    let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
+    for i in beside(ring, pieces, at, end).take(LINE_RETURNS) {
+        if wall.last().is_some_and(|&last| ring.distance_m(last, i) > LINE_STEP_M) {
+            break;
+        }
+        wall.push(i);
+    }
+    if wall.len() < LEAST_RETURNS {
+        return false;
+    }
+    let (tip, target) = (wall[0], piece[if end == End::First { 0 } else { piece.len() - 1 }]);
+    wall.reverse();
+    let onward = tangent(ring, &wall, End::Last, limits.stretch_m);
+    let towards = ring.place_m(target) - ring.place_m(tip);
+    onward.dot(&towards) > 0.0 && onward.perp(&towards).abs() < OFF_LINE_M
+}
+
+/// The returns of the other pieces, walking away from one end of a piece.
+fn beside(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End) -> impl Iterator<Item = usize> {
+    let (n, backwards) = (pieces.len(), end == End::First);
+    let count = match (ring.full_turn, backwards) {
+        (true, _) => n - 1,
+        (false, true) => at,
+        (false, false) => n - 1 - at,
+    };
+    (1..=count).flat_map(move |step| {
+        let piece = &pieces[if backwards { at + n - step } else { at + step } % n];
+        (0..piece.len()).map(move |k| piece[if backwards { piece.len() - 1 - k } else { k }])
+    })
+}

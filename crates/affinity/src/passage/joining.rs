@@ -1,0 +1,108 @@
+//! Pieces of walls joined into walls.
+
+use std::f64::consts::PI;
+
+use super::gap::{Limits, cost};
+use super::ring::{Ring, turn_rad};
+use super::tangent::{End, tangent};
+
+/// Pieces of fewer returns are no wall.
+pub(super) const LEAST_RETURNS: usize = 3;
+/// A wall that turns left by this much, seen over [`PEAK_STRETCH_M`] on both sides of a gap, is two.
+const PEAK_RAD: std::ops::Range<f64> = 140.0 * PI / 180.0..250.0 * PI / 180.0;
+const PEAK_STRETCH_M: f64 = 4.0;
+
+/// Cuts the ring of the `kept` returns where two that follow each other are a passage apart.
+pub(super) fn pieces(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64) -> Vec<Vec<usize>> {
+    let mut pieces: Vec<Vec<usize>> = Vec::new();
+    for i in kept {
+        match pieces.last_mut() {
+            Some(piece) if ring.distance_m(piece[piece.len() - 1], i) < passage_m => piece.push(i),
+            _ => pieces.push(vec![i]),
+        }
+    }
+    if let [first, .., last] = pieces.as_slice()
+        && ring.full_turn
+        && ring.distance_m(last[last.len() - 1], first[0]) < passage_m
+    {
+        let first = pieces.remove(0);
+        pieces.last_mut().expect("two at least").extend(first);
+    }
+    pieces
+}
+
+/// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
+/// wall is taken out, smallest first, and what is beside it is looked at again. Returns what was taken out.
+pub(super) fn join(
+    ring: &Ring,
+    island_beams: &[bool],
+    pieces: &mut Vec<Vec<usize>>,
+    limits: &Limits,
+) -> Vec<usize> {
+    let gap = |pieces: &[Vec<usize>], at: usize| {
+        let next = (at + 1) % pieces.len();
+        let is_gap = next != at && (ring.full_turn || next != 0);
+        if is_gap { cost(ring, island_beams, &pieces[at], &pieces[next], limits) } else { None }
+    };
+    let mut costs: Vec<Option<f64>> = (0..pieces.len()).map(|at| gap(pieces, at)).collect();
+    let mut left_over = Vec::new();
+    loop {
+        let n = pieces.len();
+        let cheapest =
+            (0..n).filter_map(|at| Some((costs[at]?, at))).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at);
+        let changed = if let Some(at) = cheapest {
+            let next = (at + 1) % n;
+            let rest = std::mem::take(&mut pieces[next]);
+            pieces[at].extend(rest);
+            pieces.remove(next);
+            costs.remove(next);
+            if next < at { at - 1 } else { at }
+        } else {
+            let smallest = (0..n).filter(|&at| pieces[at].len() < LEAST_RETURNS).min_by(|&a, &b| {
+                let farther_first = || ring.range_m(pieces[b][0]).total_cmp(&ring.range_m(pieces[a][0]));
+                pieces[a].len().cmp(&pieces[b].len()).then_with(farther_first)
+            });
+            let Some(at) = smallest.filter(|_| n > 1) else { return left_over };
+            left_over.extend(pieces.remove(at));
+            costs.remove(at);
+            at % pieces.len()
+        };
+        let before = (changed + pieces.len() - 1) % pieces.len();
+        costs[changed] = gap(pieces, changed);
+        costs[before] = gap(pieces, before);
+    }
+}
+
+/// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
+/// a stray return in it suggests.
+pub(super) fn cut_at_peaks(ring: &Ring, walls: &mut Vec<Vec<usize>>, passage_m: f64) {
+    let mut at = 0;
+    while at < walls.len() {
+        match sharpest_peak(ring, &walls[at], passage_m) {
+            Some(cut) => {
+                let rest = walls[at].split_off(cut);
+                walls.insert(at + 1, rest);
+            }
+            None => at += 1,
+        }
+    }
+}
+
+fn sharpest_peak(ring: &Ring, wall: &[usize], passage_m: f64) -> Option<usize> {
+    let mut sharpest = None;
+    let mut least_rad = PEAK_RAD.start;
+    for cut in LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1) {
+        let (a, b) = wall.split_at(cut);
+        let chord = ring.place_m(b[0]) - ring.place_m(a[cut - 1]);
+        if chord.norm() < passage_m {
+            continue;
+        }
+        let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);
+        let after = tangent(ring, b, End::First, PEAK_STRETCH_M);
+        let turn_rad = turn_rad(before, chord) + turn_rad(chord, after);
+        if (least_rad..PEAK_RAD.end).contains(&turn_rad) {
+            (least_rad, sharpest) = (turn_rad, Some(cut));
+        }
+    }
+    sharpest
+}

@@ -1,0 +1,186 @@
+//! `passage`: an edge wherever the wall goes on, none where a vehicle could pass.
+
+mod dust;
+mod gap;
+mod islands;
+mod joining;
+mod ring;
+mod tangent;
+mod walls;
+
+use crosscut_stage::{
+    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Params, Revolution, Shape, StageError, Value,
+};
+
+use crate::Invariance;
+use crate::edges::edges_bytes;
+use crate::finite::check_finite;
+use gap::Limits;
+use ring::Ring;
+use walls::Chains;
+
+const PASSAGE_M: ParamSpec = ParamSpec {
+    name: "passage_m",
+    unit: "m",
+    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
+    doc: "the vehicle's width: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
+};
+
+const STRETCH_M: ParamSpec = ParamSpec {
+    name: "stretch_m",
+    unit: "m",
+    shape: Shape::Number { default: 2.0, range: Interval::above(0.0, 100.0) },
+    doc: "length of wall over which the direction of its end is taken",
+};
+
+const STRAIGHT_DEG: ParamSpec = ParamSpec {
+    name: "straight_deg",
+    unit: "°",
+    shape: Shape::Number { default: 40.0, range: Interval::closed(0.0, 180.0) },
+    doc: "a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more",
+};
+
+const CORNER_DEG: ParamSpec = ParamSpec {
+    name: "corner_deg",
+    unit: "°",
+    shape: Shape::Number { default: 100.0, range: Interval::closed(0.0, 180.0) },
+    doc: "a wall that turns left by more at a gap ends there; the corner of a dead end turns it by 90°",
+};
+
+const CORNER_M: ParamSpec = ParamSpec {
+    name: "corner_m",
+    unit: "m",
+    shape: Shape::Number { default: 4.0, range: Interval::closed(0.0, 1000.0) },
+    doc: "an unseen corner is no farther from the ends of its walls",
+};
+
+const UNSEEN_DEG: ParamSpec = ParamSpec {
+    name: "unseen_deg",
+    unit: "°",
+    shape: Shape::Number { default: 30.0, range: Interval::closed(0.0, 180.0) },
+    doc: "beams over less than this angle may be lost at an unseen corner",
+};
+
+const ISLAND_M: ParamSpec = ParamSpec {
+    name: "island_m",
+    unit: "m",
+    shape: Shape::Number { default: 2.0, range: Interval::closed(0.0, 100.0) },
+    doc: "a piece no longer than this that stands in front of what is on both sides of it is cut off; 0: none is",
+};
+
+const NEIGHBOURS: ParamSpec = ParamSpec {
+    name: "neighbours",
+    unit: "returns",
+    shape: Shape::Integer { default: 4, min: 1, max: 1000 },
+    doc: "each return has an edge to so many of its wall on either side",
+};
+
+const PARAMS: &[ParamSpec] =
+    &[PASSAGE_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, NEIGHBOURS];
+
+pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
+    name: "passage",
+    doc: "edges along the walls, over gaps that only hide them, and none where a vehicle could pass",
+    params: PARAMS,
+    build: |params| Box::new(Passage::with(params)),
+};
+
+/// It sees ranges, and the order of the beams.
+pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mirror];
+
+/// The graph of the walls. Anticlockwise around the sensor:
+///
+/// 1. Dust, isolated returns nearer than what is around them, has no edge. Nor has what lies inside the vehicle.
+/// 2. The ring of the others is cut where two that follow each other are `passage_m` apart or more.
+/// 3. Short pieces that stand free in front of what is on both sides of them are islands.
+/// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
+///    the wall turns by T = ∠(t, c) + ∠(c, t'). It goes on if T < `straight_deg` (a bump, lost beams), or if
+///    T < `corner_deg` and both lines run on to a corner close by. Else a vehicle can pass: T is 180° where both walls
+///    of a tunnel recede. Pieces join at the least |T| first, so that directions come from ever longer walls.
+/// 5. A wall that still turns around somewhere is cut there.
+///
+/// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
+/// returns of the wall on either side of i; 0 from wall to wall. The weights along a wall do not fall with the spacing of
+/// its returns, so the second eigenvalue of its block does not either.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    limits: Limits,
+    island_m: f64,
+    ring: Ring,
+    dust: Vec<bool>,
+    island_beams: Vec<bool>,
+    chains: Chains,
+}
+
+impl Passage {
+    /// From values for its parameters, by name; those not named have their defaults.
+    ///
+    /// # Errors
+    /// When a number is out of range.
+    ///
+    /// # Panics
+    /// When there is no parameter of that name.
+    pub fn new(values: &[(&'static str, Value)]) -> Result<Self, ParamError> {
+        let mut params = Params::defaults(PARAMS);
+        for (name, value) in values {
+            let spec = PARAMS.iter().find(|spec| spec.name == *name);
+            let spec = spec.unwrap_or_else(|| panic!("affinity `passage` has no parameter {name}"));
+            params.set(name, spec.check(value.clone())?);
+        }
+        Ok(Self::with(&params))
+    }
+
+    fn with(params: &Params) -> Self {
+        let limits = Limits {
+            passage_m: params.number(PASSAGE_M.name),
+            stretch_m: params.number(STRETCH_M.name),
+            straight_rad: params.number(STRAIGHT_DEG.name).to_radians(),
+            corner_rad: params.number(CORNER_DEG.name).to_radians(),
+            corner_m: params.number(CORNER_M.name),
+            unseen_rad: params.number(UNSEEN_DEG.name).to_radians(),
+        };
+        Self {
+            limits,
+            island_m: params.number(ISLAND_M.name),
+            ring: Ring::default(),
+            dust: Vec::new(),
+            island_beams: Vec::new(),
+            chains: Chains::new(params.count(NEIGHBOURS.name)),
+        }
+    }
+}
+
+impl AffinityStage for Passage {
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        check_finite(&revolution.points_m)?;
+        let Some(sweep) = &revolution.sweep else {
+            let message = "affinity `passage` needs the beams of a 2D sweep, which a point cloud does not have";
+            return Err(StageError::Unsupported(message.to_owned()));
+        };
+        let Self { limits, ring, dust, island_beams, .. } = self;
+        ring.fill(sweep, &revolution.points_m)?;
+        dust::mark(ring, dust);
+        island_beams.clear();
+        island_beams.resize(ring.beams, false);
+
+        let inside_m = limits.passage_m / 2.0;
+        let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
+        let mut walls = joining::pieces(ring, kept, limits.passage_m);
+        let islands = islands::take(ring, &mut walls, self.island_m, limits, island_beams);
+        let left_over = joining::join(ring, island_beams, &mut walls, limits);
+        joining::cut_at_peaks(ring, &mut walls, limits.passage_m);
+
+        let dropped = dust.iter().filter(|dust| **dust).count();
+        if dropped > 0 {
+            notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
+        }
+        walls.extend(islands);
+        self.chains.write(ring, &walls, &left_over, |a, b| gap::cost(ring, island_beams, a, b, limits), out);
+        Ok(())
+    }
+
+    fn memory_bytes(&self, n: usize) -> u64 {
+        // On average one more edge to and from a return that is left over.
+        edges_bytes(n, self.chains.neighbours.saturating_mul(2).saturating_add(3))
+    }
+}
