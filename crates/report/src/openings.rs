@@ -11,6 +11,10 @@
 //! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
 //!
 //! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
+//!
+//! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
+//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
+//! at most one opening then, the widest of those in free space.
 
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
 use nalgebra::Vector2;
@@ -24,9 +28,20 @@ pub const LOOKOUT_M: f64 = 8.0;
 /// The line of a wall behind its end is taken over this stretch.
 const LINE_M: f64 = 1.5;
 
+/// Which edges are openings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// Those through which the vehicle fits into free space.
+    #[default]
+    FreeSpace,
+    /// Those between two walls.
+    BetweenWalls,
+}
+
 /// Finds openings; holds its buffers from one revolution to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
+    rule: Rule,
     /// Returns that belong to a wall, anticlockwise around the sensor.
     ring: Vec<usize>,
 }
@@ -65,6 +80,11 @@ struct Edge {
 }
 
 impl Finder {
+    /// By a rule.
+    pub fn new(rule: Rule) -> Self {
+        Self { rule, ring: Vec::new() }
+    }
+
     /// Writes the openings between the walls of `revolution`, by bearing ascending.
     ///
     /// `wall_of_return` has n entries. Without beam geometry (a cloud) there is no free space to see: no openings.
@@ -78,7 +98,9 @@ impl Finder {
         out.clear();
         let Some(sweep) = &revolution.sweep else { return };
         let ring_beams = self.order(sweep, wall_of_return);
-        let view = View { revolution, sweep, vehicle_width_m, wall_of_return, ring: &self.ring };
+        let one_wall = self.ring.windows(2).all(|pair| wall_of_return[pair[0]] == wall_of_return[pair[1]]);
+        let between_walls = self.rule == Rule::BetweenWalls && !one_wall;
+        let view = View { revolution, sweep, vehicle_width_m, wall_of_return, ring: &self.ring, between_walls };
         let edges = if sweep.full_turn { self.ring.len() } else { self.ring.len().saturating_sub(1) };
         let mut branches: Vec<Branch> = Vec::new();
         for clockwise in 0..edges {
@@ -86,16 +108,21 @@ impl Finder {
             let between = beams_between(&ring_beams, &edge, sweep.len());
             let Some(branch) = view.branch(&edge, between) else { continue };
             match branches.last_mut() {
-                Some(last) if last.is_same_way_as(&branch) => last.join(branch),
+                Some(last) if !between_walls && last.is_same_way_as(&branch) => last.join(branch),
                 _ => branches.push(branch),
             }
         }
         if let [first, .., last] = branches.as_slice()
+            && !between_walls
             && last.is_same_way_as(first)
         {
             let mut joined = branches.pop().expect("two at least");
             joined.join(branches.swap_remove(0));
             branches.push(joined);
+        }
+        if self.rule == Rule::BetweenWalls && one_wall {
+            let widest = (branches.into_iter()).max_by(|a, b| a.opening.width_m.total_cmp(&b.opening.width_m));
+            branches = widest.filter(|_| sweep.full_turn).into_iter().collect();
         }
         out.extend(branches.into_iter().map(|branch| branch.opening));
         out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
@@ -154,6 +181,8 @@ struct View<'a> {
     vehicle_width_m: f64,
     wall_of_return: &'a [Option<u32>],
     ring: &'a [usize],
+    /// Whether an edge between two walls is an opening, and no other is.
+    between_walls: bool,
 }
 
 impl View<'_> {
@@ -171,7 +200,12 @@ impl View<'_> {
 
     fn branch(&self, edge: &Edge, between: impl Iterator<Item = usize> + Clone) -> Option<Branch> {
         let (p, q) = (self.point(edge.clockwise), self.point(edge.anticlockwise));
-        if (p - q).norm() < self.vehicle_width_m {
+        let walls = [self.wall(edge.clockwise), self.wall(edge.anticlockwise)];
+        if self.between_walls {
+            if walls[0] == walls[1] {
+                return None;
+            }
+        } else if (p - q).norm() < self.vehicle_width_m {
             return None;
         }
         let beams = between.clone().count();
@@ -180,9 +214,8 @@ impl View<'_> {
             return None;
         }
         let dark = between.clone().any(|beam| self.sweep.beams[beam] == Beam::NoReturn);
-        let walls = [self.wall(edge.clockwise), self.wall(edge.anticlockwise)];
-        let passable = (dark && walls[0] != walls[1]) || self.leaves_the_line(edge);
-        if !passable || !self.deep(p, q) {
+        let in_free_space = || ((dark && walls[0] != walls[1]) || self.leaves_the_line(edge)) && self.deep(p, q);
+        if !self.between_walls && !in_free_space() {
             return None;
         }
         let [a, b] = self.mouth(edge);

@@ -4,15 +4,30 @@ use crosscut_stage::{
     Interval, Junction, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum, StageError,
 };
 
-use crate::{openings, place, walls};
+use crate::openings::{Finder, Rule};
+use crate::{islands, place, walls};
 
 /// Section `report` of the configuration.
-pub const PARAMS: &[ParamSpec] = &[ParamSpec {
-    name: "min_returns",
-    unit: "returns",
-    shape: Shape::Integer { default: 1, min: 1, max: 1_000_000 },
-    doc: "clusters with fewer returns are no wall; their returns are labelled -2",
-}];
+pub const PARAMS: &[ParamSpec] = &[
+    ParamSpec {
+        name: "min_returns",
+        unit: "returns",
+        shape: Shape::Integer { default: 1, min: 1, max: 1_000_000 },
+        doc: "clusters with fewer returns are no wall; their returns are labelled -2",
+    },
+    ParamSpec {
+        name: "island_m",
+        unit: "m",
+        shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 100.0) },
+        doc: "a shorter wall in front of what is on both sides of it is an island, not counted; 0: none is",
+    },
+    ParamSpec {
+        name: "openings",
+        unit: "",
+        shape: Shape::Choice { default: "free_space", of: &["free_space", "between_walls"] },
+        doc: "where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins",
+    },
+];
 
 /// Section `vehicle` of the configuration.
 pub const VEHICLE_PARAMS: &[ParamSpec] = &[ParamSpec {
@@ -26,8 +41,11 @@ pub const VEHICLE_PARAMS: &[ParamSpec] = &[ParamSpec {
 #[derive(Clone, Debug)]
 pub struct Reporter {
     min_returns: usize,
+    island_m: f64,
     vehicle_width_m: f64,
-    finder: openings::Finder,
+    finder: Finder,
+    /// Wall of each return, those of islands left out.
+    wall_beside_openings: Vec<Option<u32>>,
 }
 
 impl Reporter {
@@ -35,8 +53,13 @@ impl Reporter {
     pub fn new(report: &Params, vehicle: &Params) -> Self {
         Self {
             min_returns: report.count("min_returns"),
+            island_m: report.number("island_m"),
             vehicle_width_m: vehicle.number("width_m"),
-            finder: openings::Finder::default(),
+            finder: Finder::new(match report.text("openings") {
+                "between_walls" => Rule::BetweenWalls,
+                _ => Rule::FreeSpace,
+            }),
+            wall_beside_openings: Vec::new(),
         }
     }
 }
@@ -55,7 +78,11 @@ impl ReportStage for Reporter {
             return Err(StageError::Unsupported(format!("{labelled} labels for {n} returns")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        self.finder.find(revolution, self.vehicle_width_m, &out.wall_of_return, &mut out.openings);
+        islands::mark(revolution, self.island_m, out);
+        let without_islands = |wall: &Option<u32>| wall.filter(|&id| !out.walls[id as usize].island);
+        self.wall_beside_openings.clear();
+        self.wall_beside_openings.extend(out.wall_of_return.iter().map(without_islands));
+        self.finder.find(revolution, self.vehicle_width_m, &self.wall_beside_openings, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
         out.confidence = confidence(spectrum.margin_decades);
