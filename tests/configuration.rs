@@ -25,7 +25,7 @@ fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
         let args = [&["run", input.to_str().expect("a path in UTF-8")], more].concat();
         run(args).expect_code(2).stderr
     };
-    assert!(refused(&["--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
+    assert!(refused(&["--preset", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
     assert!(refused(&["--set", "affinity.kind=rfb"]).contains("did you mean rbf?"));
     assert!(refused(&["--set", "ingest.yaw_rad=up"]).contains("a number in"));
     assert!(refused(&["--preset", "papper"]).contains("did you mean paper?"));

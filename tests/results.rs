@@ -76,7 +76,8 @@ fn results_are_the_same_bytes_again_and_whatever_the_number_of_workers() {
 #[test]
 fn both_solvers_give_the_same_walls() {
     let labels = |solver: &str| -> Vec<Value> {
-        let (ran, lines) = results_of(&shipped_flight(), &["--every", "10", "--set", solver]);
+        let paper = ["--preset", "paper", "--every", "10", "--set", solver];
+        let (ran, lines) = results_of(&shipped_flight(), &paper);
         ran.expect_code(0);
         lines.iter().map(|line| line["labels"].clone()).collect()
     };

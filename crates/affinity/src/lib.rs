@@ -12,8 +12,8 @@
 //! | `dbscan` | 1 between cores in reach, and from a border return to one core, else 0 | sparse |
 //! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0; needs beams | sparse |
 //!
-//! `threshold`, `breakpoint` and `dbscan` are baselines. Each clusters by the components of its 0/1 graph, and goes through the same stages as the
-//! rest: their components are its zero eigenvalues. Their defaults are what is right most often over all development
+//! `threshold`, `breakpoint` and `dbscan` are baselines. Each clusters by the components of its 0/1 graph, and goes
+//! through the same stages as the rest: their components are its zero eigenvalues. Their defaults are what is right most often over all development
 //! scenes of the simulator when components of fewer than 8 returns are left out (kmeans `components`, `min_cluster = 8`).
 //!
 //! Each kind says which changes of the revolution leave W alone: [`INVARIANCES`].
@@ -55,7 +55,7 @@ pub use rbf::Rbf;
 pub use threshold::Threshold;
 
 /// The affinities that crosscut ships.
-pub const KINDS: &[Kind<dyn AffinityStage>] = 
+pub const KINDS: &[Kind<dyn AffinityStage>] =
     &[rbf::KIND, passage::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
 
 /// What each of [`KINDS`] is blind to, by name and in the same order.

@@ -33,5 +33,5 @@ fn is_dust(ring: &Ring, i: usize) -> bool {
             farther_aside[usize::from(step > 0)] |= step.abs() < REACH;
         }
     }
-    touching < COMPANY && farther as f64 >= FARTHER_SHARE * f64::from(seen) && farther_aside == [true; 2]
+    touching < COMPANY && f64::from(farther) >= FARTHER_SHARE * f64::from(seen) && farther_aside == [true; 2]
 }

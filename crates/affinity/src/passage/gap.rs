@@ -46,8 +46,8 @@ pub(super) fn cost(ring: &Ring, island_beams: &[bool], a: &[usize], b: &[usize],
         (Some(before), Some(after)) => {
             let bends = [turn_rad(before, chord), turn_rad(chord, after)];
             let turn_rad = whole_turn_rad(bends);
-            let goes_on = turn_rad < limits.straight_rad
-                || closes(ring, island_beams, (p, q), [before, after], turn_rad, limits);
+            let goes_on =
+                turn_rad < limits.straight_rad || closes(ring, island_beams, (p, q), [before, after], turn_rad, limits);
             let detour = 0.2 * bends[0].abs().min(bends[1].abs());
             goes_on.then(|| 0.1 + turn_rad.abs() + detour + if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 })
         }

@@ -38,6 +38,7 @@ pub(super) fn join(
     island_beams: &[bool],
     pieces: &mut Vec<Vec<usize>>,
     limits: &Limits,
+    least_returns: usize,
 ) -> Vec<usize> {
     let gap = |pieces: &[Vec<usize>], at: usize| {
         let next = (at + 1) % pieces.len();
@@ -58,7 +59,7 @@ pub(super) fn join(
             costs.remove(next);
             if next < at { at - 1 } else { at }
         } else {
-            let smallest = (0..n).filter(|&at| pieces[at].len() < LEAST_RETURNS).min_by(|&a, &b| {
+            let smallest = (0..n).filter(|&at| pieces[at].len() < least_returns).min_by(|&a, &b| {
                 let farther_first = || ring.range_m(pieces[b][0]).total_cmp(&ring.range_m(pieces[a][0]));
                 pieces[a].len().cmp(&pieces[b].len()).then_with(farther_first)
             });

@@ -29,7 +29,7 @@ const PASSAGE_M: ParamSpec = ParamSpec {
 const STRETCH_M: ParamSpec = ParamSpec {
     name: "stretch_m",
     unit: "m",
-    shape: Shape::Number { default: 2.0, range: Interval::above(0.0, 100.0) },
+    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 100.0) },
     doc: "length of wall over which the direction of its end is taken",
 };
 
@@ -68,6 +68,13 @@ const ISLAND_M: ParamSpec = ParamSpec {
     doc: "a piece no longer than this that stands in front of what is on both sides of it is cut off; 0: none is",
 };
 
+const WALL_DEG: ParamSpec = ParamSpec {
+    name: "wall_deg",
+    unit: "°",
+    shape: Shape::Number { default: 2.5, range: Interval::closed(0.0, 90.0) },
+    doc: "a piece with fewer returns than there are beams in this angle, or than three, is no wall",
+};
+
 const NEIGHBOURS: ParamSpec = ParamSpec {
     name: "neighbours",
     unit: "returns",
@@ -76,7 +83,7 @@ const NEIGHBOURS: ParamSpec = ParamSpec {
 };
 
 const PARAMS: &[ParamSpec] =
-    &[PASSAGE_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, NEIGHBOURS];
+    &[PASSAGE_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, WALL_DEG, NEIGHBOURS];
 
 pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     name: "passage",
@@ -106,6 +113,7 @@ pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mi
 pub struct Passage {
     limits: Limits,
     island_m: f64,
+    wall_rad: f64,
     ring: Ring,
     dust: Vec<bool>,
     island_beams: Vec<bool>,
@@ -142,6 +150,7 @@ impl Passage {
         Self {
             limits,
             island_m: params.number(ISLAND_M.name),
+            wall_rad: params.number(WALL_DEG.name).to_radians(),
             ring: Ring::default(),
             dust: Vec::new(),
             island_beams: Vec::new(),
@@ -163,11 +172,13 @@ impl AffinityStage for Passage {
         island_beams.clear();
         island_beams.resize(ring.beams, false);
 
+        // A step of 0 gives an infinite number: then no piece is a wall.
+        let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
         let mut walls = joining::pieces(ring, kept, limits.passage_m);
         let islands = islands::take(ring, &mut walls, self.island_m, limits, island_beams);
-        let left_over = joining::join(ring, island_beams, &mut walls, limits);
+        let left_over = joining::join(ring, island_beams, &mut walls, limits, least_returns);
         joining::cut_at_peaks(ring, &mut walls, limits.passage_m);
 
         let dropped = dust.iter().filter(|dust| **dust).count();

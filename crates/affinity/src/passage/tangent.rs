@@ -4,7 +4,7 @@ use super::ring::{Place, Ring};
 
 /// A piece of fewer returns, or shorter than this, has no direction.
 const LEAST_RETURNS: usize = 3;
-const LEAST_LENGTH_M: f64 = 0.2;
+const LEAST_LENGTH_M: f64 = 0.1;
 /// The stretch is at least so many times the first spacing: far returns are metres apart.
 const SPACINGS: f64 = 2.5;
 /// No more returns than this are looked at.

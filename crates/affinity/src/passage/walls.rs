@@ -37,9 +37,8 @@ impl Chains {
             self.tie(ring, i, i, 1.0);
         }
         for wall in walls {
-            let links: Vec<f64> = (1..wall.len())
-                .map(|at| cost(&wall[..at], &wall[at..]).map_or(WEAK, |cost| (-cost).exp()))
-                .collect();
+            let links: Vec<f64> =
+                (1..wall.len()).map(|at| cost(&wall[..at], &wall[at..]).map_or(WEAK, |cost| (-cost).exp())).collect();
             for (at, &i) in wall.iter().enumerate() {
                 let mut weight = 1.0;
                 for (&j, link) in wall[at + 1..].iter().zip(&links[at..]).take(self.neighbours) {
