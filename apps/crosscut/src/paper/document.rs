@@ -50,7 +50,7 @@ pub(crate) fn document(figures: &[Figure], families: &[Family]) -> String {
     ]);
     let best = (0..EXPONENTS.len()).rev().max_by_key(|&at| all.right[at].hits).unwrap_or(0);
     text += &format!(
-        "The best single tolerance is 1e{}: right in {} of {scenes} scenes. Preset `paper` takes 1e-8.\n",
+        "The best single tolerance is 1e{}: right in {} of {scenes} scenes. Preset `paper` takes 1e-7.\n",
         EXPONENTS[best], all.right[best].hits
     );
     text
