@@ -3,6 +3,7 @@
 use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::check_degrees;
+use crate::forest::Forest;
 
 pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
     name: "components",
@@ -27,20 +28,7 @@ impl SpectralStage for Components {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let n = affinity.degrees.len();
-        self.forest.plant(n);
-        let mut not_finite = None;
-        affinity.weights.for_each(|i, j, weight| {
-            if !weight.is_finite() {
-                not_finite.get_or_insert(i);
-            } else if weight != 0.0 {
-                self.forest.join(i, j);
-            }
-        });
-        if let Some(index) = not_finite {
-            return Err(StageError::NotFinite { what: "the affinity", index });
-        }
-
-        let component_of_return = self.forest.number_components();
+        let component_of_return = self.forest.components(&affinity.weights)?;
         self.volumes.clear();
         for (&component, &degree) in component_of_return.iter().zip(&affinity.degrees) {
             match self.volumes.get_mut(component as usize) {
@@ -65,50 +53,5 @@ impl SpectralStage for Components {
     fn memory_bytes(&self, n: usize) -> u64 {
         // A parent and at most one volume a return.
         (n as u64).saturating_mul(4 + 8)
-    }
-}
-
-/// Union-find in which the root of a tree is its smallest member.
-#[derive(Clone, Debug, Default)]
-struct Forest {
-    parent: Vec<u32>,
-}
-
-impl Forest {
-    /// n trees of one member each.
-    fn plant(&mut self, n: usize) {
-        self.parent.clear();
-        self.parent.extend(0..n as u32);
-    }
-
-    fn join(&mut self, i: usize, j: usize) {
-        let (a, b) = (self.root(i as u32), self.root(j as u32));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
-
-    /// The root of the tree of `i`; every other member on the way is tied to its grandparent.
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parent[i as usize] != i {
-            let grandparent = self.parent[self.parent[i as usize] as usize];
-            self.parent[i as usize] = grandparent;
-            i = grandparent;
-        }
-        i
-    }
-
-    /// The component of each member, numbered by their smallest member. The forest is used up.
-    fn number_components(&mut self) -> &[u32] {
-        let mut next = 0;
-        for i in 0..self.parent.len() {
-            let parent = self.parent[i] as usize;
-            // A parent is smaller, so it holds the number of its component already.
-            self.parent[i] = if parent == i {
-                next += 1;
-                next - 1
-            } else {
-                self.parent[parent]
-            };
-        }
-        &self.parent
     }
 }

@@ -35,7 +35,7 @@ impl FaerEvd {
         rule.checked().map(Self::with)
     }
 
-    fn with(rule: ZeroRule) -> Self {
+    pub(crate) fn with(rule: ZeroRule) -> Self {
         let scratch = MemBuffer::new(StackReq::empty());
         Self { rule, laplacian: Laplacian::default(), eigenvectors: Mat::new(), scratch }
     }

@@ -11,6 +11,7 @@
 //! |---|---|---|---|
 //! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
+//! | `blocks` | banded factorisation of each component, the next eigenvalue by inverse iteration | the k zeros and the next | sparse graphs |
 //! | `components` | union-find, no decomposition | the k zeros, exact | 0/1 graphs, the baselines |
 //!
 //! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
@@ -37,16 +38,20 @@
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
 
+mod band;
+mod blocks;
 mod components;
 mod degrees;
 mod embedding;
 mod faer_evd;
+mod forest;
 mod laplacian;
 mod nalgebra_evd;
 mod zero_rule;
 
 use crosscut_stage::{Kind, SpectralStage};
 
+pub use blocks::Blocks;
 pub use components::Components;
 pub use faer_evd::FaerEvd;
 pub use laplacian::Laplacian;
@@ -54,4 +59,4 @@ pub use nalgebra_evd::NalgebraEvd;
 pub use zero_rule::ZeroRule;
 
 /// The solvers that crosscut ships.
-pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND, components::KIND];
+pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND, blocks::KIND, components::KIND];

@@ -1,0 +1,118 @@
+//! The graph of passages on scenes computed by hand: straight walls, one ray per degree, range limit 15 m.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_affinity::Passage;
+use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, Sweep, Value, wrap_angle_rad};
+
+/// A wall from one end to the other.
+type Segment = [[f64; 2]; 2];
+
+/// Both walls of a tunnel along x, 4 m wide.
+const TUNNEL: [Segment; 2] = [[[-30.0, 2.0], [30.0, 2.0]], [[-30.0, -2.0], [30.0, -2.0]]];
+
+/// Where a ray from the origin meets a segment.
+fn hit_m([a, b]: &Segment, bearing_rad: f64) -> Option<f64> {
+    let ((dy, dx), (ex, ey)) = (bearing_rad.sin_cos(), (b[0] - a[0], b[1] - a[1]));
+    let det = ex * dy - ey * dx;
+    let (range_m, along) = ((ex * a[1] - ey * a[0]) / det, (dx * a[1] - dy * a[0]) / det);
+    (range_m > 0.0 && (0.0..=1.0).contains(&along)).then_some(range_m)
+}
+
+/// 360 beams from -π; `report` may change what a beam of this number reports.
+fn scan(segments: &[Segment], report: impl Fn(usize, Option<f64>) -> Option<f64>) -> Revolution {
+    let step_rad = TAU / 360.0;
+    let (mut points_m, mut sweep) =
+        (Vec::new(), Sweep { step_rad, range_max_m: 15.0, full_turn: true, ..Sweep::default() });
+    for beam in 0..360 {
+        let bearing_rad = wrap_angle_rad(-PI + (beam as f64 + 0.5) * step_rad);
+        let seen_m = segments.iter().filter_map(|segment| hit_m(segment, bearing_rad)).min_by(f64::total_cmp);
+        sweep.bearings_rad.push(bearing_rad);
+        sweep.beams.push(match report(beam, seen_m.filter(|range_m| *range_m < 15.0)) {
+            Some(range_m) => {
+                points_m.push(Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0));
+                Beam::Return(points_m.len() as u32 - 1)
+            }
+            None => Beam::NoReturn,
+        });
+    }
+    Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }
+}
+
+/// As reported.
+fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
+    range_m
+}
+
+/// Sizes of the components of the graph, largest first.
+fn components(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<usize> {
+    let mut affinity = Affinity::default();
+    let mut stage = Passage::new(settings).expect("allowed");
+    stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+    let mut component: Vec<usize> = (0..revolution.len()).collect();
+    for _ in 0..revolution.len() {
+        affinity.weights.for_each(|i, j, _| component[i] = component[i].min(component[j]));
+    }
+    let size = |root: usize| component.iter().filter(|c| **c == root).count();
+    let mut sizes: Vec<usize> = (0..revolution.len()).map(size).filter(|size| *size > 0).collect();
+    sizes.sort_unstable_by(|a, b| b.cmp(a));
+    sizes
+}
+
+#[test]
+fn a_tunnel_is_two_walls_a_dead_end_one_and_a_crossing_four() {
+    let n = scan(&TUNNEL, all).len();
+    assert_eq!(components(&scan(&TUNNEL, all), &[]), [n / 2, n / 2]);
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    assert_eq!(components(&scan(&dead_end, all), &[]).len(), 1);
+    let corner =
+        |x: f64, y: f64| [[[x * 2.0, y * 2.0], [x * 2.0, y * 30.0]], [[x * 2.0, y * 2.0], [x * 30.0, y * 2.0]]];
+    let crossing = [corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0), corner(1.0, -1.0)].concat();
+    assert_eq!(components(&scan(&crossing, all), &[]).len(), 4);
+}
+
+#[test]
+fn a_wall_goes_on_across_beams_that_were_lost_and_behind_a_bump() {
+    let lost = |beam: usize, range_m| if (75..90).contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan(&TUNNEL, lost), &[]).len(), 2);
+    let bump = [TUNNEL[0], TUNNEL[1], [[4.0, -2.0], [4.2, -1.5]], [[4.2, -1.5], [4.4, -2.0]]];
+    assert_eq!(components(&scan(&bump, all), &[]).len(), 2);
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    let corner_lost = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan(&dead_end, corner_lost), &[]).len(), 1);
+}
+
+#[test]
+fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
+    let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
+    let sizes = components(&scan(&TUNNEL, dusty), &[]);
+    assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 8, 8), "{sizes:?}");
+    let own_rig = |beam: usize, range_m| if (80..100).contains(&beam) { Some(0.1) } else { range_m };
+    let sizes = components(&scan(&TUNNEL, own_rig), &[]);
+    assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
+}
+
+#[test]
+fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
+    let round = |k: f64| [5.0 + 0.5 * (k * TAU / 12.0).cos(), 0.3 + 0.5 * (k * TAU / 12.0).sin()];
+    let pillar: Vec<Segment> = (0..12).map(|k| [round(f64::from(k)), round(f64::from(k + 1))]).collect();
+    let scene = [&TUNNEL[..], &pillar].concat();
+    let sizes = components(&scan(&scene, all), &[]);
+    assert_eq!(sizes.len(), 3, "{sizes:?}");
+    assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");
+}
+
+#[test]
+fn a_door_narrower_than_the_vehicle_ends_no_wall() {
+    let side_door = [TUNNEL[0], [[-30.0, -2.0], [0.0, -2.0]], [[0.5, -2.0], [30.0, -2.0]], [[-2.0, -9.0], [2.0, -9.0]]];
+    let narrow = components(&scan(&side_door, all), &[]);
+    assert_eq!(narrow.iter().filter(|size| **size > 20).count(), 2, "{narrow:?}");
+}
+
+#[test]
+fn a_number_out_of_range_is_refused_by_its_name() {
+    for (name, bad) in [("passage_m", 0.0), ("corner_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
+        let refused = Passage::new(&[(name, Value::Number(bad))]).expect_err("must be refused");
+        assert_eq!(refused.name, name);
+    }
+}

@@ -1,0 +1,68 @@
+//! Connected components by union-find.
+
+use crosscut_stage::{StageError, Weights};
+
+/// Union-find in which the root of a tree is its smallest member.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Forest {
+    parent: Vec<u32>,
+}
+
+impl Forest {
+    /// The component of each return of a graph, every weight that is not 0 an edge; numbered by their first return.
+    ///
+    /// # Errors
+    /// When a weight is not finite.
+    pub(crate) fn components(&mut self, weights: &Weights) -> Result<&[u32], StageError> {
+        self.plant(weights.n());
+        let mut not_finite = None;
+        weights.for_each(|i, j, weight| {
+            if !weight.is_finite() {
+                not_finite.get_or_insert(i);
+            } else if weight != 0.0 {
+                self.join(i, j);
+            }
+        });
+        match not_finite {
+            Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
+            None => Ok(self.number_components()),
+        }
+    }
+
+    /// n trees of one member each.
+    fn plant(&mut self, n: usize) {
+        self.parent.clear();
+        self.parent.extend(0..n as u32);
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        let (a, b) = (self.root(i as u32), self.root(j as u32));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The root of the tree of `i`; every other member on the way is tied to its grandparent.
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parent[i as usize] != i {
+            let grandparent = self.parent[self.parent[i as usize] as usize];
+            self.parent[i as usize] = grandparent;
+            i = grandparent;
+        }
+        i
+    }
+
+    /// The component of each member, numbered by their smallest member. The forest is used up.
+    fn number_components(&mut self) -> &[u32] {
+        let mut next = 0;
+        for i in 0..self.parent.len() {
+            let parent = self.parent[i] as usize;
+            // A parent is smaller, so it holds the number of its component already.
+            self.parent[i] = if parent == i {
+                next += 1;
+                next - 1
+            } else {
+                self.parent[parent]
+            };
+        }
+        &self.parent
+    }
+}
