@@ -5,7 +5,7 @@ use crosscut_stage::{Interval, ParamError, ParamSpec, Params, Shape, Spectrum, V
 pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
     name: "zero_tolerance",
     unit: "",
-    shape: Shape::Number { default: 1e-8, range: Interval::above(0.0, 2.0) },
+    shape: Shape::Number { default: 1e-7, range: Interval::above(0.0, 2.0) },
     doc: "τ: eigenvalues of the Laplacian below it count as zero",
 };
 
