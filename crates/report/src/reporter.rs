@@ -5,7 +5,7 @@ use crosscut_stage::{
 };
 
 use crate::openings::{Finder, Rule};
-use crate::{islands, place, walls};
+use crate::{confidence, islands, place, walls};
 
 /// Section `report` of the configuration.
 pub const PARAMS: &[ParamSpec] = &[
@@ -27,6 +27,12 @@ pub const PARAMS: &[ParamSpec] = &[
         shape: Shape::Choice { default: "free_space", of: &["free_space", "between_walls"] },
         doc: "where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins",
     },
+    ParamSpec {
+        name: "confidence",
+        unit: "",
+        shape: Shape::Choice { default: "margin", of: &["margin", "scene"] },
+        doc: "what it is taken from: the zero rule's margin, or the narrowest opening, the smallest wall and islands",
+    },
 ];
 
 /// Section `vehicle` of the configuration.
@@ -42,6 +48,7 @@ pub const VEHICLE_PARAMS: &[ParamSpec] = &[ParamSpec {
 pub struct Reporter {
     min_returns: usize,
     island_m: f64,
+    confidence_of_scene: bool,
     vehicle_width_m: f64,
     finder: Finder,
     /// Wall of each return, those of islands left out.
@@ -54,6 +61,7 @@ impl Reporter {
         Self {
             min_returns: report.count("min_returns"),
             island_m: report.number("island_m"),
+            confidence_of_scene: report.text("confidence") == "scene",
             vehicle_width_m: vehicle.number("width_m"),
             finder: Finder::new(match report.text("openings") {
                 "between_walls" => Rule::BetweenWalls,
@@ -85,14 +93,13 @@ impl ReportStage for Reporter {
         self.finder.find(revolution, self.vehicle_width_m, &self.wall_beside_openings, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
-        out.confidence = confidence(spectrum.margin_decades);
+        out.confidence = if self.confidence_of_scene {
+            confidence::of_scene(revolution, out)
+        } else {
+            confidence::of_margin(spectrum.margin_decades)
+        };
         Ok(())
     }
-}
-
-/// 1 - 10^-margin: 0 on the tolerance, 0.9 one decade away, 0.99 two.
-fn confidence(margin_decades: Option<f64>) -> f64 {
-    margin_decades.map_or(0.0, |margin| 1.0 - 10f64.powf(-margin.max(0.0)))
 }
 
 #[cfg(test)]
@@ -112,12 +119,5 @@ mod tests {
             &mut Notes::default(),
         );
         assert_eq!(result, Err(StageError::Unsupported("0 labels for 1 returns".into())));
-    }
-
-    #[test]
-    fn confidence_grows_with_the_margin_and_is_none_without_a_spectrum() {
-        assert_eq!(confidence(None), 0.0);
-        assert_eq!(confidence(Some(-1.0)), 0.0);
-        assert!((confidence(Some(2.0)) - 0.99).abs() < 1e-12);
     }
 }
