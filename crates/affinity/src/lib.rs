@@ -13,8 +13,8 @@
 //! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0; needs beams | sparse |
 //!
 //! `threshold`, `breakpoint` and `dbscan` are baselines. Each clusters by the components of its 0/1 graph, and goes
-//! through the same stages as the rest: their components are its zero eigenvalues. Their defaults are what is right most often over all development
-//! scenes of the simulator when components of fewer than 8 returns are left out (kmeans `components`, `min_cluster = 8`).
+//! through the same stages as the rest: their components are its zero eigenvalues. Their defaults were chosen on the
+//! development scenes of the simulator, with small components left out (kmeans `components`, `min_cluster`).
 //!
 //! Each kind says which changes of the revolution leave W alone: [`INVARIANCES`].
 //!
