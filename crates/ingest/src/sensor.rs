@@ -16,37 +16,37 @@ pub const PARAMS: &[ParamSpec] = &[
         name: "yaw_rad",
         unit: "rad",
         shape: Shape::Number { default: 0.0, range: Interval::closed(-PI, PI) },
-        doc: "Direction of the sensor's zero bearing in the body frame, anticlockwise.",
+        doc: "direction of the sensor's zero bearing in the body frame, anticlockwise",
     },
     ParamSpec {
         name: "upside_down",
         unit: "",
         shape: Shape::Flag { default: false },
-        doc: "The sensor hangs upside down, so that its bearings run the other way.",
+        doc: "the sensor hangs upside down, so that its bearings run the other way",
     },
     ParamSpec {
         name: "min_range_m",
         unit: "m",
         shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 1e6) },
-        doc: "Returns nearer than this are left out (parts of the vehicle); their direction is unknown.",
+        doc: "returns nearer than this are left out (parts of the vehicle); their direction is unknown",
     },
     ParamSpec {
         name: "max_range_m",
         unit: "m",
         shape: Shape::Number { default: f64::INFINITY, range: Interval::above(0.0, f64::INFINITY) },
-        doc: "Returns farther than this are read as no return.",
+        doc: "returns farther than this are read as no return",
     },
     ParamSpec {
         name: "masked_sectors_rad",
         unit: "rad",
         shape: Shape::Pairs { range: Interval::closed(-PI, PI) },
-        doc: "Bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π.",
+        doc: "bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π",
     },
     ParamSpec {
         name: "frame_id",
         unit: "",
         shape: Shape::Text { default: "" },
-        doc: "Take only scans of this frame_id, where several sensors share a topic; empty takes all.",
+        doc: "take only scans of this frame_id, where several sensors share a topic; empty takes all",
     },
 ];
 

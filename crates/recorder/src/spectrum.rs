@@ -12,6 +12,8 @@ use crate::tensors::{f32_matrix, rows_of};
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
 const FLOOR_DECADE: f32 = -18.0;
+/// An exact zero stands on the floor; so much of its column is drawn, so that it can be seen and counted.
+const STUB_DECADES: f32 = 0.7;
 /// Eigenvalues stored; more only if k is larger.
 const STORED: usize = 64;
 /// Eigenvalues drawn; more of them would not be told apart.
@@ -93,7 +95,8 @@ fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {
 /// A column for each eigenvalue on a logarithmic scale, the zeros in colour, τ across them all, and k in words.
 fn log_chart(rec: &RecordingStream, spectrum: &Spectrum) -> RecordingStreamResult<()> {
     let drawn = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(DRAWN)];
-    let columns = drawn.iter().enumerate().map(|(i, &l)| [[column_x(i), -FLOOR_DECADE], [column_x(i), height(l)]]);
+    let top = |value: f64| height(value).min(-FLOOR_DECADE - STUB_DECADES);
+    let columns = drawn.iter().enumerate().map(|(i, &l)| [[column_x(i), -FLOOR_DECADE], [column_x(i), top(l)]]);
     let columns = LineStrips2D::new(columns)
         .with_colors((0..drawn.len()).map(|i| color(if i < spectrum.k { ZEROS } else { GREY })))
         .with_radii([Radius::new_scene_units(0.3 * COLUMN)]);
