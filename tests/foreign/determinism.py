@@ -1,27 +1,29 @@
 """The same input gives the same bytes, whatever the number of workers; the same seed gives the same flight."""
 
 from flights import SCENARIO, Flight, Flights
-from program import lines
+from program import Crosscut, lines
 from verdicts import Verdicts
 
+PRESETS = ("paper", "default")
 WORKERS = (1, 2, 4)
 
 
 def check(flights: Flights, verdicts: Verdicts):
-    for flight in [*flights.shipped(), flights.clear(), *flights.real()]:
-        check_results(flight, flights, verdicts)
+    for preset in PRESETS:
+        for flight in [*flights.shipped(), flights.clear(), *flights.real()]:
+            check_results(flight, preset, flights.crosscut, verdicts)
     check_simulation(flights, verdicts)
 
 
-def check_results(flight: Flight, flights: Flights, verdicts: Verdicts):
-    first = flights.outcome(flight).ran.stdout
-    runs = {"a second run": flights.crosscut.results(flight.path)}
+def check_results(flight: Flight, preset: str, crosscut: Crosscut, verdicts: Verdicts):
+    first = crosscut.results(flight.path, preset=preset).expect(0).stdout
+    others = {"a second run": crosscut.results(flight.path, preset=preset).expect(0).stdout}
     for workers in WORKERS:
-        runs[f"{workers} workers"] = flights.crosscut.results(flight.path, "--set", f"pipeline.workers={workers}")
-    others = {name: ran.expect(0).stdout for name, ran in runs.items()}
+        ran = crosscut.results(flight.path, "--set", f"pipeline.workers={workers}", preset=preset)
+        others[f"{workers} workers"] = ran.expect(0).stdout
     differences = [f"{name}: {first_difference(first, made)}" for name, made in others.items() if made != first]
-    figures = "; ".join(differences) or f"{len(first)} bytes, the same in {1 + len(runs)} runs ({', '.join(runs)})"
-    verdicts.that(not differences and bool(first), f"{flight.name}: results", figures)
+    figures = "; ".join(differences) or f"{len(first)} bytes, the same in {1 + len(others)} runs ({', '.join(others)})"
+    verdicts.that(not differences and bool(first), f"{flight.name}, {preset}: results", figures)
 
 
 def first_difference(a: bytes, b: bytes) -> str:

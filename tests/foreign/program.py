@@ -33,9 +33,9 @@ class Crosscut:
     def command(self, *args) -> list[str]:
         return [str(self.binary), *map(str, args)]
 
-    def results(self, *args) -> Ran:
-        """`run` with the paper's settings; its standard output is the results."""
-        return self("run", *args, "--preset", "paper", "--results", "-", "--quiet")
+    def results(self, *args, preset: str = "paper") -> Ran:
+        """`run` with a preset; its standard output is the results."""
+        return self("run", *args, "--preset", preset, "--results", "-", "--quiet")
 
 
 def lines(results: bytes) -> list[dict]:
