@@ -1,7 +1,7 @@
 """The same input gives the same bytes, whatever the number of workers; the same seed gives the same flight."""
 
 from flights import SCENARIO, Flight, Flights
-from program import Crosscut, lines
+from program import lines
 from verdicts import Verdicts
 
 PRESETS = ("paper", "default")
@@ -11,16 +11,19 @@ WORKERS = (1, 2, 4)
 def check(flights: Flights, verdicts: Verdicts):
     for preset in PRESETS:
         for flight in [*flights.shipped(), flights.clear(), *flights.real()]:
-            check_results(flight, preset, flights.crosscut, verdicts)
+            check_results(flight, preset, flights, verdicts)
     check_simulation(flights, verdicts)
 
 
-def check_results(flight: Flight, preset: str, crosscut: Crosscut, verdicts: Verdicts):
+def check_results(flight: Flight, preset: str, flights: Flights, verdicts: Verdicts):
+    crosscut = flights.crosscut
     first = crosscut.results(flight.path, preset=preset).expect(0).stdout
     others = {"a second run": crosscut.results(flight.path, preset=preset).expect(0).stdout}
     for workers in WORKERS:
         ran = crosscut.results(flight.path, "--set", f"pipeline.workers={workers}", preset=preset)
         others[f"{workers} workers"] = ran.expect(0).stdout
+    if preset == "paper":
+        others["with a recording"] = flights.outcome(flight).ran.stdout
     differences = [f"{name}: {first_difference(first, made)}" for name, made in others.items() if made != first]
     figures = "; ".join(differences) or f"{len(first)} bytes, the same in {1 + len(others)} runs ({', '.join(others)})"
     verdicts.that(not differences and bool(first), f"{flight.name}, {preset}: results", figures)
