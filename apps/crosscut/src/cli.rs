@@ -77,7 +77,7 @@ pub(crate) struct ConfigArgs {
     /// A file of settings (TOML), over the preset.
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) config: Option<PathBuf>,
-    /// A single setting, over the file: affinity.sigma_per_m2=1.5. May be given again.
+    /// A single setting, over the file: vehicle.width_m=0.8. May be given again.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }
