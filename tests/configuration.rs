@@ -44,6 +44,8 @@ fn the_input_is_never_overwritten() {
         let ran = run(["run", path, option, path]).expect_code(2);
         assert!(ran.stderr.contains("would be overwritten"), "{}", ran.stderr);
     }
+    let folder = folder.path().to_str().expect("a path in UTF-8");
+    assert!(run(["run", folder, "--save", path]).expect_code(2).stderr.contains("would be overwritten"), "in a folder");
     let size = |path: &std::path::Path| path.metadata().expect("it is there").len();
     assert_eq!(size(&flight), size(&shipped_flight()));
 }

@@ -13,7 +13,7 @@ use crate::cli::{ConfigArgs, EvaluateArgs};
 use crate::exit::{Outcome, UsageError};
 use crate::run::stop_on_interrupt;
 use crate::scoring::{self, Scored};
-use crate::{comparison, config, progress};
+use crate::{comparison, config, overwriting, progress};
 
 /// One column of the tables.
 struct Column {
@@ -174,9 +174,6 @@ fn open_output(path: &Path, recordings: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
     }
-    let is = |recording: &PathBuf| matches!((path.canonicalize(), recording.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if recordings.iter().any(is) {
-        return Err(UsageError(format!("{} would be overwritten; write to another file", path.display())).into());
-    }
+    overwriting::refuse(&[path], recordings)?;
     Ok(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?))
 }

@@ -9,6 +9,7 @@ mod evaluate;
 mod exit;
 mod figure;
 mod info;
+mod overwriting;
 mod paper;
 mod progress;
 mod run;

@@ -7,20 +7,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::Context;
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_ingest::{ReadOptions, Recording, Sensor, recordings_in};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, Observer};
 
 use crate::cli::RunArgs;
 use crate::exit::{INTERRUPTED, Outcome, UsageError};
-use crate::{config, progress, summary};
+use crate::{config, overwriting, progress, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
 pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let config = config::resolve(&args.config, &registry)?;
-    refuse_overwriting_inputs(args)?;
+    let outputs: Vec<&Path> = args.save.iter().chain(&args.results).map(PathBuf::as_path).collect();
+    overwriting::refuse(&outputs, &recordings_in(&args.input)?)?;
     let mut recording = open(args, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut lost = Vec::new();
@@ -64,19 +65,6 @@ fn open(args: &RunArgs, config: &Config) -> anyhow::Result<Recording> {
     }
     let options = ReadOptions { topic: args.topic.clone(), from_s: args.from, to_s: args.to, every: args.every };
     Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
-}
-
-/// What is written must not be what is read.
-fn refuse_overwriting_inputs(args: &RunArgs) -> Result<(), UsageError> {
-    let same = |a: &Path, b: &Path| a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    let outputs: Vec<&PathBuf> = args.save.iter().chain(&args.results).collect();
-    for (i, output) in outputs.iter().enumerate() {
-        let taken = args.input.iter().any(|input| same(input, output));
-        if taken || outputs[..i].iter().any(|other| same(other, output)) {
-            return Err(UsageError(format!("{} would be overwritten; write to another file", output.display())));
-        }
-    }
-    Ok(())
 }
 
 /// A file, standard output for `-`, or nothing.

@@ -140,7 +140,7 @@ impl Finder {
                 beams.push(BeamIndex { beam, anticlockwise: true });
             }
         }
-        if clockwise(sweep) {
+        if sweep.is_clockwise() {
             self.ring.reverse();
             beams.reverse();
             beams.iter_mut().for_each(|b| b.anticlockwise = false);
@@ -153,12 +153,6 @@ impl Finder {
 struct BeamIndex {
     beam: usize,
     anticlockwise: bool,
-}
-
-/// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
-fn clockwise(sweep: &Sweep) -> bool {
-    let turn = |pair: &[f64]| crosscut_stage::wrap_angle_rad(pair[1] - pair[0]);
-    sweep.bearings_rad.windows(2).map(turn).sum::<f64>() < 0.0
 }
 
 /// The beams strictly between the two ends of an edge.

@@ -1,8 +1,8 @@
 //! The name of the place.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use crosscut_stage::{Opening, Place};
+use crosscut_stage::{Opening, Place, wrap_angle_rad};
 
 /// Two openings at least this far apart make a corridor, nearer ones a bend.
 const CORRIDOR_RAD: f64 = 0.75 * PI;
@@ -15,18 +15,12 @@ pub fn name(full_turn: bool, openings: &[Opening]) -> Place {
     match openings {
         [] => Place::Closed,
         [_] => Place::DeadEnd,
-        [a, b] if angle_between_rad(a.bearing_rad, b.bearing_rad) >= CORRIDOR_RAD => Place::Corridor,
+        [a, b] if wrap_angle_rad(a.bearing_rad - b.bearing_rad).abs() >= CORRIDOR_RAD => Place::Corridor,
         [_, _] => Place::Bend,
         [_, _, _] => Place::Tee,
         [_, _, _, _] => Place::Cross,
         more => Place::Junction(more.len()),
     }
-}
-
-/// The smaller angle between two directions, in [0, π].
-fn angle_between_rad(a_rad: f64, b_rad: f64) -> f64 {
-    let turn = (a_rad - b_rad).rem_euclid(TAU);
-    turn.min(TAU - turn)
 }
 
 #[cfg(test)]

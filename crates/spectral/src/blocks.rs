@@ -1,11 +1,12 @@
 //! `blocks`: the eigenvalues near zero, component by component, for sparse graphs.
 
-use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError, Weights};
+use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError};
 
 use crate::FaerEvd;
 use crate::band::Band;
 use crate::degrees::check_degrees;
 use crate::forest::Forest;
+use crate::laplacian::dense_bytes;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
 pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
@@ -118,7 +119,7 @@ impl SpectralStage for Blocks {
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // At worst one component that needs the full decomposition.
-        self.full.memory_bytes(n).saturating_add(Weights::Dense(faer::Mat::new()).memory_bytes())
+        // At worst one component that needs the full decomposition, and its part of W made dense.
+        self.full.memory_bytes(n).saturating_add(dense_bytes(n))
     }
 }

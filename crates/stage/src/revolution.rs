@@ -95,6 +95,12 @@ impl Sweep {
         self.beams.is_empty()
     }
 
+    /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
+    pub fn is_clockwise(&self) -> bool {
+        let turn_rad = |pair: &[f64]| wrap_angle_rad(pair[1] - pair[0]);
+        self.bearings_rad.windows(2).map(turn_rad).sum::<f64>() < 0.0
+    }
+
     /// Removes all beams, keeping the buffers.
     pub fn clear(&mut self) {
         self.ranges_m.clear();

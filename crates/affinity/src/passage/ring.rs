@@ -1,6 +1,6 @@
 //! The returns of one sweep as a ring, anticlockwise around the sensor.
 
-use crosscut_stage::{Beam, Point, StageError, Sweep, wrap_angle_rad};
+use crosscut_stage::{Beam, Point, StageError, Sweep};
 use nalgebra::Vector2;
 
 /// Points of the plane, metres.
@@ -47,8 +47,7 @@ impl Ring {
             let (beams, returns) = (self.returns.len(), points_m.len());
             return Err(StageError::Unsupported(format!("{beams} beams with a return, but {returns} returns")));
         }
-        let turn_rad: f64 = sweep.bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0])).sum();
-        if turn_rad < 0.0 {
+        if sweep.is_clockwise() {
             self.returns.reverse();
             self.returns.iter_mut().for_each(|entry| entry.beam = sweep.len() - 1 - entry.beam);
         }
