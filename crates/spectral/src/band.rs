@@ -1,4 +1,4 @@
-//! One component's Laplacian as a band matrix, and its second eigenvalue.
+//! One block's Laplacian as a band matrix, and its second eigenvalue.
 
 use std::collections::VecDeque;
 
@@ -12,7 +12,7 @@ const SHIFT: f64 = -1e-9;
 /// How far from an eigenvalue the pivots are asked, relative to it.
 const BRACKET: f64 = 1e-9;
 
-/// The normalised Laplacian of one component, rows in breadth-first order from its far end, so that entries stay near
+/// The normalised Laplacian of one block, rows in breadth-first order from its far end, so that entries stay near
 /// the diagonal: as near as the neighbours of a return along its wall.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Band {
@@ -29,8 +29,8 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Takes the component of `members`.
-    pub(crate) fn form(&mut self, affinity: &Affinity, members: &[u32]) {
+    /// Takes the block of `members`; `leaks` are the weights of each return's links to other blocks, set aside.
+    pub(crate) fn form(&mut self, affinity: &Affinity, members: &[u32], leaks: &[f64]) {
         self.n = members.len();
         let mut place = vec![usize::MAX; affinity.degrees.len()];
         members.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
@@ -51,7 +51,7 @@ impl Band {
             for &(j, weight) in row.iter().filter(|&&(j, _)| rank[j] <= rank[i]) {
                 let scaled = weight * (degree(i).sqrt().recip() * degree(j).sqrt().recip());
                 let at = rank[i] * (self.width + 1) + self.width - (rank[i] - rank[j]);
-                self.entries[at] = f64::from(u8::from(i == j)) - scaled;
+                self.entries[at] = if i == j { 1.0 - scaled - leaks[members[i] as usize] / degree(i) } else { -scaled };
             }
         }
         let norm = dot(&self.zero, &self.zero).sqrt();

@@ -41,6 +41,7 @@ impl SpectralStage for Components {
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
+        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
         out.u.resize_with(n, out.k, |_, _| 0.0);
         out.u.fill(0.0);
         for (i, (&component, degree)) in component_of_return.iter().zip(&affinity.degrees).enumerate() {

@@ -17,6 +17,7 @@ pub(crate) fn embed<'a>(
         return Err(StageError::NoConvergence { n });
     }
     rule.count(out);
+    (out.zeros_bound, out.span_bound) = (0.0, 0.0);
     out.u.resize_with(n, out.k, |_, _| 0.0);
     for j in 0..out.k {
         let column = eigenvector(j);

@@ -30,12 +30,12 @@ impl Forest {
     }
 
     /// n trees of one member each.
-    fn plant(&mut self, n: usize) {
+    pub(crate) fn plant(&mut self, n: usize) {
         self.parent.clear();
         self.parent.extend(0..n as u32);
     }
 
-    fn join(&mut self, i: usize, j: usize) {
+    pub(crate) fn join(&mut self, i: usize, j: usize) {
         let (a, b) = (self.root(i as u32), self.root(j as u32));
         self.parent[a.max(b) as usize] = a.min(b);
     }
@@ -51,7 +51,7 @@ impl Forest {
     }
 
     /// The component of each member, numbered by their smallest member. The forest is used up.
-    fn number_components(&mut self) -> &[u32] {
+    pub(crate) fn number_components(&mut self) -> &[u32] {
         let mut next = 0;
         for i in 0..self.parent.len() {
             let parent = self.parent[i] as usize;

@@ -11,7 +11,7 @@
 //! |---|---|---|---|
 //! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
-//! | `blocks` | banded factorisation of each component, the next eigenvalue by inverse iteration | the k zeros and the next | sparse graphs |
+//! | `blocks` | weak links set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
 //! | `components` | union-find, no decomposition | the k zeros, exact | 0/1 graphs, the baselines |
 //!
 //! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
@@ -41,12 +41,14 @@
 mod band;
 mod blocks;
 mod components;
+mod decomposition;
 mod degrees;
 mod embedding;
 mod faer_evd;
 mod forest;
 mod laplacian;
 mod nalgebra_evd;
+mod split;
 mod zero_rule;
 
 use crosscut_stage::{Kind, SpectralStage};

@@ -1,7 +1,14 @@
-//! What `blocks` does beyond the shared tests: it needs no full decomposition for the graphs that it is made for.
+//! What `blocks` does beyond the shared tests: it needs no full decomposition for the graphs that it is made for,
+//! and proves what it says of weak links.
+
+use std::cell::Cell;
 
 use crosscut_spectral::{Blocks, NalgebraEvd, ZeroRule};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
+use faer::Mat;
+use proptest::collection::vec;
+use proptest::prelude::{Strategy, any};
+use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 /// Chains of the given lengths, each node tied to the `reach` next ones; nodes of all chains in one shuffled order.
 fn chains(lengths: &[usize], reach: usize) -> Affinity {
@@ -35,7 +42,7 @@ fn chains_need_no_full_decomposition_and_the_next_eigenvalue_is_that_of_one() {
     for (lengths, reach) in [(&[150, 91, 1, 60][..], 4), (&[40, 2, 3], 1), (&[299], 4)] {
         let affinity = chains(lengths, reach);
         let rule = ZeroRule::Tolerance(1e-8);
-        let (found, notes) = spectrum(&mut Blocks::new(rule).expect("allowed"), &affinity);
+        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
         let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
         assert_eq!((found.k, notes), (lengths.len(), 0), "{lengths:?}");
         let (next, expected) = (found.eigenvalues[found.k], all.eigenvalues[all.k]);
@@ -46,9 +53,88 @@ fn chains_need_no_full_decomposition_and_the_next_eigenvalue_is_that_of_one() {
 #[test]
 fn a_second_eigenvalue_below_the_tolerance_counts_as_zero_and_is_noted() {
     let mut affinity = chains(&[20, 21], 2);
-    let w = affinity.weights.make_dense(41);
-    (w[(0, 40)], w[(40, 0)]) = (1e-10, 1e-10); // places of both chains
+    tie(&mut affinity, 0, 40, 1e-10); // places of both chains
     let rule = ZeroRule::Tolerance(1e-8);
-    let (found, notes) = spectrum(&mut Blocks::new(rule).expect("allowed"), &affinity);
+    let (found, notes) = spectrum(&mut Blocks::new(rule, 0.0).expect("allowed"), &affinity);
     assert_eq!((found.k, notes), (2, 1), "{:?}", found.eigenvalues);
+}
+
+/// Ties two returns more.
+fn tie(affinity: &mut Affinity, i: usize, j: usize, weight: f64) {
+    let w = affinity.weights.make_dense(affinity.degrees.len());
+    w[(i, j)] += weight;
+    w[(j, i)] += weight;
+    affinity.degrees[i] += weight;
+    affinity.degrees[j] += weight;
+}
+
+/// Chains with links of 1e-15 to 1 between some of their nodes.
+fn linked_chains() -> impl Strategy<Value = Affinity> {
+    let links = vec((any::<[u16; 2]>(), -15.0..0.0f64), 0..8);
+    (vec(1..25usize, 1..7), links).prop_map(|(mut lengths, links)| {
+        // `chains` needs a number of nodes that 7 does not divide.
+        lengths[0] += usize::from(lengths.iter().sum::<usize>() % 7 == 0);
+        let mut affinity = chains(&lengths, 2);
+        let n = affinity.degrees.len();
+        for ([i, j], decades) in links {
+            let (i, j) = (usize::from(i) % n, usize::from(j) % n);
+            if i != j {
+                tie(&mut affinity, i, j, 10f64.powf(decades));
+            }
+        }
+        affinity
+    })
+}
+
+/// The root of the sum of the squared sines of the angles between the spans of the orthonormal columns of `u` and `v`.
+fn sine(u: &Mat<f64>, v: &Mat<f64>) -> f64 {
+    (u - v * (v.transpose() * u)).norm_l2()
+}
+
+#[test]
+fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_are_within_the_bounds() {
+    let rule = ZeroRule::Tolerance(1e-8);
+    let (set_aside, undecided) = (Cell::new(0), Cell::new(0));
+    let config = Config { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let ran = TestRunner::new(config).run(&linked_chains(), |affinity| {
+        let rounding = 100.0 * affinity.degrees.len() as f64 * f64::EPSILON;
+        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
+        let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
+        if all.eigenvalues.iter().any(|lambda| (lambda - all.tolerance).abs() <= rounding) {
+            undecided.set(undecided.get() + 1);
+            return Ok(());
+        }
+        assert_eq!(found.k, all.k, "{:?} is {:?}", found.eigenvalues, all.eigenvalues);
+        for (theta, lambda) in found.eigenvalues[..found.k].iter().zip(&all.eigenvalues) {
+            let excess = theta - lambda;
+            assert!((-rounding..=found.zeros_bound + rounding).contains(&excess), "{theta} is {lambda}: {found:?}");
+        }
+        let Some((next, lambda)) = found.eigenvalues.get(found.k).zip(all.eigenvalues.get(all.k)) else {
+            return Ok(());
+        };
+        assert!(*next <= lambda + rounding, "the next eigenvalue is {lambda}, not {next}");
+        let (sine, allowed) = (sine(&found.u, &all.u), found.span_bound + rounding / lambda);
+        assert!(sine <= allowed, "the span of U is off by {sine}, allowed {allowed}");
+        if found.span_bound > 0.0 {
+            let columns_of = |i: usize| (0..found.k).filter(|&j| found.u[(i, j)] != 0.0).count();
+            assert!((0..found.u.nrows()).all(|i| columns_of(i) == 1), "each return is of one block");
+            assert_eq!(notes, 0);
+            set_aside.set(set_aside.get() + 1);
+        }
+        Ok(())
+    });
+    ran.unwrap_or_else(|error| panic!("{error}"));
+    let (set_aside, undecided) = (set_aside.get(), undecided.get());
+    assert!(set_aside > 100 && undecided < 20, "{set_aside} with links set aside, {undecided} undecided");
+}
+
+#[test]
+fn a_real_leak_between_two_walls_is_the_second_eigenvalue() {
+    let mut affinity = chains(&[20, 21], 2);
+    tie(&mut affinity, 0, 40, 1e-9);
+    let (found, _) = spectrum(&mut Blocks::new(ZeroRule::Tolerance(1e-8), 1e-3).expect("allowed"), &affinity);
+    let volume = |chain: std::ops::Range<usize>| chain.map(|i| affinity.degrees[i * 7 % 41]).sum::<f64>();
+    let expected = 1e-9 * (volume(0..20).recip() + volume(20..41).recip());
+    assert!((found.eigenvalues[1] / expected - 1.0).abs() < 1e-6, "{} is {expected}", found.eigenvalues[1]);
+    assert_eq!(found.margin_decades, Some((found.tolerance / found.eigenvalues[1]).log10()));
 }

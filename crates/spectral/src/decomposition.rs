@@ -1,0 +1,68 @@
+//! The full self-adjoint decomposition of the faer library, on one thread, in memory that is kept.
+
+use crosscut_stage::StageError;
+use faer::diag::DiagMut;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::{Mat, MatRef, Par, Spec};
+
+use crate::laplacian::dense_bytes;
+
+/// Householder tridiagonalisation, then divide and conquer (implicit QR below 128 rows), on one thread: the bits of
+/// faer's eigenvectors depend on the number of threads.
+pub(crate) struct Decomposition {
+    eigenvectors: Mat<f64>,
+    scratch: MemBuffer,
+}
+
+impl Default for Decomposition {
+    fn default() -> Self {
+        Self { eigenvectors: Mat::new(), scratch: MemBuffer::new(StackReq::empty()) }
+    }
+}
+
+impl Decomposition {
+    /// Writes the n eigenvalues of a symmetric matrix, ascending, and keeps its eigenvectors.
+    ///
+    /// # Errors
+    /// When it does not converge.
+    pub(crate) fn decompose(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
+        let n = matrix.nrows();
+        eigenvalues.clear();
+        eigenvalues.resize(n, 0.0);
+        self.eigenvectors.resize_with(n, n, |_, _| 0.0);
+        if n == 0 {
+            return Ok(());
+        }
+        let needed = scratch(n);
+        if self.scratch.len() < needed.unaligned_bytes_required() {
+            self.scratch = MemBuffer::new(needed);
+        }
+        self_adjoint_evd(
+            matrix,
+            DiagMut::from_slice_mut(eigenvalues),
+            Some(self.eigenvectors.as_mut()),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+            Spec::default(),
+        )
+        .map_err(|_| StageError::NoConvergence { n })
+    }
+
+    /// The unit eigenvector of the eigenvalue at `j`.
+    pub(crate) fn eigenvector(&self, j: usize) -> &[f64] {
+        self.eigenvectors.col_as_slice(j)
+    }
+
+    /// Bytes that a decomposition of n rows takes beside its input.
+    pub(crate) fn memory_bytes(n: usize) -> u64 {
+        // faer adds without looking for overflow; what 2^28 returns would need is more than any machine has.
+        let scratch_bytes = if n == 0 { 0 } else { scratch(n.min(1 << 28)).unaligned_bytes_required() as u64 };
+        dense_bytes(n).saturating_add(scratch_bytes)
+    }
+}
+
+/// Working memory of one decomposition, n > 0.
+fn scratch(n: usize) -> StackReq {
+    self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default())
+}

@@ -1,0 +1,235 @@
+//! The graph split into blocks along its weak links, and the eigenvalues that the links leave near zero.
+
+use crosscut_stage::{Affinity, StageError};
+use faer::Mat;
+
+use crate::decomposition::Decomposition;
+use crate::forest::Forest;
+
+/// An edge between two blocks that is set aside.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    from: u32,
+    to: u32,
+    weight: f64,
+}
+
+/// The returns in m blocks: what is tied by more than weak links, and the links between them.
+///
+/// With Z (n×m) the columns D^1/2 1_B / ‖D^1/2 1_B‖ of the blocks B, and E = D^-1/2 (D_w - W_w) D^-1/2 the part of L that
+/// the weak links make (W_w their weights, D_w the degrees of W_w), L = L_0 + E. L_0 is block diagonal with L_0 Z = 0, and
+/// E is positive semidefinite. The Laplacian of the graph of blocks,
+///
+/// Q = ZᵀLZ = ZᵀEZ: Q_AA = w(A, rest) / vol A, Q_AB = -w(A, B) / √(vol A · vol B),
+///
+/// has the eigenvalues θ_1 <= … <= θ_m. With μ the smallest eigenvalue of L_0 that is not one of its m zeros,
+///
+/// λ_m <= θ_m (Courant, Fischer) and μ <= λ_m+1 (Weyl, E >= 0).
+///
+/// So L has exactly m eigenvalues below τ if θ_m < τ <= μ. Blocks are therefore joined until θ_m < τ; what μ is, is not
+/// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns of
+/// Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
+pub(crate) struct Split {
+    forest: Forest,
+    links: Vec<Link>,
+    block_of_return: Vec<u32>,
+    /// Σ D_ii over each block.
+    volumes: Vec<f64>,
+    /// Σ of the weights of the weak links of each return.
+    leaks: Vec<f64>,
+    /// The place in Q of each block that has weak links.
+    place: Vec<Option<usize>>,
+    quotient: Mat<f64>,
+    eigenvalues: Vec<f64>,
+    decomposition: Decomposition,
+}
+
+impl Default for Split {
+    fn default() -> Self {
+        Self {
+            forest: Forest::default(),
+            links: Vec::new(),
+            block_of_return: Vec::new(),
+            volumes: Vec::new(),
+            leaks: Vec::new(),
+            place: Vec::new(),
+            quotient: Mat::new(),
+            eigenvalues: Vec::new(),
+            decomposition: Decomposition::default(),
+        }
+    }
+}
+
+impl Split {
+    /// Splits the graph along its links of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until θ_m < `tolerance`.
+    ///
+    /// # Errors
+    /// When a weight is not finite, or Q cannot be decomposed.
+    pub(crate) fn form(&mut self, affinity: &Affinity, weak: f64, tolerance: f64) -> Result<(), StageError> {
+        self.cut(affinity, weak)?;
+        loop {
+            self.number_blocks(affinity);
+            if self.links.is_empty() {
+                self.eigenvalues.clear();
+                return Ok(());
+            }
+            self.form_quotient();
+            // λ_max(Q) >= Q_AA: as long as there is such a block, it cannot stay alone.
+            let mut leaking: Vec<usize> = (0..self.quotient.nrows()).collect();
+            leaking.retain(|&a| self.quotient[(a, a)] >= tolerance);
+            if leaking.is_empty() {
+                self.decomposition.decompose(self.quotient.as_ref(), &mut self.eigenvalues)?;
+                if self.eigenvalues.last().is_none_or(|&largest| largest < tolerance) {
+                    return Ok(());
+                }
+                let diagonal = |a: usize| self.quotient[(a, a)];
+                leaking.extend((0..self.quotient.nrows()).max_by(|&a, &b| diagonal(a).total_cmp(&diagonal(b))));
+            }
+            self.join(&leaking);
+        }
+    }
+
+    /// Number of blocks, m.
+    pub(crate) fn len(&self) -> usize {
+        self.volumes.len()
+    }
+
+    /// Whether links were set aside.
+    pub(crate) fn has_links(&self) -> bool {
+        !self.links.is_empty()
+    }
+
+    /// The block of each return; blocks are numbered by their first return.
+    pub(crate) fn block_of_return(&self) -> &[u32] {
+        &self.block_of_return
+    }
+
+    /// Σ D_ii over each block.
+    pub(crate) fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// Σ of the weights of the weak links of each return.
+    pub(crate) fn leaks(&self) -> &[f64] {
+        &self.leaks
+    }
+
+    /// Those of θ_1, …, θ_m that are not 0 because a block has no weak links; ascending.
+    pub(crate) fn eigenvalues(&self) -> &[f64] {
+        &self.eigenvalues
+    }
+
+    /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm² (s² / vol A + Σ_B s_B² / vol B) / D_ii,
+    /// s_B what its links to block B weigh, s = Σ s_B.
+    pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
+        let per_link = |link: &Link| {
+            let half = |near: u32, far: u32| {
+                let volume = |i: u32| self.volumes[self.block_of_return[i as usize] as usize];
+                // s_B² <= s·s_B.
+                let both = volume(near).recip() + volume(far).recip();
+                link.weight * self.leaks[near as usize] * both / degrees[near as usize]
+            };
+            half(link.from, link.to) + half(link.to, link.from)
+        };
+        self.links.iter().map(per_link).sum::<f64>().sqrt()
+    }
+
+    /// Joins what is tied by links that are not weak, and remembers the others.
+    fn cut(&mut self, affinity: &Affinity, weak: f64) -> Result<(), StageError> {
+        let degrees = &affinity.degrees;
+        self.forest.plant(degrees.len());
+        self.links.clear();
+        let (forest, links) = (&mut self.forest, &mut self.links);
+        let mut not_finite = None;
+        affinity.weights.for_each(|i, j, weight| {
+            if !weight.is_finite() {
+                not_finite.get_or_insert(i);
+            } else if weight * weight >= weak * weak * (degrees[i] * degrees[j]) {
+                if weight != 0.0 {
+                    forest.join(i, j);
+                }
+            } else if i < j && weight != 0.0 {
+                links.push(Link { from: i as u32, to: j as u32, weight });
+            }
+        });
+        if let Some(index) = not_finite {
+            return Err(StageError::NotFinite { what: "the affinity", index });
+        }
+        // Dense weights come column by column, sparse ones row by row: sums must not depend on that.
+        self.links.sort_unstable_by_key(|link| (link.from, link.to));
+        Ok(())
+    }
+
+    /// Numbers the blocks as they now are, and forgets the links within a block.
+    fn number_blocks(&mut self, affinity: &Affinity) {
+        self.block_of_return.clear();
+        self.block_of_return.extend_from_slice(self.forest.number_components());
+        self.volumes.clear();
+        for (&block, &degree) in self.block_of_return.iter().zip(&affinity.degrees) {
+            match self.volumes.get_mut(block as usize) {
+                Some(volume) => *volume += degree,
+                None => self.volumes.push(degree), // blocks appear in the order of their numbers
+            }
+        }
+        let block = &self.block_of_return;
+        self.links.retain(|link| block[link.from as usize] != block[link.to as usize]);
+        self.leaks.clear();
+        self.leaks.resize(block.len(), 0.0);
+        for link in &self.links {
+            self.leaks[link.from as usize] += link.weight;
+            self.leaks[link.to as usize] += link.weight;
+        }
+    }
+
+    /// Q, of the blocks that have weak links.
+    fn form_quotient(&mut self) {
+        self.place.clear();
+        self.place.resize(self.volumes.len(), None);
+        let mut linked = 0;
+        for (&block, &leak) in self.block_of_return.iter().zip(&self.leaks) {
+            let place = &mut self.place[block as usize];
+            if leak > 0.0 && place.is_none() {
+                *place = Some(linked);
+                linked += 1;
+            }
+        }
+        self.quotient.resize_with(linked, linked, |_, _| 0.0);
+        self.quotient.fill(0.0);
+        for link in &self.links {
+            let [(a, volume_a), (b, volume_b)] = [link.from, link.to].map(|i| self.place_and_volume(i));
+            self.quotient[(a, a)] += link.weight / volume_a;
+            self.quotient[(b, b)] += link.weight / volume_b;
+            let between = link.weight / (volume_a.sqrt() * volume_b.sqrt());
+            self.quotient[(a, b)] -= between;
+            self.quotient[(b, a)] -= between;
+        }
+    }
+
+    /// The place in Q and the volume of the block of return `i`, which has weak links.
+    fn place_and_volume(&self, i: u32) -> (usize, f64) {
+        let block = self.block_of_return[i as usize] as usize;
+        (self.place[block].expect("a block with weak links has a place"), self.volumes[block])
+    }
+
+    /// Joins each of the `leaking` places of Q with the one that it is tied to most.
+    fn join(&mut self, leaking: &[usize]) {
+        let q = &self.quotient;
+        let mut strongest: Vec<Option<usize>> = vec![None; q.nrows()];
+        for &a in leaking {
+            let others = (0..q.nrows()).filter(|&b| b != a);
+            strongest[a] = others.min_by(|&b, &c| q[(b, a)].total_cmp(&q[(c, a)]));
+        }
+        // The forest was used up by the numbering.
+        self.forest.plant(self.block_of_return.len());
+        let mut first_return = vec![None; self.volumes.len()];
+        for (i, &block) in self.block_of_return.iter().enumerate() {
+            self.forest.join(i, *first_return[block as usize].get_or_insert(i));
+        }
+        for link in &self.links {
+            let (a, b) = (self.place_and_volume(link.from).0, self.place_and_volume(link.to).0);
+            if strongest[a] == Some(b) || strongest[b] == Some(a) {
+                self.forest.join(link.from as usize, link.to as usize);
+            }
+        }
+    }
+}
