@@ -134,12 +134,11 @@ impl AffinityStage for Breakpoint {
             // Two returns have one edge, whether they are tied through the seam or not.
             *first |= std::mem::take(last);
         }
-        write_edges(out, n, |i| {
+        write_edges(out, n, |i, row| {
             let (previous, next) = ((i + n - 1) % n, (i + 1) % n);
-            let mut row =
-                [Some(i), self.tied_to_next[previous].then_some(previous), self.tied_to_next[i].then_some(next)];
+            let tied = [Some(i), self.tied_to_next[previous].then_some(previous), self.tied_to_next[i].then_some(next)];
+            row.extend(tied.into_iter().flatten().map(|j| j as u32));
             row.sort_unstable();
-            row.into_iter().flatten().map(|j| j as u32)
         });
         Ok(())
     }

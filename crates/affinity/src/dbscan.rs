@@ -3,9 +3,9 @@
 use crosscut_stage::{
     Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Point, Revolution, Shape, StageError, Value,
 };
-use nalgebra::distance_squared;
 
 use crate::Invariance;
+use crate::columns::Columns;
 use crate::edges::{edges_bytes, write_edges};
 use crate::finite::check_finite;
 
@@ -39,8 +39,7 @@ pub(crate) const INVARIANCES: &[Invariance] =
 /// are noise and have no edge.
 ///
 /// A border return is tied to the core that reaches it first when clusters are grown one after the other, depth first,
-/// from their first core in beam order: so it joins the cluster in which scikit-learn puts it. Every pair is looked at,
-/// n² distances.
+/// from their first core in beam order: so it joins the cluster in which scikit-learn puts it.
 #[derive(Clone, Debug)]
 pub struct Dbscan {
     eps_m: f64,
@@ -117,7 +116,7 @@ impl AffinityStage for Dbscan {
         self.neighbours.find(points_m, self.eps_m);
         self.grow_clusters(points_m.len());
         let grown: &Self = self;
-        write_edges(out, points_m.len(), |i| grown.row(i));
+        write_edges(out, points_m.len(), |i, row| row.extend(grown.row(i)));
         Ok(())
     }
 
@@ -131,17 +130,19 @@ impl AffinityStage for Dbscan {
 struct Neighbours {
     start: Vec<usize>,
     all: Vec<u32>,
+    columns: Columns,
+    near: Vec<u32>,
 }
 
 impl Neighbours {
     fn find(&mut self, points_m: &[Point], reach_m: f64) {
-        let reach_m2 = reach_m * reach_m;
+        self.columns.fill(points_m, reach_m);
         self.start.clear();
         self.all.clear();
-        for p in points_m {
+        for point in points_m {
             self.start.push(self.all.len());
-            let near = |j: &u32| distance_squared(p, &points_m[*j as usize]) <= reach_m2;
-            self.all.extend((0..points_m.len() as u32).filter(near));
+            self.columns.near(points_m, point, reach_m, &mut self.near);
+            self.all.extend_from_slice(&self.near);
         }
         self.start.push(self.all.len());
     }

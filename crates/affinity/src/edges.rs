@@ -1,22 +1,19 @@
-//! 0/1 graphs, written row by row.
+//! Sparse graphs, written row by row.
 
 use crosscut_stage::Affinity;
 
-/// Writes the sparse graph of n returns in which W_ij = 1 if j is in `row(i)`, which ascends and holds i.
-pub(crate) fn write_edges<Row>(out: &mut Affinity, n: usize, row: impl Fn(usize) -> Row)
-where
-    Row: Iterator<Item = u32>,
-{
+/// Writes the sparse graph of n returns in which W_ij = 1 for every j that `row(i, &mut columns)` puts into the empty
+/// `columns`, ascending, i among them.
+pub(crate) fn write_edges(out: &mut Affinity, n: usize, mut row: impl FnMut(usize, &mut Vec<u32>)) {
     let csr = out.weights.make_sparse();
     out.degrees.clear();
+    let mut columns = Vec::new();
     for i in 0..n {
-        let mut degree = 0.0;
-        for j in row(i) {
-            csr.push(j, 1.0);
-            degree += 1.0;
-        }
+        columns.clear();
+        row(i, &mut columns);
+        columns.iter().for_each(|&j| csr.push(j, 1.0));
         csr.end_row();
-        out.degrees.push(degree);
+        out.degrees.push(columns.len() as f64);
     }
 }
 

@@ -10,7 +10,7 @@
 //! | `threshold` | 1 if ‖x_i - x_j‖ <= radius, else 0 | sparse |
 //! | `breakpoint` | 1 between neighbouring beams without a jump of the range, else 0; needs beams | sparse |
 //! | `dbscan` | 1 between cores in reach, and from a border return to one core, else 0 | sparse |
-//! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0; needs beams | sparse |
+//! | `passage` | Π exp(-cost) over the gaps between i and j along one wall, else 0 | sparse |
 //!
 //! `threshold`, `breakpoint` and `dbscan` are baselines. Each clusters by the components of its 0/1 graph, and goes
 //! through the same stages as the rest: their components are its zero eigenvalues. Their defaults were chosen on the
@@ -37,6 +37,7 @@
 //! [`Affinity`]: crosscut_stage::Affinity
 
 mod breakpoint;
+mod columns;
 mod dbscan;
 mod edges;
 mod finite;

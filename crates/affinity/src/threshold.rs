@@ -3,9 +3,9 @@
 use crosscut_stage::{
     Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError, Value,
 };
-use nalgebra::distance_squared;
 
 use crate::Invariance;
+use crate::columns::Columns;
 use crate::edges::{edges_bytes, write_edges};
 use crate::finite::check_finite;
 
@@ -20,7 +20,7 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     name: "threshold",
     doc: "a 0/1 graph: an edge between any two returns within a radius (baseline)",
     params: &[RADIUS_M],
-    build: |params| Box::new(Threshold { radius_m: params.number(RADIUS_M.name) }),
+    build: |params| Box::new(Threshold::with(params.number(RADIUS_M.name))),
 };
 
 pub(crate) const INVARIANCES: &[Invariance] =
@@ -28,11 +28,12 @@ pub(crate) const INVARIANCES: &[Invariance] =
 
 /// W_ij = 1 if ‖x_i - x_j‖ <= radius, else 0: single-linkage clustering, once its components are taken.
 ///
-/// Every pair is looked at, n² distances. It depends on distances alone, so it is blind to every rigid motion, to
+/// Only returns in columns around each other are looked at. It depends on distances alone, so it is blind to every rigid motion, to
 /// mirroring, and to the order of the returns.
 #[derive(Clone, Debug)]
 pub struct Threshold {
     radius_m: f64,
+    columns: Columns,
 }
 
 impl Threshold {
@@ -42,7 +43,11 @@ impl Threshold {
     /// When the radius is out of range.
     pub fn new(radius_m: f64) -> Result<Self, ParamError> {
         RADIUS_M.check(Value::Number(radius_m))?;
-        Ok(Self { radius_m })
+        Ok(Self::with(radius_m))
+    }
+
+    fn with(radius_m: f64) -> Self {
+        Self { radius_m, columns: Columns::default() }
     }
 }
 
@@ -50,11 +55,8 @@ impl AffinityStage for Threshold {
     fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let points_m = &revolution.points_m;
         check_finite(points_m)?;
-        let reach_m2 = self.radius_m * self.radius_m;
-        write_edges(out, points_m.len(), |i| {
-            let near = move |j: &u32| distance_squared(&points_m[i], &points_m[*j as usize]) <= reach_m2;
-            (0..points_m.len() as u32).filter(near)
-        });
+        self.columns.fill(points_m, self.radius_m);
+        write_edges(out, points_m.len(), |i, row| self.columns.near(points_m, &points_m[i], self.radius_m, row));
         Ok(())
     }
 

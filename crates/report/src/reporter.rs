@@ -1,7 +1,8 @@
 //! The report stage: walls, then openings, then the name of the place.
 
 use crosscut_stage::{
-    Interval, Junction, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum, StageError,
+    Interval, Junction, LevelView, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum,
+    StageError,
 };
 
 use crate::openings::{Finder, Rule};
@@ -36,12 +37,20 @@ pub const PARAMS: &[ParamSpec] = &[
 ];
 
 /// Section `vehicle` of the configuration.
-pub const VEHICLE_PARAMS: &[ParamSpec] = &[ParamSpec {
-    name: "width_m",
-    unit: "m",
-    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "diameter of the disc that must fit through an opening",
-}];
+pub const VEHICLE_PARAMS: &[ParamSpec] = &[
+    ParamSpec {
+        name: "width_m",
+        unit: "m",
+        shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
+        doc: "diameter of the disc that must fit through an opening",
+    },
+    ParamSpec {
+        name: "height_m",
+        unit: "m",
+        shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
+        doc: "of a cloud, openings are seen by the returns no farther above or below the sensor than half of it",
+    },
+];
 
 /// Turns clusters into walls and openings.
 #[derive(Clone, Debug)]
@@ -50,6 +59,8 @@ pub struct Reporter {
     island_m: f64,
     confidence_of_scene: bool,
     vehicle_width_m: f64,
+    vehicle_height_m: f64,
+    view: LevelView,
     finder: Finder,
     /// Wall of each return, those of islands left out.
     wall_beside_openings: Vec<Option<u32>>,
@@ -63,12 +74,53 @@ impl Reporter {
             island_m: report.number("island_m"),
             confidence_of_scene: report.text("confidence") == "scene",
             vehicle_width_m: vehicle.number("width_m"),
+            vehicle_height_m: vehicle.number("height_m"),
+            view: LevelView::default(),
             finder: Finder::new(match report.text("openings") {
                 "between_walls" => Rule::BetweenWalls,
                 _ => Rule::FreeSpace,
             }),
             wall_beside_openings: Vec::new(),
         }
+    }
+}
+
+impl Reporter {
+    /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
+    fn look_around(&mut self, revolution: &Revolution, spectrum: &Spectrum, out: &mut Junction) {
+        islands::mark(revolution, self.island_m, out);
+        let without_islands = |wall: &Option<u32>| wall.filter(|&id| !out.walls[id as usize].island);
+        self.wall_beside_openings.clear();
+        self.wall_beside_openings.extend(out.wall_of_return.iter().map(without_islands));
+        self.finder.find(revolution, self.vehicle_width_m, &self.wall_beside_openings, &mut out.openings);
+        out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
+        out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
+        out.confidence = if self.confidence_of_scene {
+            confidence::of_scene(revolution, out)
+        } else {
+            confidence::of_margin(spectrum.margin_decades)
+        };
+    }
+
+    /// The same for a cloud: from its walls as a level vehicle sees them.
+    fn look_around_in_cloud(&mut self, cloud: &Revolution, spectrum: &Spectrum, out: &mut Junction) {
+        let mut view = std::mem::take(&mut self.view);
+        view.look(cloud, self.vehicle_height_m, self.vehicle_width_m);
+        let wall_of = |&number: &u32| out.wall_of_return[number as usize];
+        let mut seen = Junction {
+            walls: out.walls.clone(),
+            wall_of_return: view.numbers().iter().map(wall_of).collect(),
+            ..Junction::default()
+        };
+        seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
+        seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
+        self.look_around(view.seen(), spectrum, &mut seen);
+        for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
+            wall.island = seen.island;
+        }
+        (out.openings, out.junctions) = (seen.openings, seen.junctions);
+        (out.place, out.confidence) = (seen.place, seen.confidence);
+        self.view = view;
     }
 }
 
@@ -86,18 +138,11 @@ impl ReportStage for Reporter {
             return Err(StageError::Unsupported(format!("{labelled} labels for {n} returns")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        islands::mark(revolution, self.island_m, out);
-        let without_islands = |wall: &Option<u32>| wall.filter(|&id| !out.walls[id as usize].island);
-        self.wall_beside_openings.clear();
-        self.wall_beside_openings.extend(out.wall_of_return.iter().map(without_islands));
-        self.finder.find(revolution, self.vehicle_width_m, &self.wall_beside_openings, &mut out.openings);
-        out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
-        out.confidence = if self.confidence_of_scene {
-            confidence::of_scene(revolution, out)
+        if revolution.as_sweep().is_some() {
+            self.look_around(revolution, spectrum, out);
         } else {
-            confidence::of_margin(spectrum.margin_decades)
-        };
+            self.look_around_in_cloud(revolution, spectrum, out);
+        }
         Ok(())
     }
 }

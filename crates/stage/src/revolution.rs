@@ -49,7 +49,15 @@ pub enum Beam {
     Unknown,
 }
 
+/// A sweep of more beams is worked on as a cloud: neighbouring returns are nearer to each other than a range is exact.
+const MOST_BEAMS: usize = 4096;
+
 impl Revolution {
+    /// The beams; `None` for a cloud, which has none, and for a sweep of more than 4096 beams.
+    pub fn as_sweep(&self) -> Option<&Sweep> {
+        self.sweep.as_ref().filter(|sweep| sweep.len() <= MOST_BEAMS)
+    }
+
     /// Number of returns, n.
     pub fn len(&self) -> usize {
         self.points_m.len()

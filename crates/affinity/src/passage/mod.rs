@@ -1,5 +1,6 @@
 //! `passage`: an edge wherever the wall goes on, none where a vehicle could pass.
 
+mod carrying;
 mod dust;
 mod gap;
 mod islands;
@@ -9,12 +10,14 @@ mod tangent;
 mod walls;
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Params, Revolution, Shape, StageError, Value,
+    Affinity, AffinityStage, Interval, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point, Revolution, Shape,
+    StageError, Sweep, Value,
 };
 
 use crate::Invariance;
 use crate::edges::edges_bytes;
 use crate::finite::check_finite;
+use carrying::Carrying;
 use gap::Limits;
 use ring::Ring;
 use walls::Chains;
@@ -82,8 +85,15 @@ const NEIGHBOURS: ParamSpec = ParamSpec {
     doc: "each return has an edge to so many of its wall on either side",
 };
 
+const HEIGHT_M: ParamSpec = ParamSpec {
+    name: "height_m",
+    unit: "m",
+    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
+    doc: "the vehicle's height: of a cloud, returns farther above or below the sensor than half of it are of no wall",
+};
+
 const PARAMS: &[ParamSpec] =
-    &[PASSAGE_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, WALL_DEG, NEIGHBOURS];
+    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, WALL_DEG, NEIGHBOURS];
 
 pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     name: "passage",
@@ -109,15 +119,29 @@ pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mi
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
 /// returns of the wall on either side of i; 0 from wall to wall. The weights along a wall do not fall with the spacing of
 /// its returns, so the second eigenvalue of its block does not either.
+///
+/// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the returns
+/// that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
 #[derive(Clone, Debug)]
 pub struct Passage {
     limits: Limits,
+    height_m: f64,
     island_m: f64,
     wall_rad: f64,
+    cloud: Cloud,
     ring: Ring,
     dust: Vec<bool>,
     island_beams: Vec<bool>,
     chains: Chains,
+}
+
+/// Held from one cloud to the next.
+#[derive(Clone, Debug, Default)]
+struct Cloud {
+    view: LevelView,
+    /// The graph of what is seen.
+    seen: Affinity,
+    carrying: Carrying,
 }
 
 impl Passage {
@@ -149,6 +173,8 @@ impl Passage {
         };
         Self {
             limits,
+            height_m: params.number(HEIGHT_M.name),
+            cloud: Cloud::default(),
             island_m: params.number(ISLAND_M.name),
             wall_rad: params.number(WALL_DEG.name).to_radians(),
             ring: Ring::default(),
@@ -157,17 +183,17 @@ impl Passage {
             chains: Chains::new(params.count(NEIGHBOURS.name)),
         }
     }
-}
 
-impl AffinityStage for Passage {
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
-        check_finite(&revolution.points_m)?;
-        let Some(sweep) = &revolution.sweep else {
-            let message = "affinity `passage` needs the beams of a 2D sweep, which a point cloud does not have";
-            return Err(StageError::Unsupported(message.to_owned()));
-        };
+    /// W and D of the returns of one sweep.
+    fn walls_of_sweep(
+        &mut self,
+        sweep: &Sweep,
+        points_m: &[Point],
+        out: &mut Affinity,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
         let Self { limits, ring, dust, island_beams, .. } = self;
-        ring.fill(sweep, &revolution.points_m)?;
+        ring.fill(sweep, points_m)?;
         dust::mark(ring, dust);
         island_beams.clear();
         island_beams.resize(ring.beams, false);
@@ -190,8 +216,34 @@ impl AffinityStage for Passage {
         Ok(())
     }
 
+    /// W and D of a cloud, by way of the sweep that a level vehicle sees.
+    fn walls_of_cloud(&mut self, cloud: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        let mut buffers = std::mem::take(&mut self.cloud);
+        let Cloud { view, seen, carrying } = &mut buffers;
+        view.look(cloud, self.height_m, self.limits.passage_m);
+        let aside = cloud.len() - view.level().len();
+        if aside > 0 {
+            notes.add(format!("passage: {aside} returns lie above or below the vehicle, or within it: tied to none"));
+        }
+        let done = self.affinity(view.seen(), seen, notes);
+        carrying.write(cloud, view, seen, self.limits.passage_m, out);
+        self.cloud = buffers;
+        done
+    }
+}
+
+impl AffinityStage for Passage {
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        check_finite(&revolution.points_m)?;
+        match revolution.as_sweep() {
+            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, out, notes),
+            None => self.walls_of_cloud(revolution, out, notes),
+        }
+    }
+
     fn memory_bytes(&self, n: usize) -> u64 {
-        // On average one more edge to and from a return that is left over.
-        edges_bytes(n, self.chains.neighbours.saturating_mul(2).saturating_add(3))
+        // An unseen return is tied to its representative and to all that this one is tied to, which are tied back. In a
+        // sweep it is half as many, and on average one more to and from a return that is left over.
+        edges_bytes(n, self.chains.neighbours.saturating_mul(4).saturating_add(3))
     }
 }

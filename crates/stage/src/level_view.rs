@@ -1,0 +1,212 @@
+//! A cloud as a vehicle sees it that flies level: a 2D sweep of the nearest returns at its height.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::{Beam, Point, Revolution, Sweep, wrap_angle_rad};
+
+/// A beam is half a degree wide if there are returns enough.
+const MOST_BEAMS: usize = 720;
+/// What a beam meets first: the nearest return with so large a share of the beam's returns no more than a vehicle's width
+/// behind it. Fewer are dust, or a cable.
+const SHARE: f64 = 0.1;
+/// A wider sector without any return was not looked at: no way on is as wide.
+const UNSEEN_RAD: f64 = FRAC_PI_2;
+
+/// The nearest returns of a cloud at the height of the vehicle.
+///
+/// A cloud has no beams. What a level vehicle could meet are its returns with |z| <= height/2, z = 0 being the height of the
+/// sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to min(their number, 720) beams, and
+/// each beam sees the nearest that is no dust. So a cloud of any size becomes a sweep of bounded size, to which all that
+/// is known of sweeps applies.
+///
+/// The first level return is in the middle of its beam, so the view turns with the cloud. An empty sector of more than 90°
+/// is taken as not looked at; a smaller one as free.
+///
+/// ```
+/// use crosscut_stage::{LevelView, Point, Revolution};
+///
+/// let points_m = [[3.0, 0.0, 0.1], [0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [-4.0, 0.0, 0.0], [3.0, 0.0, 1.5]];
+/// let cloud = Revolution { points_m: points_m.map(Point::from).to_vec(), ..Revolution::default() };
+/// let mut view = LevelView::default();
+/// let (height_m, width_m) = (0.6, 0.6);
+/// view.look(&cloud, height_m, width_m);
+/// assert_eq!(view.numbers(), [0, 1, 3, 2], "anticlockwise, and the roof is out of the way");
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct LevelView {
+    seen: Revolution,
+    numbers: Vec<u32>,
+    level: Vec<u32>,
+    echoes: Vec<Echo>,
+    /// The return that each beam sees, from the beam of the first level return on.
+    beams: Vec<Option<Echo>>,
+}
+
+/// A level return within its beam.
+#[derive(Clone, Copy, Debug)]
+struct Echo {
+    beam: usize,
+    range_m: f64,
+    number: u32,
+}
+
+impl LevelView {
+    /// Looks at `cloud`, whatever was looked at before. What lies within half the vehicle's width of the sensor is the
+    /// vehicle itself.
+    pub fn look(&mut self, cloud: &Revolution, height_m: f64, width_m: f64) {
+        let is_level = |&number: &u32| {
+            let i = number as usize;
+            cloud.points_m[i].z.abs() <= height_m / 2.0 && cloud.range_m(i) > width_m / 2.0
+        };
+        self.level.clear();
+        self.level.extend((0..cloud.len() as u32).filter(is_level));
+        self.deal(cloud);
+        self.beams.clear();
+        self.beams.resize(self.level.len().min(MOST_BEAMS), None);
+        for echoes in self.echoes.chunk_by(|a, b| a.beam == b.beam) {
+            self.beams[echoes[0].beam] = Some(first_met(echoes, width_m));
+        }
+        self.write_sweep(cloud);
+    }
+
+    /// The returns that are seen, in beam order with the beams behind them, at z = 0.
+    pub fn seen(&self) -> &Revolution {
+        &self.seen
+    }
+
+    /// The number in the cloud of each return that is seen.
+    pub fn numbers(&self) -> &[u32] {
+        &self.numbers
+    }
+
+    /// The numbers in the cloud of all level returns, ascending.
+    pub fn level(&self) -> &[u32] {
+        &self.level
+    }
+
+    /// Sorts the level returns by beam, those of a beam by range.
+    fn deal(&mut self, cloud: &Revolution) {
+        self.echoes.clear();
+        let Some(&first) = self.level.first() else { return };
+        let (beams, start_rad) = (self.level.len().min(MOST_BEAMS), cloud.bearing_rad(first as usize));
+        let step_rad = TAU / beams as f64;
+        self.echoes.extend(self.level.iter().map(|&number| {
+            let offset_rad = wrap_angle_rad(cloud.bearing_rad(number as usize) - start_rad);
+            let beam = (offset_rad / step_rad).round().rem_euclid(beams as f64) as usize;
+            Echo { beam, range_m: cloud.range_m(number as usize), number }
+        }));
+        self.echoes.sort_unstable_by(|a, b| {
+            a.beam.cmp(&b.beam).then(a.range_m.total_cmp(&b.range_m)).then(a.number.cmp(&b.number))
+        });
+    }
+
+    fn write_sweep(&mut self, cloud: &Revolution) {
+        let Self { seen, numbers, level, beams, .. } = self;
+        seen.clear();
+        (seen.seq, seen.stamp_ns) = (cloud.seq, cloud.stamp_ns);
+        numbers.clear();
+        let sweep = seen.sweep.get_or_insert_with(Sweep::default);
+        sweep.step_rad = TAU / beams.len().max(1) as f64;
+        sweep.range_max_m = f64::INFINITY;
+        let start_rad = level.first().map_or(0.0, |&first| cloud.bearing_rad(first as usize));
+        let (begin, unseen) = widest_empty(beams);
+        sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
+        let turn = if sweep.full_turn { 0..beams.len() } else { begin + unseen..begin + beams.len() };
+        for beam in turn {
+            sweep.bearings_rad.push(wrap_angle_rad(start_rad + beam as f64 * sweep.step_rad));
+            let Some(echo) = beams[beam % beams.len()] else {
+                sweep.ranges_m.push(f32::INFINITY);
+                sweep.beams.push(Beam::NoReturn);
+                continue;
+            };
+            sweep.ranges_m.push(echo.range_m as f32);
+            sweep.beams.push(Beam::Return(numbers.len() as u32));
+            let point = cloud.points_m[echo.number as usize];
+            seen.points_m.push(Point::new(point.x, point.y, 0.0));
+            numbers.push(echo.number);
+        }
+    }
+}
+
+/// What one beam sees of its returns, which ascend by range.
+fn first_met(echoes: &[Echo], width_m: f64) -> Echo {
+    let enough = (SHARE * echoes.len() as f64).ceil() as usize;
+    let is_met = |at: &usize| echoes[at + enough - 1].range_m <= echoes[*at].range_m + width_m;
+    echoes[(0..=echoes.len() - enough).find(is_met).unwrap_or(0)]
+}
+
+/// The first beam and the number of beams of the longest run without a return, the first of equals; around the turn.
+fn widest_empty(beams: &[Option<Echo>]) -> (usize, usize) {
+    let Some(start) = beams.iter().position(Option::is_some) else { return (0, beams.len()) };
+    let mut widest = (0, 0);
+    let mut run = 0;
+    for beam in start..=start + beams.len() {
+        if beams[beam % beams.len()].is_none() {
+            run += 1;
+        } else {
+            if run > widest.1 {
+                widest = (beam - run, run);
+            }
+            run = 0;
+        }
+    }
+    widest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(points_m: Vec<Point>) -> LevelView {
+        let mut view = LevelView::default();
+        view.look(&Revolution { points_m, ..Revolution::default() }, 0.6, 0.6);
+        view
+    }
+
+    /// A ring of so many returns at this range and height.
+    fn ring(returns: usize, range_m: f64, z_m: f64) -> impl Iterator<Item = Point> {
+        (0..returns).map(move |i| {
+            let (sin, cos) = (TAU * i as f64 / returns as f64).sin_cos();
+            Point::new(range_m * cos, range_m * sin, z_m)
+        })
+    }
+
+    #[test]
+    fn a_cloud_of_any_size_has_no_more_beams_than_half_degrees_and_sees_only_its_nearest_level_returns() {
+        let wall = ring(50_000, 3.0, 0.1).chain(ring(50_000, 4.0, -0.2));
+        let view = look(wall.chain(ring(1000, 1.0, 0.5)).chain(ring(20, 0.2, 0.0)).collect());
+        assert_eq!((view.level().len(), view.numbers().len()), (100_000, 720), "the roof and the vehicle are no wall");
+        let seen = view.seen();
+        assert!((0..720).all(|i| (seen.range_m(i) - 3.0).abs() < 1e-9 && seen.points_m[i].z == 0.0));
+        let sweep = seen.sweep.as_ref().expect("made");
+        assert!(sweep.full_turn && sweep.beams.len() == 720 && !sweep.is_clockwise());
+    }
+
+    #[test]
+    fn a_few_returns_in_the_air_are_not_what_a_beam_of_many_sees() {
+        let view = look(ring(14_400, 5.0, 0.0).chain(ring(360, 2.0, 0.0)).collect());
+        let seen = view.seen();
+        assert!((0..seen.len()).all(|i| (seen.range_m(i) - 5.0).abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_quarter_without_returns_is_not_looked_at_and_less_is_free() {
+        let part = |share: f64| look(ring(3600, 4.0, 0.0).take((3600.0 * share) as usize).collect());
+        let sweep_of = |view: &LevelView| view.seen().sweep.clone().expect("made");
+        let (three_quarters, most) = (sweep_of(&part(0.7)), sweep_of(&part(0.8)));
+        assert!(!three_quarters.full_turn && most.full_turn);
+        let is_return = |beam: &Beam| matches!(beam, Beam::Return(_));
+        assert!(three_quarters.beams.iter().all(is_return), "it begins where the view begins");
+        assert!(most.beams.contains(&Beam::NoReturn) && most.len() == 720);
+    }
+
+    #[test]
+    fn no_level_return_is_no_beam_and_a_used_view_is_as_good_as_new() {
+        let mut view = look(ring(500, 4.0, 0.0).collect());
+        view.look(&Revolution { points_m: ring(9, 4.0, 2.0).collect(), ..Revolution::default() }, 0.6, 0.6);
+        assert_eq!(
+            (view.level().len(), view.seen().len(), view.seen().sweep.as_ref().map(Sweep::len)),
+            (0, 0, Some(0))
+        );
+    }
+}
