@@ -1,10 +1,12 @@
 //! `components`: one cluster per column of a U whose columns have no row in common.
 
-use crosscut_stage::{Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value};
+use crosscut_stage::{
+    Embedding, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value,
+};
 
 use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
-use crate::rows::Rows;
+use crate::rows::check;
 
 const MIN_CLUSTER: ParamSpec = ParamSpec {
     name: "min_cluster",
@@ -27,10 +29,11 @@ pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
 #[derive(Clone, Debug)]
 pub struct Components {
     min_cluster: usize,
-    rows: Rows,
-    /// The column of each return, and the number of returns of each column.
-    columns: Vec<u32>,
+    /// The column of each return and what stands there, and the number of returns of each column.
+    columns: Vec<(u32, f64)>,
     sizes: Vec<usize>,
+    /// The mean of the entries of each column.
+    means: Vec<f64>,
 }
 
 impl Components {
@@ -44,38 +47,30 @@ impl Components {
     }
 
     fn with(min_cluster: usize) -> Self {
-        Self { min_cluster, rows: Rows::default(), columns: Vec::new(), sizes: Vec::new() }
+        Self { min_cluster, columns: Vec::new(), sizes: Vec::new(), means: Vec::new() }
     }
 
-    /// Fills `columns` and `sizes`; k > 0.
-    fn read_columns(&mut self) -> Result<(), StageError> {
+    /// Fills `columns`, `sizes` and `means`.
+    fn read_columns(&mut self, u: &Embedding) -> Result<(), StageError> {
         self.columns.clear();
         self.sizes.clear();
-        self.sizes.resize(self.rows.dimension(), 0);
-        for (i, row) in self.rows.iter().enumerate() {
-            let mut present = row.iter().enumerate().filter(|(_, entry)| **entry != 0.0).map(|(column, _)| column);
-            let (Some(column), None) = (present.next(), present.next()) else {
+        self.sizes.resize(u.ncols(), 0);
+        self.means.clear();
+        self.means.resize(u.ncols(), 0.0);
+        for i in 0..u.nrows() {
+            let mut present = u.row(i).filter(|&(_, entry)| entry != 0.0);
+            let (Some((column, entry)), None) = (present.next(), present.next()) else {
                 return Err(StageError::Unsupported(format!(
                     "row {i} of U does not have exactly one entry that is not 0: kmeans `components` needs the U of \
                      spectral `components`"
                 )));
             };
-            self.columns.push(column as u32);
+            self.columns.push((column as u32, entry));
             self.sizes[column] += 1;
+            self.means[column] += entry;
         }
+        self.means.iter_mut().zip(&self.sizes).for_each(|(sum, &size)| *sum /= size.max(1) as f64);
         Ok(())
-    }
-
-    /// The mean of the rows of each cluster: not 0 in one column only.
-    fn write_centroids(&self, numbers: &[Option<u32>], out: &mut Partition) {
-        out.centroids.resize_with(out.clusters, self.rows.dimension(), |_, _| 0.0);
-        out.centroids.fill(0.0);
-        for (i, &column) in self.columns.iter().enumerate() {
-            let column = column as usize;
-            if let Some(number) = numbers[column] {
-                out.centroids[(number as usize, column)] += self.rows.row(i)[column] / self.sizes[column] as f64;
-            }
-        }
     }
 
     /// Notes how much is left out.
@@ -93,23 +88,31 @@ impl Components {
 
 impl KmeansStage for Components {
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
-        self.rows.copy_from(spectrum)?;
-        let (n, k) = (self.rows.len(), self.rows.dimension());
+        check(spectrum)?;
+        let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
         if n == 0 || k == 0 {
             without_clusters(n, k, out, notes);
             return Ok(());
         }
-        self.read_columns()?;
-        let kept = self.columns.iter().copied().filter(|&column| self.sizes[column as usize] >= self.min_cluster);
-        let numbers = by_first_return(kept, k);
+        self.read_columns(&spectrum.u)?;
+        let columns = self.columns.iter().map(|&(column, _)| column);
+        let numbers = by_first_return(columns.filter(|&column| self.sizes[column as usize] >= self.min_cluster), k);
         out.labels.clear();
-        out.labels.extend(self.columns.iter().map(|&column| numbers[column as usize]));
+        out.labels.extend(self.columns.iter().map(|&(column, _)| numbers[column as usize]));
         out.clusters = numbers.iter().flatten().count();
-        self.write_centroids(&numbers, out);
-        let distance = |(row, label): (&[f64], &Option<u32>)| {
-            label.map_or(0.0, |c| (0..k).map(|j| (row[j] - out.centroids[(c as usize, j)]).powi(2)).sum())
+        let mut column_of_cluster = vec![0; out.clusters];
+        for (column, number) in (0u32..).zip(&numbers) {
+            number.iter().for_each(|&number| column_of_cluster[number as usize] = column);
+        }
+        // The mean of the rows of a cluster is not 0 in its column only.
+        out.centroids.write_rows(out.clusters, k, |cluster, row| {
+            let column = column_of_cluster[cluster];
+            row.push((column, self.means[column as usize]));
+        });
+        let distance = |(&(column, entry), label): (&(u32, f64), &Option<u32>)| {
+            label.map_or(0.0, |_| (entry - self.means[column as usize]).powi(2))
         };
-        out.inertia = self.rows.iter().zip(&out.labels).map(distance).sum();
+        out.inertia = self.columns.iter().zip(&out.labels).map(distance).sum();
         self.note_dropped(notes);
         Ok(())
     }

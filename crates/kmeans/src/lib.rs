@@ -16,7 +16,7 @@
 //! use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
 //!
 //! let u = faer::mat![[0.7, 0.0], [0.0, 1.0], [0.7, 0.0]];
-//! let spectrum = Spectrum { k: 2, u, ..Spectrum::default() };
+//! let spectrum = Spectrum { k: 2, u: u.into(), ..Spectrum::default() };
 //! let mut partition = Partition::default();
 //! let (seed, restarts, max_iterations, tolerance) = (0, 10, 300, 0.0);
 //! let mut stage = KmeansPlusPlus::new(seed, restarts, max_iterations, tolerance)?;

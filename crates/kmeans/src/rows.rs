@@ -2,6 +2,9 @@
 
 use crosscut_stage::{Spectrum, StageError};
 
+/// Larger matrices are refused.
+const MOST_BYTES: u64 = 1 << 28;
+
 /// n points of Rᵏ, one after the other, in a buffer that is used again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
@@ -14,21 +17,26 @@ impl Rows {
     /// Takes the rows of U.
     ///
     /// # Errors
-    /// When U has not k columns, or has a value that is not finite.
+    /// When U has not k columns, has a value that is not finite, or would take more than 256 MB.
     pub(crate) fn copy_from(&mut self, spectrum: &Spectrum) -> Result<(), StageError> {
-        let (u, k) = (&spectrum.u, spectrum.k);
-        if u.ncols() != k {
-            return Err(StageError::Unsupported(format!("U has {} columns, but k is {k}", u.ncols())));
+        check(spectrum)?;
+        let u = &spectrum.u;
+        (self.n, self.k) = (u.nrows(), u.ncols());
+        let bytes = (self.n as u64).saturating_mul(self.k as u64).saturating_mul(8);
+        if bytes > MOST_BYTES {
+            return Err(StageError::Unsupported(format!(
+                "k-means on {}x{} numbers of U would need {} MB: kmeans `components` needs no such matrix",
+                self.n,
+                self.k,
+                bytes.div_ceil(1 << 20)
+            )));
         }
-        (self.n, self.k) = (u.nrows(), k);
         self.values.clear();
+        self.values.resize(self.n * self.k, 0.0);
         for i in 0..self.n {
-            self.values.extend((0..k).map(|j| u[(i, j)]));
+            u.row(i).for_each(|(j, value)| self.values[i * self.k + j] = value);
         }
-        match self.values.iter().position(|value| !value.is_finite()) {
-            Some(at) => Err(StageError::NotFinite { what: "the embedding U", index: at / k }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Number of points, n.
@@ -60,6 +68,21 @@ impl Rows {
             along().map(|x| (x - mean).powi(2)).sum::<f64>() / n
         };
         (0..k).map(variance).sum::<f64>() / k as f64
+    }
+}
+
+/// Whether U has k columns, all its values finite.
+///
+/// # Errors
+/// When not.
+pub(crate) fn check(spectrum: &Spectrum) -> Result<(), StageError> {
+    let (u, k) = (&spectrum.u, spectrum.k);
+    if u.ncols() != k {
+        return Err(StageError::Unsupported(format!("U has {} columns, but k is {k}", u.ncols())));
+    }
+    match (0..u.nrows()).find(|&i| u.row(i).any(|(_, value)| !value.is_finite())) {
+        Some(index) => Err(StageError::NotFinite { what: "the embedding U", index }),
+        None => Ok(()),
     }
 }
 

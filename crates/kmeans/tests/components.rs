@@ -1,13 +1,13 @@
 //! `components`: what is left out, and which U it refuses.
 
 use crosscut_kmeans::Components;
-use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum, StageError};
+use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum, StageError};
 use faer::{Mat, mat};
 
 fn run(min_cluster: u32, u: Mat<f64>) -> Result<(Partition, Vec<String>), StageError> {
     let (mut out, mut notes) = (Partition::default(), Notes::default());
     let mut stage = Components::new(min_cluster).expect("in range");
-    stage.partition(&Spectrum { k: u.ncols(), u, ..Spectrum::default() }, &mut out, &mut notes)?;
+    stage.partition(&Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() }, &mut out, &mut notes)?;
     Ok((out, notes.iter().map(str::to_owned).collect()))
 }
 
@@ -44,4 +44,18 @@ fn a_u_whose_columns_share_a_row_or_leave_one_out_is_refused() {
 #[test]
 fn a_least_size_of_nothing_is_refused() {
     assert!(Components::new(0).is_err_and(|error| error.name == "min_cluster"));
+}
+
+#[test]
+fn many_components_have_the_clusters_of_few_without_a_matrix_of_n_by_k() {
+    let (n, k) = (300_000, 100_000);
+    let mut u = Embedding::default();
+    u.write_rows(n, k, |i, row| row.push(((i % k) as u32, 0.25 * (1 + i / k) as f64)));
+    let (mut out, mut notes) = (Partition::default(), Notes::default());
+    let spectrum = Spectrum { k, u, ..Spectrum::default() };
+    Components::new(1).expect("in range").partition(&spectrum, &mut out, &mut notes).expect("disjoint columns");
+    assert_eq!((out.clusters, out.centroids.nrows(), out.centroids.ncols()), (k, k, k));
+    assert!((0..n).all(|i| out.labels[i] == Some((i % k) as u32)));
+    assert!((0..k).all(|c| out.centroids.row(c).eq([(c, 0.5)])));
+    assert!((out.inertia - 2.0 * 0.0625 * k as f64).abs() < 1e-9, "0.25 off on either side: {}", out.inertia);
 }

@@ -3,7 +3,7 @@
 mod embeddings;
 
 use crosscut_kmeans::KmeansPlusPlus;
-use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
+use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum};
 use faer::Mat;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use rand::{RngExt, SeedableRng};
@@ -114,4 +114,14 @@ fn each_number_out_of_range_is_refused() {
     assert!(KmeansPlusPlus::new(0, 0, 300, 0.0).is_err_and(|error| error.name == "restarts"));
     assert!(KmeansPlusPlus::new(0, 10, 0, 0.0).is_err_and(|error| error.name == "max_iterations"));
     assert!(KmeansPlusPlus::new(0, 10, 300, f64::NAN).is_err_and(|error| error.name == "tolerance"));
+}
+
+#[test]
+fn a_u_too_large_to_be_spread_out_is_refused_with_its_size() {
+    let mut u = Embedding::default();
+    u.write_rows(100_000, 100_000, |i, row| row.push((i as u32, 1.0)));
+    let spectrum = Spectrum { k: 100_000, u, ..Spectrum::default() };
+    let mut stage = KmeansPlusPlus::new(0, 1, 300, 0.0).expect("in range");
+    let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("80 GB");
+    assert!(refused.to_string().contains("would need 76294 MB"), "{refused}");
 }

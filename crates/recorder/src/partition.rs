@@ -1,12 +1,12 @@
 //! Clusters: the label of each return, and the centres among the rows of U.
 
-use crosscut_stage::{Frame, Partition};
+use crosscut_stage::{Embedding, Frame, Partition};
 use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
 use crate::colors::class_of;
 use crate::spectrum::drawn_row;
-use crate::tensors::{f64_matrix, i32_vector, rows_of};
+use crate::tensors::{entries, f64_matrix, i32_vector, rows_of};
 
 /// A bar goes on over fewer beams without a return than this.
 const GAP: usize = 4;
@@ -27,7 +27,10 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, scale
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
         .with_class_ids((0..clusters).map(|c| class_of(u32::try_from(c).ok())))
         .with_show_labels(false);
-    let exact = f64_matrix(rows_of(centroids).collect(), [clusters, k], ["cluster", "eigenvector"]);
+    let exact = match centroids {
+        Embedding::Sparse { .. } => entries(centroids, "cluster, eigenvector, value"),
+        dense => f64_matrix(rows_of(dense).collect(), [clusters, k], ["cluster", "eigenvector"]),
+    };
     rec.log("kmeans/centroids", &[&exact as &dyn AsComponents, &points])
 }
 

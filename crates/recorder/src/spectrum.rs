@@ -1,14 +1,13 @@
 //! λ, τ, k and U: exact values, and a chart in which "why 4 and not 3" can be seen.
 
-use crosscut_stage::{Frame, Spectrum};
-use faer::Mat;
+use crosscut_stage::{Embedding, Frame, Spectrum};
 use rerun::{
     AsComponents, BarChart, LineStrips2D, LineStrips3D, Points2D, Points3D, Radius, RecordingStream,
     RecordingStreamResult, Scalars, TensorBuffer, TensorData,
 };
 
 use crate::colors::{GREY, TOLERANCE, ZEROS, class_of, color, series};
-use crate::tensors::{f32_matrix, rows_of};
+use crate::tensors::{entries, f32_matrix, rows_of};
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
 const FLOOR_DECADE: f32 = -18.0;
@@ -57,24 +56,25 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, scale: f64) -> Recording
     rec.log("spectral/margin", &Scalars::new(spectrum.margin_decades))?;
     log_chart(rec, spectrum)?;
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
-    rec.log(
-        "spectral/U",
-        &f32_matrix(rows_of(&spectrum.u).map(|u| u as f32).collect(), [n, k], ["return", "eigenvector"]),
-    )?;
+    let exact = match &spectrum.u {
+        Embedding::Sparse { .. } => entries(&spectrum.u, "return, eigenvector, value"),
+        u => f32_matrix(rows_of(u).map(|u| u as f32).collect(), [n, k], ["return", "eigenvector"]),
+    };
+    rec.log("spectral/U", &exact)?;
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
     rec.log("spectral/embedding", &Points3D::new(points).with_class_ids((0..n).map(|i| class_of(wall_of(i)))))
 }
 
 /// What the rows of U are drawn with: it brings the farthest of them to 1, whatever n is.
-pub(crate) fn embedding_scale(u: &Mat<f64>) -> f64 {
+pub(crate) fn embedding_scale(u: &Embedding) -> f64 {
     let norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
     let farthest = (0..u.nrows()).map(norm).fold(0.0, f64::max);
     if farthest > 0.0 { farthest.recip() } else { 1.0 }
 }
 
 /// The first three columns of row `i`, as many as there are; rounded, as equal points take less room.
-pub(crate) fn drawn_row(rows: &Mat<f64>, i: usize, scale: f64) -> [f32; 3] {
+pub(crate) fn drawn_row(rows: &Embedding, i: usize, scale: f64) -> [f32; 3] {
     let drawn = |value: f64| ((value * scale / DRAWN_STEP).round() * DRAWN_STEP) as f32;
     std::array::from_fn(|j| if j < rows.ncols() { drawn(rows[(i, j)]) } else { 0.0 })
 }

@@ -1,6 +1,6 @@
 //! Values to read back, as tensors with named dimensions.
 
-use faer::Mat;
+use crosscut_stage::Embedding;
 use rerun::{Tensor, TensorBuffer, TensorData};
 
 pub(crate) fn f32_vector(values: Vec<f32>, dim: &str) -> Tensor {
@@ -32,8 +32,15 @@ pub(crate) fn f64_matrix(values: Vec<f64>, shape: [usize; 2], dims: [&str; 2]) -
 }
 
 /// The values of `m`, row by row.
-pub(crate) fn rows_of(m: &Mat<f64>) -> impl Iterator<Item = f64> {
+pub(crate) fn rows_of(m: &Embedding) -> impl Iterator<Item = f64> {
     (0..m.nrows()).flat_map(move |i| (0..m.ncols()).map(move |j| m[(i, j)]))
+}
+
+/// The entries of `m` that are stored: row, column and value of each.
+pub(crate) fn entries(m: &Embedding, what: &str) -> Tensor {
+    let row = |i: usize| m.row(i).flat_map(move |(j, value)| [i as f64, j as f64, value]);
+    let values: Vec<f64> = (0..m.nrows()).flat_map(row).collect();
+    tensor(&[values.len() / 3, 3], TensorBuffer::F64(values.into()), &["entry", what])
 }
 
 fn tensor(shape: &[usize], buffer: TensorBuffer, dims: &[&str]) -> Tensor {

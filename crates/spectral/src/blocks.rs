@@ -1,7 +1,8 @@
 //! `blocks`: the eigenvalues near zero, block by block, for sparse graphs.
 
 use crosscut_stage::{
-    Affinity, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError, Value,
+    Affinity, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
+    Value,
 };
 use faer::Mat;
 
@@ -97,7 +98,7 @@ impl Blocks {
         self.full.spectrum(&part_of(affinity, members), &mut spectrum, notes)?;
         let next = spectrum.eigenvalues.get(spectrum.k).copied();
         spectrum.eigenvalues.truncate(spectrum.k);
-        Ok(Block { next, zeros: Some((spectrum.eigenvalues, spectrum.u)) })
+        Ok(Block { next, zeros: Some((spectrum.eigenvalues, spectrum.u.to_dense())) })
     }
 
     /// How far the zeros and their span may be off because of the links that were set aside.
@@ -110,20 +111,24 @@ impl Blocks {
     }
 
     /// Writes U: the columns of one block after those of the other.
-    fn embed(&self, affinity: &Affinity, members: &[Vec<u32>], blocks: &[Block], u: &mut Mat<f64>) {
-        u.resize_with(affinity.degrees.len(), blocks.iter().map(Block::columns).sum(), |_, _| 0.0);
-        u.fill(0.0);
-        let mut first = 0;
-        for ((members, block), volume) in members.iter().zip(blocks).zip(self.split.volumes()) {
-            for (row, &i) in members.iter().enumerate() {
-                let i = i as usize;
-                match &block.zeros {
-                    Some((_, vectors)) => (0..vectors.ncols()).for_each(|j| u[(i, first + j)] = vectors[(row, j)]),
-                    None => u[(i, first)] = (affinity.degrees[i] / volume).sqrt(),
-                }
-            }
-            first += block.columns();
+    fn embed(&self, affinity: &Affinity, members: &[Vec<u32>], blocks: &[Block], u: &mut Embedding) {
+        let n = affinity.degrees.len();
+        let mut place = vec![0; n];
+        for members in members {
+            members.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
         }
+        let mut first = Vec::with_capacity(blocks.len());
+        let columns = blocks.iter().fold(0, |columns, block| {
+            first.push(columns as u32);
+            columns + block.columns()
+        });
+        u.write_rows(n, columns, |i, row| {
+            let at = self.split.block_of_return()[i] as usize;
+            match &blocks[at].zeros {
+                Some((_, vectors)) => row.extend((first[at]..).zip(vectors.row(place[i]).iter().copied())),
+                None => row.push((first[at], (affinity.degrees[i] / self.split.volumes()[at]).sqrt())),
+            }
+        });
     }
 }
 

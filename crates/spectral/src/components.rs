@@ -42,12 +42,10 @@ impl SpectralStage for Components {
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
         (out.zeros_bound, out.span_bound) = (0.0, 0.0);
-        out.u.resize_with(n, out.k, |_, _| 0.0);
-        out.u.fill(0.0);
-        for (i, (&component, degree)) in component_of_return.iter().zip(&affinity.degrees).enumerate() {
-            let component = component as usize;
-            out.u[(i, component)] = (degree / self.volumes[component]).sqrt();
-        }
+        out.u.write_rows(n, out.k, |i, row| {
+            let component = component_of_return[i];
+            row.push((component, (affinity.degrees[i] / self.volumes[component as usize]).sqrt()));
+        });
         Ok(())
     }
 

@@ -18,11 +18,11 @@ pub(crate) fn embed<'a>(
     }
     rule.count(out);
     (out.zeros_bound, out.span_bound) = (0.0, 0.0);
-    out.u.resize_with(n, out.k, |_, _| 0.0);
+    let columns = out.u.make_dense(n, out.k);
     for j in 0..out.k {
         let column = eigenvector(j);
         let sign = sign_of_largest(column);
-        for (u, v) in out.u.col_as_slice_mut(j).iter_mut().zip(column) {
+        for (u, v) in columns.col_as_slice_mut(j).iter_mut().zip(column) {
             *u = sign * v;
         }
     }

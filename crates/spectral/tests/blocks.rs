@@ -113,7 +113,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
             return Ok(());
         };
         assert!(*next <= lambda + rounding, "the next eigenvalue is {lambda}, not {next}");
-        let (sine, allowed) = (sine(&found.u, &all.u), found.span_bound + rounding / lambda);
+        let (sine, allowed) = (sine(&found.u.to_dense(), &all.u.to_dense()), found.span_bound + rounding / lambda);
         assert!(sine <= allowed, "the span of U is off by {sine}, allowed {allowed}");
         if found.span_bound > 0.0 {
             let columns_of = |i: usize| (0..found.k).filter(|&j| found.u[(i, j)] != 0.0).count();

@@ -104,6 +104,7 @@ fn columns_of_u_are_orthonormal_eigenvectors_of_the_zeros() {
     for_every_kind(&graph(0..40), |kind, graph| {
         let affinity = graph.dense();
         let (l, Spectrum { u, eigenvalues, k, .. }) = (laplacian(&affinity), spectrum(kind, &affinity));
+        let u = u.to_dense();
         let bound = rounding(graph.n);
         let gram = u.transpose() * &u - Mat::<f64>::identity(k, k);
         assert!(gram.norm_max() <= bound, "UᵀU - I = {gram:?}");
@@ -120,7 +121,8 @@ fn the_span_of_u_is_that_of_the_components_indicators() {
         let spectrum = spectrum(kind, &graph.dense());
         let next = spectrum.eigenvalues.get(spectrum.k).copied().unwrap_or(2.0);
         let exact = graph.indicators();
-        let difference = &spectrum.u * spectrum.u.transpose() - &exact * exact.transpose();
+        let u = spectrum.u.to_dense();
+        let difference = &u * u.transpose() - &exact * exact.transpose();
         let bound = rounding(graph.n) / next;
         assert!(difference.norm_max() <= bound, "U·Uᵀ is off by {}, allowed {bound}", difference.norm_max());
     });
@@ -136,7 +138,8 @@ fn solvers_agree_on_k_and_the_span_of_u_when_walls_leak_into_each_other() {
         let (found, expected) = (spectrum(kind, &affinity), spectrum(other_than(kind), &affinity));
         assert_eq!((found.k, expected.k), (graph.components(), graph.components()), "λ = {:?}", found.eigenvalues);
         let gap = expected.eigenvalues.get(expected.k).map_or(2.0, |next| next - expected.eigenvalues[expected.k - 1]);
-        let difference = &found.u * found.u.transpose() - &expected.u * expected.u.transpose();
+        let (u, v) = (found.u.to_dense(), expected.u.to_dense());
+        let difference = &u * u.transpose() - &v * v.transpose();
         let bound = rounding(graph.n) / gap + found.span_bound;
         assert!(difference.norm_max() <= bound, "U·Uᵀ differs by {}, allowed {bound}", difference.norm_max());
     });
@@ -146,6 +149,7 @@ fn solvers_agree_on_k_and_the_span_of_u_when_walls_leak_into_each_other() {
 fn the_entry_of_largest_magnitude_is_positive_in_every_column_of_u() {
     for_every_kind(&graph(1..40), |kind, graph| {
         let u = spectrum(kind, &graph.dense()).u;
+        let u = u.to_dense();
         for j in 0..u.ncols() {
             let (lowest, highest) = u.col(j).iter().fold((0.0f64, 0.0f64), |(a, b), &x| (a.min(x), b.max(x)));
             assert!(highest >= -lowest, "column {j} goes from {lowest} to {highest}");
@@ -244,5 +248,21 @@ fn memory_grows_with_n_and_is_never_too_large_to_say() {
     for kind in KINDS {
         let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n)).into();
         assert!(bytes.is_sorted(), "{}: {bytes:?}", kind.name);
+    }
+}
+
+#[test]
+fn the_zeros_of_very_many_returns_on_their_own_take_no_matrix_of_n_by_k() {
+    for kind in KINDS.iter().filter(|kind| ["blocks", "components"].contains(&kind.name)) {
+        let n = 100_000;
+        let mut affinity = Affinity { degrees: vec![1.0; n], ..Affinity::default() };
+        let w = affinity.weights.make_sparse();
+        (0..n as u32).for_each(|i| {
+            w.push(i, 1.0);
+            w.end_row();
+        });
+        let found = spectrum(kind, &affinity);
+        assert_eq!((found.k, found.u.nrows(), found.u.ncols()), (n, n, n), "{}", kind.name);
+        assert!((0..n).all(|i| found.u.row(i).eq([(i, 1.0)])), "{}", kind.name);
     }
 }

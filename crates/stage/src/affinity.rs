@@ -87,8 +87,8 @@ impl Weights {
     }
 }
 
-/// A square sparse matrix in compressed rows; columns ascend within a row.
-#[derive(Clone, Debug)]
+/// A sparse matrix in compressed rows, for W a square one; columns ascend within a row.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Csr {
     row_start: Vec<usize>,
     columns: Vec<u32>,

@@ -14,6 +14,7 @@
 //! kind to the registry.
 
 mod affinity;
+mod embedding;
 mod frame;
 mod junction;
 mod kind;
@@ -25,6 +26,7 @@ mod spectrum;
 mod traits;
 
 pub use affinity::{Affinity, Csr, Weights};
+pub use embedding::Embedding;
 pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings};
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{Kind, StageKind};

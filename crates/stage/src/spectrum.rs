@@ -1,6 +1,6 @@
 //! What the Laplacian says: the smallest eigenvalues, how many are zero, and their eigenvectors.
 
-use faer::Mat;
+use crate::Embedding;
 
 /// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub struct Spectrum {
     pub span_bound: f64,
     /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of λ_j in
     /// a full decomposition; with a repeated eigenvalue only the span is defined.
-    pub u: Mat<f64>,
+    pub u: Embedding,
 }
 
 impl Default for Spectrum {
@@ -33,7 +33,7 @@ impl Default for Spectrum {
             margin_decades: None,
             zeros_bound: 0.0,
             span_bound: 0.0,
-            u: Mat::new(),
+            u: Embedding::default(),
         }
     }
 }

@@ -90,7 +90,7 @@ impl Method {
             return Ok((right_counts, false));
         }
         spectrum.k = walls;
-        spectrum.u.truncate(revolution.len(), walls);
+        spectrum.u = spectrum.u.to_dense().subcols(0, walls).to_owned().into();
         self.kmeans.partition(spectrum, partition, notes)?;
         self.report.report(revolution, spectrum, partition, junction, notes)?;
         Ok((right_counts, Score::of(&scene.truth, &ResultsLine::of(&self.frame))?.right))

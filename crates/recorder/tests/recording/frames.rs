@@ -152,7 +152,7 @@ fn fill_spectrum(affinity: &Affinity, out: &mut Spectrum) {
     out.tolerance = TOLERANCE;
     out.k = all.iter().filter(|&&lambda| lambda < TOLERANCE).count();
     out.margin_decades = Spectrum::tolerance_margin_decades(&all, n, out.k, TOLERANCE);
-    out.u = Mat::from_fn(n, out.k, |i, j| eigen.U()[(i, j)]);
+    out.u = Mat::from_fn(n, out.k, |i, j| eigen.U()[(i, j)]).into();
     out.eigenvalues = all.into_iter().take(16).collect();
 }
 
@@ -162,7 +162,8 @@ fn fill_partition(walls: &[u32], spectrum: &Spectrum, out: &mut Partition) {
     let rows = |wall: usize| walls.iter().enumerate().filter(move |(_, w)| **w as usize == wall).map(|(i, _)| i);
     out.centroids = Mat::from_fn(out.clusters, spectrum.u.ncols(), |c, j| {
         rows(c).map(|i| spectrum.u[(i, j)]).sum::<f64>() / rows(c).count().max(1) as f64
-    });
+    })
+    .into();
 }
 
 fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {

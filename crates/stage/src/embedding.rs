@@ -1,0 +1,168 @@
+//! Points of Rᵏ, one a row: U, and the centroids among its rows.
+
+use std::ops::Index;
+
+use faer::Mat;
+
+use crate::Csr;
+
+/// A matrix of more columns, most of whose entries are 0, is stored by the others.
+const MOST_DENSE_COLUMNS: usize = 64;
+
+/// A matrix of points: U (n×k) or centroids (clusters×k).
+///
+/// Where every column belongs to one component of a graph and there are many, as when every return of a cloud's floor is
+/// its own, n×k numbers would be nearly all 0. So beyond 64 columns [`Embedding::write_rows`] stores each row's few others.
+///
+/// ```
+/// use crosscut_stage::Embedding;
+///
+/// let mut u = Embedding::default();
+/// u.write_rows(100_000, 100_000, |i, row| row.push((i as u32, 1.0)));
+/// assert_eq!((u[(7, 7)], u[(7, 8)]), (1.0, 0.0));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Embedding {
+    /// All entries.
+    Dense(Mat<f64>),
+    /// The entries that are not 0, row by row.
+    Sparse {
+        /// Number of columns.
+        columns: usize,
+        /// The rows; not square.
+        rows: Csr,
+    },
+}
+
+impl Default for Embedding {
+    fn default() -> Self {
+        Self::Dense(Mat::new())
+    }
+}
+
+impl From<Mat<f64>> for Embedding {
+    fn from(dense: Mat<f64>) -> Self {
+        Self::Dense(dense)
+    }
+}
+
+impl Index<(usize, usize)> for Embedding {
+    type Output = f64;
+
+    fn index(&self, (i, j): (usize, usize)) -> &f64 {
+        match self {
+            Self::Dense(matrix) => &matrix[(i, j)],
+            Self::Sparse { columns, rows } => {
+                assert!(j < *columns, "column {j} of {columns}");
+                let (present, values) = rows.row(i);
+                present.binary_search(&(j as u32)).map_or(&0.0, |at| &values[at])
+            }
+        }
+    }
+}
+
+impl Embedding {
+    /// Number of points.
+    pub fn nrows(&self) -> usize {
+        match self {
+            Self::Dense(matrix) => matrix.nrows(),
+            Self::Sparse { rows, .. } => rows.n(),
+        }
+    }
+
+    /// Their dimension.
+    pub fn ncols(&self) -> usize {
+        match self {
+            Self::Dense(matrix) => matrix.ncols(),
+            Self::Sparse { columns, .. } => *columns,
+        }
+    }
+
+    /// Column and value of each entry of row `i` that is stored, columns ascending. All others are 0.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let (dense, (columns, values)) = match self {
+            Self::Dense(matrix) => (Some(matrix), (&[][..], &[][..])),
+            Self::Sparse { rows, .. } => (None, rows.row(i)),
+        };
+        let dense = dense.into_iter().flat_map(move |matrix| (0..matrix.ncols()).map(move |j| (j, matrix[(i, j)])));
+        dense.chain(columns.iter().map(|&j| j as usize).zip(values.iter().copied()))
+    }
+
+    /// The dense matrix in `self`, made so (and resized, its old content unspecified) if it is not.
+    pub fn make_dense(&mut self, nrows: usize, ncols: usize) -> &mut Mat<f64> {
+        if !matches!(self, Self::Dense(_)) {
+            *self = Self::default();
+        }
+        let Self::Dense(matrix) = self else { unreachable!("made dense above") };
+        matrix.resize_with(nrows, ncols, |_, _| 0.0);
+        matrix
+    }
+
+    /// Makes `self` nrows×ncols with, in row i, the columns and values that `row(i, &mut entries)` puts into the empty
+    /// `entries`, columns ascending; 0 elsewhere. Dense up to 64 columns, sparse beyond.
+    pub fn write_rows(&mut self, nrows: usize, ncols: usize, mut row: impl FnMut(usize, &mut Vec<(u32, f64)>)) {
+        let mut entries = Vec::new();
+        if ncols <= MOST_DENSE_COLUMNS {
+            let matrix = self.make_dense(nrows, ncols);
+            matrix.fill(0.0);
+            for i in 0..nrows {
+                entries.clear();
+                row(i, &mut entries);
+                entries.iter().for_each(|&(j, value)| matrix[(i, j as usize)] = value);
+            }
+            return;
+        }
+        if !matches!(self, Self::Sparse { .. }) {
+            *self = Self::Sparse { columns: 0, rows: Csr::default() };
+        }
+        let Self::Sparse { columns, rows } = self else { unreachable!("made sparse above") };
+        *columns = ncols;
+        rows.clear();
+        for i in 0..nrows {
+            entries.clear();
+            row(i, &mut entries);
+            entries.iter().for_each(|&(j, value)| rows.push(j, value));
+            rows.end_row();
+        }
+    }
+
+    /// All nrows×ncols entries.
+    pub fn to_dense(&self) -> Mat<f64> {
+        match self {
+            Self::Dense(matrix) => matrix.clone(),
+            Self::Sparse { .. } => Mat::from_fn(self.nrows(), self.ncols(), |i, j| self[(i, j)]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Row i has i + 1 in column 2i and i - 1 in column 2i + 1.
+    fn written(u: &mut Embedding, rows: usize) {
+        u.write_rows(rows, 2 * rows, |i, row| {
+            row.extend([(2 * i as u32, i as f64 + 1.0), (2 * i as u32 + 1, i as f64 - 1.0)]);
+        });
+    }
+
+    #[test]
+    fn few_columns_are_dense_and_many_are_not_and_both_read_the_same_also_in_a_used_buffer() {
+        let mut u = Embedding::default();
+        for rows in [40, 32, 33, 0, 3] {
+            written(&mut u, rows);
+            assert_eq!(matches!(u, Embedding::Sparse { .. }), 2 * rows > MOST_DENSE_COLUMNS, "{rows} rows");
+            assert_eq!((u.nrows(), u.ncols()), (rows, 2 * rows));
+            let dense = u.to_dense();
+            for i in 0..rows {
+                let expected = |j: usize| if j / 2 == i { i as f64 + [1.0, -1.0][j % 2] } else { 0.0 };
+                assert!((0..2 * rows).all(|j| u[(i, j)] == expected(j) && dense[(i, j)] == expected(j)), "row {i}");
+                assert!(
+                    u.row(i).filter(|(j, _)| j / 2 == i).eq([(2 * i, i as f64 + 1.0), (2 * i + 1, i as f64 - 1.0)])
+                );
+                assert!(u.row(i).all(|(j, value)| value == expected(j)));
+            }
+        }
+    }
+}
