@@ -58,7 +58,13 @@ mod tests {
             truth_deg.iter().map(|b| TruthOpening { bearing_rad: b.to_radians(), width_m: 4.0 }).collect();
         let reported: Vec<_> = reported_deg
             .iter()
-            .map(|b| OpeningLine { bearing_rad: b.to_radians(), width_m: 3.0, walls: [0, 1], evidence: String::new() })
+            .map(|b| OpeningLine {
+                bearing_rad: b.to_radians(),
+                width_m: 3.0,
+                walls: [0, 1],
+                evidence: String::new(),
+                cut_by_view: false,
+            })
             .collect();
         score(&truth, &reported)
     }
@@ -89,7 +95,8 @@ mod tests {
     fn width_errors_are_relative_to_the_true_width() {
         assert_eq!(scored(&[0.0], &[0.0]).matched[0].width_error, Some(0.25));
         let closed = TruthOpening { bearing_rad: 0.0, width_m: 0.0 };
-        let line = OpeningLine { bearing_rad: 0.0, width_m: 3.0, walls: [0, 1], evidence: String::new() };
+        let line =
+            OpeningLine { bearing_rad: 0.0, width_m: 3.0, walls: [0, 1], evidence: String::new(), cut_by_view: false };
         assert_eq!(score(&[closed], &[line]).matched[0].width_error, None);
     }
 }

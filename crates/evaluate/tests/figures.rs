@@ -51,7 +51,13 @@ fn four_revolutions_counted_by_hand() {
 #[test]
 fn openings_are_summed_over_revolutions_and_not_averaged() {
     let opening = |bearing_rad| TruthOpening { bearing_rad, width_m: 4.0 };
-    let line = |bearing_rad, width_m| OpeningLine { bearing_rad, width_m, walls: [0, 0], evidence: String::new() };
+    let line = |bearing_rad, width_m| OpeningLine {
+        bearing_rad,
+        width_m,
+        walls: [0, 0],
+        evidence: String::new(),
+        cut_by_view: false,
+    };
     let mut sum = Evaluation::default();
     let revolutions = [
         (vec![opening(0.0), opening(1.0), opening(2.0)], vec![line(0.1, 5.0)]),

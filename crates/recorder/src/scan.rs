@@ -204,6 +204,7 @@ mod tests {
             walls: [0, 1],
             evidence: crosscut_stage::Evidence::NoReturn,
             edge_m: [Point::new(x, -1.0, 0.0), Point::new(x, 1.0, 0.0)],
+            cut_by_view: false,
         };
         for x in [3.0, 8.0, 12.0] {
             let (origin, vector) = arrow(&opening(x, 0.0));

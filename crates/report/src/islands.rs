@@ -1,6 +1,8 @@
 //! Walls that stand free in front of others: pillars.
 
-use crosscut_stage::{Beam, Junction, Point, Revolution, Sweep};
+use crosscut_stage::{Junction, Point, Revolution};
+
+use crate::ring::{Entry, Ring};
 
 /// What is seen past either end of an island lies at least this much farther.
 const BEHIND_M: f64 = 0.5;
@@ -10,6 +12,8 @@ const BEHIND_M: f64 = 0.5;
 /// Without beams nothing is in front of anything.
 pub fn mark(revolution: &Revolution, island_m: f64, out: &mut Junction) {
     let Some(sweep) = &revolution.sweep else { return };
+    let mut ring = Ring::default();
+    ring.fill(revolution, sweep, &out.wall_of_return);
     let mut candidates: Vec<(f64, u32)> = Vec::new();
     for wall in &out.walls {
         let (nearest_m, length_m) = extent_m(revolution, &out.wall_of_return, wall.id);
@@ -20,8 +24,9 @@ pub fn mark(revolution: &Revolution, island_m: f64, out: &mut Junction) {
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, id) in candidates {
         let others = out.walls.iter().filter(|wall| !wall.island).count();
-        if others > 1 && stands_free(revolution, sweep, out, id) {
+        if others > 1 && stands_free(&ring, id) {
             out.walls[id as usize].island = true;
+            ring.entries.retain(|entry| entry.wall != id);
         }
     }
 }
@@ -39,36 +44,27 @@ fn extent_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) ->
     (nearest_m, length_m)
 }
 
-fn stands_free(revolution: &Revolution, sweep: &Sweep, out: &Junction, id: u32) -> bool {
-    let mut ring: Vec<(usize, u32)> = Vec::new();
-    for beam in &sweep.beams {
-        if let Beam::Return(i) = *beam
-            && let Some(wall) = out.wall_of_return[i as usize]
-            && !out.walls[wall as usize].island
-        {
-            ring.push((i as usize, wall));
-        }
-    }
-    let edges = if sweep.full_turn { ring.len() } else { ring.len().saturating_sub(1) };
-    let at_an_end = |(_, wall): &(usize, u32)| *wall == id;
-    if !sweep.full_turn && (ring.first().is_some_and(at_an_end) || ring.last().is_some_and(at_an_end)) {
+fn stands_free(ring: &Ring, id: u32) -> bool {
+    let n = ring.len();
+    let at_an_end = |entry: Option<&Entry>| !ring.full_turn && entry.is_some_and(|entry| entry.wall == id);
+    if at_an_end(ring.entries.first()) || at_an_end(ring.entries.last()) {
         return false;
     }
-    (0..edges).all(|at| {
-        let ((i, wall_i), (j, wall_j)) = (ring[at], ring[(at + 1) % ring.len()]);
-        let (inner, outer) = match (wall_i == id, wall_j == id) {
-            (true, false) => (i, j),
-            (false, true) => (j, i),
+    (0..ring.edges()).all(|at| {
+        let [a, b] = [ring.entries[at], ring.entries[(at + 1) % n]];
+        let (inner, outer) = match (a.wall == id, b.wall == id) {
+            (true, false) => (a, b),
+            (false, true) => (b, a),
             _ => return true,
         };
-        revolution.range_m(outer) > revolution.range_m(inner) + BEHIND_M
+        outer.range_m > inner.range_m + BEHIND_M
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crosscut_stage::Wall;
+    use crosscut_stage::{Beam, Sweep, Wall};
 
     /// Eight beams all around, one wall label for each.
     fn marked(ranges_m: [f64; 8], labels: [u32; 8], island_m: f64) -> Vec<bool> {

@@ -35,6 +35,7 @@ mod tests {
             walls: [0, 0],
             evidence: Evidence::NoReturn,
             edge_m: [Point::origin(); 2],
+            cut_by_view: false,
         };
         name(full_turn, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
     }

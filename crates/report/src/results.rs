@@ -69,6 +69,9 @@ pub struct OpeningLine {
     pub walls: [u32; 2],
     /// `seen_through` or `no_return`.
     pub evidence: String,
+    /// The end of a limited view cuts it: bearing and width are those of the part in view.
+    #[serde(default)]
+    pub cut_by_view: bool,
 }
 
 impl ResultsLine {
@@ -98,6 +101,7 @@ impl ResultsLine {
                     width_m: o.width_m,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
+                    cut_by_view: o.cut_by_view,
                 })
                 .collect(),
             labels: labels(frame),

@@ -1,6 +1,7 @@
 //! Openings on scenes computed by hand: axis-parallel walls, one ray per degree, range limit 15 m.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
 
 use crosscut_report::openings::Finder;
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
@@ -105,8 +106,8 @@ fn a_side_passage_whose_inside_is_seen_is_open() {
     assert_eq!(found.len(), 3, "{found:#?}");
     let side = found.iter().find(|o| o.evidence == Evidence::SeenThrough).expect("the passage");
     assert_eq!(side.walls, [1, 0]);
-    // Through the middle of the mouth: from the corner (3, 1.75) across to (6.5, 1.75).
-    assert_opening(side, 1.75f64.atan2(4.75), 3.5);
+    // Its middle, x = 4.75, goes out of sight behind the corner (3, 1.75).
+    assert_opening(side, 1.75f64.atan2(3.0), 3.5);
 }
 
 #[test]
@@ -152,12 +153,67 @@ fn a_masked_sector_is_not_an_opening() {
 }
 
 #[test]
+fn a_side_passage_that_is_seen_far_in_is_looked_at_8_m_away() {
+    // From the middle of its mouth both its sides are seen.
+    let moved =
+        tee().into_iter().map(|(Segment([ax, ay], [bx, by]), wall)| (Segment([ax - 4.75, ay], [bx - 4.75, by]), wall));
+    let found = openings(&moved.collect::<Vec<_>>());
+    let side = found.iter().find(|o| o.walls == [1, 0]).expect("the passage");
+    assert_opening(side, FRAC_PI_2, 3.5);
+    // A little into the tunnel the near side ends 2.5 m away, and the middle 8 m away is still in sight.
+    let moved =
+        tee().into_iter().map(|(Segment([ax, ay], [bx, by]), wall)| (Segment([ax - 3.75, ay], [bx - 3.75, by]), wall));
+    let found = openings(&moved.collect::<Vec<_>>());
+    let side = found.iter().find(|o| o.walls == [1, 0]).expect("the passage");
+    assert_opening(side, (63f64).sqrt().atan2(1.0), 3.5);
+}
+
+/// The part of a scan between two bearings.
+fn part((mut revolution, walls): (Revolution, Vec<Option<u32>>), view: Range<f64>) -> (Revolution, Vec<Option<u32>>) {
+    let sweep = revolution.sweep.as_mut().expect("a sweep");
+    let kept: Vec<usize> = (0..sweep.len()).filter(|&beam| view.contains(&sweep.bearings_rad[beam])).collect();
+    let (mut points_m, mut kept_walls) = (Vec::new(), Vec::new());
+    sweep.beams = kept.iter().map(|&beam| sweep.beams[beam]).collect();
+    sweep.bearings_rad = kept.iter().map(|&beam| sweep.bearings_rad[beam]).collect();
+    sweep.ranges_m = kept.iter().map(|&beam| sweep.ranges_m[beam]).collect();
+    sweep.full_turn = false;
+    for beam in &mut sweep.beams {
+        if let Beam::Return(i) = beam {
+            points_m.push(revolution.points_m[*i as usize]);
+            kept_walls.push(walls[*i as usize]);
+            *i = points_m.len() as u32 - 1;
+        }
+    }
+    revolution.points_m = points_m;
+    (revolution, kept_walls)
+}
+
+#[test]
 fn outside_a_limited_view_is_not_an_opening() {
-    let (mut revolution, walls) = scan(&tunnel(), 360, |_| false);
-    revolution.sweep.as_mut().expect("a sweep").full_turn = false;
-    let found = openings_of(&(revolution, walls));
-    assert_eq!(found.len(), 1, "the way behind lies across the ends of the sweep: {found:#?}");
+    let found = openings_of(&part(scan(&tunnel(), 360, |_| false), -2.0..2.0));
+    assert_eq!(found.len(), 1, "the way behind lies outside: {found:#?}");
     assert_opening(&found[0], 0.0, 3.5);
+    assert!(!found[0].cut_by_view);
+}
+
+#[test]
+fn an_opening_that_the_end_of_the_view_cuts_is_one_as_far_as_it_is_seen() {
+    let found = openings_of(&part(scan(&tunnel(), 360, |_| false), 0.0..2.0));
+    let [ahead] = found.as_slice() else { panic!("only ahead is in view: {found:#?}") };
+    // The view ends on the axis, 1.75 m from the left wall, of which the last return is 7.5° off.
+    assert_opening(ahead, 4_f64.to_radians(), 1.75);
+    assert!(ahead.cut_by_view && ahead.walls == [0, 0], "{ahead:?}");
+    assert_eq!(ahead.evidence, Evidence::NoReturn);
+    let mirrored = openings_of(&part(scan(&tunnel(), 360, |_| false), -2.0..0.0));
+    assert!((mirrored[0].bearing_rad + ahead.bearing_rad).abs() < 0.01, "{mirrored:#?}");
+}
+
+#[test]
+fn the_end_of_the_view_is_no_opening_where_a_wall_reaches_it_or_nothing_is_known() {
+    let beside = |blind: bool| part(scan(&tunnel(), 360, |b| blind && b < 0.3), 0.0..2.0);
+    assert_eq!(openings_of(&beside(false)).len(), 1);
+    assert!(openings_of(&beside(true)).is_empty(), "masked up to the wall");
+    assert!(openings_of(&part(scan(&tunnel(), 360, |_| false), 0.13..2.0)).is_empty(), "too little of it is in view");
 }
 
 #[test]

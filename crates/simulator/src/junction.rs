@@ -23,23 +23,32 @@ const BEAMS_OF_WALL: usize = 3;
 const PASSAGE_M: f64 = 0.8;
 
 /// A family of places, each with 1 to 5 branches.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Places {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Places {
     /// Narrowest and widest branch.
-    pub(crate) width_m: [f64; 2],
+    pub width_m: [f64; 2],
     /// The lidar is between these shares of the width away from where the branches meet.
-    pub(crate) off_centre: [f64; 2],
+    pub off_centre: [f64; 2],
     /// Standard deviation and length of the bumps.
-    pub(crate) bumps_m: [f64; 2],
+    pub bumps_m: [f64; 2],
     /// Fewest and most pillars.
-    pub(crate) pillars: [usize; 2],
+    pub pillars: [usize; 2],
     /// The lidar; its noise is drawn anew for every place, from 1 to 2 cm.
-    pub(crate) lidar: Lidar,
+    pub lidar: Lidar,
 }
 
 impl Places {
-    /// The scan and truth of one place with this many branches.
-    pub(crate) fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
+    /// 3-6 m wide, bumps of 6 cm, no pillar, nothing lost.
+    pub const CLEAN: Self = Self {
+        width_m: [3.0, 6.0],
+        off_centre: [0.0, 0.25],
+        bumps_m: [0.06, 0.8],
+        pillars: [0, 0],
+        lidar: Lidar::CLEAN,
+    };
+
+    /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at most.
+    pub fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
         let mut rng = generator(seed, "place");
         let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
         // A place that leaves no room for the lidar or its pillars, or shows a mere scrap of a wall, is drawn again.

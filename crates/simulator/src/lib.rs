@@ -56,6 +56,7 @@ pub mod surface;
 pub mod truth;
 pub mod vehicle;
 
+pub use junction::Places;
 pub use mine::Mine;
 pub use recording::{RecordingError, write_mcap};
 pub use scenario::{Scenario, scenarios};

@@ -1,0 +1,250 @@
+//! Edges of the visible free space that the vehicle can pass.
+//!
+//! Going around the sensor anticlockwise, every two returns p, q of walls that follow each other bound an edge. It is an
+//! opening when
+//!
+//! 1. ‖p - q‖ is at least the vehicle's width,
+//! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on
+//!    one line: either the two belong to different walls and beams between them came back with nothing
+//!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge;
+//! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
+//! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
+//!
+//! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
+//!
+//! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
+//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
+//! at most one opening then, the widest of those in free space.
+//!
+//! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
+//! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return, there
+//! is a way on of which a part is seen ([`Opening::cut_by_view`]).
+//!
+//! Bearing and width are those of the branch behind the edge, [`LOOKOUT_M`] from the sensor or where its centreline is
+//! last seen, if that is nearer. With N the wall whose end is nearer to the sensor, F the other, and ρ(x) the distance of
+//! x from the returns of F:
+//! ```text
+//! width = min(ρ_F(last of N within 8 m), ρ_N(last of F within 8 m))
+//! bearing of x, the first on the beam past the end of N, then on the circle of 8 m, with ρ(x) = width / 2
+//! ```
+//! Of a branch that is cut by the end of the view both are those of the part in view.
+
+mod edge;
+mod sides;
+
+use std::f64::consts::FRAC_PI_2;
+
+use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
+
+use self::sides::{Side, Sides};
+use crate::ring::{Position, Ring};
+
+/// The free space beyond an opening is at least this deep, or not seen to be shallower.
+pub const DEPTH_M: f64 = 3.0;
+
+/// An opening's bearing and width are taken at most this far from the sensor.
+pub const LOOKOUT_M: f64 = 8.0;
+
+/// Which edges are openings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// Those through which the vehicle fits into free space.
+    #[default]
+    FreeSpace,
+    /// Those between two walls.
+    BetweenWalls,
+}
+
+/// Finds openings; holds its buffers from one revolution to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Finder {
+    rule: Rule,
+    ring: Ring,
+}
+
+impl Finder {
+    /// By a rule.
+    pub fn new(rule: Rule) -> Self {
+        Self { rule, ring: Ring::default() }
+    }
+
+    /// Writes the openings between the walls of `revolution`, by bearing ascending.
+    ///
+    /// `wall_of_return` has n entries. Without beam geometry (a cloud) there is no free space to see: no openings.
+    pub fn find(
+        &mut self,
+        revolution: &Revolution,
+        vehicle_width_m: f64,
+        wall_of_return: &[Option<u32>],
+        out: &mut Vec<Opening>,
+    ) {
+        out.clear();
+        let Some(sweep) = &revolution.sweep else { return };
+        self.ring.fill(revolution, sweep, wall_of_return);
+        let view = View { revolution, sweep, vehicle_width_m, ring: &self.ring };
+        let one_wall = self.ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
+        let branches = match self.rule {
+            Rule::FreeSpace => view.in_free_space(),
+            Rule::BetweenWalls if !one_wall => view.between_walls(),
+            Rule::BetweenWalls if sweep.full_turn => widest(view.in_free_space()),
+            Rule::BetweenWalls => Vec::new(),
+        };
+        out.extend(branches.into_iter().map(|branch| branch.opening));
+        if !sweep.full_turn {
+            out.extend(view.cut_by_its_ends());
+        }
+        out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+    }
+}
+
+fn widest(branches: Vec<Branch>) -> Vec<Branch> {
+    let widest = branches.into_iter().max_by(|a, b| a.opening.width_m.total_cmp(&b.opening.width_m));
+    widest.into_iter().collect()
+}
+
+/// An opening with the middle of its mouth.
+struct Branch {
+    opening: Opening,
+    middle_m: Position,
+}
+
+impl Branch {
+    /// Whether both lead into the same branch: their mouths overlap.
+    fn is_same_way_as(&self, other: &Self) -> bool {
+        let narrower_m = self.opening.width_m.min(other.opening.width_m);
+        (self.middle_m - other.middle_m).norm() < narrower_m / 2.0
+    }
+
+    /// Takes up the next edge anticlockwise of the same branch. The longer edge says where the mouth is.
+    fn join(&mut self, next: Self) {
+        let (clockwise, anticlockwise) = (&self.opening, &next.opening);
+        let walls = [clockwise.walls[0], anticlockwise.walls[1]];
+        let edge_m = [clockwise.edge_m[0], anticlockwise.edge_m[1]];
+        let length_m = |opening: &Opening| (opening.edge_m[0] - opening.edge_m[1]).norm();
+        if length_m(anticlockwise) > length_m(clockwise) {
+            *self = next;
+        }
+        self.opening.walls = walls;
+        self.opening.edge_m = edge_m;
+    }
+}
+
+/// One revolution seen as a ring of wall returns.
+struct View<'a> {
+    revolution: &'a Revolution,
+    sweep: &'a Sweep,
+    vehicle_width_m: f64,
+    ring: &'a Ring,
+}
+
+impl View<'_> {
+    /// Every edge between two walls that is not masked throughout.
+    fn between_walls(&self) -> Vec<Branch> {
+        let between_two = |sides: &Sides<'_>| sides.walls()[0] != sides.walls()[1];
+        self.sides()
+            .filter(|sides| between_two(sides) && self.is_known(sides))
+            .map(|sides| self.branch(&sides))
+            .collect()
+    }
+
+    /// Every edge that the vehicle can pass into free space, those into the same branch joined.
+    fn in_free_space(&self) -> Vec<Branch> {
+        let mut branches: Vec<Branch> = Vec::new();
+        for sides in self.sides().filter(|sides| self.is_passable(sides)) {
+            let branch = self.branch(&sides);
+            match branches.last_mut() {
+                Some(last) if last.is_same_way_as(&branch) => last.join(branch),
+                _ => branches.push(branch),
+            }
+        }
+        if let [first, .., last] = branches.as_slice()
+            && last.is_same_way_as(first)
+        {
+            let first = branches.remove(0);
+            if let Some(last) = branches.last_mut() {
+                last.join(first);
+            }
+        }
+        branches
+    }
+
+    /// The sides of every two returns that follow each other.
+    fn sides(&self) -> impl Iterator<Item = Sides<'_>> {
+        (0..self.ring.edges()).map(|at| Sides::of(self.ring, at, (at + 1) % self.ring.len()))
+    }
+
+    fn is_known(&self, sides: &Sides<'_>) -> bool {
+        let mut between = sides.between().peekable();
+        between.peek().is_none() || between.any(|beam| beam != Beam::Unknown)
+    }
+
+    fn is_passable(&self, sides: &Sides<'_>) -> bool {
+        let edge_m = sides.edge_m();
+        if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !self.is_known(sides) {
+            return false;
+        }
+        let dark_between_two = sides.walls()[0] != sides.walls()[1] && sides.is_dark();
+        let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());
+        (dark_between_two || edge::leaves_the_line(sides, self.vehicle_width_m))
+            && edge::is_deep(returns_m, edge_m, self.vehicle_width_m)
+    }
+
+    fn branch(&self, sides: &Sides<'_>) -> Branch {
+        let [a, b] = sides.mouth_m();
+        let (middle_m, width_m) = (0.5 * (a + b), (a - b).norm());
+        let lookout_m = sides.lookout_m(width_m).unwrap_or(middle_m);
+        let opening = Opening {
+            bearing_rad: bearing_rad(lookout_m),
+            width_m,
+            walls: sides.walls(),
+            evidence: if sides.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
+            edge_m: sides.edge_m().map(point),
+            cut_by_view: false,
+        };
+        Branch { opening, middle_m }
+    }
+
+    /// Ways on of which the end of a limited view leaves but a part.
+    fn cut_by_its_ends(&self) -> Vec<Opening> {
+        let Some(last) = self.ring.len().checked_sub(1) else { return Vec::new() };
+        let before = Side { at: 0, clockwise: false };
+        let after = Side { at: last, clockwise: true };
+        [before, after].into_iter().filter_map(|side| self.cut_beside(side)).collect()
+    }
+
+    /// The way on between a wall and the end of the view.
+    fn cut_beside(&self, side: Side) -> Option<Opening> {
+        let end = self.ring.entries[side.at];
+        let beams = if side.clockwise { &self.ring.beams[end.beam + 1..] } else { &self.ring.beams[..end.beam] };
+        let count = |kind: Beam| beams.iter().filter(|beam| **beam == kind).count();
+        let free = count(Beam::Unknown) == 0 && 2 * count(Beam::NoReturn) > beams.len();
+        let turn_rad = beams.len() as f64 * self.sweep.step_rad;
+        // What is free is known from the first to the last of the beams.
+        let room_m = end.range_m * (turn_rad - self.sweep.step_rad).min(FRAC_PI_2).sin();
+        if !free || room_m < self.vehicle_width_m {
+            return None;
+        }
+        let towards_end = if side.clockwise { turn_rad } else { -turn_rad };
+        let turned_m = |share: f64| nalgebra::Rotation2::new(share * towards_end) * end.position_m;
+        let mut edge_m = [end.position_m, turned_m(1.0)];
+        if !side.clockwise {
+            edge_m.reverse();
+        }
+        Some(Opening {
+            bearing_rad: bearing_rad(turned_m(0.5)),
+            width_m: turned_m(1.0).normalize().perp(&side.anchor_m(self.ring)).abs(),
+            walls: [end.wall; 2],
+            evidence: Evidence::NoReturn,
+            edge_m: edge_m.map(point),
+            cut_by_view: true,
+        })
+    }
+}
+
+fn bearing_rad(position_m: Position) -> f64 {
+    position_m.y.atan2(position_m.x)
+}
+
+fn point(position_m: Position) -> Point {
+    Point::new(position_m.x, position_m.y, 0.0)
+}

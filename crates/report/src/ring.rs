@@ -1,0 +1,64 @@
+//! The returns of walls as a ring, anticlockwise around the sensor.
+
+use crosscut_stage::{Beam, Revolution, Sweep};
+use nalgebra::Vector2;
+
+/// A point of the plane, metres.
+pub(crate) type Position = Vector2<f64>;
+
+/// Returns that belong to a wall, in the order in which an anticlockwise look around the sensor meets them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ring {
+    pub(crate) entries: Vec<Entry>,
+    /// What each beam saw, anticlockwise.
+    pub(crate) beams: Vec<Beam>,
+    /// The last entry is followed by the first.
+    pub(crate) full_turn: bool,
+}
+
+/// One return.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub(crate) position_m: Position,
+    pub(crate) range_m: f64,
+    /// Its beam, counted anticlockwise.
+    pub(crate) beam: usize,
+    pub(crate) wall: u32,
+}
+
+impl Ring {
+    /// Takes in the returns of walls; the others are passed over.
+    pub(crate) fn fill(&mut self, revolution: &Revolution, sweep: &Sweep, wall_of_return: &[Option<u32>]) {
+        self.full_turn = sweep.full_turn;
+        self.beams.clear();
+        self.beams.extend(&sweep.beams);
+        if sweep.is_clockwise() {
+            self.beams.reverse();
+        }
+        self.entries.clear();
+        for (beam, seen) in self.beams.iter().enumerate() {
+            if let Beam::Return(i) = *seen
+                && let Some(wall) = wall_of_return[i as usize]
+            {
+                let position_m = revolution.points_m[i as usize].coords.xy();
+                self.entries.push(Entry { position_m, range_m: position_m.norm(), beam, wall });
+            }
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// How many pairs of entries follow each other; an entry that is alone follows itself.
+    pub(crate) fn edges(&self) -> usize {
+        if self.full_turn { self.len() } else { self.len().saturating_sub(1) }
+    }
+
+    /// What the beams saw between an entry and a later one.
+    pub(crate) fn between(&self, from: usize, to: usize) -> impl Iterator<Item = Beam> + Clone {
+        let (from, to, beams) = (self.entries[from].beam, self.entries[to].beam, self.beams.len());
+        let count = (to + beams - from - 1) % beams;
+        (1..=count).map(move |step| self.beams[(from + step) % beams])
+    }
+}
