@@ -1,197 +1,109 @@
-//! One block's Laplacian as a band matrix, and its second eigenvalue.
+//! One block's Laplacian as a band matrix, and its factorisation.
 
-use std::collections::VecDeque;
+use crate::graph::Graph;
+use crate::order::Order;
 
-use crosscut_stage::{Affinity, Weights};
+/// Strides that the kernels are compiled for: 4 neighbours on either side, as along a wall, and 8.
+const USUAL_STRIDES: [usize; 2] = [5, 9];
 
-/// Steps of inverse iteration at most, the last ones with the Rayleigh quotient as shift.
-const INVERSE_STEPS: usize = 12;
-const RAYLEIGH_STEPS: usize = 8;
-/// The shift of the first steps: L itself is singular.
-const SHIFT: f64 = -1e-9;
-/// How far from an eigenvalue the pivots are asked, relative to it.
-const BRACKET: f64 = 1e-9;
-
-/// The normalised Laplacian of one block, rows in breadth-first order from its far end, so that entries stay near
-/// the diagonal: as near as the neighbours of a return along its wall.
+/// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near the
+/// diagonal if rows stand in the order of returns along a wall.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Band {
     n: usize,
-    /// Entries below the diagonal that a row has at most.
-    width: usize,
-    /// Row by row: the `width` entries left of the diagonal, and the diagonal.
+    /// Entries of a column: the diagonal and what is below it.
+    stride: usize,
     entries: Vec<f64>,
-    /// L - shift·I = M Δ Mᵀ: M below its unit diagonal, Δ on it.
+    /// L - shift·I = M Δ Mᵀ: 1/Δ on the diagonal, M below its unit diagonal.
     factor: Vec<f64>,
-    /// D^1/2 1 / ‖D^1/2 1‖.
-    zero: Vec<f64>,
-    vector: Vec<f64>,
 }
 
 impl Band {
-    /// Takes the block of `members`; `leaks` are the weights of each return's links to other blocks, set aside.
-    pub(crate) fn form(&mut self, affinity: &Affinity, members: &[u32], leaks: &[f64]) {
+    /// Takes one block of `graph`. `leaks` are the weights of each return's links to other blocks, which are set aside.
+    pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize) {
+        let members = order.members(block);
         self.n = members.len();
-        let mut place = vec![usize::MAX; affinity.degrees.len()];
-        members.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
-        let edges = edges(&affinity.weights, members, &place);
-        let far = *breadth_first(&edges, 0).last().unwrap_or(&0);
-        let mut rank = vec![0; self.n];
-        breadth_first(&edges, far).iter().enumerate().for_each(|(at, &i)| rank[i] = at);
-
-        let spans = edges.iter().enumerate().flat_map(|(i, row)| row.iter().map(move |&(j, _)| (i, j)));
-        self.width = spans.map(|(i, j)| rank[i].abs_diff(rank[j])).max().unwrap_or(0);
+        self.stride = order.width(block) + 1;
+        let padded = USUAL_STRIDES.into_iter().find(|&usual| self.stride <= usual);
+        self.stride = padded.unwrap_or(self.stride);
         self.entries.clear();
-        self.entries.resize(self.n * (self.width + 1), 0.0);
-        let degree = |i: usize| affinity.degrees[members[i] as usize];
-        self.zero.clear();
-        self.zero.resize(self.n, 0.0);
-        for (i, row) in edges.iter().enumerate() {
-            self.zero[rank[i]] = degree(i).sqrt();
-            for &(j, weight) in row.iter().filter(|&&(j, _)| rank[j] <= rank[i]) {
-                let scaled = weight * (degree(i).sqrt().recip() * degree(j).sqrt().recip());
-                let at = rank[i] * (self.width + 1) + self.width - (rank[i] - rank[j]);
-                self.entries[at] = if i == j { 1.0 - scaled - leaks[members[i] as usize] / degree(i) } else { -scaled };
+        // Columns of zeros at the end, so that every column has `stride` rows below it.
+        self.entries.resize((self.n + self.stride) * self.stride, 0.0);
+        let scale = graph.inverse_sqrt_degrees;
+        for (at, (&i, column)) in members.iter().zip(self.entries.chunks_exact_mut(self.stride)).enumerate() {
+            let i = i as usize;
+            let (others, weights) = graph.edges.row(i);
+            column[0] = 1.0 - leaks[i] * (scale[i] * scale[i]);
+            for (&j, weight) in others.iter().zip(weights) {
+                let j = j as usize;
+                if order.block(j) == block && order.rank(j) >= at {
+                    column[order.rank(j) - at] -= weight * (scale[i] * scale[j]);
+                }
             }
         }
-        let norm = dot(&self.zero, &self.zero).sqrt();
-        self.zero.iter_mut().for_each(|x| *x /= norm);
-    }
-
-    /// The second eigenvalue, if the pivots confirm it.
-    pub(crate) fn second_eigenvalue(&mut self) -> Option<f64> {
-        // Any start will do that is not orthogonal to the eigenvector; its nodes are unknown, so no symmetric one.
-        let mut state = 0x9E37_79B9_u32;
-        self.vector.clear();
-        for _ in 0..self.n {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            self.vector.push(f64::from(state) / f64::from(u32::MAX) - 0.5);
-        }
-        self.factorise(SHIFT);
-        for _ in 0..INVERSE_STEPS {
-            self.step();
-        }
-        let mut quotient = self.rayleigh_quotient();
-        for _ in 0..RAYLEIGH_STEPS {
-            self.factorise(quotient);
-            self.step();
-            let next = self.rayleigh_quotient();
-            let settled = (next - quotient).abs() <= 4.0 * f64::EPSILON;
-            quotient = next;
-            if settled {
-                break;
-            }
-        }
-        let bracket = BRACKET * quotient.abs();
-        let confirmed = self.factorise(quotient - bracket) == 1 && self.factorise(quotient + bracket) >= 2;
-        confirmed.then_some(quotient)
     }
 
     /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
-    fn factorise(&mut self, shift: f64) -> usize {
-        let (w, stride) = (self.width, self.width + 1);
+    pub(crate) fn factorise(&mut self, shift: f64) -> usize {
         self.factor.clone_from(&self.entries);
-        let mut negative = 0;
-        for i in 0..self.n {
-            let first = i.saturating_sub(w);
-            // Entry (i, j) of a row is at i·stride + w - (i - j).
-            for j in first..i {
-                let common = first.max(j.saturating_sub(w));
-                let mut sum = self.factor[i * stride + w + j - i];
-                for m in common..j {
-                    sum -= self.factor[i * stride + w + m - i] * self.factor[j * stride + w + m - j];
-                }
-                self.factor[i * stride + w + j - i] = sum;
-            }
-            let mut pivot = self.factor[i * stride + w] - shift;
-            for j in first..i {
-                let at = i * stride + w + j - i;
-                let scaled = self.factor[at] / self.factor[j * stride + w];
-                pivot -= scaled * self.factor[at];
-                self.factor[at] = scaled;
-            }
-            if pivot.abs() < f64::MIN_POSITIVE {
-                pivot = f64::EPSILON * f64::EPSILON;
-            }
-            self.factor[i * stride + w] = pivot;
-            negative += usize::from(pivot < 0.0);
+        match self.stride {
+            5 => factorise(&mut self.factor, self.n, 5, shift),
+            9 => factorise(&mut self.factor, self.n, 9, shift),
+            stride => factorise(&mut self.factor, self.n, stride, shift),
         }
-        negative
     }
 
-    /// One step of inverse iteration on `vector`, without its part along the known eigenvector.
-    fn step(&mut self) {
-        let (w, stride) = (self.width, self.width + 1);
-        for i in 0..self.n {
-            for j in i.saturating_sub(w)..i {
-                self.vector[i] -= self.factor[i * stride + w + j - i] * self.vector[j];
-            }
+    /// Solves (L - shift·I) x = `x` in place; `x` has n entries, and `stride` more that are scratch.
+    pub(crate) fn solve(&self, x: &mut Vec<f64>) {
+        x.resize(self.n + self.stride, 0.0);
+        match self.stride {
+            5 => solve(&self.factor, x, self.n, 5),
+            9 => solve(&self.factor, x, self.n, 9),
+            stride => solve(&self.factor, x, self.n, stride),
         }
-        for i in (0..self.n).rev() {
-            self.vector[i] /= self.factor[i * stride + w];
-        }
-        for i in (0..self.n).rev() {
-            for j in i.saturating_sub(w)..i {
-                self.vector[j] -= self.factor[i * stride + w + j - i] * self.vector[i];
-            }
-        }
-        let along = dot(&self.vector, &self.zero);
-        self.vector.iter_mut().zip(&self.zero).for_each(|(x, z)| *x -= along * z);
-        let norm = dot(&self.vector, &self.vector).sqrt();
-        self.vector.iter_mut().for_each(|x| *x /= norm);
-    }
-
-    /// vᵀ L v of the unit vector.
-    fn rayleigh_quotient(&self) -> f64 {
-        let (w, stride, v) = (self.width, self.width + 1, &self.vector);
-        let row = |i: usize| {
-            let left: f64 = (i.saturating_sub(w)..i).map(|j| self.entries[i * stride + w + j - i] * v[j]).sum();
-            v[i] * (2.0 * left + self.entries[i * stride + w] * v[i])
-        };
-        (0..self.n).map(row).sum()
+        x.truncate(self.n);
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+/// LDLᵀ in place, column by column.
+#[inline(always)]
+fn factorise(columns: &mut [f64], n: usize, stride: usize, shift: f64) -> usize {
+    let mut negative = 0;
+    for i in 0..n {
+        let (pivot_column, rest) = columns[i * stride..].split_at_mut(stride);
+        let mut pivot = pivot_column[0] - shift;
+        if pivot.abs() < f64::MIN_POSITIVE {
+            pivot = f64::EPSILON * f64::EPSILON;
+        }
+        negative += usize::from(pivot < 0.0);
+        let inverse = pivot.recip();
+        for (a, column) in (1..stride).zip(rest.chunks_exact_mut(stride)) {
+            let factor = pivot_column[a] * inverse;
+            for (entry, below) in column.iter_mut().zip(&pivot_column[a..]) {
+                *entry -= factor * below;
+            }
+        }
+        pivot_column[0] = inverse;
+        pivot_column[1..].iter_mut().for_each(|entry| *entry *= inverse);
+    }
+    negative
 }
 
-/// The edges of each member, by their places among the members.
-fn edges(weights: &Weights, members: &[u32], place: &[usize]) -> Vec<Vec<(usize, f64)>> {
-    let mut edges = vec![Vec::new(); members.len()];
-    let mut add = |i: usize, j: usize, weight: f64| {
-        if weight != 0.0 && place[j] != usize::MAX {
-            edges[place[i]].push((place[j], weight));
+/// M Δ Mᵀ x = `x` in place; `x` goes on beyond its n entries.
+#[inline(always)]
+fn solve(columns: &[f64], x: &mut [f64], n: usize, stride: usize) {
+    for (i, column) in columns.chunks_exact(stride).take(n).enumerate() {
+        let window = &mut x[i..i + stride];
+        let top = window[0];
+        for (below, entry) in window[1..].iter_mut().zip(&column[1..]) {
+            *below -= entry * top;
         }
-    };
-    match weights {
-        Weights::Sparse(w) => {
-            for &i in members {
-                let (columns, values) = w.row(i as usize);
-                columns.iter().zip(values).for_each(|(&j, &weight)| add(i as usize, j as usize, weight));
-            }
-        }
-        other => other.for_each(|i, j, weight| {
-            if place[i] != usize::MAX {
-                add(i, j, weight);
-            }
-        }),
+        window[0] = top * column[0];
     }
-    edges
-}
-
-/// All nodes of a connected graph, nearest to `start` first.
-fn breadth_first(edges: &[Vec<(usize, f64)>], start: usize) -> Vec<usize> {
-    let (mut seen, mut order) = (vec![false; edges.len()], Vec::with_capacity(edges.len()));
-    let mut queue = VecDeque::from([start]);
-    seen[start] = true;
-    while let Some(i) = queue.pop_front() {
-        order.push(i);
-        for &(j, _) in &edges[i] {
-            if !std::mem::replace(&mut seen[j], true) {
-                queue.push_back(j);
-            }
-        }
+    x[n..].fill(0.0);
+    for (i, column) in columns.chunks_exact(stride).take(n).enumerate().rev() {
+        let window = &mut x[i..i + stride];
+        let below: f64 = window[1..].iter().zip(&column[1..]).map(|(x, entry)| x * entry).sum();
+        window[0] -= below;
     }
-    order
 }

@@ -1,15 +1,17 @@
 //! `blocks`: the eigenvalues near zero, block by block, for sparse graphs.
 
 use crosscut_stage::{
-    Affinity, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
+    Affinity, Csr, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
     Value,
 };
-use faer::Mat;
 
 use crate::FaerEvd;
 use crate::band::Band;
 use crate::degrees::check_degrees;
+use crate::graph::{Graph, edges};
 use crate::laplacian::dense_bytes;
+use crate::order::Order;
+use crate::second::Second;
 use crate::split::Split;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
@@ -42,21 +44,11 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 pub struct Blocks {
     rule: ZeroRule,
     weak_link: f64,
-    split: Split,
-    band: Band,
+    inverse_sqrt_degrees: Vec<f64>,
+    /// Those of a dense W.
+    edges: Csr,
+    solver: Solver,
     full: FaerEvd,
-}
-
-/// What a block adds: its next eigenvalue, and, if it has zeros beside the known one, all of them and their eigenvectors.
-struct Block {
-    next: Option<f64>,
-    zeros: Option<(Vec<f64>, Mat<f64>)>,
-}
-
-impl Block {
-    fn columns(&self) -> usize {
-        self.zeros.as_ref().map_or(1, |(zeros, _)| zeros.len())
-    }
 }
 
 impl Blocks {
@@ -70,72 +62,92 @@ impl Blocks {
     }
 
     fn with(rule: ZeroRule, weak_link: f64) -> Self {
-        Self { rule, weak_link, split: Split::default(), band: Band::default(), full: FaerEvd::with(rule) }
+        Self {
+            rule,
+            weak_link,
+            inverse_sqrt_degrees: Vec::new(),
+            edges: Csr::default(),
+            solver: Solver::default(),
+            full: FaerEvd::with(rule),
+        }
     }
 
-    /// The returns of each block, and its next eigenvalue; `None` for one that has more than one zero.
-    fn solve(&mut self, affinity: &Affinity, weak_link: f64) -> Result<Solved, StageError> {
-        let ZeroRule::Tolerance(tolerance) = self.rule;
-        self.split.form(affinity, weak_link, tolerance)?;
-        let mut members = vec![Vec::new(); self.split.len()];
-        let blocks = self.split.block_of_return().iter().enumerate();
-        blocks.for_each(|(i, &block)| members[block as usize].push(i as u32));
-        let next = |members: &Vec<u32>| {
-            if members.len() == 1 {
-                return Some(None);
-            }
-            self.band.form(affinity, members, self.split.leaks());
-            self.band.second_eigenvalue().filter(|&next| next >= tolerance).map(Some)
-        };
-        let next = members.iter().map(next).collect();
-        Ok(Solved { members, next })
-    }
-
-    /// A component that has more zeros than one.
-    fn decompose(&mut self, affinity: &Affinity, members: &[u32], notes: &mut Notes) -> Result<Block, StageError> {
+    /// A block that has more zeros than one: all of them, their eigenvectors, and the next eigenvalue.
+    fn decompose(&mut self, affinity: &Affinity, block: usize, notes: &mut Notes) -> Result<Spectrum, StageError> {
+        let members = self.solver.order.members(block);
         notes.add(format!("blocks: a component of {} returns by full decomposition", members.len()));
         let mut spectrum = Spectrum::default();
         self.full.spectrum(&part_of(affinity, members), &mut spectrum, notes)?;
-        let next = spectrum.eigenvalues.get(spectrum.k).copied();
-        spectrum.eigenvalues.truncate(spectrum.k);
-        Ok(Block { next, zeros: Some((spectrum.eigenvalues, spectrum.u.to_dense())) })
+        Ok(spectrum)
     }
 
     /// How far the zeros and their span may be off because of the links that were set aside.
-    fn bounds(&self, affinity: &Affinity, zeros: &[f64], next: Option<f64>) -> (f64, f64) {
+    fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
+        let split = &self.solver.split;
         // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
-        let (true, Some(next), Some(largest)) = (self.split.has_links(), next, zeros.last()) else { return (0.0, 0.0) };
-        let (coupling, gap) = (self.split.coupling(&affinity.degrees), next - largest);
+        let (true, Some(next), Some(largest)) = (split.has_links(), next, zeros.last()) else { return (0.0, 0.0) };
+        let (coupling, gap) = (split.coupling(degrees), next - largest);
         // No eigenvalue is negative.
         ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
     }
+}
 
-    /// Writes U: the columns of one block after those of the other.
-    fn embed(&self, affinity: &Affinity, members: &[Vec<u32>], blocks: &[Block], u: &mut Embedding) {
-        let n = affinity.degrees.len();
-        let mut place = vec![0; n];
-        for members in members {
-            members.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
+/// The blocks of a graph, and the next eigenvalue of each; holds its buffers.
+#[derive(Default)]
+struct Solver {
+    split: Split,
+    order: Order,
+    band: Band,
+    second: Second,
+    zero: Vec<f64>,
+    /// The least of the next eigenvalues of the blocks that have one zero.
+    next: Option<f64>,
+    /// Blocks with more zeros than one, ascending.
+    several: Vec<usize>,
+}
+
+impl Solver {
+    fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
+        self.split.form(graph, weak_link, tolerance)?;
+        self.order.form(graph.edges, self.split.block_of_return(), self.split.len());
+        self.next = None;
+        self.several.clear();
+        for block in 0..self.split.len() {
+            let members = self.order.members(block);
+            if members.len() == 1 {
+                continue;
+            }
+            let volume = self.split.volumes()[block];
+            self.zero.clear();
+            self.zero.extend(members.iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
+            self.band.form(graph, self.split.leaks(), &self.order, block);
+            match self.second.find(&mut self.band, &self.zero) {
+                Some(next) if next >= tolerance => self.next = Some(self.next.map_or(next, |least| least.min(next))),
+                _ => self.several.push(block),
+            }
         }
-        let mut first = Vec::with_capacity(blocks.len());
-        let columns = blocks.iter().fold(0, |columns, block| {
-            first.push(columns as u32);
-            columns + block.columns()
-        });
-        u.write_rows(n, columns, |i, row| {
-            let at = self.split.block_of_return()[i] as usize;
-            match &blocks[at].zeros {
-                Some((_, vectors)) => row.extend((first[at]..).zip(vectors.row(place[i]).iter().copied())),
-                None => row.push((first[at], (affinity.degrees[i] / self.split.volumes()[at]).sqrt())),
+        Ok(())
+    }
+
+    /// Writes U: one column for each block, in their order, or those of `decomposed`, the blocks with more zeros than one.
+    fn embed(&self, degrees: &[f64], decomposed: &[Spectrum], u: &mut Embedding) {
+        let several = || self.several.iter().zip(decomposed);
+        let mut first: Vec<u32> = (0..self.split.len() as u32).collect();
+        for (&block, spectrum) in several() {
+            first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k as u32 - 1);
+        }
+        let columns = self.split.len() + decomposed.iter().map(|spectrum| spectrum.k - 1).sum::<usize>();
+        u.write_rows(degrees.len(), columns, |i, row| {
+            let block = self.order.block(i);
+            match several().find(|&(&other, _)| other == block) {
+                Some((_, spectrum)) => {
+                    let entries = spectrum.u.row(self.order.rank(i));
+                    row.extend(entries.map(|(j, value)| (first[block] + j as u32, value)));
+                }
+                None => row.push((first[block], (degrees[i] / self.split.volumes()[block]).sqrt())),
             }
         });
     }
-}
-
-/// The returns of each block, and its next eigenvalue if it has one zero (none if it has one return).
-struct Solved {
-    members: Vec<Vec<u32>>,
-    next: Vec<Option<Option<f64>>>,
 }
 
 /// The graph of some returns alone.
@@ -157,32 +169,34 @@ fn part_of(affinity: &Affinity, members: &[u32]) -> Affinity {
 impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
-        let mut solved = self.solve(affinity, self.weak_link)?;
-        if self.split.has_links() && solved.next.contains(&None) {
-            notes.add("blocks: no link set aside, as a wall between weak links is itself almost two");
-            solved = self.solve(affinity, 0.0)?;
-        }
-        let Solved { members, next } = solved;
-        let blocks = members.iter().zip(next).map(|(members, next)| match next {
-            Some(next) => Ok(Block { next, zeros: None }),
-            None => self.decompose(affinity, members, notes),
-        });
-        let blocks = blocks.collect::<Result<Vec<_>, _>>()?;
-        self.embed(affinity, &members, &blocks, &mut out.u);
-
+        let degrees = &affinity.degrees;
+        self.inverse_sqrt_degrees.clear();
+        self.inverse_sqrt_degrees.extend(degrees.iter().map(|degree| degree.sqrt().recip()));
+        let edges = edges(&affinity.weights, &mut self.edges)?;
+        let graph = Graph { edges, degrees, inverse_sqrt_degrees: &self.inverse_sqrt_degrees };
         let ZeroRule::Tolerance(tolerance) = self.rule;
-        let next = blocks.iter().filter_map(|block| block.next).min_by(f64::total_cmp);
-        let beyond_known = blocks.iter().filter_map(|block| block.zeros.as_ref()).flat_map(|(zeros, _)| zeros);
+        self.solver.solve(&graph, self.weak_link, tolerance)?;
+        if self.solver.split.has_links() && !self.solver.several.is_empty() {
+            notes.add("blocks: no link set aside, as a wall between weak links is itself almost two");
+            self.solver.solve(&graph, 0.0, tolerance)?;
+        }
+        let several = self.solver.several.clone();
+        let decomposed: Vec<Spectrum> =
+            several.iter().map(|&block| self.decompose(affinity, block, notes)).collect::<Result<_, _>>()?;
+        self.solver.embed(degrees, &decomposed, &mut out.u);
+
         out.k = out.u.ncols();
-        out.eigenvalues.clear();
-        out.eigenvalues.extend(beyond_known.chain(self.split.eigenvalues()));
-        out.eigenvalues.resize(out.k, 0.0);
-        out.eigenvalues.sort_by(f64::total_cmp);
-        (out.zeros_bound, out.span_bound) = self.bounds(affinity, &out.eigenvalues, next);
-        out.eigenvalues.extend(next);
         out.tolerance = tolerance;
-        out.margin_decades =
-            Spectrum::tolerance_margin_decades(&out.eigenvalues, affinity.degrees.len(), out.k, tolerance);
+        out.eigenvalues.clear();
+        out.eigenvalues.extend(decomposed.iter().flat_map(|spectrum| &spectrum.eigenvalues[..spectrum.k]));
+        out.eigenvalues.extend(self.solver.split.eigenvalues());
+        out.eigenvalues.resize(out.k, 0.0);
+        out.eigenvalues.sort_unstable_by(f64::total_cmp);
+        let others = decomposed.iter().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());
+        let next = others.chain(self.solver.next).min_by(f64::total_cmp);
+        (out.zeros_bound, out.span_bound) = self.bounds(degrees, &out.eigenvalues, next);
+        out.eigenvalues.extend(next);
+        out.margin_decades = Spectrum::tolerance_margin_decades(&out.eigenvalues, degrees.len(), out.k, tolerance);
         Ok(())
     }
 

@@ -46,8 +46,11 @@ mod degrees;
 mod embedding;
 mod faer_evd;
 mod forest;
+mod graph;
 mod laplacian;
 mod nalgebra_evd;
+mod order;
+mod second;
 mod split;
 mod zero_rule;
 

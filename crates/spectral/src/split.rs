@@ -1,10 +1,11 @@
 //! The graph split into blocks along its weak links, and the eigenvalues that the links leave near zero.
 
-use crosscut_stage::{Affinity, StageError};
+use crosscut_stage::StageError;
 use faer::Mat;
 
 use crate::decomposition::Decomposition;
 use crate::forest::Forest;
+use crate::graph::Graph;
 
 /// An edge between two blocks that is set aside.
 #[derive(Clone, Copy, Debug)]
@@ -64,11 +65,11 @@ impl Split {
     /// Splits the graph along its links of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until θ_m < `tolerance`.
     ///
     /// # Errors
-    /// When a weight is not finite, or Q cannot be decomposed.
-    pub(crate) fn form(&mut self, affinity: &Affinity, weak: f64, tolerance: f64) -> Result<(), StageError> {
-        self.cut(affinity, weak)?;
+    /// When Q cannot be decomposed.
+    pub(crate) fn form(&mut self, graph: &Graph<'_>, weak: f64, tolerance: f64) -> Result<(), StageError> {
+        self.cut(graph, weak);
         loop {
-            self.number_blocks(affinity);
+            self.number_blocks(graph.degrees);
             if self.links.is_empty() {
                 self.eigenvalues.clear();
                 return Ok(());
@@ -135,37 +136,29 @@ impl Split {
     }
 
     /// Joins what is tied by links that are not weak, and remembers the others.
-    fn cut(&mut self, affinity: &Affinity, weak: f64) -> Result<(), StageError> {
-        let degrees = &affinity.degrees;
-        self.forest.plant(degrees.len());
+    fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
+        let scale = graph.inverse_sqrt_degrees;
+        self.forest.plant(scale.len());
         self.links.clear();
-        let (forest, links) = (&mut self.forest, &mut self.links);
-        let mut not_finite = None;
-        affinity.weights.for_each(|i, j, weight| {
-            if !weight.is_finite() {
-                not_finite.get_or_insert(i);
-            } else if weight * weight >= weak * weak * (degrees[i] * degrees[j]) {
-                if weight != 0.0 {
-                    forest.join(i, j);
+        for i in 0..scale.len() {
+            let (others, weights) = graph.edges.row(i);
+            for (&j, &weight) in others.iter().zip(weights).take_while(|&(&j, _)| (j as usize) < i) {
+                let is_weak = weight * (scale[i] * scale[j as usize]) < weak;
+                if is_weak && weight != 0.0 {
+                    self.links.push(Link { from: j, to: i as u32, weight });
+                } else if weight != 0.0 {
+                    self.forest.join(i, j as usize);
                 }
-            } else if i < j && weight != 0.0 {
-                links.push(Link { from: i as u32, to: j as u32, weight });
             }
-        });
-        if let Some(index) = not_finite {
-            return Err(StageError::NotFinite { what: "the affinity", index });
         }
-        // Dense weights come column by column, sparse ones row by row: sums must not depend on that.
-        self.links.sort_unstable_by_key(|link| (link.from, link.to));
-        Ok(())
     }
 
     /// Numbers the blocks as they now are, and forgets the links within a block.
-    fn number_blocks(&mut self, affinity: &Affinity) {
+    fn number_blocks(&mut self, degrees: &[f64]) {
         self.block_of_return.clear();
         self.block_of_return.extend_from_slice(self.forest.number_components());
         self.volumes.clear();
-        for (&block, &degree) in self.block_of_return.iter().zip(&affinity.degrees) {
+        for (&block, &degree) in self.block_of_return.iter().zip(degrees) {
             match self.volumes.get_mut(block as usize) {
                 Some(volume) => *volume += degree,
                 None => self.volumes.push(degree), // blocks appear in the order of their numbers

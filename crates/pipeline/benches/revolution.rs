@@ -1,0 +1,123 @@
+//! How long one revolution takes, step by step, in the calling thread, without input and output.
+//!
+//! `cargo bench -p crosscut-pipeline --bench revolution` takes the development scenes of every family;
+//! `... -- FLIGHT.mcap...` takes recordings instead. One line per family or recording and method, columns parted by commas:
+//! medians over the revolutions, of each the median of several passes. The methods take turns, so that what else the
+//! machine does hits all of them alike.
+
+use std::path::PathBuf;
+
+use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_simulator::{Split, suites};
+use crosscut_stage::{Frame, Notes, Params, Revolution, Source, Step};
+
+/// Revolutions of each family or recording, evenly over it.
+const REVOLUTIONS: usize = 100;
+const PASSES: usize = 5;
+/// Name, preset, and settings on top of it. `floor` is the default with its eigenvalues left out.
+const METHODS: &[(&str, &str, &[&str])] =
+    &[("default", "default", &[]), ("floor", "default", &["spectral.kind=components"]), ("paper", "paper", &[])];
+const STEPS: [Step; 4] = [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report];
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// A family of scenes, or a recording.
+struct Scans {
+    name: String,
+    revolutions: Vec<Revolution>,
+}
+
+fn main() -> Fallible<()> {
+    let registry = Registry::standard();
+    let configs = METHODS.iter().map(|(_, preset, settings)| {
+        let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+        Config::resolve(&Schema::new(&registry), &[Layer::preset(preset)?, Layer::settings(&settings)?])
+    });
+    let mut engines: Vec<Engine> =
+        configs.map(|config| config.map(|config| Engine::new(&config, &registry))).collect::<Result<_, _>>()?;
+
+    print!("{:<16},{:>10},{:>12},{:>8}", "scans", "method", "revolutions", "returns");
+    println!("{}", STEPS.map(|step| format!(",{:>12}", format!("{step}_us"))).concat() + ",    total_us");
+    for Scans { name, revolutions } in inputs()? {
+        let times_ns = time(&mut engines, &revolutions)?;
+        let mut returns: Vec<usize> = revolutions.iter().map(Revolution::len).collect();
+        for ((method, ..), times_ns) in METHODS.iter().zip(times_ns) {
+            print!("{name:<16},{method:>10},{:>12},{:>8}", revolutions.len(), median(&mut returns));
+            let columns = (0..=STEPS.len()).map(|step| {
+                let mut column: Vec<u64> = times_ns.iter().map(|row| row[step]).collect();
+                format!(",{:>12.1}", median(&mut column) as f64 / 1e3)
+            });
+            println!("{}", columns.collect::<String>());
+        }
+    }
+    Ok(())
+}
+
+/// What `cargo bench` was given, or all families.
+fn inputs() -> Fallible<Vec<Scans>> {
+    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let paths: Vec<PathBuf> =
+        std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).map(PathBuf::from).collect();
+    if paths.is_empty() {
+        let revolution = |scan: &_| {
+            let mut revolution = Revolution::default();
+            sensor.revolution(scan, &mut revolution, &mut Notes::default());
+            revolution
+        };
+        let of_suite = |suite: &crosscut_simulator::Suite| {
+            let all = suite.scenes(Split::Dev).map(|scene| revolution(&scene.scan)).collect();
+            Scans { name: suite.name.to_owned(), revolutions: spread(all) }
+        };
+        return Ok(suites().iter().map(of_suite).collect());
+    }
+    paths
+        .into_iter()
+        .map(|path| {
+            let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor.clone())?;
+            let mut all = Vec::new();
+            loop {
+                let mut revolution = Revolution::default();
+                if !recording.next(&mut revolution, &mut Notes::default())? {
+                    return Ok(Scans { name, revolutions: spread(all) });
+                }
+                all.push(revolution);
+            }
+        })
+        .collect()
+}
+
+/// At most [`REVOLUTIONS`] of them, evenly.
+fn spread(all: Vec<Revolution>) -> Vec<Revolution> {
+    let step = all.len().div_ceil(REVOLUTIONS).max(1);
+    all.into_iter().step_by(step).collect()
+}
+
+/// For each engine and revolution, the nanoseconds of each of [`STEPS`] and their sum, medians of the passes.
+fn time(
+    engines: &mut [Engine],
+    revolutions: &[Revolution],
+) -> Result<Vec<Vec<[u64; STEPS.len() + 1]>>, crosscut_stage::Failure> {
+    let mut samples = vec![vec![[const { Vec::new() }; STEPS.len() + 1]; revolutions.len()]; engines.len()];
+    let mut frame = Frame::default();
+    for _ in 0..PASSES {
+        for (engine, samples) in engines.iter_mut().zip(&mut samples) {
+            for (at, revolution) in revolutions.iter().enumerate() {
+                frame.revolution.clone_from(revolution);
+                frame.notes.clear();
+                engine.process(&mut frame)?;
+                let times_ns = STEPS.map(|step| frame.timings.ns(step));
+                let row = times_ns.into_iter().chain([times_ns.iter().sum()]);
+                samples[at].iter_mut().zip(row).for_each(|(samples, ns)| samples.push(ns));
+            }
+        }
+    }
+    let medians = |row: &mut [Vec<u64>; STEPS.len() + 1]| std::array::from_fn(|step| median(&mut row[step]));
+    Ok(samples.iter_mut().map(|rows| rows.iter_mut().map(medians).collect()).collect())
+}
+
+fn median<T: Ord + Copy + Default>(values: &mut [T]) -> T {
+    values.sort_unstable();
+    values.get(values.len() / 2).copied().unwrap_or_default()
+}

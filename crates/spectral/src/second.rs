@@ -1,0 +1,110 @@
+//! The second eigenvalue of a block.
+
+use crate::band::Band;
+
+/// The shift of the first step: L itself is singular.
+const FIRST_SHIFT: f64 = -1e-9;
+/// How near its two bounds must come: relative to the eigenvalue, and what rounding leaves.
+const RELATIVE: f64 = 1e-12;
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+/// Factorisations at most. Halving alone takes 2 to 2e-14 in 47.
+const MOST_STEPS: usize = 100;
+/// How much of the start vector is noise, in case the rest has nothing of the eigenvector.
+const NOISE: f64 = 1e-2;
+
+/// Finds the second eigenvalue; holds its buffers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Second {
+    /// A unit vector, orthogonal to that of the first eigenvalue.
+    vector: Vec<f64>,
+    solution: Vec<f64>,
+}
+
+/// The Rayleigh quotient of a vector, and how far it may be from the eigenvalue.
+struct Estimate {
+    quotient: f64,
+    error: f64,
+}
+
+impl Second {
+    /// The second eigenvalue λ of a block whose first is 0, with the unit eigenvector `zero`.
+    ///
+    /// Inverse iteration, orthogonal to `zero`. The Rayleigh quotient of the vector is at least λ, and λ is above every
+    /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to, and
+    /// with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns out to be
+    /// above λ, the next one halves what is between. What comes out is the upper bound, once they differ by rounding alone;
+    /// `None` if they do not come so near.
+    pub(crate) fn find(&mut self, band: &mut Band, zero: &[f64]) -> Option<f64> {
+        self.start(zero);
+        let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
+        band.factorise(below);
+        let mut estimate = self.step(band, zero, below);
+        for _ in 0..MOST_STEPS {
+            let upper = estimate.quotient.min(above);
+            let rounding = RELATIVE * upper.abs() + ROUNDING;
+            if upper - below <= 2.0 * rounding {
+                return Some(upper);
+            }
+            let guess = upper - 2.0 * estimate.error - rounding;
+            let is_of_lambda = estimate.quotient <= above && guess > below;
+            let shift = if is_of_lambda { guess } else { 0.5 * (below + upper) };
+            if band.factorise(shift) > 1 {
+                above = shift;
+            } else {
+                below = shift;
+                estimate = self.step(band, zero, shift);
+            }
+        }
+        None
+    }
+
+    /// Along a wall of even weights the eigenvector is D^1/2 times half a wave of a cosine: nearly a ramp.
+    fn start(&mut self, zero: &[f64]) {
+        let middle = 0.5 * zero.len() as f64;
+        let mut state = 0x9E37_79B9_u32;
+        self.vector.clear();
+        self.vector.extend(zero.iter().enumerate().map(|(at, zero)| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let noise = f64::from(state) / f64::from(u32::MAX) - 0.5;
+            zero * ((at as f64 + 0.5) / middle - 1.0 + NOISE * noise)
+        }));
+        make_orthogonal(&mut self.vector, zero);
+        let norm = dot(&self.vector, &self.vector).sqrt();
+        self.vector.iter_mut().for_each(|x| *x /= norm);
+    }
+
+    /// One step of inverse iteration: y = (L - shift·I)⁻¹ x, made orthogonal to `zero`. As (L - shift·I) y = x, the Rayleigh
+    /// quotient of y is q = shift + xᵀy / yᵀy and its residual ‖Ly - qy‖² / yᵀy = xᵀx / yᵀy - (q - shift)². The error of q is at
+    /// most residual² / (λ_3 - q) (Temple), where λ_3 is taken to be 2q.
+    fn step(&mut self, band: &Band, zero: &[f64], shift: f64) -> Estimate {
+        self.solution.clone_from(&self.vector);
+        band.solve(&mut self.solution);
+        make_orthogonal(&mut self.solution, zero);
+        let square = dot(&self.solution, &self.solution);
+        let above_shift = dot(&self.vector, &self.solution) / square;
+        let scale = square.sqrt().recip();
+        self.vector.iter_mut().zip(&self.solution).for_each(|(x, y)| *x = scale * y);
+        let quotient = shift + above_shift;
+        let residual_squared = (square.recip() - above_shift * above_shift).max(0.0);
+        Estimate { quotient, error: residual_squared / quotient.abs() }
+    }
+}
+
+fn make_orthogonal(vector: &mut [f64], unit: &[f64]) {
+    let along = dot(vector, unit);
+    vector.iter_mut().zip(unit).for_each(|(x, unit)| *x -= along * unit);
+}
+
+/// Four sums side by side, so that no addition waits for the one before it.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_chunks, a_rest) = a.as_chunks::<4>();
+    let (b_chunks, b_rest) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a_chunks.iter().zip(b_chunks) {
+        for (sum, (x, y)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += x * y;
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
