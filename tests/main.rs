@@ -8,6 +8,8 @@ mod interruption;
 mod paper;
 mod program;
 #[cfg(feature = "rerun")]
+mod reading;
+#[cfg(feature = "rerun")]
 mod recording;
 mod results;
 mod simulation;

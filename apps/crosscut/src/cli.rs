@@ -29,6 +29,9 @@ pub(crate) enum Command {
     Paper(PaperArgs),
     /// Show what is in a recording.
     Info(InfoArgs),
+    /// List, export or compare what is in recordings made with --save.
+    #[command(subcommand)]
+    Rrd(RrdCommand),
     /// Show every setting with its value, unit, range and where it comes from. The output is a configuration file.
     Config(ConfigArgs),
 }
@@ -162,8 +165,76 @@ pub(crate) struct InfoArgs {
     pub(crate) config: ConfigArgs,
 }
 
+#[derive(Debug, Subcommand)]
+pub(crate) enum RrdCommand {
+    /// Show entities, components, revolutions and sizes of a recording.
+    Ls(RrdLsArgs),
+    /// Write values of an entity to a file: arrays for NumPy, CSV, or JSON lines.
+    Get(RrdGetArgs),
+    /// Compare two recordings row by row: which revolution and step differ first. Exit codes as of diff(1): 0 the same,
+    /// 1 different, 2 trouble; 3 the same as far as a damaged recording goes.
+    Diff(RrdDiffArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdLsArgs {
+    /// A recording.
+    #[arg(value_name = "FLIGHT.rrd")]
+    pub(crate) recording: PathBuf,
+    /// Show every component, also those that say how it is drawn.
+    #[arg(long)]
+    pub(crate) components: bool,
+    /// Show the configuration that it was made with as well.
+    #[arg(long)]
+    pub(crate) config: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdGetArgs {
+    /// A recording.
+    #[arg(value_name = "FLIGHT.rrd")]
+    pub(crate) recording: PathBuf,
+    /// What to take, as `rrd ls` names it: /affinity/W.
+    pub(crate) entity: String,
+    /// Which component of it; the one with the numbers if not given.
+    #[arg(long, value_name = "NAME", conflicts_with = "exact")]
+    pub(crate) component: Option<String>,
+    /// One revolution, by its number; all if not given.
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"])]
+    pub(crate) revolution: Option<i64>,
+    /// From this many seconds after the start.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) from: Option<f64>,
+    /// To this many seconds after the start.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) to: Option<f64>,
+    /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
+    #[arg(long)]
+    pub(crate) exact: bool,
+    /// Where to write: .npy, .csv or .jsonl.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdDiffArgs {
+    /// A recording.
+    #[arg(value_name = "A.rrd")]
+    pub(crate) first: PathBuf,
+    /// Another recording of the same flight.
+    #[arg(value_name = "B.rrd")]
+    pub(crate) second: PathBuf,
+    /// Numbers that differ by this much at most are the same.
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance)]
+    pub(crate) tolerance: f64,
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|s: &f64| s.is_finite() && *s >= 0.0).ok_or_else(|| "seconds, 0 or more".to_owned())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "a number, 0 or more".to_owned())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -12,6 +12,9 @@ pub(crate) enum Outcome {
     Failed,
     /// Results are complete as far as the input allowed, but something was lost.
     SomethingLost,
+    /// Two recordings were compared, and they are not the same.
+    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // there are no recordings then
+    Different,
     /// It was interrupted; what was made is saved.
     Interrupted,
 }
@@ -20,7 +23,7 @@ impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> Self {
         Self::from(match outcome {
             Outcome::Done => 0,
-            Outcome::Failed => 1,
+            Outcome::Failed | Outcome::Different => 1,
             Outcome::SomethingLost => 3,
             Outcome::Interrupted => INTERRUPTED,
         })

@@ -12,6 +12,8 @@ mod info;
 mod overwriting;
 mod paper;
 mod progress;
+#[cfg(feature = "rerun")]
+mod rrd;
 mod run;
 mod scoring;
 mod simulate;
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Command::Evaluate(args) => evaluate::evaluate(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Info(args) => info::info(&args),
+        Command::Rrd(command) => rrd(&command),
         Command::Config(args) => config::print(&args),
     };
     match outcome {
@@ -39,4 +42,12 @@ fn main() -> ExitCode {
             exit::code_of(&error)
         }
     }
+}
+
+#[cfg(feature = "rerun")]
+use rrd::rrd;
+
+#[cfg(not(feature = "rerun"))]
+fn rrd(_: &cli::RrdCommand) -> anyhow::Result<exit::Outcome> {
+    Err(exit::UsageError("this crosscut was built without the feature `rerun`".to_owned()).into())
 }

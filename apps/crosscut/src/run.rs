@@ -85,7 +85,7 @@ fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow:
         path: args.save.clone(),
         view,
         name: args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        config_toml: config.to_string(),
+        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
     };
     if args.save.is_none() && !args.view {
         return Ok(Vec::new());

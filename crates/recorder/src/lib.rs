@@ -48,6 +48,7 @@ mod file;
 mod layout;
 mod matrices;
 mod partition;
+mod reading;
 mod recorder;
 mod report;
 mod scan;
@@ -55,4 +56,8 @@ mod spectrum;
 mod tensors;
 mod viewer;
 
+pub use reading::{
+    Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
+    differences,
+};
 pub use recorder::{Recorder, RecorderError, RecorderOptions};

@@ -1,7 +1,9 @@
 //! Recordings, written and read back.
 
+mod difference;
 mod emptiness;
 mod file;
 mod frames;
+mod read_back;
 mod reading;
 mod values;

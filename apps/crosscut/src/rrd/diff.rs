@@ -1,0 +1,76 @@
+//! `crosscut rrd diff`: two recordings compared row by row.
+
+use std::io::Write;
+
+use anyhow::Context;
+use comfy_table::{Table, presets};
+use crosscut_recorder::{Differences, Recording, differences};
+
+use super::say_damages;
+use crate::cli::RrdDiffArgs;
+use crate::exit::{Outcome, UsageError};
+
+/// Prints the first difference and a table of all. Exit codes as of diff(1): 0 the same, 1 different, 2 trouble; and 3
+/// where what can be read is the same.
+pub(super) fn diff(args: &RrdDiffArgs) -> anyhow::Result<Outcome> {
+    let open = |path| Recording::open(path).map_err(|error| UsageError(error.to_string()));
+    let (a, b) = (open(&args.first)?, open(&args.second)?);
+    let found = differences(&a, &b, args.tolerance).map_err(|error| UsageError(error.to_string()))?;
+    let mut text = settings_that_differ(&a, &b);
+    text += &found_text(&found);
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    let damages = [say_damages(&a), say_damages(&b)];
+    Ok(match found.first {
+        Some(_) => Outcome::Different,
+        None if damages.contains(&Outcome::SomethingLost) => Outcome::SomethingLost,
+        None => Outcome::Done,
+    })
+}
+
+fn found_text(found: &Differences) -> String {
+    let Some(first) = &found.first else {
+        return format!("the same in {} rows\n", found.compared);
+    };
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(["step", "entity", "component", "revolutions", "first", "how"]);
+    for d in &found.components {
+        let (revolutions, first) = (d.revolutions.to_string(), d.revolution.to_string());
+        table.add_row([d.step.name(), &d.entity, &d.component, &revolutions, &first, &d.how]);
+    }
+    format!("different first at revolution {}, in {}\n\n{}\n", first.revolution, first.step, table.trim_fmt())
+}
+
+/// Settings are no results, but they say why results differ.
+fn settings_that_differ(a: &Recording, b: &Recording) -> String {
+    let [a, b] = [a, b].map(|recording| recording.config_toml().unwrap_or_default());
+    let [of_a, of_b] = [&a, &b].map(|toml| settings(toml));
+    let only = |mark: &str, these: &[String], others: &[String]| -> String {
+        these.iter().filter(|line| !others.contains(line)).map(|line| format!("{mark} {line}\n")).collect()
+    };
+    only("<", &of_a, &of_b) + &only(">", &of_b, &of_a)
+}
+
+/// Every `section.key = value` of a configuration, without comments.
+fn settings(toml: &str) -> Vec<String> {
+    let mut section = "";
+    let mut all = Vec::new();
+    for line in toml.lines().map(|line| line.split("  #").next().unwrap_or_default().trim()) {
+        match line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
+            Some(name) => section = name,
+            None if line.is_empty() || line.starts_with('#') => {}
+            None => all.push(format!("{section}.{line}")),
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::settings;
+
+    #[test]
+    fn settings_are_named_with_their_section_and_without_comments() {
+        let toml = "[a]\n# words\nkind = \"rbf\"  # preset paper\n\n[b]\nn = 3  # default\n";
+        assert_eq!(settings(toml), ["a.kind = \"rbf\"", "b.n = 3"]);
+    }
+}

@@ -1,0 +1,85 @@
+//! `crosscut rrd get`: values of an entity as a file that other programs read.
+
+use crosscut_recorder::{Entity, ReadError, Recording, Rows};
+
+use super::exact::Recomputation;
+use super::output::Output;
+use super::say_damages;
+use super::selection::Selection;
+use crate::cli::RrdGetArgs;
+use crate::exit::{Outcome, UsageError};
+use crate::overwriting;
+
+/// Writes what was asked for; what is damaged, or was made by another version, makes the exit code 3.
+pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
+    overwriting::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
+    let recording = Recording::open(&args.recording)?;
+    let selection = Selection::new(args, &recording);
+    let entity = format!("/{}", args.entity.trim_start_matches('/'));
+    let (written, lost) = match args.exact {
+        true => recompute(args, &recording, &entity, &selection)?,
+        false => (copy(args, &recording, &entity, &selection)?, Vec::new()),
+    };
+    if written == 0 {
+        return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for")).into());
+    }
+    for loss in &lost {
+        eprintln!("lost: {loss}");
+    }
+    let outcome = say_damages(&recording);
+    Ok(if lost.is_empty() { outcome } else { Outcome::SomethingLost })
+}
+
+/// Recorded values; returns how many there were.
+fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Selection) -> anyhow::Result<usize> {
+    let rows = rows(recording, entity)?;
+    let component = component(args, &recording.entities()[entity])?;
+    let mut output = Output::create(&args.out, selection.is_one())?;
+    let mut written = 0;
+    for row in rows {
+        let row = row?;
+        for value in row.values(&component).filter(|_| selection.holds(&row)) {
+            output.add(row.revolution, row.stamp_ns, &value?)?;
+            written += 1;
+        }
+    }
+    output.finish()?;
+    Ok(written)
+}
+
+/// Values made anew from the recorded ranges; returns how many there were, and what does not agree with the recording.
+fn recompute(
+    args: &RrdGetArgs,
+    recording: &Recording,
+    entity: &str,
+    selection: &Selection,
+) -> anyhow::Result<(usize, Vec<String>)> {
+    let recomputation = Recomputation::new(recording, entity)?;
+    let ranges = rows(recording, "/scan/ranges")?;
+    let mut output = Output::create(&args.out, selection.is_one())?;
+    let mut written = 0;
+    let lost = recomputation.run(ranges, selection, |row, value| {
+        written += 1;
+        output.add(row.revolution, row.stamp_ns, &value)
+    })?;
+    output.finish()?;
+    Ok((written, lost))
+}
+
+fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> {
+    recording.rows(entity).map_err(|error| match error {
+        error @ ReadError::NoSuchEntity { .. } => UsageError(error.to_string()).into(),
+        error => error.into(),
+    })
+}
+
+/// The component asked for, or the one with the values.
+fn component(args: &RrdGetArgs, entity: &Entity) -> Result<String, UsageError> {
+    let known = || entity.components.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+    let chosen = match &args.component {
+        Some(name) => entity.components.contains_key(name).then_some(name.as_str()),
+        None => entity.values_component(),
+    };
+    let asked = args.component.as_deref().unwrap_or("component");
+    chosen.map(str::to_owned).ok_or_else(|| UsageError(format!("{} has no {asked}; it has {}", args.entity, known())))
+}

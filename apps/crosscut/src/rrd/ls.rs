@@ -1,0 +1,75 @@
+//! `crosscut rrd ls`: entities, components, revolutions and sizes of a recording.
+
+use std::io::Write;
+
+use anyhow::Context;
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_recorder::{Entity, Recording};
+
+use super::say_damages;
+use crate::cli::RrdLsArgs;
+use crate::exit::Outcome;
+
+/// Prints what the recording holds; what is damaged makes the exit code 3.
+pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
+    let recording = Recording::open(&args.recording)?;
+    let mut text = heading(&recording) + "\n\n" + &entities(&recording, args.components) + "\n";
+    if args.config {
+        text += &format!("\n{}", recording.config_toml().unwrap_or_else(|| "# no /config\n".to_owned()));
+    }
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    Ok(say_damages(&recording))
+}
+
+fn heading(recording: &Recording) -> String {
+    let mut lines = vec![
+        format!("{}, {:.1} MB", recording.path().display(), recording.bytes() as f64 / 1e6),
+        format!("written by  {}, Rerun {}", maker(recording), recording.rerun_version()),
+    ];
+    let ranges = |range: fn(&Entity) -> Option<[i64; 2]>| {
+        let all = recording.entities().values().filter_map(range);
+        all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    };
+    if let Some([first, last]) = ranges(|entity| entity.revolutions) {
+        lines.push(format!("revolution  {first} to {last}"));
+    }
+    if let Some([first_ns, last_ns]) = ranges(|entity| entity.stamps_ns) {
+        let span_s = (last_ns - first_ns) as f64 / 1e9;
+        lines.push(format!("stamp       {first_ns} to {last_ns} ns: {span_s:.1} s"));
+    }
+    lines.join("\n")
+}
+
+/// Name and version of the program, as the first line of the configuration says it.
+fn maker(recording: &Recording) -> String {
+    let config = recording.config_toml().unwrap_or_default();
+    let line = config.lines().next().and_then(|line| line.strip_prefix("# crosscut "));
+    line.map_or_else(|| "an unnamed program".to_owned(), |version| format!("crosscut {version}"))
+}
+
+/// A line for each entity with the component that holds its values, or one for each component.
+fn entities(recording: &Recording, components: bool) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(["entity", "rows", "revolutions", "kB", "component", "the first"]);
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    for (path, entity) in recording.entities() {
+        let range = entity.revolutions.map_or_else(|| "all".to_owned(), |[first, last]| format!("{first}..{last}"));
+        let kilobytes = format!("{:.1}", entity.bytes as f64 / 1e3);
+        let mut start = [path.clone(), range, kilobytes];
+        let shown = |name: &&String| components || entity.values_component() == Some(name.as_str());
+        for name in entity.components.keys().filter(shown) {
+            let component = &entity.components[name];
+            let [path, range, kilobytes] = std::mem::take(&mut start);
+            let rows = right(component.rows.to_string());
+            table.add_row([
+                path.into(),
+                rows,
+                right(range),
+                right(kilobytes),
+                name.into(),
+                Cell::new(&component.first),
+            ]);
+        }
+    }
+    table.trim_fmt()
+}

@@ -1,0 +1,215 @@
+//! Two recordings compared row by row, whatever the chunks that they were written in.
+//!
+//! Compared is what was made of each revolution. Left out are the time that it took (`/timing`), what holds for the
+//! whole flight (configuration, colours, explanations), and the layout.
+
+use std::iter::Peekable;
+
+use crosscut_stage::Step;
+
+use super::recording::is_drawing;
+use super::rows::{Cell, Rows};
+use super::value::Array;
+use super::{ReadError, Recording, Row, Value};
+
+/// Entities of ingest that lie beside those of the report.
+const SCANNED: [&str; 3] = ["/scan/ranges", "/scan/seen", "/scan/beams"];
+
+/// How two recordings differ.
+#[derive(Debug, Default)]
+pub struct Differences {
+    /// Where they differ first: the earliest revolution, and at it the earliest step.
+    pub first: Option<Difference>,
+    /// Every component that differs, by step.
+    pub components: Vec<Difference>,
+    /// Rows that both have.
+    pub compared: u64,
+}
+
+/// A component that differs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// The step that made it.
+    pub step: Step,
+    /// The entity.
+    pub entity: String,
+    /// The component.
+    pub component: String,
+    /// The first revolution at which it differs.
+    pub revolution: i64,
+    /// At how many revolutions it differs.
+    pub revolutions: u64,
+    /// How it differs at the first of them.
+    pub how: String,
+}
+
+/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. Of a damaged
+/// recording an entity is compared up to its last row.
+///
+/// # Errors
+/// When a file cannot be read again.
+pub fn differences(a: &Recording, b: &Recording, tolerance: f64) -> Result<Differences, ReadError> {
+    let mut found = Differences::default();
+    let names = a.entities().keys().chain(b.entities().keys().filter(|name| !a.entities().contains_key(*name)));
+    for entity in names.filter(|name| !name.starts_with("/timing")) {
+        let [of_a, of_b] = [of(a, entity)?, of(b, entity)?];
+        let mut entity = EntityComparison { entity, tolerance, found: &mut found };
+        entity.compare(of_a, of_b, [end_of(a, entity.entity), end_of(b, entity.entity)])?;
+    }
+    found.components.sort_by_key(|d| (d.step as usize, d.revolution, is_drawing(&d.component)));
+    found.first = found.components.iter().min_by_key(|d| (d.revolution, d.step as usize)).cloned();
+    Ok(found)
+}
+
+/// The rows of an entity, also if there is none.
+fn of<'a>(recording: &'a Recording, entity: &str) -> Result<Option<Rows<'a>>, ReadError> {
+    recording.entities().contains_key(entity).then(|| recording.rows(entity)).transpose()
+}
+
+/// The last revolution up to which an entity can be compared: of a damaged recording what it has.
+fn end_of(recording: &Recording, entity: &str) -> i64 {
+    if recording.damages().is_empty() {
+        return i64::MAX;
+    }
+    recording.entities().get(entity).and_then(|entity| entity.revolutions).map_or(i64::MIN, |[_, last]| last)
+}
+
+struct EntityComparison<'a> {
+    entity: &'a str,
+    tolerance: f64,
+    found: &'a mut Differences,
+}
+
+impl EntityComparison<'_> {
+    /// Goes through both by revolution.
+    fn compare(&mut self, a: Option<Rows>, b: Option<Rows>, ends: [i64; 2]) -> Result<(), ReadError> {
+        let [mut a, mut b] = [a, b].map(|rows| rows.into_iter().flatten().peekable());
+        while let Some(revolution) = next(&mut a).into_iter().chain(next(&mut b)).min() {
+            if revolution > ends[0].min(ends[1]) {
+                break;
+            }
+            match (take(&mut a, revolution)?, take(&mut b, revolution)?) {
+                (Some(a), Some(b)) => self.compare_rows(&a, &b),
+                (Some(row), None) => self.note_missing(&row, "second"),
+                (None, Some(row)) => self.note_missing(&row, "first"),
+                (None, None) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn compare_rows(&mut self, a: &Row, b: &Row) {
+        self.found.compared += 1;
+        if a.stamp_ns != b.stamp_ns && self.entity == "/scan/returns" {
+            let [a_ns, b_ns] = [a, b].map(|row| row.stamp_ns.unwrap_or_default());
+            self.note("stamp", a.revolution, format!("{a_ns} and {b_ns} ns"));
+        }
+        let mut names: Vec<&str> = a.components().chain(b.components()).collect();
+        names.sort_unstable();
+        names.dedup();
+        for name in names {
+            if let Some(how) = difference([a, b], name, self.tolerance) {
+                self.note(name, a.revolution, how);
+            }
+        }
+    }
+
+    fn note_missing(&mut self, row: &Row, which: &str) {
+        let mut names: Vec<&str> = row.components().collect();
+        names.dedup();
+        for name in names {
+            self.note(name, row.revolution, format!("missing in the {which}"));
+        }
+    }
+
+    fn note(&mut self, component: &str, revolution: i64, how: String) {
+        let known = self.found.components.iter_mut().find(|d| d.entity == self.entity && d.component == component);
+        match known {
+            Some(known) => known.revolutions += 1,
+            None => self.found.components.push(Difference {
+                step: step_of(self.entity, component),
+                entity: self.entity.to_owned(),
+                component: component.to_owned(),
+                revolution,
+                revolutions: 1,
+                how,
+            }),
+        }
+    }
+}
+
+/// The revolution of the next row; an error is met at once.
+fn next<'a>(rows: &mut Peekable<impl Iterator<Item = Result<Row<'a>, ReadError>>>) -> Option<i64> {
+    rows.peek().map(|row| row.as_ref().map_or(i64::MIN, |row| row.revolution))
+}
+
+/// The row of this revolution, if it is the next; an error in any case.
+fn take<'a>(
+    rows: &mut Peekable<impl Iterator<Item = Result<Row<'a>, ReadError>>>,
+    revolution: i64,
+) -> Result<Option<Row<'a>>, ReadError> {
+    rows.next_if(|row| row.as_ref().map_or(true, |row| row.revolution == revolution)).transpose()
+}
+
+/// The step whose result it is. Colours are those of the walls.
+fn step_of(entity: &str, component: &str) -> Step {
+    if component.ends_with(":class_ids") {
+        return Step::Report;
+    }
+    let is_scanned = SCANNED.iter().any(|scanned| entity.starts_with(scanned)) || entity == "/scan/returns";
+    let mine = |step: &Step| entity.strip_prefix('/').and_then(|path| path.strip_prefix(step.name())).is_some();
+    match Step::ALL.into_iter().find(mine) {
+        None if is_scanned => Step::Ingest,
+        None => Step::Report,
+        Some(step) => step,
+    }
+}
+
+/// How a component of two rows differs; `None` if it does not.
+fn difference([a, b]: [&Row; 2], component: &str, tolerance: f64) -> Option<String> {
+    let stored =
+        |row: &Row| -> Vec<Cell> { row.cells.iter().filter(|cell| cell.component == component).cloned().collect() };
+    let (stored_a, stored_b) = (stored(a), stored(b));
+    if stored_a.len() != stored_b.len() {
+        return Some(format!("there {} and {} times", stored_a.len(), stored_b.len()));
+    }
+    if stored_a.iter().zip(&stored_b).all(|(a, b)| *a.values == *b.values) {
+        return None; // by far the most frequent case, and nothing to decode
+    }
+    let mut pairs = a.values(component).zip(b.values(component));
+    pairs.find_map(|pair| match pair {
+        (Ok(a), Ok(b)) => value_difference(&a, &b, tolerance),
+        (Err(error), _) | (_, Err(error)) => Some(error.to_string()),
+    })
+}
+
+fn value_difference(a: &Value, b: &Value, tolerance: f64) -> Option<String> {
+    match (a, b) {
+        (Value::Numbers(a), Value::Numbers(b)) => array_difference(a, b, tolerance),
+        (Value::Lists(a), Value::Lists(b)) if a.len() == b.len() => {
+            a.iter().zip(b).find_map(|(a, b)| array_difference(a, b, tolerance))
+        }
+        (Value::Texts(a), Value::Texts(b)) if a.len() == b.len() => {
+            let (a, b) = a.iter().zip(b).find(|(a, b)| a != b)?;
+            Some(format!("{:?} and {:?}", shortened(a), shortened(b)))
+        }
+        (a, b) => Some(format!("{a} and {b}")),
+    }
+}
+
+fn array_difference(a: &Array, b: &Array, tolerance: f64) -> Option<String> {
+    if a.shape != b.shape {
+        return Some(format!("shapes {:?} and {:?}", a.shape, b.shape));
+    }
+    let off = |(a, b): (f64, f64)| match (a - b).abs() {
+        _ if a == b || (a.is_nan() && b.is_nan()) => 0.0,
+        off if off.is_nan() => f64::INFINITY,
+        off => off,
+    };
+    let largest = a.to_f64().into_iter().zip(b.to_f64()).map(off).fold(0.0, f64::max);
+    (largest > tolerance).then(|| format!("by {largest:.1e} at most"))
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().take(60).collect()
+}

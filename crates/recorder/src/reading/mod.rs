@@ -1,0 +1,122 @@
+//! Recordings read back: values by entity and revolution, as numbers and words.
+//!
+//! [`Recording::open`] goes through the file once and notes where the chunks of each entity lie; [`Recording::rows`] then
+//! loads one chunk after the other, so that memory stays small whatever the size of the file. Rows come by revolution,
+//! however the writer cut them into chunks. A file that was cut off or damaged is read as far as it goes:
+//! [`Recording::damages`] says what is missing.
+//!
+//! ```no_run
+//! use crosscut_recorder::{ReadError, Recording, Value};
+//!
+//! # fn main() -> Result<(), ReadError> {
+//! let recording = Recording::open("flight.rrd".as_ref())?;
+//! for row in recording.rows("/spectral/eigenvalues")? {
+//!     let row = row?;
+//!     if let Value::Numbers(eigenvalues) = row.value("BarChart:values")? {
+//!         println!("{:?}: {:?}", row.revolution, eigenvalues.to_f64());
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Values come out as they are stored: f64 and f32 as such, f16 widened to f32, whole numbers as i64. Pictures of W and
+//! L become numbers by their scale, see [`Row::value`].
+
+mod difference;
+mod messages;
+mod picture;
+mod recording;
+mod rows;
+mod value;
+
+use std::path::PathBuf;
+
+pub use difference::{Difference, Differences, differences};
+pub use recording::{Component, Entity, Recording};
+pub use rows::{Row, Rows};
+pub use value::{Array, Numbers, Value};
+
+/// Why nothing can be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file is not there, or it is no recording.
+    #[error("cannot read the recording: {cause}: {}", path.display())]
+    Open {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A message that was whole when the file was opened cannot be read any more.
+    #[error("the recording changed while it was read: {cause}: {}", path.display())]
+    Changed {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
+    /// The recording has no such entity.
+    #[error("the recording has no entity {entity}; it has {}", known.join(", "))]
+    NoSuchEntity {
+        /// What was asked for.
+        entity: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// The entity has no such component at this revolution.
+    #[error("{entity} has no {component}; it has {}", known.join(", "))]
+    NoSuchComponent {
+        /// Which entity.
+        entity: String,
+        /// What was asked for.
+        component: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// The component holds neither numbers nor words.
+    #[error("{entity}, {component}: {cause}")]
+    NotAValue {
+        /// Which entity.
+        entity: String,
+        /// Which component.
+        component: String,
+        /// What it is instead.
+        cause: String,
+    },
+}
+
+/// What a recording lacks. Everything else of it is read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// The file ends with a whole message, but not as a finished recording does.
+    #[error("ends without its footer, after {bytes} bytes: what wrote it was stopped: {}", path.display())]
+    Unfinished {
+        /// Which file.
+        path: PathBuf,
+        /// Its length.
+        bytes: u64,
+    },
+    /// The file ends in the middle of a message.
+    #[error("cut off in the message at byte {at} of {bytes}: {}", path.display())]
+    CutOff {
+        /// Which file.
+        path: PathBuf,
+        /// Where the message starts.
+        at: u64,
+        /// Length of the file.
+        bytes: u64,
+    },
+    /// A message that cannot be read.
+    #[error("unreadable at byte {at}: {cause}: {}", path.display())]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// Where the message starts.
+        at: u64,
+        /// What is wrong.
+        cause: String,
+    },
+}

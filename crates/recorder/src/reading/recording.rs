@@ -1,0 +1,202 @@
+//! A recording, and where the chunks of each of its entities lie.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rerun::external::re_build_info::CrateVersion;
+use rerun::log::{Chunk, LogMsg};
+use rerun::{StoreKind, TextDocument};
+
+use super::messages::{Messages, Place, chunk_of};
+use super::rows::{Cell, Rows, cells, stamps_ns, times};
+use super::{Damage, ReadError, Value};
+
+/// A recording that can be read by entity and revolution.
+#[derive(Debug)]
+pub struct Recording {
+    pub(super) path: PathBuf,
+    pub(super) version: CrateVersion,
+    bytes: u64,
+    entities: BTreeMap<String, Entity>,
+    damages: Vec<Damage>,
+}
+
+/// What a recording holds of one entity.
+#[derive(Debug, Default)]
+pub struct Entity {
+    /// Rows that belong to a revolution.
+    pub rows: u64,
+    /// Bytes that all its rows take in the file.
+    pub bytes: u64,
+    /// First and last revolution; `None` if it holds for the whole flight alone.
+    pub revolutions: Option<[i64; 2]>,
+    /// The earliest and the latest stamp, nanoseconds since the epoch.
+    pub stamps_ns: Option<[i64; 2]>,
+    /// Its components by name.
+    pub components: BTreeMap<String, Component>,
+    /// Where its changing chunks are, in the order of the file.
+    pub(super) chunks: Vec<ChunkPlace>,
+    /// The latest of what holds for the whole flight.
+    pub(super) fixed: Vec<Cell>,
+}
+
+/// One component of an entity.
+#[derive(Debug, Default)]
+pub struct Component {
+    /// Rows that have it.
+    pub rows: u64,
+    /// What the first of them holds, in a few words: type and shape.
+    pub first: String,
+}
+
+/// Components that hold values rather than drawings of them, the first of an entity's before the others.
+const VALUES: [&str; 9] = [
+    "Tensor:data",
+    "BarChart:values",
+    "Scalars:scalars",
+    "EncodedDepthImage:blob",
+    "StateChange:state",
+    "TextDocument:text",
+    "TextLog:text",
+    "Points3D:positions",
+    "LineStrips3D:strips",
+];
+
+impl Entity {
+    /// The component that holds its values: numbers stand beside what is drawn of them.
+    pub fn values_component(&self) -> Option<&str> {
+        let first = || self.components.keys().next().map(String::as_str);
+        VALUES.into_iter().find(|name| self.components.contains_key(*name)).or_else(first)
+    }
+}
+
+/// Whether a component is there for the eye.
+pub(super) fn is_drawing(component: &str) -> bool {
+    !VALUES.contains(&component)
+}
+
+/// Where a chunk lies, and which revolutions it covers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ChunkPlace {
+    pub(super) place: Place,
+    pub(super) first: i64,
+}
+
+impl Recording {
+    /// Goes through the file once. The layout, which is a recording of its own within the file, is passed over.
+    ///
+    /// # Errors
+    /// When the file cannot be opened or is no recording. Damage is no error, see [`Recording::damages`].
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let messages = Messages::open(path)?;
+        let mut recording = Self {
+            path: path.to_owned(),
+            version: messages.version(),
+            bytes: messages.bytes(),
+            entities: BTreeMap::new(),
+            damages: Vec::new(),
+        };
+        for message in messages {
+            match message {
+                Ok((place, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
+                    match chunk_of(&message) {
+                        Ok(chunk) => recording.note(place, &chunk),
+                        Err(cause) => {
+                            let path = path.to_owned();
+                            recording.damages.push(Damage::Unreadable { path, at: place.at, cause });
+                        }
+                    }
+                }
+                Ok(_) => {}
+                Err(damage) => recording.damages.push(damage),
+            }
+        }
+        Ok(recording)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its length.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The version of Rerun that wrote it.
+    pub fn rerun_version(&self) -> String {
+        self.version.to_string()
+    }
+
+    /// What is missing or unreadable; empty for a recording that is whole.
+    pub fn damages(&self) -> &[Damage] {
+        &self.damages
+    }
+
+    /// Every entity by its path, which starts with a slash.
+    pub fn entities(&self) -> &BTreeMap<String, Entity> {
+        &self.entities
+    }
+
+    /// The rows of an entity by revolution.
+    ///
+    /// # Errors
+    /// When there is no such entity, or the file is gone.
+    pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
+        let Some((name, found)) = self.entities.get_key_value(entity) else {
+            let known = self.entities.keys().cloned().collect();
+            return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), known });
+        };
+        Rows::new(self, name, found)
+    }
+
+    /// The resolved configuration as TOML, if it is in the recording.
+    pub fn config_toml(&self) -> Option<String> {
+        self.fixed_text("/config", TextDocument::descriptor_text().component.as_str())
+    }
+
+    /// Words that hold for the whole flight.
+    fn fixed_text(&self, entity: &str, component: &str) -> Option<String> {
+        let fixed = &self.entities.get(entity)?.fixed;
+        let cell = fixed.iter().find(|cell| cell.component == component)?;
+        match Value::of(cell, fixed) {
+            Ok(Value::Texts(texts)) => texts.into_iter().next(),
+            _ => None,
+        }
+    }
+
+    fn note(&mut self, place: Place, chunk: &Chunk) {
+        let entity = self.entities.entry(chunk.entity_path().to_string()).or_default();
+        entity.bytes += place.bytes;
+        let revolutions = times(chunk);
+        for row in 0..chunk.num_rows() {
+            let cells = cells(chunk, row);
+            for cell in &cells {
+                let component = entity.components.entry(cell.component.clone()).or_default();
+                if component.rows == 0 {
+                    component.first = Value::of(cell, &cells).map_or_else(|what| what, |value| value.to_string());
+                }
+                component.rows += 1;
+            }
+            if chunk.is_static() {
+                entity.fixed.retain(|old| cells.iter().all(|new| new.component != old.component));
+                entity.fixed.extend(cells);
+            }
+        }
+        if let Some(&first) = revolutions.iter().min() {
+            entity.rows += chunk.num_rows() as u64;
+            entity.chunks.push(ChunkPlace { place, first });
+            widen(&mut entity.revolutions, revolutions);
+            widen(&mut entity.stamps_ns, stamps_ns(chunk));
+        }
+    }
+}
+
+/// Makes `range` reach over all of `times`.
+fn widen(range: &mut Option<[i64; 2]>, times: &[i64]) {
+    for &time in times {
+        let [first, last] = range.get_or_insert([time; 2]);
+        (*first, *last) = ((*first).min(time), (*last).max(time));
+    }
+}

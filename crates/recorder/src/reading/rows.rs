@@ -1,0 +1,174 @@
+//! The rows of one entity by revolution, whatever the chunks that they were written in.
+
+use std::collections::VecDeque;
+use std::fs::File;
+
+use rerun::external::arrow::array::ArrayRef;
+use rerun::log::Chunk;
+
+use super::messages::chunk_at;
+use super::recording::{ChunkPlace, Entity, Recording};
+use super::{ReadError, Value};
+
+/// What an entity holds at one revolution.
+#[derive(Debug)]
+pub struct Row<'a> {
+    entity: &'a str,
+    /// The revolution.
+    pub revolution: i64,
+    /// The sensor's stamp, nanoseconds since the epoch.
+    pub stamp_ns: Option<i64>,
+    pub(super) cells: Vec<Cell>,
+    fixed: &'a [Cell],
+}
+
+/// One component of one row, as Rerun holds it.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    pub(super) component: String,
+    /// Rerun's name of its type.
+    pub(super) type_name: String,
+    pub(super) values: ArrayRef,
+}
+
+impl Row<'_> {
+    /// The components that this row has. One that was logged several times at this revolution is there as often.
+    pub fn components(&self) -> impl Iterator<Item = &str> {
+        self.cells.iter().map(|cell| cell.component.as_str())
+    }
+
+    /// The value of a component.
+    ///
+    /// A picture of W or L comes as numbers: level v of a picture whose brightest level is m stands for
+    /// 10^(16 (v / m - 1)), which is right to half a level; level 0, 1e-16 or less, comes as 0. Rows and columns are
+    /// those of the picture.
+    ///
+    /// # Errors
+    /// When the row lacks the component, or it holds neither numbers nor words.
+    pub fn value(&self, component: &str) -> Result<Value, ReadError> {
+        self.values(component).next().unwrap_or_else(|| {
+            Err(ReadError::NoSuchComponent {
+                entity: self.entity.to_owned(),
+                component: component.to_owned(),
+                known: self.components().map(str::to_owned).collect(),
+            })
+        })
+    }
+
+    /// Every value of a component that was logged at this revolution, in the order of logging.
+    pub fn values(&self, component: &str) -> impl Iterator<Item = Result<Value, ReadError>> {
+        self.cells.iter().filter(move |cell| cell.component == component).map(|cell| {
+            let beside = [&self.cells, self.fixed].concat();
+            Value::of(cell, &beside).map_err(|cause| ReadError::NotAValue {
+                entity: self.entity.to_owned(),
+                component: cell.component.clone(),
+                cause,
+            })
+        })
+    }
+}
+
+/// The rows of an entity by revolution. At any time only the chunks that cover the next revolution are in memory.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    recording: &'a Recording,
+    name: &'a str,
+    entity: &'a Entity,
+    file: File,
+    waiting: VecDeque<ChunkPlace>,
+    open: Vec<OpenChunk>,
+}
+
+#[derive(Debug)]
+struct OpenChunk {
+    chunk: Chunk,
+    /// Rows that are left, by revolution.
+    left: VecDeque<usize>,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(recording: &'a Recording, name: &'a str, entity: &'a Entity) -> Result<Self, ReadError> {
+        let file = File::open(&recording.path)
+            .map_err(|e| ReadError::Open { path: recording.path.clone(), cause: e.to_string() })?;
+        let mut waiting = entity.chunks.clone();
+        waiting.sort_by_key(|chunk| chunk.first); // stable: what was logged first comes first
+        Ok(Self { recording, name, entity, file, waiting: waiting.into(), open: Vec::new() })
+    }
+
+    fn next_revolution(&self) -> Option<i64> {
+        let open = self.open.iter().filter_map(OpenChunk::next_revolution);
+        open.chain(self.waiting.front().map(|chunk| chunk.first)).min()
+    }
+
+    fn load(&mut self, chunk: ChunkPlace) -> Result<(), ReadError> {
+        let chunk = chunk_at(&mut self.file, chunk.place, self.recording.version)
+            .map_err(|cause| ReadError::Changed { path: self.recording.path.clone(), cause })?;
+        let mut left: Vec<usize> = (0..times(&chunk).len()).collect();
+        left.sort_by_key(|&row| times(&chunk)[row]);
+        self.open.push(OpenChunk { chunk, left: left.into() });
+        Ok(())
+    }
+
+    /// All that was logged at a revolution, by the chunks that cover it.
+    fn row(&mut self, revolution: i64) -> Row<'a> {
+        let (mut all, mut stamp_ns) = (Vec::new(), None);
+        for open in &mut self.open {
+            while open.next_revolution() == Some(revolution)
+                && let Some(row) = open.left.pop_front()
+            {
+                all.extend(cells(&open.chunk, row));
+                stamp_ns = stamp_ns.or_else(|| stamps_ns(&open.chunk).get(row).copied());
+            }
+        }
+        self.open.retain(|open| !open.left.is_empty());
+        Row { entity: self.name, revolution, stamp_ns, cells: all, fixed: &self.entity.fixed }
+    }
+}
+
+impl OpenChunk {
+    fn next_revolution(&self) -> Option<i64> {
+        self.left.front().map(|&row| times(&self.chunk)[row])
+    }
+}
+
+impl<'a> Iterator for Rows<'a> {
+    type Item = Result<Row<'a>, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let revolution = self.next_revolution()?;
+        while let Some(chunk) = self.waiting.pop_front_if(|chunk| chunk.first <= revolution) {
+            if let Err(error) = self.load(chunk) {
+                return Some(Err(error));
+            }
+        }
+        Some(Ok(self.row(revolution)))
+    }
+}
+
+/// The components that a row of a chunk has, by name.
+pub(super) fn cells(chunk: &Chunk, row: usize) -> Vec<Cell> {
+    let columns = chunk.components().values();
+    let cell = |column: &rerun::SerializedComponentColumn| {
+        let descriptor = &column.descriptor;
+        let values = chunk.component_batch_raw(descriptor.component, row)?.ok()?;
+        let type_name = descriptor.component_type.map_or_else(String::new, |name| name.to_string());
+        Some(Cell { component: descriptor.component.to_string(), type_name, values })
+    };
+    let mut cells: Vec<Cell> = columns.filter_map(cell).collect();
+    cells.sort_by(|a, b| a.component.cmp(&b.component));
+    cells
+}
+
+/// The revolution of each row; none for what holds for the whole flight.
+pub(super) fn times(chunk: &Chunk) -> &[i64] {
+    column(chunk, "revolution")
+}
+
+/// The stamp of each row.
+pub(super) fn stamps_ns(chunk: &Chunk) -> &[i64] {
+    column(chunk, "stamp")
+}
+
+fn column<'a>(chunk: &'a Chunk, timeline: &'static str) -> &'a [i64] {
+    chunk.timelines().get(&timeline.into()).map_or(&[], rerun::TimeColumn::times_raw)
+}

@@ -1,0 +1,277 @@
+//! The library that reads recordings: every value as the frame held it, in any batching, from damaged files as well.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use crosscut_recorder::{Array, Damage, Numbers, ReadError, Recording, Row, Value};
+use crosscut_stage::{Beam, Embedding, Frame, Step};
+use rerun::StoreKind;
+use rerun::external::re_build_info::CrateVersion;
+use rerun::external::re_log_encoding::{DecoderApp, Encoder, EncodingOptions};
+use rerun::log::{Chunk, LogMsg};
+
+use crate::frames;
+use crate::reading::record;
+
+/// A flight of 20 revolutions, one of them empty, and where it was recorded to.
+fn flight(folder: &Path) -> (Vec<Frame>, PathBuf) {
+    let mut frames: Vec<Frame> = (0..20).map(frames::frame).collect();
+    frames[9] = frames::empty_frame(9);
+    frames[4].notes.add("first");
+    frames[4].notes.add("second");
+    let path = folder.join("flight.rrd");
+    record(&path, &frames);
+    (frames, path)
+}
+
+/// The values of an entity by revolution, those of its main component.
+fn values(recording: &Recording, entity: &str) -> Vec<(i64, Value)> {
+    let component = recording.entities()[entity].values_component().expect("readable");
+    let rows = recording.rows(entity).expect("readable").map(|row| row.expect("readable"));
+    rows.flat_map(|row| {
+        let values: Vec<_> = row.values(component).map(|value| (row.revolution, value.expect("readable"))).collect();
+        values
+    })
+    .collect()
+}
+
+fn numbers(shape: &[usize], numbers: Numbers) -> (Vec<usize>, Numbers) {
+    (shape.to_vec(), numbers)
+}
+
+fn f64s(shape: &[usize], values: impl IntoIterator<Item = f64>) -> (Vec<usize>, Numbers) {
+    numbers(shape, Numbers::F64(values.into_iter().collect()))
+}
+
+fn f32s(shape: &[usize], values: impl IntoIterator<Item = f64>) -> (Vec<usize>, Numbers) {
+    numbers(shape, Numbers::F32(values.into_iter().map(|x| x as f32).collect()))
+}
+
+/// What an entity with exact or rounded numbers has to hold of a frame.
+fn expected(entity: &str, frame: &Frame) -> (Vec<usize>, Numbers) {
+    let Frame { revolution, affinity, spectrum, partition, junction, .. } = frame;
+    let n = revolution.len();
+    let sweep = revolution.sweep.as_ref().expect("a sweep");
+    let seen = sweep.beams.iter().map(|beam| match beam {
+        Beam::Return(_) => 2,
+        Beam::NoReturn => 1,
+        Beam::Unknown => 0,
+    });
+    let rows = |m: &Embedding| -> Vec<f64> {
+        (0..m.nrows() * m.ncols()).map(|at| m[(at / m.ncols(), at % m.ncols())]).collect()
+    };
+    let labels = partition.labels.iter().map(|label| label.map_or(-1, i64::from));
+    match entity {
+        "/scan/ranges" => numbers(&[sweep.len()], Numbers::F32(sweep.ranges_m.clone())),
+        "/scan/seen" => numbers(&[sweep.len()], Numbers::I64(seen.collect())),
+        "/scan/returns" => f32s(&[n, 3], revolution.points_m.iter().flat_map(|p| [p.x, p.y, p.z])),
+        "/scan/openings" => {
+            f64s(&[junction.openings.len(), 2], junction.openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]))
+        }
+        "/affinity/degrees" => f32s(&[n], affinity.degrees.iter().copied()),
+        "/spectral/eigenvalues" => f64s(&[spectrum.eigenvalues.len()], spectrum.eigenvalues.iter().copied()),
+        "/spectral/tolerance" => f64s(&[], [spectrum.tolerance]),
+        "/spectral/k" => f64s(&[], [spectrum.k as f64]),
+        "/spectral/U" => f32s(&[spectrum.u.nrows(), spectrum.u.ncols()], rows(&spectrum.u)),
+        "/kmeans/labels" => numbers(&[n], Numbers::I64(labels.collect())),
+        "/kmeans/centroids" => {
+            f64s(&[partition.centroids.nrows(), partition.centroids.ncols()], rows(&partition.centroids))
+        }
+        "/report/junctions" => f64s(&[], [junction.junctions as f64]),
+        "/report/confidence" => f64s(&[], [junction.confidence]),
+        timing => {
+            let step = Step::ALL.into_iter().find(|step| timing == format!("/timing/{step}"));
+            f64s(&[], [frame.timings.ns(step.expect("an entity of this test")) as f64 * 1e-6])
+        }
+    }
+}
+
+const NUMBERS: [&str; 18] = [
+    "/scan/ranges",
+    "/scan/seen",
+    "/scan/returns",
+    "/scan/openings",
+    "/affinity/degrees",
+    "/spectral/eigenvalues",
+    "/spectral/tolerance",
+    "/spectral/k",
+    "/spectral/U",
+    "/kmeans/labels",
+    "/kmeans/centroids",
+    "/report/junctions",
+    "/report/confidence",
+    "/timing/ingest",
+    "/timing/affinity",
+    "/timing/spectral",
+    "/timing/kmeans",
+    "/timing/report",
+];
+
+#[test]
+fn numbers_read_back_are_those_of_the_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let (frames, path) = flight(folder.path());
+    let recording = Recording::open(&path).unwrap();
+    for entity in NUMBERS {
+        let read = values(&recording, entity);
+        assert_eq!(read.len(), frames.len(), "{entity}");
+        for ((revolution, value), frame) in read.into_iter().zip(&frames) {
+            let Value::Numbers(array) = value else { panic!("{entity} holds {value}") };
+            assert_eq!(revolution, frame.revolution.seq as i64);
+            assert!((array.shape, array.numbers) == expected(entity, frame), "{entity} at {revolution}");
+        }
+    }
+}
+
+#[test]
+fn pictures_read_back_as_w_and_l_to_half_a_level_and_words_as_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let (frames, path) = flight(folder.path());
+    let recording = Recording::open(&path).unwrap();
+    for (entity, revolution) in [("/affinity/W", 3), ("/spectral/L", 12)] {
+        let frame = &frames[revolution];
+        let mut m = faer::Mat::zeros(frame.revolution.len(), frame.revolution.len());
+        frame.affinity.weights.for_each(|i, j, w| m[(i, j)] = w);
+        if entity == "/spectral/L" {
+            m = frames::laplacian(&frame.affinity);
+        }
+        let Value::Numbers(Array { shape, numbers: Numbers::F64(read), .. }) =
+            values(&recording, entity).swap_remove(revolution).1
+        else {
+            panic!("{entity} is no array of f64")
+        };
+        let beams = &frame.revolution.sweep.as_ref().unwrap().beams;
+        for (at, &value) in read.iter().enumerate() {
+            let pair = [at / shape[1], at % shape[1]].map(|place| beams.get(place));
+            let (Some(Beam::Return(i)), Some(Beam::Return(j))) = (pair[0], pair[1]) else {
+                assert_eq!(value, 0.0, "{entity}: a beam without a return");
+                continue;
+            };
+            let exact = m[(*i as usize, *j as usize)].abs();
+            let is_right = if value == 0.0 { exact < 1e-15 } else { (exact / value).log10().abs() <= 0.502 };
+            assert!(is_right, "{entity} at {at}: {value:e} for {exact:e}");
+        }
+    }
+    let notes: Vec<_> = values(&recording, "/log").into_iter().filter(|(revolution, _)| *revolution == 4).collect();
+    assert_eq!(notes, ["first", "second"].map(|note| (4, Value::Texts(vec![note.to_owned()]))));
+    assert_eq!(values(&recording, "/report/place")[0].1, Value::Texts(vec!["tee".to_owned()]));
+    assert_eq!(recording.config_toml().as_deref(), Some("[affinity]\nkind = \"rbf\"\n"));
+}
+
+#[test]
+fn every_component_of_every_revolution_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let recording = Recording::open(&path).unwrap();
+    let mut read = 0;
+    for entity in recording.entities().keys() {
+        for row in recording.rows(entity).unwrap().map(Result::unwrap) {
+            for component in row.components() {
+                row.value(component).unwrap_or_else(|error| panic!("{error}"));
+                read += 1;
+            }
+        }
+    }
+    assert!(read > 20 * 40, "{read} values");
+}
+
+#[test]
+fn what_is_not_there_is_an_error_that_names_what_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let recording = Recording::open(&path).unwrap();
+    let error = recording.rows("/affinity/X").unwrap_err().to_string();
+    assert!(error.contains("/affinity/X") && error.contains("/affinity/W"), "{error}");
+    let row: Row = recording.rows("/affinity/W").unwrap().next().unwrap().unwrap();
+    let error = row.value("Tensor:data").unwrap_err().to_string();
+    assert!(error.contains("EncodedDepthImage:blob"), "{error}");
+    let open = |name: &str| Recording::open(&folder.path().join(name)).unwrap_err();
+    assert!(matches!(open("none.rrd"), ReadError::Open { .. }));
+    std::fs::write(folder.path().join("words.rrd"), "these are no bytes of a recording").unwrap();
+    assert!(matches!(open("words.rrd"), ReadError::Open { .. }));
+    std::fs::write(folder.path().join("empty.rrd"), "").unwrap();
+    assert!(matches!(open("empty.rrd"), ReadError::Open { .. }));
+}
+
+/// The recording once more, every row in a chunk of its own and the last rows first.
+pub(crate) fn with_other_chunks(path: &Path) -> PathBuf {
+    let mut rows = Vec::new();
+    let mut others = Vec::new();
+    for message in
+        DecoderApp::decode_eager(std::io::BufReader::new(File::open(path).expect("readable"))).expect("readable")
+    {
+        match message.expect("readable") {
+            LogMsg::ArrowMsg(store, message) if store.kind() == StoreKind::Recording => {
+                let chunk = Chunk::from_arrow_msg(&message).expect("readable");
+                let slices = (0..chunk.num_rows()).map(|row| chunk.row_sliced_deep(row, 1));
+                rows.extend(slices.map(|row| LogMsg::ArrowMsg(store.clone(), row.to_arrow_msg().expect("readable"))));
+            }
+            other => others.push(other),
+        }
+    }
+    let other = path.with_extension("other.rrd");
+    let file = File::create(&other).expect("readable");
+    let mut encoder =
+        Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file).expect("readable");
+    others.iter().chain(rows.iter().rev()).for_each(|message| {
+        encoder.append(message).expect("readable");
+    });
+    encoder.finish().expect("readable");
+    other
+}
+
+#[test]
+fn rows_come_by_revolution_whatever_the_chunks_they_were_written_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let other = Recording::open(&with_other_chunks(&path)).unwrap();
+    let recording = Recording::open(&path).unwrap();
+    for entity in NUMBERS.into_iter().chain(["/affinity/W", "/report/place"]) {
+        assert!(values(&recording, entity) == values(&other, entity), "{entity}");
+        let revolutions: Vec<i64> = values(&other, entity).into_iter().map(|(revolution, _)| revolution).collect();
+        assert_eq!(revolutions, (0..20).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_gives_the_rows_before_the_cut_and_says_that_it_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let whole = std::fs::read(&path).unwrap();
+    let intact = Recording::open(&path).unwrap();
+    assert_eq!(intact.damages(), []);
+    let all: BTreeMap<&str, _> = NUMBERS.into_iter().map(|entity| (entity, values(&intact, entity))).collect();
+    let cut_path = folder.path().join("cut.rrd");
+    for cut in (12..whole.len()).step_by(whole.len() / 59) {
+        std::fs::write(&cut_path, &whole[..cut]).unwrap();
+        let recording = Recording::open(&cut_path).unwrap();
+        assert!(matches!(recording.damages(), [Damage::Unfinished { .. } | Damage::CutOff { .. }]), "at byte {cut}");
+        for (entity, all) in all.iter().filter(|(entity, _)| recording.entities().contains_key(**entity)) {
+            assert!(all.starts_with(&values(&recording, entity)), "{entity}, cut at byte {cut}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_byte_never_ends_in_a_panic_and_costs_no_more_than_its_message_where_lengths_are_intact() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let whole = std::fs::read(&path).unwrap();
+    let damaged_path = folder.path().join("damaged.rrd");
+    let mut damaged_files = 0;
+    for at in (12..whole.len()).step_by(whole.len() / 61) {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0xFF;
+        std::fs::write(&damaged_path, damaged).unwrap();
+        let recording = Recording::open(&damaged_path).unwrap();
+        damaged_files += usize::from(!recording.damages().is_empty());
+        for entity in recording.entities().keys() {
+            for row in recording.rows(entity).unwrap() {
+                let row = row.unwrap();
+                row.components().for_each(|component| drop(row.value(component)));
+            }
+        }
+    }
+    assert!(damaged_files > 10, "{damaged_files} of 61 were noticed");
+}

@@ -1,0 +1,143 @@
+//! `crosscut rrd`: recordings listed, exported, recomputed and compared.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::program::{Ran, lines, run, shipped_flight};
+
+/// Every eighth revolution of the shipped flight, recorded with these settings; and its results.
+fn recorded(path: &Path, settings: &[&str]) -> Vec<Value> {
+    let (input, path) = (shipped_flight().display().to_string(), path.display().to_string());
+    let fixed = ["run", &input, "--preset", "paper", "--every", "8", "--quiet", "--results", "-", "--save", &path];
+    lines(&run(fixed.iter().chain(settings)).expect_code(0).stdout)
+}
+
+fn rrd(args: &[&str]) -> Ran {
+    run([&["rrd"], args].concat())
+}
+
+/// `crosscut rrd get FLIGHT ENTITY --out FILE ...`.
+fn get(flight: &Path, entity: &str, out: &Path, more: &[&str]) -> Ran {
+    let (flight, out) = (flight.display().to_string(), out.display().to_string());
+    rrd(&[&["get", &flight, entity, "--out", &out], more].concat())
+}
+
+/// A folder with a recording of the shipped flight in it.
+fn folder() -> (tempfile::TempDir, PathBuf, Vec<Value>) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = folder.path().join("tee.rrd");
+    let results = recorded(&flight, &[]);
+    (folder, flight, results)
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+#[test]
+fn a_recording_is_listed_with_its_entities_versions_and_configuration() {
+    let (_folder, flight, results) = folder();
+    let flight = flight.to_str().expect("UTF-8");
+    let listed = rrd(&["ls", flight]).expect_code(0).stdout;
+    let last = results.last().expect("results")["seq"].to_string();
+    for word in ["/affinity/W", "/spectral/U", "Rerun 0.36", concat!("crosscut ", env!("CARGO_PKG_VERSION")), &last] {
+        assert!(listed.contains(word), "{word} in:\n{listed}");
+    }
+    assert!(!listed.contains("radii") && !listed.contains("[affinity]"));
+    let more = rrd(&["ls", flight, "--components", "--config"]).expect_code(0).stdout;
+    assert!(more.contains("radii") && more.contains("[affinity]"));
+}
+
+#[test]
+fn exported_eigenvalues_are_those_of_the_results_recorded_as_well_as_recomputed() {
+    let (folder, flight, results) = folder();
+    for more in [&[][..], &["--exact"]] {
+        let out = folder.path().join("eigenvalues.jsonl");
+        get(&flight, "/spectral/eigenvalues", &out, more).expect_code(0);
+        let exported = lines(&std::fs::read_to_string(&out).expect("exported"));
+        assert_eq!(exported.len(), results.len());
+        for (line, result) in exported.iter().zip(&results) {
+            assert_eq!((&line["revolution"], &line["stamp_ns"]), (&result["seq"], &result["stamp_ns"]));
+            let (all, expected) = (numbers(&line["value"]), numbers(&result["eigenvalues"]));
+            assert_eq!(all[..expected.len()], expected, "{more:?}");
+        }
+    }
+}
+
+#[test]
+fn an_export_is_of_the_revolutions_that_were_asked_for() {
+    let (folder, flight, _) = folder();
+    let out = folder.path().join("junctions.csv");
+    let count = |more: &[&str]| {
+        get(&flight, "/report/junctions", &out, more).expect_code(0);
+        std::fs::read_to_string(&out).expect("exported").lines().count() - 1
+    };
+    assert_eq!(count(&["--revolution", "16"]), 1);
+    assert_eq!(count(&["--from", "1.5", "--to", "3.3"]), 3); // revolutions 16, 24 and 32, at 10 Hz
+    let text = std::fs::read_to_string(&out).expect("exported");
+    assert!(text.starts_with("revolution,stamp_ns,value\n16,1700000001600000000,"), "{text}");
+    get(&flight, "/report/junctions", &out, &["--revolution", "17"]).expect_code(2);
+}
+
+#[test]
+fn arrays_for_numpy_have_a_dimension_for_revolutions_unless_one_is_asked_for() {
+    let (folder, flight, results) = folder();
+    let out = folder.path().join("array.npy");
+    let header = |entity: &str, more: &[&str]| {
+        get(&flight, entity, &out, more).expect_code(0);
+        let bytes = std::fs::read(&out).expect("exported");
+        (String::from_utf8_lossy(&bytes[..192]).into_owned(), bytes.len() - 192)
+    };
+    let (n, revolutions) = (results[2]["returns"].as_u64().expect("a number") as usize, results.len());
+    let (text, bytes) = header("/affinity/W", &["--exact", "--revolution", "16"]);
+    assert!(text.contains("'<f8'") && text.contains(&format!("({n}, {n}, )")) && bytes == 8 * n * n, "{text}");
+    let (text, bytes) = header("/scan/ranges", &[]);
+    assert!(text.contains("'<f4'") && text.contains(&format!("({revolutions}, 360, )")), "{text}");
+    assert_eq!(bytes, 4 * 360 * revolutions);
+    let ran = get(&flight, "/affinity/degrees", &out, &[]).expect_code(2);
+    assert!(ran.stderr.contains("--revolution"), "lengths differ: {}", ran.stderr);
+}
+
+#[test]
+fn what_cannot_be_exported_is_said_with_what_can() {
+    let (folder, flight, _) = folder();
+    let says = |ran: Ran, word: &str| assert!(ran.stderr.contains(word), "{}", ran.stderr);
+    let out = folder.path().join("x.csv");
+    says(get(&flight, "/affinity/X", &out, &[]).expect_code(2), "/affinity/W");
+    says(get(&flight, "/affinity/W", &out, &["--component", "Tensor:data"]).expect_code(2), "EncodedDepthImage:blob");
+    says(get(&flight, "/report/place", &out, &["--exact"]).expect_code(2), "/spectral/U");
+    says(get(&flight, "/affinity/W", &folder.path().join("x.txt"), &[]).expect_code(2), ".npy");
+    says(get(&flight, "/report/place", &folder.path().join("x.npy"), &[]).expect_code(2), ".jsonl");
+    says(get(&flight, "/affinity/W", &flight, &[]).expect_code(2), "overwritten");
+}
+
+#[test]
+fn a_recording_of_the_same_flight_is_the_same_and_of_another_scale_differs_from_affinity_on() {
+    let (folder, flight, _) = folder();
+    let other = folder.path().join("other.rrd");
+    let compare =
+        |code| rrd(&["diff", flight.to_str().expect("UTF-8"), other.to_str().expect("UTF-8")]).expect_code(code).stdout;
+    recorded(&other, &["--set", "pipeline.workers=1"]);
+    assert!(compare(0).contains("pipeline.workers = 1"), "settings that differ are said");
+    recorded(&other, &["--set", "affinity.sigma_per_m2=1.4"]);
+    let said = compare(1);
+    assert!(said.contains("different first at revolution 0, in affinity"), "{said}");
+    std::fs::write(&other, "no recording").expect("written");
+    compare(2);
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes_and_the_exit_code_is_3() {
+    let (folder, flight, _) = folder();
+    let whole = std::fs::read(&flight).expect("recorded");
+    let cut = folder.path().join("cut.rrd");
+    std::fs::write(&cut, &whole[..whole.len() / 2]).expect("written");
+    let (flight, cut) = (flight.to_str().expect("UTF-8"), cut.to_str().expect("UTF-8"));
+    let listed = rrd(&["ls", cut]).expect_code(3);
+    assert!(listed.stdout.contains("/scan/ranges") && listed.stderr.contains("cut off"), "{}", listed.stderr);
+    let out = folder.path().join("ranges.csv");
+    get(Path::new(cut), "/scan/ranges", &out, &[]).expect_code(3);
+    assert!(std::fs::read_to_string(out).expect("exported").lines().count() > 360);
+    rrd(&["diff", flight, cut]).expect_code(3);
+}
