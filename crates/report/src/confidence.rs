@@ -1,38 +1,112 @@
 //! How sure an answer is.
+//!
+//! By the zero rule: 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the nearest
+//! eigenvalue; how firmly *this rule* stands by its count.
+//!
+//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is as
+//! sure as its most doubtful verdicts are clear ([`Grounds`]):
+//! ```text
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), φ, i)
+//! ```
+//! with w the width of the vehicle. β is a logistic regression of right against wrong over the development scenes;
+//! `cargo run --release -p crosscut --no-default-features --example confidence` prints it.
 
-use crosscut_stage::{Junction, Revolution};
+use std::f64::consts::FRAC_PI_4;
 
-/// Widths and angles count no further than this.
-const WIDE_M: f64 = 3.0;
-const BROAD_DEG: f64 = 20.0;
-/// The logit at width 0 and angle 0 without islands, and what each adds: a fit to right and wrong answers of `default`
-/// on the simulator's development scenes.
-const BASE: f64 = -3.6;
-const PER_M: f64 = 1.0;
-const PER_DEG: f64 = 0.21;
-const ISLANDS: f64 = -0.9;
+use crosscut_stage::{Junction, Revolution, wrap_angle_rad};
+
+use crate::openings::{Sides, clearance_m, depth_m, sides};
+use crate::ring::{Position, Ring};
+
+/// Clearances count between these multiples of the vehicle's width.
+const CLEARANCES: [f64; 2] = [0.2, 15.0];
+/// Openings are as far apart as they need to be.
+const APART_RAD: f64 = FRAC_PI_4;
+/// β.
+const BETA: [f64; Grounds::INPUTS] = [-2.39, 0.72, -1.07, 5.87, -1.15];
+
+/// What speaks for and against an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grounds {
+    /// o: how far the walls at an opening leave each other's line, metres; the least of all openings.
+    pub least_at_openings_m: f64,
+    /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the most
+    /// of all gaps of the vehicle's width.
+    pub most_within_walls_m: f64,
+    /// φ: between the bearings of two openings, the least.
+    pub apart_rad: f64,
+    /// i: whether pillars are in view, behind which nothing is seen.
+    pub islands: bool,
+}
+
+impl Grounds {
+    /// The length of x.
+    pub const INPUTS: usize = 5;
+
+    /// Of an answer that has walls; `None` without one, or without beams.
+    pub fn of(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
+        let wall_beside_openings =
+            answer.wall_of_return.iter().map(|wall| wall.filter(|&id| !answer.walls[id as usize].island));
+        let mut ring = Ring::default();
+        ring.fill(revolution, revolution.as_sweep()?, &wall_beside_openings.collect::<Vec<_>>());
+        if ring.entries.is_empty() {
+            return None;
+        }
+        let is_opening = |sides: &Sides<'_>| {
+            let edge_m = sides.edge_m();
+            let is_edge = |ends_m: [Position; 2]| ends_m == edge_m;
+            answer.openings.iter().any(|opening| is_edge(opening.edge_m.map(|end_m| end_m.coords.xy())))
+        };
+        let mut grounds = Self {
+            least_at_openings_m: f64::INFINITY,
+            most_within_walls_m: 0.0,
+            apart_rad: apart_rad(answer),
+            islands: answer.walls.iter().any(|wall| wall.island),
+        };
+        for sides in sides(&ring) {
+            let edge_m = sides.edge_m();
+            if is_opening(&sides) {
+                grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
+            } else if sides.walls()[0] == sides.walls()[1] && (edge_m[1] - edge_m[0]).norm() >= vehicle_width_m {
+                let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
+                let room_m = clearance_m(&sides).min(depth_m(returns_m, edge_m, vehicle_width_m));
+                grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
+            }
+        }
+        Some(grounds)
+    }
+
+    /// x, for a vehicle of this width.
+    pub fn inputs(&self, vehicle_width_m: f64) -> [f64; Self::INPUTS] {
+        let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
+        let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
+        [1.0, opening, gap, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
+    }
+}
+
+/// The least angle between the bearings of two openings; π with fewer than two.
+fn apart_rad(answer: &Junction) -> f64 {
+    let bearings_rad = || answer.openings.iter().map(|opening| opening.bearing_rad);
+    let next = bearings_rad().cycle().skip(1);
+    let apart = bearings_rad().zip(next).map(|(a, b)| wrap_angle_rad(b - a).abs());
+    if answer.openings.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
+}
+
+/// The share of right answers among those on such grounds; 0 without any.
+pub(crate) fn of_scene(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> f64 {
+    let Some(grounds) = Grounds::of(revolution, vehicle_width_m, answer) else { return 0.0 };
+    let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
+    1.0 / (1.0 + (-logit).exp())
+}
 
 /// 1 - 10^-margin: 0 on the tolerance, 0.9 one decade away, 0.99 two.
 pub(crate) fn of_margin(margin_decades: Option<f64>) -> f64 {
     margin_decades.map_or(0.0, |margin| 1.0 - 10f64.powf(-margin.max(0.0)))
 }
 
-/// The share of right answers among those with as narrow an opening, as small a wall, and islands or none.
-pub(crate) fn of_scene(revolution: &Revolution, answer: &Junction) -> f64 {
-    let step_deg = revolution.sweep.as_ref().map_or(0.0, |sweep| sweep.step_rad).to_degrees();
-    let walls = answer.walls.iter().filter(|wall| !wall.island).map(|wall| wall.returns);
-    let Some(fewest) = walls.min() else { return 0.0 };
-    let narrowest_m = answer.openings.iter().map(|opening| opening.width_m).fold(WIDE_M, f64::min);
-    let islands = answer.walls.iter().any(|wall| wall.island);
-    let smallest_deg = (fewest as f64 * step_deg).min(BROAD_DEG);
-    let logit = BASE + PER_M * narrowest_m + PER_DEG * smallest_deg + if islands { ISLANDS } else { 0.0 };
-    1.0 / (1.0 + (-logit).exp())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crosscut_stage::{Sweep, Wall};
 
     #[test]
     fn confidence_grows_with_the_margin_and_is_none_without_a_spectrum() {
@@ -42,22 +116,28 @@ mod tests {
     }
 
     #[test]
-    fn a_broad_wall_is_surer_than_a_small_one_and_no_wall_is_not_sure_at_all() {
-        let sweep = Sweep { step_rad: 1f64.to_radians(), ..Sweep::default() };
-        let revolution = Revolution { sweep: Some(sweep), ..Revolution::default() };
-        let of = |returns: &[usize], island| {
-            let wall = |(id, returns): (usize, &usize)| Wall {
-                id: id as u32,
-                returns: *returns,
-                bearing_rad: [0.0; 2],
-                island,
-            };
-            of_scene(
-                &revolution,
-                &Junction { walls: returns.iter().enumerate().map(wall).collect(), ..Junction::default() },
-            )
+    fn openings_are_as_far_apart_as_the_nearest_two_also_across_the_turn() {
+        let opening = |deg: &f64| crosscut_stage::Opening {
+            bearing_rad: deg.to_radians(),
+            width_m: 3.0,
+            walls: [0, 1],
+            evidence: crosscut_stage::Evidence::NoReturn,
+            edge_m: [crosscut_stage::Point::origin(); 2],
+            cut_by_view: false,
         };
-        assert!(of(&[100, 100], false) > 0.9 && of(&[100, 3], false) < 0.9);
-        assert_eq!((of(&[], false), of(&[50], true)), (0.0, 0.0), "nothing but islands");
+        let apart_deg = |bearings_deg: &[f64]| {
+            let openings = bearings_deg.iter().map(opening).collect();
+            apart_rad(&Junction { openings, ..Junction::default() }).to_degrees().round()
+        };
+        assert_eq!(apart_deg(&[-170.0, 0.0, 60.0]), 60.0);
+        assert_eq!(apart_deg(&[-170.0, 0.0, 160.0]), 30.0);
+        assert_eq!((apart_deg(&[]), apart_deg(&[10.0])), (180.0, 180.0));
+    }
+
+    #[test]
+    fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
+        let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
+        assert_eq!(of_scene(&Revolution::default(), 0.6, &Junction::default()), 0.0);
+        assert_eq!(of_scene(&cloud, 0.6, &Junction { wall_of_return: vec![None], ..Junction::default() }), 0.0);
     }
 }

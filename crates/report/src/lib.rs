@@ -10,13 +10,12 @@
 //! - An **opening** is an edge of the visible free space between two returns that follow each other around the
 //!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - The **place** is named by the number of openings and by the angle between two ([`place`]).
-//! - **Confidence** is 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the
-//!   nearest eigenvalue (how firmly *this rule* stands by its count), or, if asked for, a share of right answers fitted
-//!   to the development scenes from the narrowest opening, the smallest wall and islands.
+//! - **Confidence** is that of the zero rule, 1 - 10^-margin, or that of the scene, a share of right answers fitted to
+//!   how clear its most doubtful opening and gap are ([`confidence`]).
 //!
 //! [`ResultsLine`] is the one JSON object that a revolution becomes.
 
-mod confidence;
+pub mod confidence;
 pub mod islands;
 pub mod openings;
 pub mod place;

@@ -32,7 +32,7 @@ pub const PARAMS: &[ParamSpec] = &[
         name: "confidence",
         unit: "",
         shape: Shape::Choice { default: "margin", of: &["margin", "scene"] },
-        doc: "what it is taken from: the zero rule's margin, or the narrowest opening, the smallest wall and islands",
+        doc: "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
     },
 ];
 
@@ -96,7 +96,7 @@ impl Reporter {
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
         out.confidence = if self.confidence_of_scene {
-            confidence::of_scene(revolution, out)
+            confidence::of_scene(revolution, self.vehicle_width_m, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };

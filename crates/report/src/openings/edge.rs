@@ -1,20 +1,19 @@
-//! Whether the vehicle can pass between two returns into free space.
+//! Whether the vehicle can pass between two returns into free space, and how nearly.
 
-use super::DEPTH_M;
 use super::sides::{Side, Sides};
 use crate::ring::{Position, Ring};
 
 /// The line of a wall behind its end is taken over this stretch.
 const LINE_M: f64 = 1.5;
 
-/// Whether neither wall goes on along its own line across the edge, so that the vehicle can pass between them: the
-/// nearer end clears the line of the farther wall by the vehicle's width, and the farther end leaves the line of the
-/// nearer wall by half of it.
-pub(super) fn leaves_the_line(sides: &Sides<'_>, vehicle_width_m: f64) -> bool {
+/// How far the walls leave each other's line at the edge: a wall that goes on leaves none. The distance of the nearer end
+/// from the line of the farther wall, or twice that of the farther end from the line of the nearer wall, if that is less.
+pub(crate) fn clearance_m(sides: &Sides<'_>) -> f64 {
     let [near, far] = sides.by_range();
     let end_m = |side: Side| sides.ring.entries[side.at].position_m;
-    distance_from_line_m(sides.ring, far, end_m(near)) >= vehicle_width_m
-        && distance_from_line_m(sides.ring, near, end_m(far)) >= vehicle_width_m / 2.0
+    let of_far_m = distance_from_line_m(sides.ring, far, end_m(near));
+    let of_near_m = distance_from_line_m(sides.ring, near, end_m(far));
+    of_far_m.min(2.0 * of_near_m)
 }
 
 /// Distance of a point from the line of the wall on one side; 0 where the wall has no direction.
@@ -38,18 +37,15 @@ fn stretch_start_m(ring: &Ring, side: Side) -> Position {
     start_m
 }
 
-/// Whether a strip of the vehicle's width that leaves the edge outward meets none of the returns for [`DEPTH_M`].
-pub(super) fn is_deep(
-    mut returns_m: impl Iterator<Item = Position>,
-    edge_m: [Position; 2],
-    vehicle_width_m: f64,
-) -> bool {
+/// How far a strip of this width leaves the edge outward before it meets one of the returns; infinite if it meets none.
+pub(crate) fn depth_m(returns_m: impl Iterator<Item = Position>, edge_m: [Position; 2], strip_width_m: f64) -> f64 {
     let middle_m = 0.5 * (edge_m[0] + edge_m[1]);
     let along = (edge_m[1] - edge_m[0]).normalize();
     // The edge runs anticlockwise around the sensor, so its right-hand normal points outward.
     let outward = Position::new(along.y, -along.x);
-    !returns_m.any(|return_m| {
-        let ahead_m = return_m - middle_m;
-        (0.0..DEPTH_M).contains(&ahead_m.dot(&outward)) && ahead_m.dot(&along).abs() < vehicle_width_m / 2.0
-    })
+    let ahead_m = returns_m.map(|return_m| return_m - middle_m).filter(|ahead_m| {
+        // The ends of the edge itself may lie ahead by a rounding error.
+        ahead_m.dot(&outward) > 0.0 && ahead_m.dot(&along).abs() < strip_width_m / 2.0
+    });
+    ahead_m.map(|ahead_m| ahead_m.dot(&outward)).fold(f64::INFINITY, f64::min)
 }

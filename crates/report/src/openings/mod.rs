@@ -6,7 +6,9 @@
 //! 1. ‖p - q‖ is at least the vehicle's width,
 //! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on
 //!    one line: either the two belong to different walls and beams between them came back with nothing
-//!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge;
+//!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge: the nearer end clears the
+//!    line of the farther wall by the vehicle's width, and the farther end leaves the line of the nearer wall by half of
+//!    it;
 //! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
 //! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
 //!
@@ -36,7 +38,9 @@ use std::f64::consts::FRAC_PI_2;
 
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
 
-use self::sides::{Side, Sides};
+pub(crate) use self::edge::{clearance_m, depth_m};
+use self::sides::Side;
+pub(crate) use self::sides::Sides;
 use crate::ring::{Position, Ring};
 
 /// The free space beyond an opening is at least this deep, or not seen to be shallower.
@@ -97,6 +101,11 @@ impl Finder {
     }
 }
 
+/// The sides of every two returns that follow each other.
+pub(crate) fn sides(ring: &Ring) -> impl Iterator<Item = Sides<'_>> {
+    (0..ring.edges()).map(|at| Sides::of(ring, at, (at + 1) % ring.len()))
+}
+
 fn widest(branches: Vec<Branch>) -> Vec<Branch> {
     let widest = branches.into_iter().max_by(|a, b| a.opening.width_m.total_cmp(&b.opening.width_m));
     widest.into_iter().collect()
@@ -141,7 +150,7 @@ impl View<'_> {
     /// Every edge between two walls that is not masked throughout.
     fn between_walls(&self) -> Vec<Branch> {
         let between_two = |sides: &Sides<'_>| sides.walls()[0] != sides.walls()[1];
-        self.sides()
+        sides(self.ring)
             .filter(|sides| between_two(sides) && self.is_known(sides))
             .map(|sides| self.branch(&sides))
             .collect()
@@ -150,7 +159,7 @@ impl View<'_> {
     /// Every edge that the vehicle can pass into free space, those into the same branch joined.
     fn in_free_space(&self) -> Vec<Branch> {
         let mut branches: Vec<Branch> = Vec::new();
-        for sides in self.sides().filter(|sides| self.is_passable(sides)) {
+        for sides in sides(self.ring).filter(|sides| self.is_passable(sides)) {
             let branch = self.branch(&sides);
             match branches.last_mut() {
                 Some(last) if last.is_same_way_as(&branch) => last.join(branch),
@@ -168,11 +177,6 @@ impl View<'_> {
         branches
     }
 
-    /// The sides of every two returns that follow each other.
-    fn sides(&self) -> impl Iterator<Item = Sides<'_>> {
-        (0..self.ring.edges()).map(|at| Sides::of(self.ring, at, (at + 1) % self.ring.len()))
-    }
-
     fn is_known(&self, sides: &Sides<'_>) -> bool {
         let mut between = sides.between().peekable();
         between.peek().is_none() || between.any(|beam| beam != Beam::Unknown)
@@ -185,8 +189,8 @@ impl View<'_> {
         }
         let dark_between_two = sides.walls()[0] != sides.walls()[1] && sides.is_dark();
         let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());
-        (dark_between_two || edge::leaves_the_line(sides, self.vehicle_width_m))
-            && edge::is_deep(returns_m, edge_m, self.vehicle_width_m)
+        (dark_between_two || clearance_m(sides) >= self.vehicle_width_m)
+            && depth_m(returns_m, edge_m, self.vehicle_width_m) >= DEPTH_M
     }
 
     fn branch(&self, sides: &Sides<'_>) -> Branch {

@@ -18,7 +18,7 @@ pub(super) struct Side {
 }
 
 /// Both sides of an edge.
-pub(super) struct Sides<'a> {
+pub(crate) struct Sides<'a> {
     pub(super) ring: &'a Ring,
     pub(super) clockwise: Side,
     pub(super) anticlockwise: Side,
@@ -55,12 +55,12 @@ impl<'a> Sides<'a> {
     }
 
     /// The walls clockwise and anticlockwise of the edge.
-    pub(super) fn walls(&self) -> [u32; 2] {
+    pub(crate) fn walls(&self) -> [u32; 2] {
         [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].wall)
     }
 
     /// The two returns at the edge.
-    pub(super) fn edge_m(&self) -> [Position; 2] {
+    pub(crate) fn edge_m(&self) -> [Position; 2] {
         [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].position_m)
     }
 

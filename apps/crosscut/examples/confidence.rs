@@ -1,0 +1,86 @@
+//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and shows how
+//! well it then means what it says.
+//!
+//! `cargo run --release -p crosscut --no-default-features --example confidence`
+
+use crosscut_evaluate::{Comparison, Score, tables};
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Config, Engine, Registry};
+use crosscut_report::ResultsLine;
+use crosscut_report::confidence::Grounds;
+use crosscut_simulator::{Split, suites};
+use crosscut_stage::{Frame, Params};
+use nalgebra::{SMatrix, SVector};
+
+const N: usize = Grounds::INPUTS;
+/// As in preset `default`.
+const VEHICLE_WIDTH_M: f64 = 0.6;
+const NEWTON_STEPS: usize = 30;
+
+/// An answer that has grounds.
+struct Answer {
+    family: &'static str,
+    x: SVector<f64, N>,
+    score: Score,
+}
+
+fn main() -> anyhow::Result<()> {
+    let mut answers = answers()?;
+    let beta = fitted(&answers);
+    println!("β = {:.2?}\n", beta.as_slice());
+
+    let mut comparison = Comparison::new(vec!["default".to_owned()]);
+    for answer in &mut answers {
+        answer.score.confidence = probability(&beta, &answer.x);
+        comparison.add(answer.family, 0, &answer.score);
+    }
+    for table in tables::details(&comparison).iter().filter(|table| table.title.contains("confidence")) {
+        println!("{}\n", table.title);
+        for row in std::iter::once(&table.header).chain(&table.rows) {
+            println!("| {} |", row.join(" | "));
+        }
+        println!();
+    }
+    Ok(())
+}
+
+fn answers() -> anyhow::Result<Vec<Answer>> {
+    let registry = Registry::standard();
+    let mut engine = Engine::new(&Config::preset("default", &registry)?, &registry);
+    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let mut frame = Frame::default();
+    let mut answers = Vec::new();
+    for suite in suites() {
+        for scene in suite.scenes(Split::Dev) {
+            frame.notes.clear();
+            sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+            engine.process(&mut frame)?;
+            let score = Score::of(&scene.truth, &ResultsLine::of(&frame))?;
+            if let Some(grounds) = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, &frame.junction) {
+                answers.push(Answer { family: suite.name, x: grounds.inputs(VEHICLE_WIDTH_M).into(), score });
+            }
+        }
+    }
+    Ok(answers)
+}
+
+/// P(right) = 1 / (1 + exp(-β·x)).
+fn probability(beta: &SVector<f64, N>, x: &SVector<f64, N>) -> f64 {
+    1.0 / (1.0 + (-beta.dot(x)).exp())
+}
+
+/// β of the greatest likelihood, by Newton's method: β += (Σ p(1-p)·x·xᵀ)⁻¹ Σ (right - p)·x.
+fn fitted(answers: &[Answer]) -> SVector<f64, N> {
+    let mut beta = SVector::zeros();
+    for _ in 0..NEWTON_STEPS {
+        let (mut gradient, mut hessian) = (SVector::<f64, N>::zeros(), SMatrix::<f64, N, N>::zeros());
+        for answer in answers {
+            let p = probability(&beta, &answer.x);
+            gradient += answer.x * (f64::from(u8::from(answer.score.right)) - p);
+            hessian += answer.x * answer.x.transpose() * (p * (1.0 - p));
+        }
+        let Some(step) = hessian.cholesky().map(|factor| factor.solve(&gradient)) else { break };
+        beta += step;
+    }
+    beta
+}

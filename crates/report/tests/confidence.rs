@@ -1,0 +1,65 @@
+//! What the confidence of a scene rests on, on scenes computed by hand.
+
+use crosscut_report::confidence::Grounds;
+use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
+use crosscut_stage::{Frame, Junction, Params, Partition, ReportStage, Revolution, Value};
+use scenes::{Segment, scan, tee, tunnel};
+
+mod scenes;
+
+const VEHICLE_WIDTH_M: f64 = 0.6;
+
+/// The answer of the settings of preset `default` to clusters that are the walls.
+fn answer((revolution, walls): (Revolution, Vec<Option<u32>>)) -> (Revolution, Junction) {
+    let mut params = Params::defaults(PARAMS);
+    params.set("island_m", Value::Number(2.0));
+    params.set("openings", Value::Text("between_walls".into()));
+    params.set("confidence", Value::Text("scene".into()));
+    let clusters = walls.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+    let mut frame = Frame { revolution, ..Frame::default() };
+    frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
+    let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
+    let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
+    reporter.report(revolution, spectrum, partition, junction, notes).expect("as many labels as returns");
+    (frame.revolution, frame.junction)
+}
+
+fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
+    let (revolution, junction) = answer(scan(segments, 360, |_| false));
+    (Grounds::of(&revolution, VEHICLE_WIDTH_M, &junction).expect("it has walls"), junction.confidence)
+}
+
+/// A tunnel along x whose left wall opens between x = 1 and x = 1 + `mouth_m` into a pocket 4 m deep, all of one wall.
+fn pocket(mouth_m: f64) -> Vec<(Segment, u32)> {
+    let far = 1.0 + mouth_m;
+    vec![
+        (Segment([-30.0, 1.75], [1.0, 1.75]), 0),
+        (Segment([1.0, 1.75], [1.0, 5.75]), 0),
+        (Segment([1.0, 5.75], [far, 5.75]), 0),
+        (Segment([far, 5.75], [far, 1.75]), 0),
+        (Segment([far, 1.75], [30.0, 1.75]), 0),
+        (Segment([-30.0, -1.75], [30.0, -1.75]), 1),
+    ]
+}
+
+#[test]
+fn plain_places_are_surer_than_those_with_a_gap_that_a_vehicle_might_pass() {
+    let (plain, sure) = grounds(&tunnel());
+    let (with_gap, unsure) = grounds(&pocket(1.2));
+    assert_eq!(plain.most_within_walls_m, 0.0, "the walls are lines");
+    assert!(plain.least_at_openings_m > 2.0, "{plain:?}");
+    // From the corner (1, 1.75) the far side of the pocket is seen 1.2 m away.
+    assert!((with_gap.most_within_walls_m - 1.2).abs() < 0.2, "{with_gap:?}");
+    assert!(sure > 0.9 && unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
+fn openings_close_together_and_pillars_speak_against_an_answer() {
+    let (plain, sure) = grounds(&tee());
+    assert!((plain.apart_rad.to_degrees() - 30.0).abs() < 2.0, "past the corner (3, 1.75): {plain:?}");
+    let mut with_pillar = tee();
+    with_pillar.push((Segment([-4.0, -0.3], [-4.0, 0.3]), 3));
+    let (with_pillar, unsure) = grounds(&with_pillar);
+    assert_eq!((plain.islands, with_pillar.islands), (false, true));
+    assert!(unsure < sure, "{sure} and {unsure}");
+}
