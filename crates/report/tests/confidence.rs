@@ -46,7 +46,7 @@ fn pocket(mouth_m: f64) -> Vec<(Segment, u32)> {
 fn plain_places_are_surer_than_those_with_a_gap_that_a_vehicle_might_pass() {
     let (plain, sure) = grounds(&tunnel());
     let (with_gap, unsure) = grounds(&pocket(1.2));
-    assert_eq!(plain.most_within_walls_m, 0.0, "the walls are lines");
+    assert!(plain.most_within_walls_m < 1e-9, "the walls are lines: {plain:?}");
     assert!(plain.least_at_openings_m > 2.0, "{plain:?}");
     // From the corner (1, 1.75) the far side of the pocket is seen 1.2 m away.
     assert!((with_gap.most_within_walls_m - 1.2).abs() < 0.2, "{with_gap:?}");
