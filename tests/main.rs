@@ -12,4 +12,6 @@ mod reading;
 #[cfg(feature = "rerun")]
 mod recording;
 mod results;
+#[cfg(feature = "rerun")]
+mod serving;
 mod simulation;

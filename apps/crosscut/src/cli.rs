@@ -1,5 +1,6 @@
 //! What can be typed.
 
+use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
@@ -55,6 +56,10 @@ pub(crate) struct RunArgs {
     /// Show every stage live in the Rerun viewer.
     #[arg(long)]
     pub(crate) view: bool,
+    /// Let viewers connect while the flight runs, and afterwards until Ctrl-C. Late ones see what came, up to 1 GiB.
+    /// Port 0 takes a free one.
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:9877")]
+    pub(crate) serve: Option<SocketAddr>,
     /// No progress, no summary.
     #[arg(long)]
     pub(crate) quiet: bool,

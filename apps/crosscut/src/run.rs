@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use crosscut_ingest::{ReadOptions, Recording, Sensor, recordings_in};
@@ -25,10 +25,11 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let mut recording = open(args, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut lost = Vec::new();
-    let mut observers = observers(args, &config, &mut lost)?;
+    let (mut observers, served) = observers(args, &config, &mut lost)?;
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
+    let stopped = stop.clone();
     let bar = progress::bar(recording.total_messages(), args.quiet);
     let start = Instant::now();
     let mut sink = |frame: &Frame| {
@@ -54,7 +55,14 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     for loss in &lost {
         eprintln!("lost: {loss}");
     }
-    Ok(outcome(&summary, !lost.is_empty()))
+    let outcome = outcome(&summary, !lost.is_empty());
+    if served && !stopped.is_set() {
+        eprintln!("the flight is over and still served; Ctrl-C ends it");
+        while !stopped.is_set() {
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+    Ok(outcome)
 }
 
 fn open(args: &RunArgs, config: &Config) -> anyhow::Result<Recording> {
@@ -76,42 +84,52 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
     })
 }
 
+/// Who sees the frames, and whether viewers can still connect when the flight is over.
+type Observers = (Vec<Box<dyn Observer>>, bool);
+
 /// The recorder, if one is asked for. A recording or a view that cannot be had is lost, the rest is not.
 #[cfg(feature = "rerun")]
-fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow::Result<Vec<Box<dyn Observer>>> {
+fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow::Result<Observers> {
     use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
 
-    let options = |view| RecorderOptions {
+    let options = RecorderOptions {
         path: args.save.clone(),
-        view,
+        view: args.view,
+        serve: args.serve,
         name: args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
     };
-    if args.save.is_none() && !args.view {
-        return Ok(Vec::new());
+    if args.save.is_none() && !args.view && args.serve.is_none() {
+        return Ok(Observers::default());
     }
-    let mut recorder = Recorder::new(options(args.view));
-    if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_))) = &recorder
+    let mut recorder = Recorder::new(options.clone());
+    if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
         && args.save.is_some()
     {
         lost.push(error.to_string());
-        recorder = Recorder::new(options(false));
+        recorder = Recorder::new(RecorderOptions { view: false, serve: None, ..options });
     }
     Ok(match recorder {
-        Ok(recorder) => vec![Box::new(recorder)],
+        Ok(recorder) => {
+            if let Some(served) = recorder.served() {
+                eprintln!("serving; to see it: rerun --connect {}", served.url);
+            }
+            let served = recorder.served().is_some();
+            (vec![Box::new(recorder)], served)
+        }
         Err(error) => {
             lost.push(error.to_string());
-            Vec::new()
+            Observers::default()
         }
     })
 }
 
 #[cfg(not(feature = "rerun"))]
-fn observers(args: &RunArgs, _: &Config, _: &mut Vec<String>) -> anyhow::Result<Vec<Box<dyn Observer>>> {
-    if args.save.is_some() || args.view {
+fn observers(args: &RunArgs, _: &Config, _: &mut Vec<String>) -> anyhow::Result<Observers> {
+    if args.save.is_some() || args.view || args.serve.is_some() {
         return Err(UsageError("this crosscut was built without the feature `rerun`".to_owned()).into());
     }
-    Ok(Vec::new())
+    Ok(Observers::default())
 }
 
 /// Ctrl-C stops ingest and lets the rest drain; a second one quits.

@@ -46,12 +46,14 @@ mod beam_order;
 mod colors;
 mod file;
 mod layout;
+mod live;
 mod matrices;
 mod partition;
 mod reading;
 mod recorder;
 mod report;
 mod scan;
+mod serving;
 mod spectrum;
 mod tensors;
 mod viewer;
@@ -61,3 +63,4 @@ pub use reading::{
     differences,
 };
 pub use recorder::{Recorder, RecorderError, RecorderOptions};
+pub use serving::Served;

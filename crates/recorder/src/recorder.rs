@@ -1,5 +1,6 @@
 //! The observer: what is logged of each revolution, when it is flushed, and what happens when that fails.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -13,8 +14,10 @@ use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
 use crate::file::RrdFile;
 use crate::layout::Extent;
+use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
 use crate::scan::BeamGeometry;
+use crate::serving::{self, Served};
 use crate::{layout, partition, report, scan, spectrum, viewer};
 
 /// What is on the disk never lags behind by more than this much sensor time...
@@ -25,8 +28,6 @@ const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 const FLUSH_AFTER_BYTES: u64 = 16 << 20;
 /// A viewer wants to see things soon; sooner still would double the file.
 const LIVE_TICK: Duration = Duration::from_millis(500);
-/// A viewer that does not take what is sent for so long is given up.
-const VIEWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Where and how to record.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +36,8 @@ pub struct RecorderOptions {
     pub path: Option<PathBuf>,
     /// Shows the recording in the native viewer while it is made.
     pub view: bool,
+    /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free one.
+    pub serve: Option<SocketAddr>,
     /// Name of the recording, as the viewer lists it.
     pub name: String,
     /// The resolved configuration, as TOML.
@@ -70,6 +73,17 @@ pub enum RecorderError {
     /// The viewer could not be started, or went away.
     #[error("the viewer is not to be reached: {0}")]
     Viewer(String),
+    /// The viewer reads more slowly than the flight goes.
+    #[error("the viewer was too slow: {0} messages were left out of what it shows")]
+    ViewerTooSlow(u64),
+    /// The address cannot be listened at.
+    #[error("cannot serve at {address}: {cause}")]
+    Serve {
+        /// Which address.
+        address: SocketAddr,
+        /// What the system said.
+        cause: String,
+    },
     /// Rerun refused.
     #[error("cannot record: {0}")]
     Rerun(#[from] RecordingStreamError),
@@ -79,7 +93,8 @@ pub enum RecorderError {
 pub struct Recorder {
     rec: RecordingStream,
     file: Option<RrdFile>,
-    viewing: bool,
+    live: Vec<Live>,
+    served: Option<Served>,
     layout_sent: bool,
     beams: BeamGeometry,
     pictures: Pictures,
@@ -96,14 +111,23 @@ impl Recorder {
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
-        let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
+        let mut live = Vec::new();
+        let mut served = None;
+        // First of all: without a viewer, no older file is lost.
         if options.view {
-            sinks.push(Box::new(viewer::connect("rerun")?)); // first: without a viewer, no older file is lost
+            live.push(Live::start(Outlet::Viewer(viewer::connect("rerun")?))?);
+        }
+        if let Some(address) = options.serve {
+            let server = serving::open(address)?;
+            live.push(Live::start(Outlet::Server(server.sink))?);
+            served = Some(server.served);
         }
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
+        let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
+        sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
         let batches = ChunkBatcherConfig {
-            flush_tick: if options.view { LIVE_TICK } else { Duration::MAX },
+            flush_tick: if live.is_empty() { Duration::MAX } else { LIVE_TICK },
             flush_num_bytes: FLUSH_AFTER_BYTES,
             ..ChunkBatcherConfig::DEFAULT
         };
@@ -118,13 +142,19 @@ impl Recorder {
         Ok(Self {
             rec,
             file,
-            viewing: options.view,
+            live,
+            served,
             layout_sent: false,
             beams: BeamGeometry::default(),
             pictures: Pictures::default(),
             flushed_stamp_ns: 0,
             unflushed: 0,
         })
+    }
+
+    /// Where viewers can connect, if the recording is served.
+    pub fn served(&self) -> Option<&Served> {
+        self.served.as_ref()
     }
 
     fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
@@ -181,22 +211,12 @@ impl Recorder {
         Ok(())
     }
 
-    /// Brings everything to the disk, and says whether that worked. A lost viewer ends the view, not the file.
+    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for.
     fn flush(&mut self) -> Result<(), RecorderError> {
         self.unflushed = 0;
-        let timeout = if self.viewing { VIEWER_TIMEOUT } else { Duration::MAX };
-        let flushed = self.rec.flush_with_timeout(timeout);
-        let Some(file) = &self.file else {
-            return flushed.map_err(|e| RecorderError::Viewer(e.to_string()));
-        };
-        file.check()?;
-        if let (Err(error), true) = (flushed, self.viewing) {
-            self.viewing = false;
-            let text = format!("the viewer went away, the file goes on: {error}");
-            self.rec.log("log", &TextLog::new(text).with_level(TextLogLevel::WARN))?;
-            self.rec.set_sink(Box::new(file.clone()));
-        }
-        Ok(())
+        let flushed = self.rec.flush_blocking();
+        self.file.as_ref().map_or(Ok(()), RrdFile::check)?;
+        flushed.map_err(|e| RecorderError::Viewer(e.to_string()))
     }
 }
 
@@ -211,7 +231,8 @@ impl Observer for Recorder {
                 self.send_layout(Extent::default())?;
             }
             self.flush()?;
-            self.file.as_ref().map_or(Ok(()), RrdFile::end)
+            self.file.as_ref().map_or(Ok(()), RrdFile::end)?;
+            self.live.iter().try_for_each(Live::end)
         };
         end().map_err(|e| ObserverError(e.to_string()))
     }

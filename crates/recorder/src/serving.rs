@@ -1,0 +1,75 @@
+//! A server that viewers connect to: they see what comes, and, when they come late, what came.
+
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+use rerun::grpc_server::GrpcServerSink;
+use rerun::{MemoryLimit, ServerOptions};
+
+use crate::RecorderError;
+
+/// What is kept for late viewers; when there is more, the oldest is forgotten.
+pub(crate) const HISTORY_BYTES: u64 = 1 << 30;
+/// A server that is not there after so long will not be.
+const START_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Where a recording is served.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Served {
+    /// What the native viewer connects to: `rerun --connect URL`.
+    pub url: String,
+    /// What a browser opens; without the feature `web` there is none.
+    pub web_url: Option<String>,
+}
+
+/// A server that listens.
+pub(crate) struct Server {
+    pub(crate) sink: GrpcServerSink,
+    pub(crate) served: Served,
+}
+
+/// Listens at `address`; port 0 takes a free one.
+///
+/// # Errors
+/// When the address cannot be listened at.
+pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
+    let address = free_address(address)?;
+    let options = ServerOptions { memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES), ..ServerOptions::default() };
+    let sink = GrpcServerSink::new(&bind_ip(address), address.port(), options).map_err(|e| cannot(address, &e))?;
+    await_listening(address)?;
+    let url = format!("rerun+http://{}/proxy", reachable(address));
+    Ok(Server { sink, served: Served { url, web_url: None } })
+}
+
+/// Rerun binds in a thread of its own and keeps errors to itself: whether the address can be had is tried before.
+fn free_address(address: SocketAddr) -> Result<SocketAddr, RecorderError> {
+    TcpListener::bind(address).and_then(|listener| listener.local_addr()).map_err(|e| cannot(address, &e))
+}
+
+fn await_listening(address: SocketAddr) -> Result<(), RecorderError> {
+    let start = Instant::now();
+    loop {
+        match TcpStream::connect_timeout(&reachable(address), START_TIMEOUT) {
+            Ok(_) => return Ok(()),
+            Err(error) if start.elapsed() > START_TIMEOUT => return Err(cannot(address, &error)),
+            Err(_) => std::thread::sleep(Duration::from_millis(20)),
+        }
+    }
+}
+
+/// Where this machine reaches a server that listens at `address`.
+fn reachable(address: SocketAddr) -> SocketAddr {
+    if address.ip().is_unspecified() { SocketAddr::from(([127, 0, 0, 1], address.port())) } else { address }
+}
+
+/// As the address is written before a colon and a port.
+fn bind_ip(address: SocketAddr) -> String {
+    match address {
+        SocketAddr::V4(v4) => v4.ip().to_string(),
+        SocketAddr::V6(v6) => format!("[{}]", v6.ip()),
+    }
+}
+
+fn cannot(address: SocketAddr, cause: &dyn std::fmt::Display) -> RecorderError {
+    RecorderError::Serve { address, cause: cause.to_string() }
+}
