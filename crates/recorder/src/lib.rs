@@ -49,6 +49,7 @@ mod layout;
 mod live;
 mod matrices;
 mod partition;
+mod parts;
 mod reading;
 mod recorder;
 mod report;

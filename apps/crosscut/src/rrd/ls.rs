@@ -22,8 +22,9 @@ pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
 }
 
 fn heading(recording: &Recording) -> String {
+    let paths: Vec<String> = recording.paths().map(|path| path.display().to_string()).collect();
     let mut lines = vec![
-        format!("{}, {:.1} MB", recording.path().display(), recording.bytes() as f64 / 1e6),
+        format!("{}, {:.1} MB", paths.join(", "), recording.bytes() as f64 / 1e6),
         format!("written by  {}, Rerun {}", maker(recording), recording.rerun_version()),
     ];
     let ranges = |range: fn(&Entity) -> Option<[i64; 2]>| {

@@ -12,7 +12,7 @@ use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{
     CachingApplicationIdInjector, Decodable, DecoderEntrypoint, MessageHeader, MessageKind, StreamFooter, StreamHeader,
 };
-use rerun::external::re_log_types::ArrowMsg;
+use rerun::external::re_log_types::{ArrowMsg, StoreId};
 use rerun::log::{Chunk, LogMsg};
 
 use super::{Damage, ReadError};
@@ -32,6 +32,8 @@ pub(super) struct Messages {
     at: u64,
     end: u64,
     is_over: bool,
+    /// Read ahead of the others.
+    first: Option<<Self as Iterator>::Item>,
 }
 
 impl Messages {
@@ -45,12 +47,23 @@ impl Messages {
         let (version, _) = StreamHeader::from_rrd_bytes(&header)
             .and_then(StreamHeader::to_version_and_options)
             .map_err(|e| cannot(e.to_string()))?;
-        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false })
+        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false, first: None })
     }
 
     /// Rerun's version that wrote the file.
     pub(super) fn version(&self) -> CrateVersion {
         self.version
+    }
+
+    /// The recording that the file belongs to, as its first message says.
+    pub(super) fn store(&mut self) -> Option<StoreId> {
+        if self.first.is_none() {
+            self.first = self.next();
+        }
+        match &self.first {
+            Some(Ok((_, LogMsg::SetStoreInfo(info)))) => Some(info.info.store_id.clone()),
+            _ => None,
+        }
     }
 
     /// Bytes of the file.
@@ -93,6 +106,9 @@ impl Iterator for Messages {
     /// The next message. One that cannot be read is passed over, as its length is known; without a length nothing
     /// more is read.
     fn next(&mut self) -> Option<Self::Item> {
+        if let Some(first) = self.first.take() {
+            return Some(first);
+        }
         if self.is_over {
             return None;
         }

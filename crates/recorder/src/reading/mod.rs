@@ -2,7 +2,7 @@
 //!
 //! [`Recording::open`] goes through the file once and notes where the chunks of each entity lie; [`Recording::rows`] then
 //! loads one chunk after the other, so that memory stays small whatever the size of the file. Rows come by revolution,
-//! however the writer cut them into chunks. A file that was cut off or damaged is read as far as it goes:
+//! however the writer cut them into chunks and files: those that a long recording goes on in are found beside the first. A file that was cut off or damaged is read as far as it goes:
 //! [`Recording::damages`] says what is missing.
 //!
 //! ```no_run
@@ -49,7 +49,7 @@ pub enum ReadError {
         /// What is wrong.
         cause: String,
     },
-    /// A message that was whole when the file was opened cannot be read any more.
+    /// A file or message that could be read before cannot be any more.
     #[error("the recording changed while it was read: {cause}: {}", path.display())]
     Changed {
         /// Which file.

@@ -1,4 +1,4 @@
-//! Pictures of W and L back to numbers.
+//! Pictures of W and L back to numbers. Both are symmetric; a picture may hold the upper triangle alone.
 
 use rerun::external::image;
 use rerun::{EncodedDepthImage, Loggable as _, components};
@@ -14,7 +14,9 @@ pub(super) fn numbers(cell: &Cell, beside: &[Cell]) -> Result<Array, String> {
     let picture = image::load_from_memory(&blob.0.0).map_err(|e| e.to_string())?.to_luma8();
     let brightest = brightest_level(beside).ok_or("a picture without a range of levels")?;
     let values: Vec<f64> = (0..=u8::MAX).map(|level| value_of_level(level, brightest)).collect();
-    let numbers = picture.pixels().map(|pixel| values[usize::from(pixel.0[0])]).collect();
+    let mirrored = |x: u32, y: u32| picture.get_pixel_checked(y, x).map_or(0, |level| level.0[0]);
+    let level = |(x, y, level): (u32, u32, &image::Luma<u8>)| level.0[0].max(mirrored(x, y));
+    let numbers = picture.enumerate_pixels().map(|pixel| values[usize::from(level(pixel))]).collect();
     Ok(Array {
         shape: vec![picture.height() as usize, picture.width() as usize],
         dims: vec!["row".to_owned(), "column".to_owned()],

@@ -4,21 +4,31 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rerun::external::re_build_info::CrateVersion;
+use rerun::external::re_log_types::StoreId;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{StoreKind, TextDocument};
 
 use super::messages::{Messages, Place, chunk_of};
 use super::rows::{Cell, Rows, cells, stamps_ns, times};
 use super::{Damage, ReadError, Value};
+use crate::parts::part_path;
 
-/// A recording that can be read by entity and revolution.
+/// A recording that can be read by entity and revolution: a file, and those that it goes on in.
 #[derive(Debug)]
 pub struct Recording {
+    pub(super) parts: Vec<Part>,
+    entities: BTreeMap<String, Entity>,
+    damages: Vec<Damage>,
+}
+
+/// One file of a recording.
+#[derive(Debug)]
+pub(super) struct Part {
     pub(super) path: PathBuf,
     pub(super) version: CrateVersion,
     bytes: u64,
-    entities: BTreeMap<String, Entity>,
-    damages: Vec<Damage>,
+    /// The recording that it says to belong to.
+    store: Option<StoreId>,
 }
 
 /// What a recording holds of one entity.
@@ -75,58 +85,67 @@ pub(super) fn is_drawing(component: &str) -> bool {
     !VALUES.contains(&component)
 }
 
-/// Where a chunk lies, and which revolutions it covers.
+/// Where a chunk lies, and its first revolution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChunkPlace {
+    /// Index of its file.
+    pub(super) part: usize,
     pub(super) place: Place,
     pub(super) first: i64,
 }
 
 impl Recording {
-    /// Goes through the file once. The layout, which is a recording of its own within the file, is passed over.
+    /// Goes through the file once, and through the files that the recording goes on in: FLIGHT-2.rrd after FLIGHT.rrd. The
+    /// layout, which is a recording of its own within the file, is passed over.
     ///
     /// # Errors
     /// When the file cannot be opened or is no recording. Damage is no error, see [`Recording::damages`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let messages = Messages::open(path)?;
-        let mut recording = Self {
-            path: path.to_owned(),
-            version: messages.version(),
-            bytes: messages.bytes(),
-            entities: BTreeMap::new(),
-            damages: Vec::new(),
-        };
-        for message in messages {
-            match message {
-                Ok((place, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
-                    match chunk_of(&message) {
-                        Ok(chunk) => recording.note(place, &chunk),
-                        Err(cause) => {
-                            let path = path.to_owned();
-                            recording.damages.push(Damage::Unreadable { path, at: place.at, cause });
-                        }
-                    }
-                }
-                Ok(_) => {}
-                Err(damage) => recording.damages.push(damage),
+        let mut recording = Self { parts: Vec::new(), entities: BTreeMap::new(), damages: Vec::new() };
+        recording.read_part(path, Messages::open(path)?);
+        for next in (2..).map(|part| part_path(path, part)).take_while(|path| path.exists()) {
+            let Ok(mut messages) = Messages::open(&next) else { break };
+            // Files of an older, longer recording of this name may still lie beside.
+            if messages.store() != recording.parts[0].store {
+                break;
             }
+            recording.read_part(&next, messages);
         }
         Ok(recording)
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    fn read_part(&mut self, path: &Path, mut messages: Messages) {
+        let (version, bytes, store) = (messages.version(), messages.bytes(), messages.store());
+        self.parts.push(Part { path: path.to_owned(), version, bytes, store });
+        for message in messages {
+            match message {
+                Ok((place, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
+                    match chunk_of(&message) {
+                        Ok(chunk) => self.note(place, &chunk),
+                        Err(cause) => {
+                            self.damages.push(Damage::Unreadable { path: path.to_owned(), at: place.at, cause });
+                        }
+                    }
+                }
+                Ok(_) => {}
+                Err(damage) => self.damages.push(damage),
+            }
+        }
     }
 
-    /// Its length.
+    /// The files, in order.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().map(|part| part.path.as_path())
+    }
+
+    /// Length of all files.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.parts.iter().map(|part| part.bytes).sum()
     }
 
     /// The version of Rerun that wrote it.
     pub fn rerun_version(&self) -> String {
-        self.version.to_string()
+        self.parts[0].version.to_string()
     }
 
     /// What is missing or unreadable; empty for a recording that is whole.
@@ -142,13 +161,13 @@ impl Recording {
     /// The rows of an entity by revolution.
     ///
     /// # Errors
-    /// When there is no such entity, or the file is gone.
+    /// When there is no such entity.
     pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
         let Some((name, found)) = self.entities.get_key_value(entity) else {
             let known = self.entities.keys().cloned().collect();
             return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), known });
         };
-        Rows::new(self, name, found)
+        Ok(Rows::new(self, name, found))
     }
 
     /// The resolved configuration as TOML, if it is in the recording.
@@ -186,7 +205,7 @@ impl Recording {
         }
         if let Some(&first) = revolutions.iter().min() {
             entity.rows += chunk.num_rows() as u64;
-            entity.chunks.push(ChunkPlace { place, first });
+            entity.chunks.push(ChunkPlace { part: self.parts.len() - 1, place, first });
             widen(&mut entity.revolutions, revolutions);
             widen(&mut entity.stamps_ns, stamps_ns(chunk));
         }

@@ -74,7 +74,8 @@ pub struct Rows<'a> {
     recording: &'a Recording,
     name: &'a str,
     entity: &'a Entity,
-    file: File,
+    /// The file that was read last, and its index.
+    file: Option<(usize, File)>,
     waiting: VecDeque<ChunkPlace>,
     open: Vec<OpenChunk>,
 }
@@ -87,12 +88,10 @@ struct OpenChunk {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(recording: &'a Recording, name: &'a str, entity: &'a Entity) -> Result<Self, ReadError> {
-        let file = File::open(&recording.path)
-            .map_err(|e| ReadError::Open { path: recording.path.clone(), cause: e.to_string() })?;
+    pub(super) fn new(recording: &'a Recording, name: &'a str, entity: &'a Entity) -> Self {
         let mut waiting = entity.chunks.clone();
         waiting.sort_by_key(|chunk| chunk.first); // stable: what was logged first comes first
-        Ok(Self { recording, name, entity, file, waiting: waiting.into(), open: Vec::new() })
+        Self { recording, name, entity, file: None, waiting: waiting.into(), open: Vec::new() }
     }
 
     fn next_revolution(&self) -> Option<i64> {
@@ -101,8 +100,14 @@ impl<'a> Rows<'a> {
     }
 
     fn load(&mut self, chunk: ChunkPlace) -> Result<(), ReadError> {
-        let chunk = chunk_at(&mut self.file, chunk.place, self.recording.version)
-            .map_err(|cause| ReadError::Changed { path: self.recording.path.clone(), cause })?;
+        let part = &self.recording.parts[chunk.part];
+        let changed = |cause: String| ReadError::Changed { path: part.path.clone(), cause };
+        if self.file.as_ref().is_none_or(|(open, _)| *open != chunk.part) {
+            let file = File::open(&part.path).map_err(|e| changed(e.to_string()))?;
+            self.file = Some((chunk.part, file));
+        }
+        let (_, file) = self.file.as_mut().expect("opened above");
+        let chunk = chunk_at(file, chunk.place, part.version).map_err(changed)?;
         let mut left: Vec<usize> = (0..times(&chunk).len()).collect();
         left.sort_by_key(|&row| times(&chunk)[row]);
         self.open.push(OpenChunk { chunk, left: left.into() });

@@ -125,7 +125,7 @@ fn numbers_read_back_are_those_of_the_frame() {
 }
 
 #[test]
-fn pictures_read_back_as_w_and_l_to_half_a_level_and_words_as_words() {
+fn pictures_read_back_as_both_triangles_of_w_and_l_to_half_a_level_and_words_as_words() {
     let folder = tempfile::tempdir().unwrap();
     let (frames, path) = flight(folder.path());
     let recording = Recording::open(&path).unwrap();
