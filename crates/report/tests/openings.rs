@@ -113,6 +113,22 @@ fn a_side_passage_that_is_seen_far_in_is_looked_at_8_m_away() {
     assert_opening(side, (63f64).sqrt().atan2(1.0), 3.5);
 }
 
+#[test]
+fn returns_lost_where_a_way_is_looked_at_do_not_turn_or_narrow_it() {
+    // Of the left wall ahead, nothing from 4 m to 13 m away came back.
+    let lost = |bearing: f64| (7.8_f64.to_radians()..26_f64.to_radians()).contains(&bearing);
+    let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
+    let sweep = revolution.sweep.as_mut().expect("a sweep");
+    for (beam, _) in sweep.beams.iter_mut().zip(&sweep.bearings_rad).filter(|(_, bearing)| lost(**bearing)) {
+        if let Beam::Return(i) = std::mem::replace(beam, Beam::NoReturn) {
+            walls[i as usize] = None;
+        }
+    }
+    let found = openings_of(&(revolution, walls));
+    let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
+    assert!(ahead.bearing_rad.abs() < 0.02 && (ahead.width_m - 3.5).abs() < 0.05, "{ahead:?}");
+}
+
 /// The part of a scan between two bearings.
 fn part((mut revolution, walls): (Revolution, Vec<Option<u32>>), view: Range<f64>) -> (Revolution, Vec<Option<u32>>) {
     let sweep = revolution.sweep.as_mut().expect("a sweep");

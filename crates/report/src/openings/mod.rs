@@ -23,12 +23,15 @@
 //! is a way on of which a part is seen ([`Opening::cut_by_view`]).
 //!
 //! Bearing and width are those of the branch behind the edge, [`LOOKOUT_M`] from the sensor or where its centreline is
-//! last seen, if that is nearer. With N the wall whose end is nearer to the sensor, F the other, and ρ(x) the distance of
-//! x from the returns of F:
+//! last seen, if that is nearer. Walls are lines from return to return. With N the one whose end is nearer to the sensor, F
+//! the other, ρ_F(x) the distance of x from F, and n (f) the place where N (F), followed
+//! from its end, comes within 8 m:
 //! ```text
-//! width = min(ρ_F(last of N within 8 m), ρ_N(last of F within 8 m))
-//! bearing of x, the first on the beam past the end of N, then on the circle of 8 m, with ρ(x) = width / 2
+//! width = min(ρ_F(n), ρ_N(f))
+//! bearing of x, the first on the beam through n from n to the circle of 8 m, then on the circle towards F,
+//!         with ρ_F(x) = width / 2
 //! ```
+//! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
 //! Of a branch that is cut by the end of the view both are those of the part in view.
 
 mod edge;

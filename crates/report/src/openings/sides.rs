@@ -32,16 +32,25 @@ impl Side {
         (0..n.div_ceil(2)).map(move |s| (self.at + s * step) % n).take_while(move |&at| ring.entries[at].wall == wall)
     }
 
-    /// Its last return before the edge that is within [`LOOKOUT_M`] of the sensor; the one at the edge if none is.
-    pub(super) fn anchor_m(self, ring: &Ring) -> Position {
-        let within = self.along(ring).find(|&at| ring.entries[at].range_m <= LOOKOUT_M);
-        ring.entries[within.unwrap_or(self.at)].position_m
+    /// The wall as a line from return to return: each return from the edge onward with the one before it.
+    fn line_m(self, ring: &Ring) -> impl Iterator<Item = [Position; 2]> {
+        let positions_m = move || self.along(ring).map(|at| ring.entries[at].position_m);
+        let end_m = ring.entries[self.at].position_m;
+        std::iter::once(end_m).chain(positions_m()).zip(positions_m()).map(|(before_m, after_m)| [before_m, after_m])
     }
 
-    /// The return of the wall that is nearest to a point.
+    /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does not.
+    pub(super) fn anchor_m(self, ring: &Ring) -> Position {
+        let within = self.line_m(ring).find(|[_, after_m]| after_m.norm() <= LOOKOUT_M);
+        within.map_or(ring.entries[self.at].position_m, |[before_m, after_m]| {
+            if before_m.norm() <= LOOKOUT_M { after_m } else { on_circle_m(before_m, after_m) }
+        })
+    }
+
+    /// The place of the wall that is nearest to a point.
     fn nearest_m(self, ring: &Ring, point_m: Position) -> Position {
-        let positions = self.along(ring).map(|at| ring.entries[at].position_m);
-        let nearest = positions.min_by(|a, b| (a - point_m).norm().total_cmp(&(b - point_m).norm()));
+        let nearest = self.line_m(ring).map(|piece_m| nearest_on_m(piece_m, point_m));
+        let nearest = nearest.min_by(|a, b| (a - point_m).norm().total_cmp(&(b - point_m).norm()));
         nearest.unwrap_or(ring.entries[self.at].position_m)
     }
 }
@@ -114,6 +123,19 @@ impl<'a> Sides<'a> {
             None
         }
     }
+}
+
+/// Where a line from outside to inside meets the circle of [`LOOKOUT_M`] around the sensor.
+fn on_circle_m(outside_m: Position, inside_m: Position) -> Position {
+    bisect(|share| outside_m + (inside_m - outside_m) * share, |point_m| point_m.norm() <= LOOKOUT_M)
+}
+
+/// The point of a piece of a line that is nearest to another.
+fn nearest_on_m([from_m, to_m]: [Position; 2], point_m: Position) -> Position {
+    let along = to_m - from_m;
+    let share = ((point_m - from_m).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    // A piece of no length is its end.
+    if share.is_nan() { to_m } else { from_m + along * share }
 }
 
 /// The first point of a way of which the end is reached and the start is not.
