@@ -68,9 +68,12 @@ impl Grounds {
             if is_opening(&sides) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if sides.walls()[0] == sides.walls()[1] && (edge_m[1] - edge_m[0]).norm() >= vehicle_width_m {
-                let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
-                let room_m = clearance_m(&sides).min(depth_m(returns_m, edge_m, vehicle_width_m));
-                grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
+                let clearance_m = clearance_m(&sides);
+                if clearance_m > grounds.most_within_walls_m {
+                    let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
+                    let room_m = clearance_m.min(depth_m(returns_m, edge_m, vehicle_width_m));
+                    grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
+                }
             }
         }
         Some(grounds)
