@@ -1,7 +1,7 @@
 //! `--save`: the recording of every stage.
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{Ran, crosscut, results_of, run, shipped_flight};
+use crate::program::{Ran, crosscut, lines, results_of, run, shipped_flight};
 
 #[test]
 fn a_recording_is_saved_beside_the_same_results_as_without() {
@@ -49,4 +49,26 @@ fn without_a_viewer_the_recording_is_saved_all_the_same_and_the_exit_code_is_3()
     let ran = ran.expect_code(3);
     assert!(ran.stderr.contains("pip install rerun-sdk"), "how to get one: {}", ran.stderr);
     assert!(saved.metadata().expect("saved").len() > 20_000);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_disk_that_fills_up_leaves_the_results_complete_a_recording_that_opens_and_exit_code_3() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved = folder.path().join("flight.rrd");
+    let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--results", "-", "--save"];
+    let crosscut = crosscut(arguments);
+    // With SIGXFSZ ignored, a write beyond the limit (512 blocks of 512 bytes or more) is an error as on a full disk.
+    let mut limited = std::process::Command::new("sh");
+    limited.args(["-c", "trap '' XFSZ; ulimit -f 512; exec \"$0\" \"$@\""]).arg(crosscut.get_program());
+    limited.args(crosscut.get_args()).arg(&saved).arg(shipped_flight());
+    let ran = Ran::from(limited.output().expect("a shell")).expect_code(3);
+    assert_eq!(lines(&ran.stdout).len(), 71);
+    assert!(ran.stderr.contains("File too large") && ran.stderr.contains("flight.rrd"), "{}", ran.stderr);
+    let listed = run(["rrd", "ls", saved.to_str().expect("UTF-8")]).expect_code(3);
+    assert!(
+        listed.stdout.contains("/scan/ranges") && listed.stderr.contains("without its footer"),
+        "{}",
+        listed.stderr
+    );
 }

@@ -7,14 +7,23 @@ import traceback
 from pathlib import Path
 
 import determinism
+import killing
 import mcap_io
+import reading
 import recording
 import spectrum
 from flights import Flights
 from program import Crosscut
 from verdicts import Verdicts
 
-CHECKS = {"spectrum": spectrum, "recording": recording, "mcap_io": mcap_io, "determinism": determinism}
+CHECKS = {
+    "spectrum": spectrum,
+    "recording": recording,
+    "reading": reading,
+    "killing": killing,
+    "mcap_io": mcap_io,
+    "determinism": determinism,
+}
 
 
 def main() -> int:

@@ -19,10 +19,16 @@ def rerun_command(*args) -> subprocess.CompletedProcess:
     return subprocess.run([RERUN, *map(str, args)], stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
 
+def _chunks(path: Path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it says when there is no footer
+        return RrdReader(path).stream()
+
+
 def timelines(path: Path) -> dict[str, set[str]]:
     """For each entity its timelines; none for one that is static alone."""
     found: dict[str, set[str]] = defaultdict(set)
-    for chunk in RrdReader(path).stream():
+    for chunk in _chunks(path):
         found[chunk.entity_path].update(chunk.timeline_names)
     return dict(found)
 
@@ -30,10 +36,7 @@ def timelines(path: Path) -> dict[str, set[str]]:
 def last_stamp_ns(path: Path) -> dict[str, int]:
     """For each entity that changes, the last stamp at which it was logged; also in a file without its footer."""
     last: dict[str, int] = {}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it says that there is no footer
-        reader = RrdReader(path)
-    for chunk in reader.stream():
+    for chunk in _chunks(path):
         if "stamp" in chunk.timeline_names:
             stamps = chunk.to_record_batch().column("stamp").cast("int64").to_numpy()
             last[chunk.entity_path] = max(last.get(chunk.entity_path, 0), int(stamps.max()))
@@ -43,7 +46,7 @@ def last_stamp_ns(path: Path) -> dict[str, int]:
 def values(path: Path, entity: str, component: str) -> dict[int, object]:
     """What an entity holds, by revolution: arrays for tensors, charts and pictures, else a list."""
     found = {}
-    for chunk in RrdReader(path).stream().filter(content=entity):
+    for chunk in _chunks(path).filter(content=entity):
         batch = chunk.to_record_batch()
         if component in batch.schema.names and "revolution" in chunk.timeline_names:
             for revolution, cell in zip(batch.column("revolution").to_pylist(), batch.column(component)):

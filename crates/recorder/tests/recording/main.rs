@@ -4,6 +4,7 @@ mod difference;
 mod emptiness;
 mod file;
 mod frames;
+mod killing;
 mod parts;
 mod read_back;
 mod reading;
