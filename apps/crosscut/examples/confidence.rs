@@ -1,9 +1,11 @@
-//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and shows how
-//! well it then means what it says.
+//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and writes a
+//! page that shows how well it then means what it says.
 //!
-//! `cargo run --release -p crosscut --no-default-features --example confidence`
+//! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md`
 
-use crosscut_evaluate::{Comparison, Score, tables};
+use anyhow::Context;
+use crosscut_evaluate::tables::{self, Table};
+use crosscut_evaluate::{Comparison, Score};
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_report::ResultsLine;
@@ -17,6 +19,14 @@ const N: usize = Grounds::INPUTS;
 const VEHICLE_WIDTH_M: f64 = 0.6;
 const NEWTON_STEPS: usize = 30;
 
+const PAGE: &str = "\
+# What the confidence of preset `default` means
+
+On the development scenes, on which it is fitted; on the report scenes: [evaluation-tables.md](evaluation-tables.md). How it
+is made and why: [openings.md](openings.md). `cargo run --release -p crosscut --no-default-features --example confidence --
+docs/confidence.md` makes this page; the numbers of β stand in `crates/report/src/confidence.rs`.
+";
+
 /// An answer that has grounds.
 struct Answer {
     family: &'static str,
@@ -25,23 +35,28 @@ struct Answer {
 }
 
 fn main() -> anyhow::Result<()> {
+    let file = std::env::args().nth(1).context("say a file to write to")?;
     let mut answers = answers()?;
     let beta = fitted(&answers);
-    println!("β = {:.2?}\n", beta.as_slice());
-
     let mut comparison = Comparison::new(vec!["default".to_owned()]);
     for answer in &mut answers {
         answer.score.confidence = probability(&beta, &answer.x);
         comparison.add(answer.family, 0, &answer.score);
     }
+    let [one, opening, gap, apart, islands] = beta.into();
+    let mut page = format!(
+        "{PAGE}\nβ = ({one:.2}, {opening:.2}, {gap:.2}, {apart:.2}, {islands:.2}) for x = (1, ln(o/w), ln(g/w), φ, i)\n"
+    );
     for table in tables::details(&comparison).iter().filter(|table| table.title.contains("confidence")) {
-        println!("{}\n", table.title);
-        for row in std::iter::once(&table.header).chain(&table.rows) {
-            println!("| {} |", row.join(" | "));
-        }
-        println!();
+        page += &markdown(table);
     }
-    Ok(())
+    std::fs::write(&file, page).with_context(|| format!("cannot write {file}"))
+}
+
+fn markdown(table: &Table) -> String {
+    let row = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let rows: String = table.rows.iter().map(row).collect();
+    format!("\n## {}\n\n{}|{}\n{rows}", table.title, row(&table.header), "---|".repeat(table.header.len()))
 }
 
 fn answers() -> anyhow::Result<Vec<Answer>> {
