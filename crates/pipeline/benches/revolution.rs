@@ -1,9 +1,10 @@
 //! How long one revolution takes, step by step, in the calling thread, without input and output.
 //!
 //! `cargo bench -p crosscut-pipeline --bench revolution` takes the development scenes of every family;
-//! `... -- FLIGHT.mcap...` takes recordings instead. One line per family or recording and method, columns parted by commas:
-//! medians over the revolutions, of each the median of several passes. The methods take turns, so that what else the
-//! machine does hits all of them alike.
+//! `... -- [METHOD...] [FLIGHT.mcap...]` takes some of
+//! the methods, or recordings instead. One line per family or recording and method, columns parted by commas:
+//! medians over the revolutions, of each the least of several passes, as another program's turn only ever adds. The methods
+//! take turns, so that what else the machine does hits all of them alike.
 
 use std::path::PathBuf;
 
@@ -16,8 +17,13 @@ use crosscut_stage::{Frame, Notes, Params, Revolution, Source, Step};
 const REVOLUTIONS: usize = 100;
 const PASSES: usize = 5;
 /// Name, preset, and settings on top of it. `floor` is the default with its eigenvalues left out.
-const METHODS: &[(&str, &str, &[&str])] =
-    &[("default", "default", &[]), ("floor", "default", &["spectral.kind=components"]), ("paper", "paper", &[])];
+const METHODS: &[(&str, &str, &[&str])] = &[
+    ("default", "default", &[]),
+    ("floor", "default", &["spectral.kind=components"]),
+    ("paper", "paper", &[]),
+    ("slicing", "paper", &["spectral.kind=slicing"]),
+    ("slicing16", "paper", &["spectral.kind=slicing", "spectral.eigenvalues=16"]),
+];
 const STEPS: [Step; 4] = [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report];
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
@@ -30,7 +36,13 @@ struct Scans {
 
 fn main() -> Fallible<()> {
     let registry = Registry::standard();
-    let configs = METHODS.iter().map(|(_, preset, settings)| {
+    // The first argument of a bench is `--bench`.
+    let args: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
+    let (names, recordings): (Vec<_>, Vec<_>) =
+        args.into_iter().partition(|arg| METHODS.iter().any(|(method, ..)| method == arg));
+    let methods: Vec<_> =
+        METHODS.iter().filter(|(method, ..)| names.is_empty() || names.iter().any(|name| name == method)).collect();
+    let configs = methods.iter().map(|(_, preset, settings)| {
         let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
         Config::resolve(&Schema::new(&registry), &[Layer::preset(preset)?, Layer::settings(&settings)?])
     });
@@ -39,10 +51,10 @@ fn main() -> Fallible<()> {
 
     print!("{:<16},{:>10},{:>12},{:>8}", "scans", "method", "revolutions", "returns");
     println!("{}", STEPS.map(|step| format!(",{:>12}", format!("{step}_us"))).concat() + ",    total_us");
-    for Scans { name, revolutions } in inputs()? {
+    for Scans { name, revolutions } in inputs(&recordings)? {
         let times_ns = time(&mut engines, &revolutions)?;
         let mut returns: Vec<usize> = revolutions.iter().map(Revolution::len).collect();
-        for ((method, ..), times_ns) in METHODS.iter().zip(times_ns) {
+        for ((method, ..), times_ns) in methods.iter().zip(times_ns) {
             print!("{name:<16},{method:>10},{:>12},{:>8}", revolutions.len(), median(&mut returns));
             let columns = (0..=STEPS.len()).map(|step| {
                 let mut column: Vec<u64> = times_ns.iter().map(|row| row[step]).collect();
@@ -54,8 +66,8 @@ fn main() -> Fallible<()> {
     Ok(())
 }
 
-/// What `cargo bench` was given, or all families.
-fn inputs() -> Fallible<Vec<Scans>> {
+/// The recordings, or all families if there are none.
+fn inputs(recordings: &[String]) -> Fallible<Vec<Scans>> {
     let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
     let paths: Vec<PathBuf> =
         std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).map(PathBuf::from).collect();
@@ -71,9 +83,10 @@ fn inputs() -> Fallible<Vec<Scans>> {
         };
         return Ok(suites().iter().map(of_suite).collect());
     }
-    paths
-        .into_iter()
+    recordings
+        .iter()
         .map(|path| {
+            let path = PathBuf::from(path);
             let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
             let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor.clone())?;
             let mut all = Vec::new();
@@ -94,27 +107,26 @@ fn spread(all: Vec<Revolution>) -> Vec<Revolution> {
     all.into_iter().step_by(step).collect()
 }
 
-/// For each engine and revolution, the nanoseconds of each of [`STEPS`] and their sum, medians of the passes.
+/// For each engine and revolution, the nanoseconds of each of [`STEPS`] and their sum, the least of the passes.
 fn time(
     engines: &mut [Engine],
     revolutions: &[Revolution],
 ) -> Result<Vec<Vec<[u64; STEPS.len() + 1]>>, crosscut_stage::Failure> {
-    let mut samples = vec![vec![[const { Vec::new() }; STEPS.len() + 1]; revolutions.len()]; engines.len()];
+    let mut least = vec![vec![[u64::MAX; STEPS.len() + 1]; revolutions.len()]; engines.len()];
     let mut frame = Frame::default();
     for _ in 0..PASSES {
-        for (engine, samples) in engines.iter_mut().zip(&mut samples) {
-            for (at, revolution) in revolutions.iter().enumerate() {
+        for (engine, least) in engines.iter_mut().zip(&mut least) {
+            for (least, revolution) in least.iter_mut().zip(revolutions) {
                 frame.revolution.clone_from(revolution);
                 frame.notes.clear();
                 engine.process(&mut frame)?;
                 let times_ns = STEPS.map(|step| frame.timings.ns(step));
                 let row = times_ns.into_iter().chain([times_ns.iter().sum()]);
-                samples[at].iter_mut().zip(row).for_each(|(samples, ns)| samples.push(ns));
+                least.iter_mut().zip(row).for_each(|(least, ns)| *least = ns.min(*least));
             }
         }
     }
-    let medians = |row: &mut [Vec<u64>; STEPS.len() + 1]| std::array::from_fn(|step| median(&mut row[step]));
-    Ok(samples.iter_mut().map(|rows| rows.iter_mut().map(medians).collect()).collect())
+    Ok(least)
 }
 
 fn median<T: Ord + Copy + Default>(values: &mut [T]) -> T {

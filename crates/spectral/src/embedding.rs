@@ -16,8 +16,7 @@ pub(crate) fn embed<'a>(
     if !out.eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite()) {
         return Err(StageError::NoConvergence { n });
     }
-    rule.count(out);
-    (out.zeros_bound, out.span_bound) = (0.0, 0.0);
+    rule.count(out, n);
     let columns = out.u.make_dense(n, out.k);
     for j in 0..out.k {
         let column = eigenvector(j);
@@ -30,7 +29,7 @@ pub(crate) fn embed<'a>(
 }
 
 /// The sign of the entry of largest magnitude, the first of equals.
-fn sign_of_largest(vector: &[f64]) -> f64 {
+pub(crate) fn sign_of_largest(vector: &[f64]) -> f64 {
     let largest = vector.iter().fold(0.0f64, |largest, &x| if x.abs() > largest.abs() { x } else { largest });
     1.0f64.copysign(largest)
 }

@@ -11,6 +11,7 @@
 //! |---|---|---|---|
 //! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
+//! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper, faster |
 //! | `blocks` | weak links set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
 //! | `components` | union-find, no decomposition | the k zeros, exact | 0/1 graphs, the baselines |
 //!
@@ -43,14 +44,18 @@ mod blocks;
 mod components;
 mod decomposition;
 mod degrees;
+mod dot;
 mod embedding;
 mod faer_evd;
 mod forest;
 mod graph;
+mod krylov;
 mod laplacian;
+mod ldlt;
 mod nalgebra_evd;
 mod order;
 mod second;
+mod slicing;
 mod split;
 mod zero_rule;
 
@@ -61,7 +66,9 @@ pub use components::Components;
 pub use faer_evd::FaerEvd;
 pub use laplacian::Laplacian;
 pub use nalgebra_evd::NalgebraEvd;
+pub use slicing::Slicing;
 pub use zero_rule::ZeroRule;
 
 /// The solvers that crosscut ships.
-pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, nalgebra_evd::KIND, blocks::KIND, components::KIND];
+pub const KINDS: &[Kind<dyn SpectralStage>] =
+    &[faer_evd::KIND, nalgebra_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];

@@ -29,10 +29,11 @@ impl ZeroRule {
         Self::Tolerance(params.number(ZERO_TOLERANCE.name))
     }
 
-    /// Sets τ, k and the margin of a spectrum whose n eigenvalues are known, all of them, ascending.
-    pub(crate) fn count(self, spectrum: &mut Spectrum) {
+    /// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the next,
+    /// ascending.
+    pub(crate) fn count(self, spectrum: &mut Spectrum, n: usize) {
         let Self::Tolerance(tolerance) = self;
-        let n = spectrum.eigenvalues.len();
+        (spectrum.zeros_bound, spectrum.span_bound) = (0.0, 0.0);
         spectrum.tolerance = tolerance;
         spectrum.k = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
         spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);

@@ -1,0 +1,84 @@
+//! `slicing` against the full decomposition, on the dense W of walls that leak into each other.
+
+use std::cell::Cell;
+
+use crosscut_spectral::{FaerEvd, Slicing, ZeroRule};
+use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
+use proptest::collection::vec;
+use proptest::prelude::Strategy;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+const TOLERANCE: f64 = 1e-7;
+const EIGENVALUES: usize = 16;
+
+/// Equation (1) with σ = 1.5 per m² over parallel walls, each so many metres from the one before it, and of returns that lie
+/// closer and closer.
+fn walls() -> impl Strategy<Value = Affinity> {
+    vec((0.3..7.0f64, 1..80usize, 0.01..0.4f64, 1.0..1.05f64), 1..6).prop_map(|walls| {
+        let mut points_m: Vec<[f64; 2]> = Vec::new();
+        let mut y_m = 0.0;
+        for (apart_m, returns, mut spacing_m, growth) in walls {
+            y_m += apart_m;
+            let mut x_m = -2.0;
+            for _ in 0..returns {
+                points_m.push([x_m, y_m]);
+                x_m += spacing_m;
+                spacing_m *= growth;
+            }
+        }
+        let square =
+            |i: usize, j: usize| (0..2).map(|axis| (points_m[i][axis] - points_m[j][axis]).powi(2)).sum::<f64>();
+        let n = points_m.len();
+        let mut affinity = Affinity::default();
+        let w = affinity.weights.make_dense(n);
+        for j in 0..n {
+            for i in 0..n {
+                w[(i, j)] = (-1.5 * square(i, j)).exp();
+            }
+        }
+        affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
+        affinity
+    })
+}
+
+fn spectrum(stage: &mut dyn SpectralStage, affinity: &Affinity) -> (Spectrum, usize) {
+    let (mut out, mut notes) = (Spectrum::default(), Notes::default());
+    stage.spectrum(affinity, &mut out, &mut notes).expect("a sound affinity");
+    (out, notes.iter().len())
+}
+
+#[test]
+fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition() {
+    let rule = ZeroRule::Tolerance(TOLERANCE);
+    let (compared, undecided, fallbacks) = (Cell::new(0), Cell::new(0), Cell::new(0));
+    let count = |counter: &Cell<usize>| counter.set(counter.get() + 1);
+    let config = Config { cases: 150, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let ran = TestRunner::new(config).run(&walls(), |affinity| {
+        let n = affinity.degrees.len();
+        let rounding = 100.0 * n as f64 * f64::EPSILON;
+        let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+        for eigenvalues in [1, EIGENVALUES] {
+            let (found, notes) = spectrum(&mut Slicing::new(rule, eigenvalues as u32).expect("allowed"), &affinity);
+            (0..notes).for_each(|_| count(&fallbacks));
+            assert_eq!(found.eigenvalues.len(), eigenvalues.max(found.k + 1).min(n));
+            for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
+                let allowed = if j < all.k { rounding.min(1e-10) } else { rounding };
+                assert!((ours - full).abs() <= allowed, "λ_{j} of {n}: {ours} is {full}");
+            }
+            if all.eigenvalues.iter().any(|lambda| (lambda - TOLERANCE).abs() <= rounding) {
+                count(&undecided);
+                continue;
+            }
+            assert_eq!(found.k, all.k, "{:?} is {:?}", found.eigenvalues, &all.eigenvalues[..all.k + 1]);
+            let gap = all.eigenvalues.get(all.k).map_or(2.0, |next| next - all.eigenvalues[all.k - 1]);
+            let (u, v) = (found.u.to_dense(), all.u.to_dense());
+            let sines = (&u - &v * (v.transpose() * &u)).norm_l2();
+            assert!(sines <= rounding / gap, "the span is off by {sines}, allowed {}", rounding / gap);
+            count(&compared);
+        }
+        Ok(())
+    });
+    ran.unwrap_or_else(|error| panic!("{error}"));
+    let (compared, undecided, fallbacks) = (compared.get(), undecided.get(), fallbacks.get());
+    assert!(compared > 280 && fallbacks < 5, "{compared} compared, {undecided} undecided, {fallbacks} in full");
+}
