@@ -6,7 +6,7 @@
 //! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is as
 //! sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), φ, i)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), φ, i)
 //! ```
 //! with w the width of the vehicle. β is a logistic regression of right against wrong over the development scenes;
 //! `cargo run --release -p crosscut --no-default-features --example confidence` prints it.
@@ -20,10 +20,12 @@ use crate::ring::{Position, Ring};
 
 /// Clearances count between these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
+/// Unseen angles count between these.
+const UNSEEN_DEG: [f64; 2] = [1.0, 60.0];
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
 /// β.
-const BETA: [f64; Grounds::INPUTS] = [-2.39, 0.72, -1.07, 5.87, -1.15];
+const BETA: [f64; Grounds::INPUTS] = [-1.62, 0.66, -0.82, -0.49, 5.82, -0.69];
 
 /// What speaks for and against an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,8 @@ pub struct Grounds {
     /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the most
     /// of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
+    /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
+    pub unseen_within_walls_rad: f64,
     /// φ: between the bearings of two openings, the least.
     pub apart_rad: f64,
     /// i: whether pillars are in view, behind which nothing is seen.
@@ -41,14 +45,15 @@ pub struct Grounds {
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 5;
+    pub const INPUTS: usize = 6;
 
     /// Of an answer that has walls; `None` without one, or without beams.
     pub fn of(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
         let wall_beside_openings =
             answer.wall_of_return.iter().map(|wall| wall.filter(|&id| !answer.walls[id as usize].island));
         let mut ring = Ring::default();
-        ring.fill(revolution, revolution.as_sweep()?, &wall_beside_openings.collect::<Vec<_>>());
+        let sweep = revolution.as_sweep()?;
+        ring.fill(revolution, sweep, &wall_beside_openings.collect::<Vec<_>>());
         if ring.entries.is_empty() {
             return None;
         }
@@ -60,6 +65,7 @@ impl Grounds {
         let mut grounds = Self {
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
+            unseen_within_walls_rad: 0.0,
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
         };
@@ -68,6 +74,8 @@ impl Grounds {
             if is_opening(&sides) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if sides.walls()[0] == sides.walls()[1] && (edge_m[1] - edge_m[0]).norm() >= vehicle_width_m {
+                let unseen_rad = (1 + sides.between().count()) as f64 * sweep.step_rad;
+                grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
                 let clearance_m = clearance_m(&sides);
                 if clearance_m > grounds.most_within_walls_m {
                     let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
@@ -83,7 +91,8 @@ impl Grounds {
     pub fn inputs(&self, vehicle_width_m: f64) -> [f64; Self::INPUTS] {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
-        [1.0, opening, gap, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
+        let unseen = self.unseen_within_walls_rad.to_degrees().clamp(UNSEEN_DEG[0], UNSEEN_DEG[1]).ln();
+        [1.0, opening, gap, unseen, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
     }
 }
 

@@ -25,7 +25,11 @@ fn answer((revolution, walls): (Revolution, Vec<Option<u32>>)) -> (Revolution, J
 }
 
 fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
-    let (revolution, junction) = answer(scan(segments, 360, |_| false));
+    grounds_of(scan(segments, 360, |_| false))
+}
+
+fn grounds_of(scan: (Revolution, Vec<Option<u32>>)) -> (Grounds, f64) {
+    let (revolution, junction) = answer(scan);
     (Grounds::of(&revolution, VEHICLE_WIDTH_M, &junction).expect("it has walls"), junction.confidence)
 }
 
@@ -61,5 +65,15 @@ fn openings_close_together_and_pillars_speak_against_an_answer() {
     with_pillar.push((Segment([-4.0, -0.3], [-4.0, 0.3]), 3));
     let (with_pillar, unsure) = grounds(&with_pillar);
     assert_eq!((plain.islands, with_pillar.islands), (false, true));
+    assert!(unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
+fn a_stretch_of_wall_that_is_not_seen_speaks_against_an_answer() {
+    let (plain, sure) = grounds(&tunnel());
+    let (masked, unsure) = grounds_of(scan(&tunnel(), 360, |bearing| (1.2..1.9).contains(&bearing)));
+    // Of the left wall, 40 beams.
+    assert!((masked.unseen_within_walls_rad.to_degrees() - 41.0).abs() < 1.5, "{masked:?}");
+    assert!(plain.unseen_within_walls_rad.to_degrees() < 1.5, "{plain:?}");
     assert!(unsure < sure, "{sure} and {unsure}");
 }

@@ -74,7 +74,7 @@ impl<'a> Sides<'a> {
     }
 
     /// What the beams between them saw.
-    pub(super) fn between(&self) -> impl Iterator<Item = Beam> + Clone {
+    pub(crate) fn between(&self) -> impl Iterator<Item = Beam> + Clone {
         self.ring.between(self.clockwise.at, self.anticlockwise.at)
     }
 
