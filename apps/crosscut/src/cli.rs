@@ -1,10 +1,11 @@
 //! What can be typed.
 
-use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::record::RecordArgs;
 
 /// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
 #[derive(Debug, Parser)]
@@ -47,19 +48,9 @@ pub(crate) struct RunArgs {
     /// Scan topic; found by itself when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
-    /// Save a recording of every stage for the Rerun viewer.
-    #[arg(long, value_name = "FLIGHT.rrd")]
-    pub(crate) save: Option<PathBuf>,
     /// Write one JSON object per scan message; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
-    /// Show every stage live in the Rerun viewer.
-    #[arg(long)]
-    pub(crate) view: bool,
-    /// Let viewers connect while the flight runs, and afterwards until Ctrl-C. Late ones see what came, up to 1 GiB.
-    /// Port 0 takes a free one.
-    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:9877")]
-    pub(crate) serve: Option<SocketAddr>,
     /// No progress, no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
@@ -75,6 +66,8 @@ pub(crate) struct RunArgs {
     /// Play at this multiple of the sensor's pace (1 = as it was recorded).
     #[arg(long, value_name = "X", value_parser = positive)]
     pub(crate) rate: Option<f64>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@ mod info;
 mod overwriting;
 mod paper;
 mod progress;
+mod record;
 #[cfg(feature = "rerun")]
 mod rrd;
 mod run;

@@ -10,22 +10,22 @@ use anyhow::Context;
 use crosscut_ingest::{ReadOptions, Recording, Sensor, recordings_in};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
-use crosscut_stage::{Frame, Observer};
+use crosscut_stage::Frame;
 
 use crate::cli::RunArgs;
 use crate::exit::{INTERRUPTED, Outcome, UsageError};
-use crate::{config, overwriting, progress, summary};
+use crate::{config, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
 pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let config = config::resolve(&args.config, &registry)?;
-    let outputs: Vec<&Path> = args.save.iter().chain(&args.results).map(PathBuf::as_path).collect();
+    let outputs: Vec<&Path> = args.record.save.iter().chain(&args.results).map(PathBuf::as_path).collect();
     overwriting::refuse(&outputs, &recordings_in(&args.input)?)?;
     let mut recording = open(args, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut lost = Vec::new();
-    let (mut observers, served) = observers(args, &config, &mut lost)?;
+    let (mut observers, served) = record::observers(&args.record, &args.input[0], &config, &mut lost)?;
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
@@ -82,54 +82,6 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
         Some(path) if path == Path::new("-") => Some(Box::new(io::stdout())),
         Some(path) => Some(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)),
     })
-}
-
-/// Who sees the frames, and whether viewers can still connect when the flight is over.
-type Observers = (Vec<Box<dyn Observer>>, bool);
-
-/// The recorder, if one is asked for. A recording or a view that cannot be had is lost, the rest is not.
-#[cfg(feature = "rerun")]
-fn observers(args: &RunArgs, config: &Config, lost: &mut Vec<String>) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
-
-    let options = RecorderOptions {
-        path: args.save.clone(),
-        view: args.view,
-        serve: args.serve,
-        name: args.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-    };
-    if args.save.is_none() && !args.view && args.serve.is_none() {
-        return Ok(Observers::default());
-    }
-    let mut recorder = Recorder::new(options.clone());
-    if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
-        && args.save.is_some()
-    {
-        lost.push(error.to_string());
-        recorder = Recorder::new(RecorderOptions { view: false, serve: None, ..options });
-    }
-    Ok(match recorder {
-        Ok(recorder) => {
-            if let Some(served) = recorder.served() {
-                eprintln!("serving; to see it: rerun --connect {}", served.url);
-            }
-            let served = recorder.served().is_some();
-            (vec![Box::new(recorder)], served)
-        }
-        Err(error) => {
-            lost.push(error.to_string());
-            Observers::default()
-        }
-    })
-}
-
-#[cfg(not(feature = "rerun"))]
-fn observers(args: &RunArgs, _: &Config, _: &mut Vec<String>) -> anyhow::Result<Observers> {
-    if args.save.is_some() || args.view || args.serve.is_some() {
-        return Err(UsageError("this crosscut was built without the feature `rerun`".to_owned()).into());
-    }
-    Ok(Observers::default())
 }
 
 /// Ctrl-C stops ingest and lets the rest drain; a second one quits.

@@ -7,7 +7,17 @@ use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
 
 /// Okabe and Ito's colours, without black and yellow; repeated when there are more walls.
-const WALLS: [u32; 6] = [0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF, 0xD55E_00FF, 0x0072_B2FF];
+const WALLS: [(&str, u32); COLORS as usize] = [
+    ("blue", 0x56B4_E9FF),
+    ("orange", 0xE69F_00FF),
+    ("green", 0x009E_73FF),
+    ("pink", 0xCC79_A7FF),
+    ("red", 0xD55E_00FF),
+    ("dark blue", 0x0072_B2FF),
+];
+
+/// How many walls can be told apart by their colour.
+pub(crate) const COLORS: u16 = 6;
 
 /// Classes that have a name and a colour of their own. Rerun gives the classes beyond them a colour.
 const NAMED_CLASSES: u16 = 256;
@@ -17,6 +27,13 @@ pub(crate) const NO_WALL: u16 = u16::MAX;
 
 /// Returns of no wall, and what is only there to measure by.
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
+/// The weakest link inside a wall: Okabe and Ito's yellow.
+pub(crate) const WEAKEST: u32 = 0xF0E4_42FF;
+/// The strongest link between two walls.
+pub(crate) const STRONGEST: u32 = 0xFFFF_FFFF;
+/// Links of a sparse W: a strong one, a weak one.
+pub(crate) const LINK: u32 = 0x8C8C_8C80;
+pub(crate) const WEAK_LINK: u32 = 0xF0E4_4280;
 /// Openings, in no wall's colour.
 pub(crate) const OPENING: u32 = 0xE830_8CFF;
 /// The tolerance.
@@ -27,6 +44,18 @@ pub(crate) const ZEROS: u32 = 0x56B4_E9FF;
 pub(crate) const REPORTED: u32 = 0xE69F_00FF;
 /// One per step, in the order of the steps.
 pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF];
+
+/// Places by name, the more ways on the warmer.
+pub(crate) const PLACES: [(&str, u32); 8] = [
+    ("closed", 0x4A4A_4AFF),
+    ("dead_end", 0x8C8C_8CFF),
+    ("corridor", 0x0072_B2FF),
+    ("bend", 0x56B4_E9FF),
+    ("tee", 0x009E_73FF),
+    ("cross", 0xE69F_00FF),
+    ("junction_5", 0xD55E_00FF),
+    ("partial_view", 0xCC79_A7FF),
+];
 
 /// A colour given as 0xRRGGBBAA.
 pub(crate) fn color(rgba: u32) -> Color {
@@ -42,30 +71,17 @@ pub(crate) fn series(name: &str, rgba: u32, width: f32) -> SeriesLines {
         .with_interpolation_mode(InterpolationMode::StepAfter)
 }
 
-/// The class of a wall or cluster: its number.
-pub(crate) fn class_of(wall: Option<u32>) -> u16 {
-    wall.map_or(NO_WALL, |id| u16::try_from(id).unwrap_or(NO_WALL - 1).min(NO_WALL - 1))
+/// What a class is called in words.
+pub(crate) fn name_of(class: u16) -> &'static str {
+    if class == NO_WALL { "grey" } else { WALLS[usize::from(class % COLORS)].0 }
 }
 
 /// Name and colour of each class.
 pub(crate) fn annotation_context() -> AnnotationContext {
-    let wall = |id: u16| class(id, &format!("wall {id}"), WALLS[usize::from(id) % WALLS.len()]);
+    let wall = |id: u16| class(id, name_of(id), WALLS[usize::from(id % COLORS)].1);
     AnnotationContext::new((0..NAMED_CLASSES).map(wall).chain([class(NO_WALL, "no wall", GREY)]))
 }
 
 fn class(id: u16, label: &str, rgba: u32) -> ClassDescription {
     (id, label, Rgba32::from_u32(rgba)).into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_wall_number_is_taken_for_no_wall() {
-        assert_eq!(class_of(Some(0)), 0);
-        assert_eq!(class_of(None), NO_WALL);
-        assert_ne!(class_of(Some(u32::from(u16::MAX))), NO_WALL);
-        assert_ne!(class_of(Some(u32::MAX)), NO_WALL);
-    }
 }

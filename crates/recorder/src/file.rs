@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use rerun::StoreKind;
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::log::LogMsg;
@@ -18,8 +19,14 @@ use crate::RecorderError;
 /// An .rrd file being written, shared by the recorder and by Rerun's sink thread.
 #[derive(Clone)]
 pub(crate) struct RrdFile {
+    shared: Arc<Mutex<Shared>>,
+}
+
+struct Shared {
     path: PathBuf,
-    state: Arc<Mutex<State>>,
+    state: State,
+    /// What every file of the recording begins with.
+    store_info: Option<LogMsg>,
 }
 
 enum State {
@@ -31,63 +38,90 @@ enum State {
 impl RrdFile {
     /// Creates the file, or empties it.
     pub(crate) fn create(path: &Path) -> Result<Self, RecorderError> {
-        let cannot = |cause: String| RecorderError::Create { path: path.to_owned(), cause };
-        let file = File::create(path).map_err(|e| cannot(e.to_string()))?;
-        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file)
-            .map_err(|e| cannot(cause_of(&e)))?;
-        let whole_bytes = std::fs::metadata(path).map_or(0, |m| m.len());
-        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(State::Writing { encoder, whole_bytes })) })
+        let shared = Shared { path: path.to_owned(), state: State::create(path)?, store_info: None };
+        Ok(Self { shared: Arc::new(Mutex::new(shared)) })
     }
 
     /// Whether everything so far was written.
     pub(crate) fn check(&self) -> Result<(), RecorderError> {
-        match &*self.lock() {
+        let shared = self.lock();
+        match &shared.state {
             State::Writing { .. } | State::Ended => Ok(()),
-            State::Failed(cause) => Err(RecorderError::Write { path: self.path.clone(), cause: cause.clone() }),
+            State::Failed(cause) => Err(RecorderError::Write { path: shared.path.clone(), cause: cause.clone() }),
         }
     }
 
     /// Writes the footer. Nothing can be added afterwards.
     pub(crate) fn end(&self) -> Result<(), RecorderError> {
-        self.step(Encoder::finish);
-        let mut state = self.lock();
-        if matches!(*state, State::Writing { .. }) {
-            *state = State::Ended;
+        self.lock().step(Encoder::finish);
+        self.check()?;
+        self.lock().state = State::Ended;
+        Ok(())
+    }
+
+    /// Ends the file and goes on in another one, which belongs to the same recording. All messages sent before have to be
+    /// flushed.
+    pub(crate) fn go_on_in(&self, path: &Path) -> Result<(), RecorderError> {
+        self.end()?;
+        let mut shared = self.lock();
+        shared.state = State::create(path)?;
+        path.clone_into(&mut shared.path);
+        if let Some(store_info) = shared.store_info.clone() {
+            shared.append(&store_info);
         }
-        drop(state);
-        self.check()
+        Ok(())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shared> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn create(path: &Path) -> Result<Self, RecorderError> {
+        let cannot = |cause: String| RecorderError::Create { path: path.to_owned(), cause };
+        let file = File::create(path).map_err(|e| cannot(e.to_string()))?;
+        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file)
+            .map_err(|e| cannot(cause_of(&e)))?;
+        let whole_bytes = std::fs::metadata(path).map_or(0, |m| m.len());
+        Ok(Self::Writing { encoder, whole_bytes })
+    }
+}
+
+impl Shared {
+    fn append(&mut self, msg: &LogMsg) {
+        if let Some(bytes) = self.step(|encoder| encoder.append(msg))
+            && let State::Writing { whole_bytes, .. } = &mut self.state
+        {
+            *whole_bytes += bytes;
+        }
     }
 
     /// Lets the encoder write; after an error, cuts the file back to its last whole message and writes no more.
-    fn step<T>(&self, write: impl FnOnce(&mut Encoder<File>) -> Result<T, EncodeError>) -> Option<T> {
-        let mut state = self.lock();
-        let State::Writing { encoder, .. } = &mut *state else { return None };
+    fn step<T>(&mut self, write: impl FnOnce(&mut Encoder<File>) -> Result<T, EncodeError>) -> Option<T> {
+        let State::Writing { encoder, .. } = &mut self.state else { return None };
         match write(encoder) {
             Ok(written) => Some(written),
             Err(error) => {
                 if let State::Writing { encoder, whole_bytes } =
-                    std::mem::replace(&mut *state, State::Failed(cause_of(&error)))
+                    std::mem::replace(&mut self.state, State::Failed(cause_of(&error)))
                     && let Ok(file) = encoder.into_inner()
                     && let Err(error) = file.set_len(whole_bytes)
                 {
-                    *state = State::Failed(format!("{error}; its last message is torn"));
+                    self.state = State::Failed(format!("{error}; its last message is torn"));
                 }
                 None
             }
         }
     }
-
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl LogSink for RrdFile {
     fn send(&self, msg: LogMsg) {
-        if let Some(bytes) = self.step(|encoder| encoder.append(&msg))
-            && let State::Writing { whole_bytes, .. } = &mut *self.lock()
-        {
-            *whole_bytes += bytes;
+        let mut shared = self.lock();
+        shared.append(&msg);
+        if matches!(&msg, LogMsg::SetStoreInfo(info) if info.info.store_id.kind() == StoreKind::Recording) {
+            shared.store_info = Some(msg);
         }
     }
 

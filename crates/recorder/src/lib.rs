@@ -8,60 +8,81 @@
 //!
 //! | entity | what | shape, unit | precision |
 //! |---|---|---|---|
-//! | `/scan/returns` | returns, class = wall | n points, m, body frame | f32 |
+//! | `/scan/returns`, `/scan/count` | returns, coloured by wall; how many | n points, m, body frame | f32; exact |
 //! | `/scan/ranges`, `/scan/seen` | ranges as on the wire; what each beam saw | beams, m | exact |
 //! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, logged when they change | beams, rad | exact |
 //! | `/scan/walls` | lines along the walls, broken at gaps | m | within 3 cm |
 //! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
-//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0] | by beam, up to n = 1024 | a decade a level |
+//! | `/scan/links` | the links that decide the count | m | drawing |
+//! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], upper triangle | by beam, up to n = 1024 | a decade a level |
+//! | `/affinity/W/exact`, `/spectral/U/exact` | W (upper triangle) and U, at some revolutions | n×n, n×k | exact |
 //! | `/affinity/degrees` | D | n | f32 |
-//! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ (the 64 smallest, or k + 1), τ, k, margin | | exact |
-//! | `/spectral/chart/...` | λ and τ drawn on a logarithmic scale | | drawing |
-//! | `/spectral/U` | U | n×k | f32 |
+//! | `/affinity/links` | the links of a sparse W | m | drawing |
+//! | `/spectral/eigenvalues`, `/tolerance`, `/k`, `/margin` | λ (the 32 smallest, or k + 1), τ, k, margin | | exact |
+//! | `/spectral/chart/...` | λ, τ and k drawn on a logarithmic scale | | drawing |
+//! | `/spectral/U` | U | n×k | f16 |
 //! | `/spectral/embedding` | the first three columns of U, scaled to reach 1 | n points | drawing |
 //! | `/kmeans/labels`, `/kmeans/centroids` | labels (-1: none), centres; both also drawn | n; clusters×k | exact |
+//! | `/kmeans/blocks`, `/kmeans/profile/...` | walls as frames on W; ranges, clusters and walls by beam | | drawing |
 //! | `/report/junctions`, `/confidence`, `/place`, `/summary` | the answer | | exact; words |
-//! | `/timing/<stage>` | time of each step | ms | exact |
-//! | `/log`, `/config`, `/about` | notes; configuration as TOML; what is exact | | words |
+//! | `/report/labels`, `/report/walls` | wall of each beam; id, returns, bearings, island and class of each wall | beams; walls × 6 | exact |
+//! | `/report/why` | why the count is what it is, with all notes | | words |
+//! | `/timing/<stage>`, `/timing/total`, `/timing/summary` | time of each step; of all, and from scan to scan; a table | ms | exact; words |
+//! | `/log`, `/config`, `/about` | what is worth a look; configuration as TOML; what is exact | | words |
 //!
 //! In the pictures, return i stands at the pixel of its beam, so that walls stay in place and openings are dark bands; the
 //! side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024, return i stands at
 //! pixel i of 1024. A value of 1e-16 or more reads back within half a decade. Raw ranges and configuration let anybody
-//! recompute W, L and U in full precision, so exact matrices need not be stored; where they are wanted, they go to an
-//! entity of their own, `/affinity/W/exact`. L is computed here, from W and the degrees: no stage builds anything for
-//! the recording alone.
+//! recompute W, L and U in full precision. L is computed here, from W and the degrees: no stage builds anything for the
+//! recording alone.
+//!
+//! [`Scope`] says how much of which revolutions is recorded. A wall has the class, and so the colour, of the wall that
+//! lay in the same directions at the revolution before; results know nothing of it.
 //!
 //! An empty revolution writes empty values, so that nothing of the one before stays on the screen; a picture that is not
 //! there is dark.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
-//! behind lacks at most the last 1.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two
+//! behind lacks at most the last 2.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two
 //! recordings differ. A write that fails (full disk) is an error of the next call, and the file ends with its last whole
-//! message.
+//! message. After so many revolutions the file is ended and another begins, which opens alone and together with it: the
+//! footer grows in memory with the file, and so memory stays flat.
 //!
 //! To log something new: a function in the file of its area, taking the stream and the frame; a line in `about.md` and
-//! in the table above; a view in `layout.rs`.
+//! in the table above; a view in `layout/views.rs`, on a page of `layout/pages.rs`.
 
 mod beam_order;
 mod colors;
+mod exact;
 mod file;
 mod layout;
 mod live;
 mod matrices;
+mod notes;
+mod options;
 mod partition;
 mod parts;
+mod polyline;
+mod profile;
 mod reading;
 mod recorder;
 mod report;
 mod scan;
+mod scope;
 mod serving;
 mod spectrum;
 mod tensors;
+mod timing;
+mod tracks;
 mod viewer;
+mod why;
 
+pub use layout::Layout;
+pub use options::{RecorderError, RecorderOptions};
 pub use reading::{
     Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
     differences,
 };
-pub use recorder::{Recorder, RecorderError, RecorderOptions};
+pub use recorder::Recorder;
+pub use scope::{Detail, Scope};
 pub use serving::Served;

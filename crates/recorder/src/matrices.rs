@@ -1,5 +1,6 @@
-//! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level.
+//! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level, the upper triangle alone.
 //!
+//! Both are symmetric, and two triangles take twice the room of one.
 //! Linear levels would show nothing: the leaks that decide the count are 1e-8. Finer levels show the sensor's noise: 256
 //! of them make a picture nearly three times as large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees,
 //! for the picture alone.
@@ -21,7 +22,7 @@ const DECADES: f32 = 16.0;
 pub(crate) struct Pictures {
     /// Pixels a side of the last pictures.
     side: usize,
-    /// log10 W, side×side, -∞ where there is no return.
+    /// log10 W, side×side, upper triangle; -∞ where there is no return.
     decades: Vec<f32>,
     /// ½ log10 D, by place.
     half_degree_decades: Vec<f32>,
@@ -60,7 +61,11 @@ impl Pictures {
         let (side, places) = (order.side, &order.places);
         self.decades.clear();
         self.decades.resize(side * side, f32::NEG_INFINITY);
-        affinity.weights.for_each(|i, j, w| self.decades[places[i] * side + places[j]] = (w as f32).log10());
+        affinity.weights.for_each(|i, j, w| {
+            if i <= j {
+                self.decades[places[i] * side + places[j]] = (w as f32).log10();
+            }
+        });
         self.half_degree_decades.clear();
         self.half_degree_decades.resize(side, 0.0);
         for (&place, degree) in places.iter().zip(&affinity.degrees) {
@@ -115,7 +120,7 @@ pub(crate) fn value_of_level(level: u8, brightest: f64) -> f64 {
 fn png(levels: &[u8], side: usize) -> Vec<u8> {
     let mut png = Vec::with_capacity(levels.len() / 4);
     let pixels = side as u32;
-    PngEncoder::new_with_quality(&mut png, CompressionType::Level(4), FilterType::NoFilter)
+    PngEncoder::new_with_quality(&mut png, CompressionType::Level(6), FilterType::NoFilter)
         .write_image(levels, pixels, pixels, ExtendedColorType::L8)
         .expect("the levels fill the picture, and memory takes it");
     png

@@ -1,44 +1,57 @@
 //! Clusters: the label of each return, and the centres among the rows of U.
 
-use crosscut_stage::{Embedding, Frame, Partition};
+use crosscut_stage::{Frame, Partition};
 use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
-use crate::colors::class_of;
+use crate::colors::NO_WALL;
 use crate::spectrum::drawn_row;
-use crate::tensors::{entries, f64_matrix, i32_vector, rows_of};
+use crate::tensors::{f64_rows, i32_vector};
+use crate::tracks::Classes;
 
 /// A bar goes on over fewer beams without a return than this.
 const GAP: usize = 4;
+/// Blocks of W that take a smaller share of its side are not framed.
+const BLOCK_SHARE: f64 = 0.03;
 
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static("kmeans/labels", &LineStrips2D::update_fields().with_radii([ui(4.0)]))?;
+    rec.log_static("kmeans/blocks", &LineStrips2D::update_fields().with_radii([ui(1.0)]))?;
     rec.log_static("kmeans/centroids", &Points3D::update_fields().with_radii([ui(7.0)]))
 }
 
 /// Labels and centroids of one revolution, the centroids drawn at the embedding's `scale`.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, scale: f64) -> RecordingStreamResult<()> {
+pub(crate) fn log(
+    rec: &RecordingStream,
+    frame: &Frame,
+    order: &BeamOrder,
+    classes: &Classes,
+    scale: f64,
+) -> RecordingStreamResult<()> {
     let partition = &frame.partition;
-    log_labels(rec, partition, order)?;
+    log_labels(rec, partition, order, classes)?;
+    log_blocks(rec, frame, order, classes)?;
     let centroids = &partition.centroids;
-    let (clusters, k) = (centroids.nrows(), centroids.ncols());
+    let clusters = centroids.nrows();
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
-        .with_class_ids((0..clusters).map(|c| class_of(u32::try_from(c).ok())))
+        .with_class_ids((0..clusters).map(|c| classes.of_cluster(u32::try_from(c).ok())))
         .with_show_labels(false);
-    let exact = match centroids {
-        Embedding::Sparse { .. } => entries(centroids, "cluster, eigenvector, value"),
-        dense => f64_matrix(rows_of(dense).collect(), [clusters, k], ["cluster", "eigenvector"]),
-    };
+    let exact = f64_rows(centroids, "cluster");
     rec.log("kmeans/centroids", &[&exact as &dyn AsComponents, &points])
 }
 
 /// The labels, -1 for a return that was left out, and the clusters as bars along the edges of W.
-fn log_labels(rec: &RecordingStream, partition: &Partition, order: &BeamOrder) -> RecordingStreamResult<()> {
-    let labels = &partition.labels;
-    let margin = -0.02 * order.used as f32;
-    let runs = runs(labels, &order.places);
+fn log_labels(
+    rec: &RecordingStream,
+    partition: &Partition,
+    order: &BeamOrder,
+    classes: &Classes,
+) -> RecordingStreamResult<()> {
+    let margin = -0.025 * order.used as f32;
+    let clusters: Vec<u16> = partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
+    let runs = runs(&clusters, &order.places);
     let along = |&(_, from, to): &(u16, usize, usize)| {
         let (from, to) = (from as f32, to as f32);
         [[[from, margin], [to, margin]], [[margin, from], [margin, to]]]
@@ -46,29 +59,44 @@ fn log_labels(rec: &RecordingStream, partition: &Partition, order: &BeamOrder) -
     let bars = LineStrips2D::new(runs.iter().flat_map(along))
         .with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]))
         .with_show_labels(false);
-    let exact = i32_vector(labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), "return");
+    let exact = i32_vector(partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), "return");
     rec.log("kmeans/labels", &[&exact as &dyn AsComponents, &bars])
 }
 
-/// Class, first place and place after the last of each run of equal labels, broken where places are left out.
-fn runs(labels: &[Option<u32>], places: &[usize]) -> Vec<(u16, usize, usize)> {
-    let placed: Vec<_> = labels.iter().zip(places).collect();
-    let joined = |a: &(&Option<u32>, &usize), b: &(&Option<u32>, &usize)| a.0 == b.0 && b.1 - a.1 <= GAP;
-    let runs = placed.chunk_by(joined);
-    runs.map(|run| (class_of(*run[0].0), *run[0].1, run[run.len() - 1].1 + 1)).collect()
+/// The walls' blocks on the diagonal of W, framed.
+fn log_blocks(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, classes: &Classes) -> RecordingStreamResult<()> {
+    let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
+    let large = |&&(class, from, to): &&(u16, usize, usize)| {
+        class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
+    };
+    let runs = runs(&walls, &order.places);
+    let (frames, colors): (Vec<_>, Vec<_>) = (runs.iter().filter(large))
+        .map(|&(class, from, to)| {
+            let (from, to) = (from as f32, to as f32);
+            ([[from, from], [to, from], [to, to], [from, to], [from, from]], class)
+        })
+        .unzip();
+    rec.log("kmeans/blocks", &LineStrips2D::new(frames).with_class_ids(colors).with_show_labels(false))
+}
+
+/// Class, first place and place after the last of each run of equal classes, broken where places are left out.
+pub(crate) fn runs(classes: &[u16], places: &[usize]) -> Vec<(u16, usize, usize)> {
+    let placed: Vec<(u16, usize)> = classes.iter().copied().zip(places.iter().copied()).collect();
+    let joined = |a: &(u16, usize), b: &(u16, usize)| a.0 == b.0 && b.1 - a.1 <= GAP;
+    placed.chunk_by(joined).map(|run| (run[0].0, run[0].1, run[run.len() - 1].1 + 1)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colors::NO_WALL;
 
     #[test]
-    fn runs_end_where_the_label_changes_and_where_beams_came_back_without_a_return() {
-        let (a, b) = (Some(0), Some(1));
-        assert_eq!(runs(&[a, a, b, None, a], &[2, 3, 4, 5, 6]), [(0, 2, 4), (1, 4, 5), (NO_WALL, 5, 6), (0, 6, 7)]);
+    fn runs_end_where_the_class_changes_and_where_beams_came_back_without_a_return() {
+        let (a, b) = (0, 1);
+        let expected = [(0, 2, 4), (1, 4, 5), (NO_WALL, 5, 6), (0, 6, 7)];
+        assert_eq!(runs(&[a, a, b, NO_WALL, a], &[2, 3, 4, 5, 6]), expected);
         assert_eq!(runs(&[a, a, a], &[0, 2, 30]), [(0, 0, 3), (0, 30, 31)]);
         assert_eq!(runs(&[], &[]), []);
-        assert_eq!(runs(&[a], &[]), [], "labels that do not fit the returns break nothing");
+        assert_eq!(runs(&[a], &[]), [], "classes that do not fit the returns break nothing");
     }
 }

@@ -1,13 +1,12 @@
 //! The observer: what is logged of each revolution, when it is flushed, and what happens when that fails.
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::time::Duration;
 
+use crosscut_explain::Watch;
 use crosscut_stage::{Frame, Observer, ObserverError};
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
-use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, RecordingStreamError, TextDocument};
+use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, TextDocument};
 use rerun::{TextLog, TextLogLevel};
 
 use crate::beam_order::BeamOrder;
@@ -16,12 +15,18 @@ use crate::file::RrdFile;
 use crate::layout::Extent;
 use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
+use crate::notes::Notes;
+use crate::options::{RecorderError, RecorderOptions};
+use crate::parts::part_path;
 use crate::scan::BeamGeometry;
+use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
-use crate::{layout, partition, report, scan, spectrum, viewer};
+use crate::timing::Times;
+use crate::tracks::Tracks;
+use crate::{exact, layout, partition, profile, report, scan, spectrum, timing, viewer, why};
 
-/// What is on the disk never lags behind by more than this much sensor time...
-const FLUSH_AFTER_NS: u64 = 1_500_000_000;
+/// What is on the disk never lags behind by more than this much sensor time: each flush costs 2 KB an entity...
+const FLUSH_AFTER_NS: u64 = 2_500_000_000;
 /// ...nor by more revolutions than this, whatever the stamps say.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 /// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
@@ -29,73 +34,22 @@ const FLUSH_AFTER_BYTES: u64 = 16 << 20;
 /// A viewer wants to see things soon; sooner still would double the file.
 const LIVE_TICK: Duration = Duration::from_millis(500);
 
-/// Where and how to record.
-#[derive(Clone, Debug, Default)]
-pub struct RecorderOptions {
-    /// The .rrd file to write; an existing one is replaced.
-    pub path: Option<PathBuf>,
-    /// Shows the recording in the native viewer while it is made.
-    pub view: bool,
-    /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free one.
-    pub serve: Option<SocketAddr>,
-    /// Name of the recording, as the viewer lists it.
-    pub name: String,
-    /// The resolved configuration, as TOML.
-    pub config_toml: String,
-}
-
-/// Why nothing can be recorded, or no more.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RecorderError {
-    /// The file could not be made.
-    #[error("cannot create the recording: {cause}: {}", path.display())]
-    Create {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        cause: String,
-    },
-    /// The file could not be written to the end.
-    #[error("the recording ends early, with what was written so far: {cause}: {}", path.display())]
-    Write {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        cause: String,
-    },
-    /// The environment tells Rerun to drop everything in silence.
-    #[error("RERUN=0 in the environment turns every recording off; unset it")]
-    Disabled,
-    /// There is no native viewer on this machine.
-    #[error("no Rerun viewer found; `pip install rerun-sdk==0.36.3` brings it")]
-    NoViewer,
-    /// The viewer could not be started, or went away.
-    #[error("the viewer is not to be reached: {0}")]
-    Viewer(String),
-    /// The viewer reads more slowly than the flight goes.
-    #[error("the viewer was too slow: {0} messages were left out of what it shows")]
-    ViewerTooSlow(u64),
-    /// The address cannot be listened at.
-    #[error("cannot serve at {address}: {cause}")]
-    Serve {
-        /// Which address.
-        address: SocketAddr,
-        /// What the system said.
-        cause: String,
-    },
-    /// Rerun refused.
-    #[error("cannot record: {0}")]
-    Rerun(#[from] RecordingStreamError),
-}
-
 /// Records every frame that it sees.
 pub struct Recorder {
     rec: RecordingStream,
     file: Option<RrdFile>,
     live: Vec<Live>,
     served: Option<Served>,
-    layout_sent: bool,
+    options: RecorderOptions,
+    /// What the views have to reach; set when the layout was sent.
+    extent: Option<Extent>,
+    /// The part being written, from 1.
+    part: u64,
+    plan: Plan,
+    tracks: Tracks,
+    watch: Watch,
+    times: Times,
+    notes: Notes,
     beams: BeamGeometry,
     pictures: Pictures,
     flushed_stamp_ns: u64,
@@ -132,7 +86,7 @@ impl Recorder {
             ..ChunkBatcherConfig::DEFAULT
         };
         let rec = RecordingStreamBuilder::new("crosscut")
-            .recording_name(options.name)
+            .recording_name(options.name.clone())
             .recording_started(0) // until the first revolution says when
             .batcher_config(batches)
             .set_sinks(sinks)?;
@@ -144,7 +98,14 @@ impl Recorder {
             file,
             live,
             served,
-            layout_sent: false,
+            extent: None,
+            part: 1,
+            plan: Plan::new(options.scope.clone()),
+            options,
+            tracks: Tracks::default(),
+            watch: Watch::default(),
+            times: Times::default(),
+            notes: Notes::default(),
             beams: BeamGeometry::default(),
             pictures: Pictures::default(),
             flushed_stamp_ns: 0,
@@ -158,16 +119,20 @@ impl Recorder {
     }
 
     fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
+        let Some(share) = self.plan.share_of(frame) else { return Ok(()) };
         let revolution = &frame.revolution;
+        if share.new_part {
+            self.begin_part()?;
+        }
         self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
-        if !self.layout_sent {
+        if self.extent.is_none() {
             self.send_layout(Extent::of(frame))?;
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
         match &frame.failure {
-            None => self.log(frame)?,
+            None => self.log(frame, share)?,
             Some(failure) => self.log_failure(&failure.to_string())?,
         }
         self.unflushed += 1;
@@ -179,18 +144,52 @@ impl Recorder {
         Ok(())
     }
 
-    /// Everything of one revolution. An empty one writes empty values, so that nothing stale stays on the screen.
-    fn log(&mut self, frame: &Frame) -> Result<(), RecorderError> {
-        let order = BeamOrder::of(&frame.revolution);
-        if let Some(sweep) = &frame.revolution.sweep {
-            self.beams.log(&self.rec, sweep)?;
+    /// Ends the file and goes on in another one, which can be opened alone: what never changes is written again.
+    fn begin_part(&mut self) -> Result<(), RecorderError> {
+        self.flush()?;
+        let (Some(file), Some(first)) = (&self.file, &self.options.path) else { return Ok(()) };
+        self.part += 1;
+        file.go_on_in(&part_path(first, self.part))?;
+        log_static(&self.rec, &self.options.config_toml)?;
+        self.beams = BeamGeometry::default();
+        if let Some(extent) = self.extent {
+            self.send_layout(extent)?;
         }
-        scan::log(&self.rec, frame)?;
-        self.pictures.log(&self.rec, frame, &order)?;
+        Ok(())
+    }
+
+    /// Everything of one revolution. An empty one writes empty values, so that nothing stale stays on the screen.
+    fn log(&mut self, frame: &Frame, share: Share) -> Result<(), RecorderError> {
+        let rec = &self.rec;
+        let order = BeamOrder::of(&frame.revolution);
+        let classes = self.tracks.classes_of(frame);
+        let reach_m = self.extent.unwrap_or_default().range_m;
+        if let Some(sweep) = &frame.revolution.sweep
+            && self.beams.log(rec, sweep)?
+        {
+            profile::log_axes(rec, reach_m, sweep)?;
+        }
+        scan::log(rec, frame, &classes)?;
         let scale = spectrum::embedding_scale(&frame.spectrum.u);
-        spectrum::log(&self.rec, frame, scale)?;
-        partition::log(&self.rec, frame, &order, scale)?;
-        report::log(&self.rec, frame)?;
+        spectrum::log(rec, frame)?;
+        if share.matrices {
+            self.pictures.log(rec, frame, &order)?;
+            spectrum::log_embedding(rec, frame, &classes, scale)?;
+            why::log_graph(rec, frame)?;
+        }
+        if share.exact {
+            exact::log(rec, frame)?;
+        }
+        partition::log(rec, frame, &order, &classes, scale)?;
+        profile::log(rec, frame, &order, &classes, reach_m)?;
+        report::log(rec, frame, &classes)?;
+        why::log(rec, frame, &classes, &mut self.watch)?;
+        self.times.log(rec, frame)?;
+        self.notes.log(rec, frame)?;
+        if share.exact_refused {
+            let text = "the count changes often: no more exact matrices because of that in this part";
+            rec.log("log", &TextLog::new(text).with_level(TextLogLevel::WARN))?;
+        }
         Ok(())
     }
 
@@ -206,8 +205,8 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
-        layout::send(&self.rec, &extent)?;
-        self.layout_sent = true;
+        layout::send(&self.rec, self.options.layout, extent)?;
+        self.extent = Some(extent);
         Ok(())
     }
 
@@ -227,7 +226,7 @@ impl Observer for Recorder {
 
     fn finish(&mut self) -> Result<(), ObserverError> {
         let mut end = || -> Result<(), RecorderError> {
-            if !self.layout_sent {
+            if self.extent.is_none() {
                 self.send_layout(Extent::default())?;
             }
             self.flush()?;
@@ -246,6 +245,9 @@ fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderEr
     scan::log_static(rec)?;
     spectrum::log_static(rec)?;
     partition::log_static(rec)?;
+    profile::log_static(rec)?;
     report::log_static(rec)?;
+    timing::log_static(rec)?;
+    why::log_static(rec)?;
     Ok(())
 }

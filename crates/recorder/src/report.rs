@@ -1,49 +1,68 @@
 //! The answer: count, place, walls and openings in words; notes and timings.
 
-use crosscut_stage::{Frame, Opening, Step, Wall};
-use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, TextDocument, TextLog, TextLogLevel};
+use crosscut_stage::{Beam, Frame, Opening, Wall};
+use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
 
-use crate::beam_order::LARGEST_SIDE;
-use crate::colors::{REPORTED, STEPS, series};
-use crate::matrices::is_drawn;
+use crate::colors::{GREY, PLACES, REPORTED, color, name_of, series};
+use crate::tensors::{f64_matrix, i32_vector};
+use crate::tracks::Classes;
+
+/// What a beam without a return, and a return of no wall, is labelled with, as in results.
+const NO_RETURN: i32 = -1;
+const OF_NO_WALL: i32 = -2;
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("report/junctions", &series("junctions (walls)", REPORTED, 5.0))?; // seen behind k where both agree
-    for (step, rgba) in Step::ALL.into_iter().zip(STEPS) {
-        rec.log_static(format!("timing/{step}"), &series(step.name(), rgba, 2.0))?;
-    }
-    Ok(())
+    rec.log_static("report/confidence", &series("confidence", GREY, 1.5))?;
+    let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();
+    let places = StateConfiguration::new()
+        .with_labels(places.iter().map(spaced))
+        .with_values(places)
+        .with_colors(colors.into_iter().map(color));
+    rec.log_static("report/place", &places)
 }
 
-/// Count, place, summary, notes and timings of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+/// Count, place, summary, walls and labels of one revolution.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> RecordingStreamResult<()> {
     let junction = &frame.junction;
     rec.log("report/junctions", &Scalars::single(junction.junctions as f64))?;
     rec.log("report/confidence", &Scalars::single(junction.confidence))?;
     rec.log("report/place", &StateChange::single(junction.place.to_string()))?;
-    rec.log("report/summary", &TextDocument::from_markdown(summary(frame)))?;
-    for step in Step::ALL {
-        rec.log(format!("timing/{step}"), &Scalars::single(frame.timings.ns(step) as f64 * 1e-6))?;
-    }
-    log_notes(rec, frame)
+    rec.log("report/summary", &TextDocument::from_markdown(summary(frame, classes)))?;
+    rec.log("report/labels", &i32_vector(labels(frame).into_iter(), "beam"))?;
+    rec.log("report/walls", &walls(frame, classes))
 }
 
-/// What was noted on the way, and what this recording leaves out.
-fn log_notes(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
-    for note in frame.notes.iter() {
-        rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
-    }
-    let n = frame.affinity.weights.n();
-    if n > 0 && !is_drawn(frame) {
-        let note = format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}");
-        rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
-    }
-    Ok(())
+/// The wall of each beam, as in results; of each return where there are no beams.
+fn labels(frame: &Frame) -> Vec<i32> {
+    let of_return = |wall: Option<u32>| wall.map_or(OF_NO_WALL, u32::cast_signed);
+    let wall_of = &frame.junction.wall_of_return;
+    let Some(sweep) = &frame.revolution.sweep else { return wall_of.iter().map(|wall| of_return(*wall)).collect() };
+    let of_beam = |beam: &Beam| match beam {
+        Beam::Return(i) => of_return(wall_of.get(*i as usize).copied().flatten()),
+        Beam::NoReturn | Beam::Unknown => NO_RETURN,
+    };
+    sweep.beams.iter().map(of_beam).collect()
+}
+
+/// A row per wall.
+fn walls(frame: &Frame, classes: &Classes) -> rerun::Tensor {
+    let walls = &frame.junction.walls;
+    let row = |wall: &Wall| {
+        let [from_rad, to_rad] = wall.bearing_rad;
+        let class = classes.of_wall(Some(wall.id));
+        [f64::from(wall.id), wall.returns as f64, from_rad, to_rad, f64::from(u8::from(wall.island)), f64::from(class)]
+    };
+    f64_matrix(
+        walls.iter().flat_map(row).collect(),
+        [walls.len(), 6],
+        ["wall", "id, returns, from_rad, to_rad, island, class"],
+    )
 }
 
 /// The revolution in a few large words, then its openings and walls.
-fn summary(frame: &Frame) -> String {
+fn summary(frame: &Frame, classes: &Classes) -> String {
     let (junction, spectrum) = (&frame.junction, &frame.spectrum);
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence = 100.0 * junction.confidence;
@@ -57,8 +76,8 @@ fn summary(frame: &Frame) -> String {
         lines.extend(junction.openings.iter().map(opening_row));
     }
     if !junction.walls.is_empty() {
-        lines.push("\n| wall | returns | from | to |\n|---|---|---|---|".to_owned());
-        lines.extend(junction.walls.iter().map(wall_row));
+        lines.push("\n| wall | colour | returns | from | to |\n|---|---|---|---|---|".to_owned());
+        lines.extend(junction.walls.iter().map(|wall| wall_row(wall, classes)));
     }
     lines.join("\n")
 }
@@ -69,10 +88,11 @@ fn opening_row(opening: &Opening) -> String {
     format!("| {bearing_deg:+.0}° | {:.1} m | {right}, {left} | {} |", opening.width_m, spaced(&opening.evidence))
 }
 
-fn wall_row(wall: &Wall) -> String {
+fn wall_row(wall: &Wall, classes: &Classes) -> String {
     let island = if wall.island { " (island)" } else { "" };
     let [from_deg, to_deg] = wall.bearing_rad.map(f64::to_degrees);
-    format!("| {}{island} | {} | {from_deg:+.0}° | {to_deg:+.0}° |", wall.id, wall.returns)
+    let color = name_of(classes.of_wall(Some(wall.id)));
+    format!("| {}{island} | {color} | {} | {from_deg:+.0}° | {to_deg:+.0}° |", wall.id, wall.returns)
 }
 
 /// A name as in results, without its underscores.

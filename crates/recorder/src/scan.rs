@@ -3,10 +3,13 @@
 use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep};
 use rerun::{
     Arrows3D, AsComponents, LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult,
+    Scalars,
 };
 
-use crate::colors::{GREY, OPENING, class_of, color};
+use crate::colors::{GREY, OPENING, color, series};
+use crate::polyline::simplified;
 use crate::tensors::{f32_vector, f64_matrix, f64_vector, u8_vector};
+use crate::tracks::Classes;
 
 /// Neighbouring returns of a wall that lie farther apart are not joined by a line.
 const GAP_M: f64 = 2.5;
@@ -19,6 +22,7 @@ const ARROW_M: f64 = 1.5;
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static("scan/returns", &Points3D::update_fields().with_radii([ui(2.5)]))?;
+    rec.log_static("scan/count", &series("returns", GREY, 1.5))?;
     rec.log_static("scan/walls", &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
     let arrows = Arrows3D::update_fields().with_radii([ui(2.0)]).with_colors([color(OPENING)]);
     let widths = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
@@ -28,17 +32,18 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 }
 
 /// Returns, walls and openings of one revolution; raw ranges where there is a sweep.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> RecordingStreamResult<()> {
     let (revolution, junction) = (&frame.revolution, &frame.junction);
     let wall_of = |i: usize| junction.wall_of_return.get(i).copied().flatten();
     let points = revolution.points_m.iter().map(xyz);
-    let classes = (0..revolution.len()).map(|i| class_of(wall_of(i)));
-    rec.log("scan/returns", &Points3D::new(points).with_class_ids(classes))?;
+    let of_returns = (0..revolution.len()).map(|i| classes.of_wall(wall_of(i)));
+    rec.log("scan/returns", &Points3D::new(points).with_class_ids(of_returns))?;
+    rec.log("scan/count", &Scalars::single(revolution.len() as f64))?;
     if let Some(sweep) = &revolution.sweep {
         rec.log("scan/ranges", &f32_vector(sweep.ranges_m.clone(), "beam"))?;
         rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
     }
-    log_walls(rec, revolution, junction)?;
+    log_walls(rec, revolution, junction, classes)?;
     log_openings(rec, &junction.openings)
 }
 
@@ -51,14 +56,19 @@ fn seen(beam: &Beam) -> u8 {
     }
 }
 
-fn log_walls(rec: &RecordingStream, revolution: &Revolution, junction: &Junction) -> RecordingStreamResult<()> {
+fn log_walls(
+    rec: &RecordingStream,
+    revolution: &Revolution,
+    junction: &Junction,
+    classes: &Classes,
+) -> RecordingStreamResult<()> {
     let strips = match &revolution.sweep {
         Some(sweep) => wall_strips(&revolution.points_m, &junction.wall_of_return, sweep.full_turn),
         None => Vec::new(), // returns of a cloud have no order to draw a line along
     };
-    let classes: Vec<u16> = strips.iter().map(|(wall, _)| class_of(Some(*wall))).collect();
-    let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip)));
-    rec.log("scan/walls", &LineStrips3D::new(lines).with_class_ids(classes).with_show_labels(false))
+    let of_lines: Vec<u16> = strips.iter().map(|(wall, _)| classes.of_wall(Some(*wall))).collect();
+    let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip, LINE_M)));
+    rec.log("scan/walls", &LineStrips3D::new(lines).with_class_ids(of_lines).with_show_labels(false))
 }
 
 /// Lines along the walls, broken at gaps: `closed` if the last return is a neighbour of the first.
@@ -84,33 +94,12 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
     strips
 }
 
-/// The line without the points that lie within [`LINE_M`] of it (Douglas and Peucker).
-fn simplified(line: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut kept = vec![line[0]];
-    let mut spans = vec![(0, line.len() - 1)];
-    while let Some((from, to)) = spans.pop() {
-        let distance = |i: usize| distance_m(line[i], line[from], line[to]);
-        match (from + 1..to).max_by(|&a, &b| distance(a).total_cmp(&distance(b))) {
-            Some(far) if distance(far) > LINE_M => spans.extend([(far, to), (from, far)]),
-            _ => kept.push(line[to]),
-        }
-    }
-    kept
-}
-
-/// From point `p` to the segment from `a` to `b`.
-fn distance_m(p: [f32; 3], a: [f32; 3], b: [f32; 3]) -> f32 {
-    let [p, a, b] = [p, a, b].map(nalgebra::Vector3::from);
-    let along = ((p - a).dot(&(b - a)) / (b - a).norm_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (p - a - along * (b - a)).norm()
-}
-
 /// An arrow through each opening, a bar across it with its width; bearing and width exactly as a tensor.
 fn log_openings(rec: &RecordingStream, openings: &[Opening]) -> RecordingStreamResult<()> {
     let (origins, vectors): (Vec<_>, Vec<_>) = openings.iter().map(arrow).unzip();
     let arrows = Arrows3D::from_vectors(vectors).with_origins(origins);
     let bars = LineStrips3D::new(openings.iter().map(|o| [xyz(&o.edge_m[0]), xyz(&o.edge_m[1])]))
-        .with_labels(openings.iter().map(|o| format!("{:.1} m", o.width_m)))
+        .with_labels(openings.iter().map(|o| format!("{}{:.1} m", if o.cut_by_view { "≥ " } else { "" }, o.width_m)))
         .with_show_labels(true);
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
@@ -134,16 +123,19 @@ pub(crate) struct BeamGeometry {
 }
 
 impl BeamGeometry {
-    /// Bearing of each beam, and `angle_min`, `angle_increment`, `range_min`, `range_max` as on the wire.
-    pub(crate) fn log(&mut self, rec: &RecordingStream, sweep: &Sweep) -> RecordingStreamResult<()> {
+    /// Bearing of each beam, and `angle_min`, `angle_increment`, `range_min`, `range_max` as on the wire. Whether they
+    /// changed.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, sweep: &Sweep) -> RecordingStreamResult<bool> {
         let bits = |wire: [f32; 4]| wire.map(f32::to_bits); // NaN equals itself
         if sweep.bearings_rad == self.bearings_rad && bits(sweep.wire_geometry) == bits(self.wire) {
-            return Ok(());
+            return Ok(false);
         }
         self.bearings_rad.clone_from(&sweep.bearings_rad);
         self.wire = sweep.wire_geometry;
         rec.log("scan/beams", &f64_vector(self.bearings_rad.clone(), "beam"))?;
-        rec.log("scan/beams/wire", &f32_vector(self.wire.to_vec(), "angle_min, angle_increment, range_min, range_max"))
+        let wire = f32_vector(self.wire.to_vec(), "angle_min, angle_increment, range_min, range_max");
+        rec.log("scan/beams/wire", &wire)?;
+        Ok(true)
     }
 }
 
@@ -167,7 +159,8 @@ pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamR
     rec.log_static("scan/rings", &[&rings as &dyn AsComponents, &marks])
 }
 
-fn xyz(p: &Point) -> [f32; 3] {
+/// A point as it is drawn.
+pub(crate) fn xyz(p: &Point) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
@@ -184,16 +177,6 @@ mod tests {
     fn a_wall_is_broken_where_its_neighbouring_returns_lie_far_apart() {
         let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (9.0, 0.0), (10.0, 0.0)];
         assert_eq!(strips(&points, &[Some(4); 5], false), [(4, 3), (4, 2)]);
-    }
-
-    #[test]
-    fn a_line_keeps_its_corners_and_passes_all_returns() {
-        let line: Vec<[f32; 3]> =
-            (0..=40).map(|i| i as f32 / 10.0).map(|s| [s.min(2.0), (s - 2.0).max(0.0), 0.0]).collect();
-        assert_eq!(simplified(&line), [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
-        assert_eq!(simplified(&line[..2]), line[..2]);
-        let closed = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
-        assert_eq!(simplified(&closed), closed);
     }
 
     #[test]

@@ -6,19 +6,20 @@ use rerun::{
     RecordingStreamResult, Scalars, TensorBuffer, TensorData,
 };
 
-use crate::colors::{GREY, TOLERANCE, ZEROS, class_of, color, series};
-use crate::tensors::{entries, f32_matrix, rows_of};
+use crate::colors::{GREY, TOLERANCE, ZEROS, color, series};
+use crate::tensors::{entries, f16_matrix, rows_of};
+use crate::tracks::Classes;
 
 /// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
 const FLOOR_DECADE: f32 = -18.0;
 /// An exact zero stands on the floor; so much of its column is drawn, so that it can be seen and counted.
 const STUB_DECADES: f32 = 0.7;
 /// Eigenvalues stored; more only if k is larger.
-const STORED: usize = 64;
+const STORED: usize = 32;
 /// Eigenvalues drawn; more of them would not be told apart.
 const DRAWN: usize = 16;
 /// Rounding of the drawn embedding, whose farthest point lies at 1.
-const DRAWN_STEP: f64 = 1.0 / 256.0;
+const DRAWN_STEP: f64 = 1.0 / 128.0;
 /// Width of a column of the chart, in decades.
 const COLUMN: f32 = 1.6;
 /// Right end of the chart.
@@ -45,8 +46,8 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("spectral/chart/axis", &[&grid as &dyn AsComponents, &marks])
 }
 
-/// λ, τ, k, margin, U and the embedding of one revolution, the embedding drawn at `scale`.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, scale: f64) -> RecordingStreamResult<()> {
+/// λ, τ, k and margin of one revolution.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
     let spectrum = &frame.spectrum;
     let stored = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(STORED.max(spectrum.k + 1))];
     let exact = TensorData::new(vec![stored.len() as u64], TensorBuffer::F64(stored.to_vec().into()));
@@ -54,16 +55,26 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, scale: f64) -> Recording
     rec.log("spectral/tolerance", &Scalars::single(spectrum.tolerance))?;
     rec.log("spectral/k", &Scalars::single(spectrum.k as f64))?;
     rec.log("spectral/margin", &Scalars::new(spectrum.margin_decades))?;
-    log_chart(rec, spectrum)?;
+    log_chart(rec, spectrum)
+}
+
+/// U and the embedding of one revolution, the embedding drawn at `scale`.
+pub(crate) fn log_embedding(
+    rec: &RecordingStream,
+    frame: &Frame,
+    classes: &Classes,
+    scale: f64,
+) -> RecordingStreamResult<()> {
+    let spectrum = &frame.spectrum;
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
     let exact = match &spectrum.u {
         Embedding::Sparse { .. } => entries(&spectrum.u, "return, eigenvector, value"),
-        u => f32_matrix(rows_of(u).map(|u| u as f32).collect(), [n, k], ["return", "eigenvector"]),
+        u => f16_matrix(rows_of(u), [n, k], ["return", "eigenvector"]),
     };
     rec.log("spectral/U", &exact)?;
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
-    rec.log("spectral/embedding", &Points3D::new(points).with_class_ids((0..n).map(|i| class_of(wall_of(i)))))
+    rec.log("spectral/embedding", &Points3D::new(points).with_class_ids((0..n).map(|i| classes.of_wall(wall_of(i)))))
 }
 
 /// What the rows of U are drawn with: it brings the farthest of them to 1, whatever n is.
@@ -92,20 +103,23 @@ fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])
 }
 
-/// A column for each eigenvalue on a logarithmic scale, the zeros in colour, τ across them all, and k in words.
+/// A column for each eigenvalue on a logarithmic scale, the zeros in colour, a line after them, τ across them all, and k
+/// in words.
 fn log_chart(rec: &RecordingStream, spectrum: &Spectrum) -> RecordingStreamResult<()> {
     let drawn = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(DRAWN)];
     let top = |value: f64| height(value).min(-FLOOR_DECADE - STUB_DECADES);
-    let columns = drawn.iter().enumerate().map(|(i, &l)| [[column_x(i), -FLOOR_DECADE], [column_x(i), top(l)]]);
-    let columns = LineStrips2D::new(columns)
-        .with_colors((0..drawn.len()).map(|i| color(if i < spectrum.k { ZEROS } else { GREY })))
-        .with_radii([Radius::new_scene_units(0.3 * COLUMN)]);
-    rec.log("spectral/chart/columns", &columns)?;
-    let at = height(spectrum.tolerance);
-    let line = LineStrips2D::new([[[0.0, at], [RIGHT, at]]])
-        .with_colors([color(TOLERANCE)])
-        .with_radii([Radius::new_ui_points(1.5)]);
-    rec.log("spectral/chart/tolerance", &[&line as &dyn AsComponents, &label([0.5 * RIGHT, -3.4], verdict(spectrum))])
+    let columns = drawn.iter().enumerate().map(|(i, &l)| {
+        let color = color(if i < spectrum.k { ZEROS } else { GREY });
+        ([[column_x(i), -FLOOR_DECADE], [column_x(i), top(l)]], color, Radius::new_scene_units(0.3 * COLUMN))
+    });
+    let (at, after_k) = (height(spectrum.tolerance), column_x(spectrum.k.min(DRAWN)) - 0.5 * COLUMN);
+    let tolerance = ([[0.0, at], [RIGHT, at]], color(TOLERANCE), Radius::new_ui_points(1.5));
+    let end_of_zeros = ([[after_k, -FLOOR_DECADE], [after_k, -1.0]], color(ZEROS), Radius::new_ui_points(0.75));
+    let (lines, (colors, radii)): (Vec<_>, (Vec<_>, Vec<_>)) =
+        columns.chain([tolerance, end_of_zeros]).map(|(line, color, radius)| (line, (color, radius))).unzip();
+    let lines = LineStrips2D::new(lines).with_colors(colors).with_radii(radii);
+    let verdict = label([0.5 * RIGHT, -3.4], verdict(spectrum));
+    rec.log("spectral/chart/values", &[&lines as &dyn AsComponents, &verdict])
 }
 
 /// The inequality that k follows from: "λ3 2e-8 < τ 1e-7 ≤ λ4 1e-2: k = 3".
@@ -136,7 +150,7 @@ fn height(value: f64) -> f32 {
 
 /// Left, top, right and bottom of the chart.
 pub(crate) fn chart_bounds() -> [f64; 4] {
-    [-3.5, -4.5, f64::from(RIGHT) + 0.5, f64::from(-FLOOR_DECADE) + 2.5]
+    [-5.5, -4.5, f64::from(RIGHT) + 0.5, f64::from(-FLOOR_DECADE) + 2.5]
 }
 
 #[cfg(test)]

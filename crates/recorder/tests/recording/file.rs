@@ -1,14 +1,15 @@
 //! The file: errors said, equal flights equal, and what a killed process leaves behind.
 
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crosscut_recorder::{Recorder, RecorderError};
+use crosscut_recorder::{Recorder, RecorderError, RecorderOptions, Scope};
 use crosscut_stage::{Frame, Observer as _};
 
 use crate::frames;
-use crate::reading::{Recording, options, record};
+use crate::reading::{Recording, options, record, record_of};
 
 /// Where the child process of a test records to.
 const CHILD_PATH: &str = "CROSSCUT_TEST_RECORDING";
@@ -31,12 +32,12 @@ fn a_path_that_cannot_be_written_is_an_error_that_names_it() {
     );
 }
 
-/// Not a test of its own: records 40 revolutions where a file may not grow so large, and leaves the error's text.
+/// Not a test of its own: records 80 revolutions where a file may not grow so large, and leaves the error's text.
 #[test]
 fn child_that_runs_out_of_space() {
     let Some(path) = std::env::var_os(CHILD_PATH).map(PathBuf::from) else { return };
     let mut recorder = Recorder::new(options(&path)).unwrap();
-    let errors = (0..40).filter_map(|seq| recorder.observe(&frames::frame(seq)).err()).map(|e| e.to_string());
+    let errors = (0..80).filter_map(|seq| recorder.observe(&frames::frame(seq)).err()).map(|e| e.to_string());
     std::fs::write(path.with_extension("errors"), errors.collect::<Vec<_>>().join("\n")).unwrap();
 }
 
@@ -47,7 +48,7 @@ fn a_full_disk_is_an_error_and_what_was_written_before_opens() {
     let path = folder.path().join("flight.rrd");
     let test = ["--exact", "file::child_that_runs_out_of_space"];
     // With SIGXFSZ ignored, a write beyond the limit is an error as on a full disk.
-    let limited = "trap '' XFSZ; ulimit -f 1000; exec \"$0\" \"$@\"";
+    let limited = "trap '' XFSZ; ulimit -f 4000; exec \"$0\" \"$@\"";
     let program = std::env::current_exe().unwrap();
     let mut shell = Command::new("sh");
     shell.args(["-c", limited]).arg(program).args(test).env(CHILD_PATH, &path);
@@ -56,7 +57,7 @@ fn a_full_disk_is_an_error_and_what_was_written_before_opens() {
     let first = errors.lines().next().expect("an error is returned while the flight goes on");
     assert!(first.contains("File too large") && first.ends_with("flight.rrd"), "{first}");
     let revolutions = Recording::read(&path).revolutions("/scan/returns");
-    assert!((1..40).contains(&revolutions.len()), "{revolutions:?}");
+    assert!((1..80).contains(&revolutions.len()), "{revolutions:?}");
 }
 
 #[test]
@@ -82,15 +83,56 @@ fn equal_flights_make_equal_content_cut_into_equal_chunks() {
     assert_eq!(cuts(&first), cuts(&second));
 }
 
+/// Bytes of a recording with exact matrices at every so many revolutions.
+fn bytes_of(frames: &[Frame], exact_every: u64) -> u64 {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("flight.rrd");
+    let scope = Scope { exact_every: NonZeroU64::new(exact_every), ..Scope::default() };
+    record_of(&path, frames, scope);
+    std::fs::metadata(&path).expect("recorded").len()
+}
+
 #[test]
-fn a_revolution_of_360_beams_takes_no_more_than_the_budget() {
-    let frames: Vec<Frame> = (0..60).map(frames::frame).collect();
+fn ten_minutes_of_360_beams_at_10_hz_stay_below_200_mb() {
+    let frames: Vec<Frame> = (0..80).map(frames::frame).collect();
+    let with_one = bytes_of(&frames, 80);
+    let exact = bytes_of(&frames, 40) - with_one;
+    // Exact matrices come at every 300th revolution, and at 16 changes of the count at most.
+    let flight = (with_one - exact) * 6000 / 80 + exact * (6000 / 300 + 16);
+    assert!(flight < 200_000_000, "{flight} bytes, {exact} of them for each exact W and U");
+}
+
+#[test]
+fn a_long_flight_is_split_into_parts_that_each_open_alone_and_belong_to_one_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames: Vec<Frame> = (0..25).map(frames::frame).collect();
+    let scope = Scope { part_revolutions: NonZeroU64::new(10).unwrap(), ..Scope::default() };
+    record_of(&folder.path().join("flight.rrd"), &frames, scope);
+    let parts = ["flight.rrd", "flight-2.rrd", "flight-3.rrd"].map(|name| Recording::read(&folder.path().join(name)));
+    for (part, expected) in parts.iter().zip([0..10, 10..20, 20..25]) {
+        assert!(part.revolutions("/scan/returns").into_iter().eq(expected));
+        assert!(part.layout_messages > 20 && part.has_footer);
+        for entity in ["/config", "/about", "/", "/scan/beams", "/scan/rings", "/timing/total"] {
+            assert!(part.of(entity).next().is_some(), "{entity} is missing in a part");
+        }
+        assert_eq!(part.stores, parts[0].stores, "parts are one recording");
+    }
+    assert!(!folder.path().join("flight-4.rrd").exists());
+}
+
+#[test]
+fn a_part_that_cannot_be_created_is_an_error_and_the_parts_before_it_are_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
-    record(&path, &frames);
-    let bytes = std::fs::metadata(&path).unwrap().len() / 60;
-    let returns = frames[30].revolution.len();
-    assert!(bytes < 40_000, "{bytes} bytes a revolution of {returns} returns");
+    std::fs::create_dir(folder.path().join("flight-2.rrd")).unwrap();
+    let scope = Scope { part_revolutions: NonZeroU64::new(3).unwrap(), ..Scope::default() };
+    let mut recorder = Recorder::new(RecorderOptions { scope, ..options(&path) }).unwrap();
+    (0..3).for_each(|seq| recorder.observe(&frames::frame(seq)).unwrap());
+    let error = recorder.observe(&frames::frame(3)).unwrap_err().to_string();
+    assert!(error.contains("flight-2.rrd"), "{error}");
+    let recording = Recording::read(&path);
+    assert!(recording.has_footer);
+    assert_eq!(recording.revolutions("/report/junctions").len(), 3);
 }
 
 /// Not a test of its own: what the next one runs with RERUN=0.
@@ -123,7 +165,7 @@ fn child_that_records_and_hangs() {
 }
 
 #[test]
-fn a_killed_process_leaves_all_but_the_last_two_seconds_of_the_flight() {
+fn a_killed_process_leaves_all_but_the_last_three_seconds_of_the_flight() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
     let mut child = this_program("file::child_that_records_and_hangs").env(CHILD_PATH, &path).spawn().unwrap();
@@ -136,7 +178,7 @@ fn a_killed_process_leaves_all_but_the_last_two_seconds_of_the_flight() {
     let recording = Recording::read(&path);
     for entity in ["/scan/ranges", "/affinity/W", "/report/junctions"] {
         let last = recording.revolutions(entity).last().copied();
-        assert!(last >= Some(39 - 20), "{entity} ends at revolution {last:?} of 39");
+        assert!(last >= Some(39 - 30), "{entity} ends at revolution {last:?} of 39");
     }
     assert!(recording.layout_messages > 20);
 }

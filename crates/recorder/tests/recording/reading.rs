@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use crosscut_recorder::{Recorder, RecorderOptions};
+use crosscut_recorder::{Recorder, RecorderOptions, Scope};
 use crosscut_stage::{Frame, Observer as _};
 use rerun::external::arrow::array::ArrayRef;
 use rerun::external::image::{self, GrayImage};
@@ -14,11 +14,18 @@ use rerun::external::re_log_types::{EntityPath, LogMsg};
 use rerun::log::Chunk;
 use rerun::{Component, ComponentDescriptor, EncodedDepthImage, StoreKind, Tensor, TensorBuffer, components};
 
+/// What a footer ends with: its identifier, and one entry.
+const FOOTER_END: &[u8] = b"RRF2FOOT\x01\0\0\0";
+
 /// The recording's own chunks, without those of the layout.
 pub(crate) struct Recording {
     pub(crate) chunks: Vec<Chunk>,
     /// Messages of the layout.
     pub(crate) layout_messages: usize,
+    /// Which recordings the chunks belong to.
+    pub(crate) stores: BTreeSet<String>,
+    /// Whether the file was brought to its end.
+    pub(crate) has_footer: bool,
 }
 
 /// Records the frames, to the end, and reads them back.
@@ -30,7 +37,12 @@ pub(crate) fn recorded(frames: &[Frame]) -> Recording {
 }
 
 pub(crate) fn record(path: &Path, frames: &[Frame]) {
-    let mut recorder = Recorder::new(options(path)).expect("a recorder");
+    record_of(path, frames, Scope::default());
+}
+
+/// Records what `scope` says.
+pub(crate) fn record_of(path: &Path, frames: &[Frame], scope: Scope) {
+    let mut recorder = Recorder::new(RecorderOptions { scope, ..options(path) }).expect("a recorder");
     for frame in frames {
         recorder.observe(frame).expect("the frame is recorded");
     }
@@ -48,11 +60,13 @@ pub(crate) fn options(path: &Path) -> RecorderOptions {
 
 impl Recording {
     pub(crate) fn read(path: &Path) -> Self {
-        let mut recording = Self { chunks: Vec::new(), layout_messages: 0 };
+        let has_footer = std::fs::read(path).expect("the recording is there").ends_with(FOOTER_END);
+        let mut recording = Self { chunks: Vec::new(), layout_messages: 0, stores: BTreeSet::new(), has_footer };
         let file = BufReader::new(File::open(path).expect("the recording is there"));
         for message in DecoderApp::decode_eager(file).expect("an .rrd") {
             match message.expect("a whole message") {
                 LogMsg::ArrowMsg(store, message) if store.kind() == StoreKind::Recording => {
+                    recording.stores.insert(format!("{store:?}"));
                     recording.chunks.push(Chunk::from_arrow_msg(&message).expect("a chunk"));
                 }
                 message => recording.layout_messages += usize::from(message.store_id().kind() == StoreKind::Blueprint),
@@ -72,6 +86,19 @@ impl Recording {
             let row = times(chunk, "revolution").iter().position(|&time| time == seq)?;
             Some(chunk.component_batch(component.component, row)?.expect("values of this type"))
         })
+    }
+
+    /// The texts of all rows of a revolution.
+    pub(crate) fn texts(&self, entity: &str, component: ComponentDescriptor, seq: i64) -> Vec<String> {
+        let mut texts = Vec::new();
+        for chunk in self.of(entity) {
+            for (row, _) in times(chunk, "revolution").iter().enumerate().filter(|(_, time)| **time == seq) {
+                let text: Option<Vec<components::Text>> =
+                    chunk.component_batch(component.component, row).map(|text| text.expect("text"));
+                texts.extend(text.into_iter().flatten().map(|text| text.to_string()));
+            }
+        }
+        texts
     }
 
     pub(crate) fn scalar(&self, entity: &str, seq: i64) -> Option<f64> {

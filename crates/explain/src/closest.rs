@@ -1,0 +1,28 @@
+//! Where two walls come closest to each other.
+
+use crosscut_stage::Frame;
+
+/// Beyond so many returns the search, which is O(n²), is left out.
+const SEARCHED: usize = 2048;
+
+/// The two returns of different walls that lie closest, and their walls.
+pub(crate) fn pair(frame: &Frame) -> Option<([u32; 2], [usize; 2])> {
+    let (points, wall_of) = (&frame.revolution.points_m, &frame.junction.wall_of_return);
+    if points.len() > SEARCHED {
+        return None;
+    }
+    let mut closest: Option<(f64, [u32; 2], [usize; 2])> = None;
+    for (j, wall_j) in wall_of.iter().enumerate() {
+        for (i, wall_i) in wall_of[..j].iter().enumerate() {
+            if let (Some(a), Some(b)) = (*wall_i, *wall_j)
+                && a != b
+            {
+                let squared = (points[i] - points[j]).norm_squared();
+                if closest.is_none_or(|(least, ..)| squared < least) {
+                    closest = Some((squared, [a, b], [i, j]));
+                }
+            }
+        }
+    }
+    closest.map(|(_, walls, returns)| (walls, returns))
+}

@@ -1,0 +1,76 @@
+//! Which revolutions of a flight are worth a look.
+
+use std::fmt;
+
+use crosscut_stage::{Frame, Place};
+
+/// A margin below this is low, and has to rise above [`RECOVERED_DECADES`] before it is told again.
+const LOW_DECADES: f64 = 0.5;
+const RECOVERED_DECADES: f64 = 1.0;
+
+/// Why a revolution is worth a look.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// Another count, or another place, than at the revolution before.
+    Changed {
+        /// Junctions before and now.
+        junctions: [usize; 2],
+        /// Place before and now.
+        place: [Place; 2],
+    },
+    /// τ could hardly be moved without another k.
+    LowMargin {
+        /// How far, in decades.
+        decades: f64,
+        /// k as it is.
+        k: usize,
+    },
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Changed { junctions: [before, now], place: [from, to] } => {
+                match before == now {
+                    true => write!(f, "still {now} junctions")?,
+                    false => write!(f, "{before} → {now} junctions")?,
+                }
+                match from == to {
+                    true => write!(f, " ({to})"),
+                    false => write!(f, " ({from} → {to})"),
+                }
+            }
+            Self::LowMargin { decades, k } => write!(f, "low margin: k = {k} holds by {decades:.2} decades"),
+        }
+    }
+}
+
+/// Compares each revolution with the one before.
+#[derive(Debug, Default)]
+pub struct Watch {
+    before: Option<(usize, Place)>,
+    low: bool,
+}
+
+impl Watch {
+    /// What is worth a look at the next revolution of the flight.
+    pub fn events(&mut self, frame: &Frame) -> Vec<Event> {
+        let mut events = Vec::new();
+        let (junctions, place) = (frame.junction.junctions, frame.junction.place);
+        if let Some(before) = self.before.replace((junctions, place))
+            && before != (junctions, place)
+        {
+            events.push(Event::Changed { junctions: [before.0, junctions], place: [before.1, place] });
+        }
+        if let Some(decades) = frame.spectrum.margin_decades {
+            if decades < LOW_DECADES && !self.low {
+                self.low = true;
+                events.push(Event::LowMargin { decades, k: frame.spectrum.k });
+            } else if decades > RECOVERED_DECADES {
+                self.low = false;
+            }
+        }
+        events
+    }
+}

@@ -1,0 +1,150 @@
+//! The explanation in words.
+
+use crosscut_stage::{Beam, Frame};
+
+use crate::{Change, Explanation, Link};
+
+/// Walls in the table; more would not be read.
+const TOLD: usize = 12;
+
+impl Explanation {
+    /// A page of Markdown: what k follows from, the links that decide it, what would change it, what was left out.
+    /// `color_of` says what colour a wall is drawn in.
+    pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
+        let words = Words { frame, color_of };
+        let mut paragraphs = vec![words.count(), words.inequality()];
+        paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
+        paragraphs.extend(words.table(self));
+        paragraphs.extend(self.closest.map(|(walls, returns)| words.closest(walls, returns)));
+        paragraphs.push(words.left_out());
+        paragraphs.join("\n\n")
+    }
+}
+
+struct Words<'a> {
+    frame: &'a Frame,
+    color_of: &'a dyn Fn(u32) -> &'static str,
+}
+
+impl Words<'_> {
+    fn count(&self) -> String {
+        let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
+        let islands = junction.walls.iter().filter(|wall| wall.island).count();
+        let mut text = format!("## k = {k}, {}", counted(junction.junctions, "junction"));
+        if k != junction.junctions {
+            let beside = k.saturating_sub(junction.junctions + islands);
+            text += &format!(
+                "\n\nk also counts {} and {} too small to be a wall.",
+                counted(islands, "island"),
+                counted(beside, "cluster")
+            );
+        }
+        text
+    }
+
+    /// "λ3 7e-9 < τ 1e-7 ≤ λ4 3e-5", and the margin.
+    fn inequality(&self) -> String {
+        let spectrum = &self.frame.spectrum;
+        let (k, values) = (spectrum.k, &spectrum.eigenvalues);
+        let below = k.checked_sub(1).and_then(|last| Some(format!("λ{k} {} < ", power(*values.get(last)?))));
+        let above = values.get(k).map(|next| format!(" ≤ λ{} {}", k + 1, power(*next)));
+        let margin = spectrum.margin_decades.map(|decades| format!(": a margin of {decades:.1} decades"));
+        let (below, above, margin) = (below.unwrap_or_default(), above.unwrap_or_default(), margin.unwrap_or_default());
+        format!("{below}τ {}{above}{margin}.", power(spectrum.tolerance))
+    }
+
+    fn change(&self, change: &Change) -> String {
+        let up = change.k > self.frame.spectrum.k;
+        let (side, decades) = (if up { "above" } else { "below" }, change.decades.abs());
+        let mut text =
+            format!("**k = {}** with τ {side} {} ({decades:.1} decades away)", change.k, power(change.eigenvalue));
+        if let Some(sigma) = change.sigma_per_m2 {
+            text += &format!(", or σ about {sigma:.2} per m²");
+        }
+        match (change.walls.as_slice(), change.link) {
+            ([wall], Some(link)) => text += &format!(": {} would break at {}", self.wall(*wall), self.link(link)),
+            ([a, b], Some(link)) => {
+                text += &format!(": {} and {} would be one by {}", self.wall(*a), self.wall(*b), self.link(link));
+            }
+            _ => text += "; no single link stands for it",
+        }
+        text + "."
+    }
+
+    fn table(&self, explanation: &Explanation) -> Option<String> {
+        let walls = &explanation.walls;
+        if walls.is_empty() {
+            return None;
+        }
+        let mut lines = vec!["| wall | weakest link inside | strongest to another |\n|---|---|---|".to_owned()];
+        for wall in walls.iter().take(TOLD) {
+            let weakest = match wall.weakest {
+                Some(link) => self.link(link),
+                None if wall.pieces > 1 => format!("none: {} parts without a link", wall.pieces),
+                None => "one return".to_owned(),
+            };
+            let strongest = wall.strongest.map(|(to, link)| format!("{}: {}", self.wall(to), self.link(link)));
+            let strongest = strongest.unwrap_or_else(|| "none".to_owned());
+            lines.push(format!("| {} | {weakest} | {strongest} |", self.wall(wall.wall)));
+        }
+        if walls.len() > TOLD {
+            lines.push(format!("| {} more | | |", walls.len() - TOLD));
+        }
+        Some(lines.join("\n"))
+    }
+
+    fn closest(&self, [a, b]: [u32; 2], returns: [usize; 2]) -> String {
+        let (a, b, between) = (self.wall(a), self.wall(b), self.between(returns));
+        format!("W has no link between walls. The closest two are {a} and {b}: {between}.")
+    }
+
+    fn left_out(&self) -> String {
+        let frame = self.frame;
+        let of_no_wall = frame.junction.wall_of_return.iter().filter(|wall| wall.is_none()).count();
+        let mut lines =
+            vec![format!("{}, {of_no_wall} of them in no wall.", counted(frame.revolution.len(), "return"))];
+        if let Some(sweep) = &frame.revolution.sweep {
+            let unknown = sweep.beams.iter().filter(|beam| **beam == Beam::Unknown).count();
+            let nothing = sweep.beams.iter().filter(|beam| **beam == Beam::NoReturn).count();
+            lines.push(format!(
+                "Of {}, {nothing} saw nothing in range, {unknown} are unknown.",
+                counted(sweep.len(), "beam")
+            ));
+        }
+        lines.extend(frame.notes.iter().map(|note| format!("- {note}")));
+        lines.join("\n")
+    }
+
+    fn wall(&self, wall: u32) -> String {
+        format!("{wall} ({})", (self.color_of)(wall))
+    }
+
+    fn link(&self, link: Link) -> String {
+        format!("{} ({})", power(link.weight), self.between(link.returns))
+    }
+
+    /// "beams 12, 301: 3.46 m"; returns where there are no beams.
+    fn between(&self, returns: [usize; 2]) -> String {
+        let revolution = &self.frame.revolution;
+        let [a, b] = returns.map(|i| revolution.points_m[i]);
+        let beam_of = |i: usize| {
+            let beams = &revolution.sweep.as_ref()?.beams;
+            let sought = Beam::Return(u32::try_from(i).ok()?);
+            beams.iter().position(|beam| *beam == sought)
+        };
+        let (what, [i, j]) = match returns.map(beam_of) {
+            [Some(i), Some(j)] => ("beams", [i, j]),
+            _ => ("returns", returns),
+        };
+        format!("{what} {}, {}: {:.2} m", i.min(j), i.max(j), (a - b).norm())
+    }
+}
+
+/// A value by its power of ten: 1.2e-8; 0.31.
+fn power(value: f64) -> String {
+    if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}

@@ -1,0 +1,206 @@
+//! Explanations of graphs small enough to be worked out by hand.
+
+use crosscut_explain::{Event, Explanation, Link, Watch};
+use crosscut_stage::{Beam, Frame, Place, Point, Sweep, Weights};
+use faer::Mat;
+
+/// Returns along a line at these places, with W = exp(-σ d²), in walls.
+fn gaussian(places_m: &[f64], walls: &[Option<u32>], sigma_per_m2: f64) -> Frame {
+    let n = places_m.len();
+    let weight = |i: usize, j: usize| (-sigma_per_m2 * (places_m[i] - places_m[j]).powi(2)).exp();
+    let mut frame = Frame::default();
+    frame.revolution.points_m = places_m.iter().map(|&x| Point::new(x, 0.0, 0.0)).collect();
+    frame.junction.wall_of_return = walls.to_vec();
+    *frame.affinity.weights.make_dense(n) = Mat::from_fn(n, n, weight);
+    set_degrees(&mut frame);
+    frame
+}
+
+fn set_degrees(frame: &mut Frame) {
+    let mut degrees = vec![0.0; frame.affinity.weights.n()];
+    frame.affinity.weights.for_each(|i, _, w| degrees[i] += w);
+    frame.affinity.degrees = degrees;
+}
+
+/// The same W by its entries above `least`.
+fn sparse(frame: &Frame, least: f64) -> Frame {
+    let Weights::Dense(w) = &frame.affinity.weights else { panic!("dense") };
+    let mut other = frame.clone();
+    let entries = other.affinity.weights.make_sparse();
+    for i in 0..w.nrows() {
+        for j in (0..w.ncols()).filter(|&j| w[(i, j)] > least) {
+            entries.push(j as u32, w[(i, j)]);
+        }
+        entries.end_row();
+    }
+    set_degrees(&mut other);
+    other
+}
+
+/// Eigenvalues as the stage would have them, computed by faer.
+fn with_spectrum(mut frame: Frame, tolerance: f64) -> Frame {
+    let (n, degrees) = (frame.affinity.weights.n(), frame.affinity.degrees.clone());
+    let mut laplacian = Mat::<f64>::identity(n, n);
+    frame.affinity.weights.for_each(|i, j, w| laplacian[(i, j)] -= w / (degrees[i] * degrees[j]).sqrt());
+    let values = laplacian.self_adjoint_eigenvalues(faer::Side::Lower).expect("it converges");
+    frame.spectrum.k = values.iter().filter(|&&value| value < tolerance).count();
+    (frame.spectrum.eigenvalues, frame.spectrum.tolerance) = (values, tolerance);
+    frame
+}
+
+/// Wall 0 at 0, 1, 2 and, after a gap of 1.5 m, 3.5; wall 1 from 6.5 on.
+const PLACES_M: [f64; 7] = [0.0, 1.0, 2.0, 3.5, 6.5, 7.5, 8.6];
+const WALLS: [Option<u32>; 7] = [Some(0), Some(0), Some(0), Some(0), Some(1), Some(1), Some(1)];
+
+fn sorted(link: Option<Link>) -> Option<[usize; 2]> {
+    link.map(|link| [link.returns[0].min(link.returns[1]), link.returns[0].max(link.returns[1])])
+}
+
+#[test]
+fn the_weakest_link_is_the_bottleneck_of_the_wall_and_not_its_smallest_weight() {
+    let dense = gaussian(&PLACES_M, &WALLS, 1.5);
+    for frame in [dense.clone(), sparse(&dense, 1e-4)] {
+        let explanation = Explanation::of(&frame);
+        assert_eq!(sorted(explanation.walls[0].weakest), Some([2, 3]), "the gap, not the ends at 0 and 3.5 m");
+        assert_eq!(explanation.walls[0].weakest.map(|link| link.weight), Some((-1.5f64 * 2.25).exp()));
+        assert_eq!(explanation.walls[0].pieces, 1);
+    }
+}
+
+#[test]
+fn dense_and_sparse_w_are_explained_alike() {
+    let dense = gaussian(&PLACES_M, &WALLS, 0.3);
+    let [a, b] = [Explanation::of(&dense), Explanation::of(&sparse(&dense, 0.0))];
+    for (a, b) in a.walls.iter().zip(&b.walls) {
+        assert_eq!((sorted(a.weakest), a.pieces), (sorted(b.weakest), b.pieces));
+        assert_eq!(sorted(a.strongest.map(|s| s.1)), sorted(b.strongest.map(|s| s.1)));
+        assert!((a.breaks_at - b.breaks_at).abs() < 1e-12 && (a.parts_at - b.parts_at).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_strongest_link_between_walls_ties_the_two_nearest_returns() {
+    let explanation = Explanation::of(&gaussian(&PLACES_M, &WALLS, 1.5));
+    let (walls, link) = explanation.strongest().unwrap();
+    assert_eq!(sorted(Some(link)), Some([3, 4]));
+    assert!(walls == [0, 1] || walls == [1, 0]);
+    assert_eq!(link.weight, (-1.5f64 * 9.0).exp());
+    assert_eq!(explanation.closest, None, "told only where W has no link");
+}
+
+#[test]
+fn rayleigh_quotients_name_the_links_that_the_eigenvalues_on_both_sides_of_the_tolerance_stand_for() {
+    let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    assert_eq!(frame.spectrum.k, 2);
+    let explanation = Explanation::of(&frame);
+    let fewer = explanation.changes.iter().find(|change| change.k == 1).unwrap();
+    assert_eq!((sorted(fewer.link), fewer.walls.len()), (Some([3, 4]), 2));
+    assert_eq!(fewer.eigenvalue, frame.spectrum.eigenvalues[1]);
+    let more = explanation.changes.iter().find(|change| change.k == 3).unwrap();
+    assert_eq!((sorted(more.link), more.walls.as_slice()), (Some([2, 3]), &[0][..]));
+    assert!(explanation.changes[0].decades <= explanation.changes[1].decades, "the nearer first");
+}
+
+#[test]
+fn the_scale_that_is_named_changes_the_count() {
+    let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    for change in Explanation::of(&frame).changes {
+        let sigma = change.sigma_per_m2.unwrap();
+        // "About": a tenth beyond it the count is the one that was named.
+        let beyond = if change.k > frame.spectrum.k { 1.1 * sigma } else { sigma / 1.1 };
+        assert_eq!(with_spectrum(gaussian(&PLACES_M, &WALLS, beyond), 1e-4).spectrum.k, change.k);
+    }
+}
+
+#[test]
+fn no_scale_is_named_for_a_w_that_is_no_gaussian_of_the_distance() {
+    let mut frame = gaussian(&PLACES_M, &WALLS, 1.5);
+    let w = frame.affinity.weights.make_dense(7);
+    *w = Mat::from_fn(7, 7, |i, j| 0.1f64.powi(i32::from(i.abs_diff(j) as u16)));
+    set_degrees(&mut frame);
+    let explanation = Explanation::of(&with_spectrum(frame, 0.05));
+    assert!(!explanation.changes.is_empty());
+    assert!(explanation.changes.iter().all(|change| change.sigma_per_m2.is_none()));
+}
+
+#[test]
+fn a_zero_of_rounding_is_undone_by_no_tolerance() {
+    let apart = sparse(&gaussian(&PLACES_M, &WALLS, 1.5), 1e-3);
+    let mut frame = with_spectrum(apart, 1e-4);
+    frame.spectrum.eigenvalues[1] = 1e-16;
+    assert!(Explanation::of(&frame).changes.iter().all(|change| change.k > frame.spectrum.k));
+}
+
+#[test]
+fn walls_without_any_link_between_them_are_told_by_where_they_come_closest() {
+    let frame = sparse(&gaussian(&PLACES_M, &WALLS, 1.5), 1e-3);
+    let explanation = Explanation::of(&frame);
+    assert_eq!(explanation.strongest(), None);
+    assert_eq!(explanation.closest, Some(([0, 1], [3, 4])));
+}
+
+#[test]
+fn a_wall_that_w_does_not_hold_together_is_told_to_lie_in_pieces() {
+    let dense = gaussian(&PLACES_M, &[Some(0); 7], 1.5);
+    let mut cut = dense.clone();
+    let w = cut.affinity.weights.make_dense(7);
+    *w = Mat::from_fn(7, 7, |i, j| f64::from(u8::from((i < 4) == (j < 4))));
+    set_degrees(&mut cut);
+    for frame in [cut, sparse(&dense, 1e-3)] {
+        let explanation = Explanation::of(&frame);
+        assert_eq!((explanation.walls[0].pieces, explanation.walls[0].weakest), (2, None));
+        let text = explanation.to_markdown(&frame, &|_| "blue");
+        assert!(text.contains("2 parts without a link"), "{text}");
+    }
+}
+
+#[test]
+fn the_words_name_beams_distances_weights_and_what_was_dropped() {
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    let mut beams: Vec<Beam> = (0..7).map(Beam::Return).collect();
+    beams.insert(3, Beam::NoReturn);
+    frame.revolution.sweep = Some(Sweep { beams, ..Sweep::default() });
+    frame.notes.add("3 beams masked");
+    frame.junction.junctions = 2;
+    let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
+    for expected in [
+        "## k = 2, 2 junctions",
+        "beams 4, 5: 3.00 m",
+        "beams 2, 4: 1.50 m",
+        "0 (blue)",
+        "- 3 beams masked",
+        "1 saw nothing",
+    ] {
+        assert!(text.contains(expected), "{expected} is missing:\n{text}");
+    }
+}
+
+#[test]
+fn parts_that_do_not_fit_and_empty_frames_are_explained_without_a_panic() {
+    let empty = Frame::default();
+    assert!(Explanation::of(&empty).to_markdown(&empty, &|_| "").starts_with("## k = 0"));
+    let mut torn = gaussian(&PLACES_M, &WALLS, 1.5);
+    torn.junction.wall_of_return.pop();
+    assert_eq!(Explanation::of(&torn).walls, []);
+    let single = gaussian(&[0.0], &[Some(0)], 1.5);
+    assert_eq!(Explanation::of(&single).walls[0].weakest, None);
+}
+
+#[test]
+fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
+    let frame = |junctions: usize, margin: f64| {
+        let mut frame = Frame::default();
+        (frame.junction.junctions, frame.junction.place) = (junctions, Place::Tee);
+        frame.spectrum.margin_decades = Some(margin);
+        frame
+    };
+    let mut watch = Watch::default();
+    let flight = [(3, 2.0), (3, 0.4), (3, 0.2), (4, 0.7), (4, 0.3), (4, 1.5), (4, 0.1)];
+    let told: Vec<Vec<String>> = flight
+        .map(|(junctions, margin)| watch.events(&frame(junctions, margin)).iter().map(Event::to_string).collect())
+        .to_vec();
+    assert_eq!(told[1], ["low margin: k = 0 holds by 0.40 decades"]);
+    assert_eq!(told[3], ["3 → 4 junctions (tee)"]);
+    assert_eq!(told[6], ["low margin: k = 0 holds by 0.10 decades"]);
+    assert!([0, 2, 4, 5].iter().all(|&i| told[i].is_empty()), "{told:?}");
+}

@@ -1,0 +1,70 @@
+//! Properties of views: 2D bounds, eyes, axes, legends. The blueprint has no setters for them; each is logged beside its
+//! view, and the messages are sent together.
+
+use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
+use rerun::external::re_log_types::BlueprintActivationCommand;
+use rerun::log::LogMsg;
+use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind};
+
+struct Property {
+    path: String,
+    value: Box<dyn AsComponents>,
+}
+
+/// The properties of the views of a layout.
+#[derive(Default)]
+pub(super) struct Properties(Vec<Property>);
+
+impl Properties {
+    /// The view, with a property noted down for it.
+    pub(super) fn with(
+        &mut self,
+        view: impl Into<ContainerLike>,
+        name: &str,
+        value: impl AsComponents + 'static,
+    ) -> ContainerLike {
+        let view = view.into();
+        if let ContainerLike::View(view) = &view {
+            let path = format!("{}/{name}", view.blueprint_path().to_string().trim_start_matches('/'));
+            self.0.push(Property { path, value: Box::new(value) });
+        }
+        view
+    }
+}
+
+/// Sends the layout and makes it the active one.
+pub(super) fn send(rec: &RecordingStream, layout: &Blueprint, properties: Properties) -> RecordingStreamResult<()> {
+    let (mut messages, command) = messages_of(layout)?;
+    messages.extend(property_messages(&command, properties)?);
+    rec.send_blueprint(messages, command);
+    Ok(())
+}
+
+fn messages_of(layout: &Blueprint) -> RecordingStreamResult<(Vec<LogMsg>, BlueprintActivationCommand)> {
+    let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
+    layout.send(&scratch, BlueprintActivation::default())?;
+    let mut messages = storage.take();
+    messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
+    let command = messages.iter().rev().find_map(|message| match message {
+        LogMsg::BlueprintActivationCommand(command) => Some(command.clone()),
+        _ => None,
+    });
+    let command = command.expect("a blueprint that was sent ends with its activation");
+    messages.retain(|message| !matches!(message, LogMsg::BlueprintActivationCommand(_)));
+    Ok((messages, command))
+}
+
+fn property_messages(
+    command: &BlueprintActivationCommand,
+    properties: Properties,
+) -> RecordingStreamResult<Vec<LogMsg>> {
+    let (scratch, storage) =
+        RecordingStreamBuilder::from_store_id(&command.blueprint_id).send_properties(false).memory()?;
+    scratch.set_time_sequence("blueprint", 0);
+    for Property { path, value } in properties.0 {
+        scratch.log(path, &*value)?;
+    }
+    let mut messages = storage.take();
+    messages.retain(|message| matches!(message, LogMsg::ArrowMsg(..)));
+    Ok(messages)
+}

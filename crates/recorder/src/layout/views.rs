@@ -1,0 +1,215 @@
+//! The views: what each shows, and from where it is seen.
+
+use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn};
+use rerun::blueprint::datatypes;
+use rerun::blueprint::{
+    ContainerLike, Spatial2DView, Spatial3DView, StateTimelineView, TextDocumentView, TextLogView, TimeSeriesView,
+};
+use rerun::components::Range1D;
+use rerun::external::re_sdk_types::blueprint::archetypes::{
+    Background, EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, TextDocumentFormat, TextLogColumns, TimeAxis,
+    VisualBounds2D,
+};
+
+use super::Extent;
+use super::properties::Properties;
+use crate::colors::color;
+use crate::profile::profile_bounds;
+use crate::spectrum::chart_bounds;
+
+/// Makes views of the entities below `root`.
+pub(super) struct Views {
+    root: String,
+    extent: Extent,
+    properties: Properties,
+}
+
+impl Views {
+    /// Of a recording whose entities stand below `root`: nothing, or a name that starts with `/`.
+    pub(super) fn new(root: &str, extent: Extent) -> Self {
+        Self { root: root.to_owned(), extent, properties: Properties::default() }
+    }
+
+    pub(super) fn into_properties(self) -> Properties {
+        self.properties
+    }
+
+    /// Queries for these entities.
+    fn entities<const N: usize>(&self, entities: [&str; N]) -> [String; N] {
+        entities.map(|entity| format!("+ {}/{entity}", self.root))
+    }
+
+    /// Where a view of several entities has its origin.
+    fn origin(&self) -> &str {
+        if self.root.is_empty() { "/" } else { &self.root }
+    }
+
+    /// The returns coloured by wall, and the links that decide the count.
+    pub(super) fn returns(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities(["scan/returns", "scan/links", "affinity/links", "scan/rings", "scan/sensor"]);
+        self.above(name, contents)
+    }
+
+    /// Returns, walls and openings.
+    pub(super) fn scan(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities(["scan/returns", "scan/walls", "scan/openings", "scan/rings", "scan/sensor"]);
+        self.above(name, contents)
+    }
+
+    /// The scan from above, x up and y left.
+    fn above<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
+        let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let height = (2.1 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
+        self.seen_from(view, [0.0, 0.0, height], [1.0, 0.0, 0.0])
+    }
+
+    fn seen_from(&mut self, view: Spatial3DView, position: [f32; 3], up: [f32; 3]) -> ContainerLike {
+        let eye = EyeControls3D::new()
+            .with_kind(Eye3DKind::Orbital)
+            .with_position(position)
+            .with_look_target([0.0f32, 0.0, 0.0])
+            .with_eye_up(up);
+        let view = self.properties.with(view, "EyeControls3D", eye);
+        let view = self.properties.with(view, "LineGrid3D", LineGrid3D::new().with_visible(false));
+        self.properties.with(view, "Background", backdrop())
+    }
+
+    /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
+    pub(super) fn picture(&mut self, name: &str, entity: &str) -> ContainerLike {
+        let contents = self.entities([entity, "kmeans/labels", "kmeans/blocks"]);
+        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let n = self.extent.places as f64;
+        self.flat(view, [-0.06 * n, -0.06 * n, 1.02 * n, 1.02 * n])
+    }
+
+    pub(super) fn chart(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities(["spectral/chart/**"]);
+        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        self.flat(view, chart_bounds())
+    }
+
+    /// What each beam saw and where it was put.
+    pub(super) fn labels(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities(["kmeans/profile/**"]);
+        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        self.flat(view, profile_bounds())
+    }
+
+    fn flat(&mut self, view: Spatial2DView, visible: [f64; 4]) -> ContainerLike {
+        let view = self.properties.with(view, "Background", backdrop());
+        self.properties.with(view, "VisualBounds2D", bounds(visible))
+    }
+
+    /// The rows of U, from a corner.
+    pub(super) fn embedding(&mut self) -> ContainerLike {
+        let view = self.rows_of_u("5 Embedding: rows of U, scaled");
+        self.seen_from(view, [1.75, 2.2, 1.45], [0.0, 0.0, 1.0])
+    }
+
+    /// The first two columns of U.
+    pub(super) fn embedding_plane(&mut self) -> ContainerLike {
+        let view = self.rows_of_u("u1, u2 alone");
+        self.seen_from(view, [0.0, 0.0, 2.6], [0.0, 1.0, 0.0])
+    }
+
+    fn rows_of_u(&self, name: &str) -> Spatial3DView {
+        let contents = self.entities(["spectral/embedding", "spectral/axes", "kmeans/centroids"]);
+        Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents)
+    }
+
+    pub(super) fn answer(&self) -> ContainerLike {
+        self.document("Answer", "report/summary").into()
+    }
+
+    pub(super) fn why(&self) -> ContainerLike {
+        self.document("Why this count?", "report/why").into()
+    }
+
+    pub(super) fn about(&self) -> ContainerLike {
+        self.document("About", "about").into()
+    }
+
+    pub(super) fn timing_table(&self) -> ContainerLike {
+        self.document("Time so far", "timing/summary").into()
+    }
+
+    pub(super) fn config(&mut self) -> ContainerLike {
+        let view = self.document("Configuration", "config");
+        self.properties.with(view, "TextDocumentFormat", TextDocumentFormat::new().with_monospace(true))
+    }
+
+    fn document(&self, name: &str, entity: &str) -> TextDocumentView {
+        TextDocumentView::new(name).with_origin(format!("{}/{entity}", self.root))
+    }
+
+    /// Revolutions worth a look; a click on one goes there.
+    pub(super) fn log(&mut self) -> ContainerLike {
+        let view = TextLogView::new("Worth a look: click a revolution").with_origin(format!("{}/log", self.root));
+        let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
+        let columns = [datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body].map(column);
+        self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
+    }
+
+    pub(super) fn counts(&mut self) -> ContainerLike {
+        let contents = self.entities(["report/junctions", "spectral/k"]);
+        self.lines("Junctions and k over revolutions", contents, Some([0.0, 5.5]))
+    }
+
+    pub(super) fn margin(&mut self) -> ContainerLike {
+        let contents = self.entities(["spectral/margin"]);
+        self.lines("Margin [decades]: how far τ could move before k changes", contents, None)
+    }
+
+    pub(super) fn confidence(&mut self) -> ContainerLike {
+        let contents = self.entities(["report/confidence"]);
+        self.lines("Confidence [0 to 1]", contents, Some([0.0, 1.05]))
+    }
+
+    pub(super) fn places(&mut self) -> ContainerLike {
+        let origin = format!("{}/report/place", self.root);
+        let view = StateTimelineView::new("Place over revolutions: click to go there").with_origin(origin);
+        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+    }
+
+    pub(super) fn timings(&mut self) -> ContainerLike {
+        let steps = ["timing/ingest", "timing/affinity", "timing/spectral", "timing/kmeans", "timing/report"];
+        let contents = self.entities(steps);
+        self.lines("Time per stage [ms] over revolutions", contents, None)
+    }
+
+    pub(super) fn total(&mut self) -> ContainerLike {
+        let contents = self.entities(["timing/total"]);
+        self.lines("All stages together and the sensor's period [ms]", contents, None)
+    }
+
+    pub(super) fn returns_count(&mut self) -> ContainerLike {
+        let contents = self.entities(["scan/count"]);
+        self.lines("Returns in a revolution", contents, None)
+    }
+
+    fn lines<const N: usize>(&mut self, name: &str, contents: [String; N], range: Option<[f64; 2]>) -> ContainerLike {
+        let view = TimeSeriesView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
+        let view = self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
+        match range {
+            Some([from, to]) => {
+                self.properties.with(view, "ScalarAxis", ScalarAxis::new().with_range(Range1D::new(from, to)))
+            }
+            None => view,
+        }
+    }
+}
+
+/// The same in a dark and in a light viewer, so that the colours always stand out.
+fn backdrop() -> Background {
+    Background::new(BackgroundKind::SolidColor).with_color(color(0x0D10_11FF))
+}
+
+/// Left, top, right and bottom of a 2D view.
+fn bounds([left, top, right, bottom]: [f64; 4]) -> VisualBounds2D {
+    let range = rerun::datatypes::Range2D {
+        x_range: rerun::datatypes::Range1D([left, right]),
+        y_range: rerun::datatypes::Range1D([top, bottom]),
+    };
+    VisualBounds2D::new(rerun::blueprint::components::VisualBounds2D(range))
+}

@@ -1,0 +1,54 @@
+//! Notes in the log: each when it begins. The explanation of a revolution has all of its notes.
+
+use crosscut_stage::Frame;
+use rerun::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel};
+
+use crate::beam_order::LARGEST_SIDE;
+use crate::matrices::is_drawn;
+
+/// The notes of the revolution before, without their numbers: "3 beams masked" goes on as "4 beams masked".
+#[derive(Default)]
+pub(crate) struct Notes {
+    before: Vec<String>,
+}
+
+impl Notes {
+    /// What was noted on the way and what this recording leaves out, as far as it is new.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+        for note in self.new_of(frame) {
+            rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
+        }
+        Ok(())
+    }
+
+    fn new_of(&mut self, frame: &Frame) -> Vec<String> {
+        let mut notes: Vec<String> = frame.notes.iter().map(str::to_owned).collect();
+        let n = frame.affinity.weights.n();
+        if n > 0 && !is_drawn(frame) {
+            notes.push(format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}"));
+        }
+        let without_numbers = |note: &String| note.chars().filter(|c| !c.is_ascii_digit()).collect();
+        let kinds: Vec<String> = notes.iter().map(without_numbers).collect();
+        let before = std::mem::replace(&mut self.before, kinds);
+        let new = notes.into_iter().zip(&self.before).filter(|(_, kind)| !before.contains(kind));
+        new.map(|(note, _)| note).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_note_is_told_when_it_begins_and_again_when_it_comes_back() {
+        let noted = |notes: &[&str]| {
+            let mut frame = Frame::default();
+            notes.iter().for_each(|note| frame.notes.add(*note));
+            frame
+        };
+        let mut notes = Notes::default();
+        let flight = [&["3 beams masked"][..], &["4 beams masked", "lost: x"], &["lost: x"], &[], &["lost: x"]];
+        let told = flight.map(|frame| notes.new_of(&noted(frame)));
+        assert_eq!(told, [vec!["3 beams masked"], vec!["lost: x"], vec![], vec![], vec!["lost: x"]]);
+    }
+}

@@ -1,0 +1,102 @@
+//! Labels by beam: how far each beam saw, in the colour of its wall, and above it the clusters that the walls come from.
+
+use crosscut_stage::{Frame, Sweep};
+use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
+
+use crate::beam_order::BeamOrder;
+use crate::colors::{GREY, color};
+use crate::partition::runs;
+use crate::polyline::simplified;
+use crate::tracks::Classes;
+
+/// The chart is as wide as this whatever the number of beams, and as high as this whatever the range.
+const WIDTH: f32 = 100.0;
+const HEIGHT: f32 = 60.0;
+/// Where the clusters and the walls stand: 2D views have y downwards, so above the ranges.
+const CLUSTERS_Y: f32 = -HEIGHT - 12.0;
+const WALLS_Y: f32 = -HEIGHT - 6.0;
+/// A line passes the ranges within this distance.
+const LINE: f32 = 0.25;
+/// Ranges of neighbouring beams that differ by more are not joined.
+const GAP: f32 = 5.0;
+
+/// Look of the entities, and what the rows are called.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let names = [("clusters", CLUSTERS_Y), ("walls", WALLS_Y)];
+    rec.log_static(
+        "kmeans/profile/names",
+        &marks(names.into_iter().map(|(name, y)| ([-9.0, y - 3.0], name.to_owned()))),
+    )
+}
+
+/// The axes: ranges to `reach_m`, and the bearings of some beams.
+pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> RecordingStreamResult<()> {
+    let shares = [0.0f32, 0.25, 0.5, 0.75, 1.0];
+    let grid = LineStrips2D::new(shares.map(|share| [[0.0, -HEIGHT * share], [WIDTH, -HEIGHT * share]]))
+        .with_radii([Radius::new_ui_points(0.5)])
+        .with_colors([color(0x8C8C_8C60)]);
+    let ranges =
+        shares.iter().map(|&share| ([-9.0, -HEIGHT * share - 3.0], format!("{:.1} m", f64::from(share) * reach_m)));
+    let last = sweep.len().saturating_sub(1);
+    let bearings = shares.iter().filter_map(|&share| {
+        let bearing = sweep.bearings_rad.get((share * last as f32).round() as usize)?;
+        Some(([WIDTH * share, 1.0], format!("{:+.0}°", bearing.to_degrees())))
+    });
+    rec.log("kmeans/profile/axes", &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))])
+}
+
+/// The ranges of one revolution, drawn to `reach_m`, and its clusters and walls.
+pub(crate) fn log(
+    rec: &RecordingStream,
+    frame: &Frame,
+    order: &BeamOrder,
+    classes: &Classes,
+    reach_m: f64,
+) -> RecordingStreamResult<()> {
+    let along = WIDTH / order.used.max(1) as f32;
+    let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
+    let clusters: Vec<u16> = frame.partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
+    let mut lines = Vec::new();
+    for (y, row) in [(CLUSTERS_Y, &clusters), (WALLS_Y, &walls)] {
+        let bar = |(class, from, to): (u16, usize, usize)| {
+            (vec![[along * from as f32, y], [along * to as f32, y]], class, Radius::new_ui_points(4.0))
+        };
+        lines.extend(runs(row, &order.places).into_iter().map(bar));
+    }
+    let height = |i: usize| -HEIGHT * (frame.revolution.range_m(i) / reach_m).min(1.0) as f32;
+    let placed: Vec<(u16, [f32; 3])> = (walls.iter().zip(&order.places).enumerate().take(frame.revolution.len()))
+        .map(|(i, (class, place))| (*class, [along * (*place as f32 + 0.5), height(i), 0.0]))
+        .collect();
+    let joined = |a: &(u16, [f32; 3]), b: &(u16, [f32; 3])| {
+        a.0 == b.0 && b.1[0] - a.1[0] < 4.5 * along && (a.1[1] - b.1[1]).abs() < GAP
+    };
+    let ranges = placed.chunk_by(joined);
+    lines.extend(ranges.map(|line| (drawn(line, along), line[0].0, Radius::new_ui_points(1.5))));
+    let (lines, (colors, radii)): (Vec<_>, (Vec<_>, Vec<_>)) =
+        lines.into_iter().map(|(line, class, radius)| (line, (class, radius))).unzip();
+    let lines = LineStrips2D::new(lines).with_class_ids(colors).with_radii(radii).with_show_labels(false);
+    rec.log("kmeans/profile/lines", &lines)
+}
+
+/// The line through these ranges; one alone is as wide as its beam.
+fn drawn(line: &[(u16, [f32; 3])], along: f32) -> Vec<[f32; 2]> {
+    if let [(_, [x, y, _])] = *line {
+        return vec![[x - 0.5 * along, y], [x + 0.5 * along, y]];
+    }
+    let line: Vec<[f32; 3]> = line.iter().map(|(_, point)| *point).collect();
+    simplified(&line, LINE).into_iter().map(|[x, y, _]| [x, y]).collect()
+}
+
+fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {
+    let (at, labels): (Vec<_>, Vec<_>) = marks.unzip();
+    Points2D::new(at)
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(GREY)])
+        .with_labels(labels)
+        .with_show_labels(true)
+}
+
+/// Left, top, right and bottom of the chart.
+pub(crate) fn profile_bounds() -> [f64; 4] {
+    [-22.0, f64::from(CLUSTERS_Y) - 6.0, f64::from(WIDTH) + 11.0, 10.0]
+}

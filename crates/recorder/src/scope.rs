@@ -1,0 +1,186 @@
+//! How much is recorded of which revolution.
+
+use std::num::NonZeroU64;
+use std::ops::RangeInclusive;
+
+use crosscut_stage::Frame;
+
+/// Exact matrices at most in one part of a recording because the count changed; those of every N-th revolution come on
+/// top. With both, 6000 revolutions of 360 beams stay below 200 MB.
+const EVENTS_PER_PART: u64 = 16;
+
+/// How much of each revolution is recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Ranges, returns, eigenvalues, labels, answer, explanation and times; no matrix.
+    Light,
+    /// W and L as pictures and U of every revolution; exact W and U of some.
+    #[default]
+    Default,
+    /// Exact W and U of every revolution as well.
+    Full,
+}
+
+impl Detail {
+    /// Every how many revolutions W and U are recorded exactly, if nothing else is asked for.
+    fn exact_every(self) -> Option<NonZeroU64> {
+        match self {
+            Self::Light => None,
+            Self::Default => NonZeroU64::new(300),
+            Self::Full => Some(NonZeroU64::MIN),
+        }
+    }
+}
+
+/// What is recorded of a flight. The default is all of it.
+#[derive(Clone, Debug)]
+pub struct Scope {
+    /// How much of each revolution.
+    pub detail: Detail,
+    /// Exact matrices at every N-th revolution recorded; `None`: as `detail` says.
+    pub exact_every: Option<NonZeroU64>,
+    /// Revolutions that are recorded, by their `seq`.
+    pub revolutions: RangeInclusive<u64>,
+    /// Sensor time that is recorded, seconds since the first revolution seen.
+    pub seconds: RangeInclusive<f64>,
+    /// A file ends after this many revolutions, and another begins.
+    pub part_revolutions: NonZeroU64,
+}
+
+impl Scope {
+    /// Ten minutes at 10 Hz.
+    pub const PART_REVOLUTIONS: NonZeroU64 = NonZeroU64::new(6000).expect("not 0");
+}
+
+impl Default for Scope {
+    fn default() -> Self {
+        Self {
+            detail: Detail::default(),
+            exact_every: None,
+            revolutions: 0..=u64::MAX,
+            seconds: 0.0..=f64::INFINITY,
+            part_revolutions: Self::PART_REVOLUTIONS,
+        }
+    }
+}
+
+/// What is recorded of one revolution, beside what always is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Share {
+    /// Degrees, the pictures of W and L, links, U and the embedding.
+    pub(crate) matrices: bool,
+    /// W and U as the pipeline had them.
+    pub(crate) exact: bool,
+    /// No exact matrices although the count changed: this part has enough of them. Set at the first such revolution.
+    pub(crate) exact_refused: bool,
+    /// The first of a part of the recording other than the first.
+    pub(crate) new_part: bool,
+}
+
+/// Decides, in order, what is recorded of each revolution.
+pub(crate) struct Plan {
+    scope: Scope,
+    first_stamp_ns: Option<u64>,
+    recorded: u64,
+    junctions: Option<usize>,
+    events_in_part: u64,
+}
+
+impl Plan {
+    pub(crate) fn new(scope: Scope) -> Self {
+        Self { scope, first_stamp_ns: None, recorded: 0, junctions: None, events_in_part: 0 }
+    }
+
+    /// `None` if nothing of this revolution is recorded.
+    pub(crate) fn share_of(&mut self, frame: &Frame) -> Option<Share> {
+        let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
+        let first_ns = *self.first_stamp_ns.get_or_insert(stamp_ns);
+        let since_first_s = stamp_ns.saturating_sub(first_ns) as f64 * 1e-9;
+        if !self.scope.revolutions.contains(&seq) || !self.scope.seconds.contains(&since_first_s) {
+            return None;
+        }
+        let part = self.scope.part_revolutions.get();
+        let new_part = self.recorded > 0 && self.recorded.is_multiple_of(part);
+        if new_part {
+            self.events_in_part = 0;
+        }
+        let junctions = frame.junction.junctions;
+        let changed = self.junctions.replace(junctions).is_some_and(|before| before != junctions);
+        let (exact, exact_refused) = self.exact(changed);
+        self.recorded += 1;
+        Some(Share { matrices: self.scope.detail != Detail::Light, exact, exact_refused, new_part })
+    }
+
+    /// Whether exact matrices are due, and whether they were for the first time refused in this part.
+    fn exact(&mut self, changed: bool) -> (bool, bool) {
+        let every = self.scope.exact_every.or(self.scope.detail.exact_every());
+        if every.is_some_and(|every| self.recorded.is_multiple_of(every.get())) {
+            return (true, false);
+        }
+        if !changed || self.scope.detail == Detail::Light {
+            return (false, false);
+        }
+        self.events_in_part += 1;
+        (self.events_in_part <= EVENTS_PER_PART, self.events_in_part == EVENTS_PER_PART + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(seq: u64, junctions: usize) -> Frame {
+        let mut frame = Frame::default();
+        frame.revolution.seq = seq;
+        frame.revolution.stamp_ns = 5_000_000_000 + 100_000_000 * seq;
+        frame.junction.junctions = junctions;
+        frame
+    }
+
+    /// The shares of revolutions 0, 1, 2... with these counts.
+    fn shares(scope: Scope, junctions: &[usize]) -> Vec<Option<Share>> {
+        let mut plan = Plan::new(scope);
+        (0..).zip(junctions).map(|(seq, &junctions)| plan.share_of(&frame(seq, junctions))).collect()
+    }
+
+    fn exact(scope: Scope, junctions: &[usize]) -> Vec<usize> {
+        let shares = shares(scope, junctions);
+        (0..shares.len()).filter(|&i| shares[i].is_some_and(|share| share.exact)).collect()
+    }
+
+    #[test]
+    fn exact_matrices_come_at_every_nth_revolution_and_where_the_count_changes() {
+        let every = |n| Scope { exact_every: NonZeroU64::new(n), ..Scope::default() };
+        assert_eq!(exact(every(4), &[2, 2, 3, 3, 3, 3, 2, 2, 2]), [0, 2, 4, 6, 8]);
+        assert_eq!(exact(Scope { detail: Detail::Full, ..Scope::default() }, &[2; 4]), [0, 1, 2, 3]);
+        assert_eq!(exact(Scope { detail: Detail::Light, ..Scope::default() }, &[2, 3, 2]), [0; 0]);
+    }
+
+    #[test]
+    fn a_count_that_flickers_does_not_fill_the_disk_and_the_refusal_is_told_once_a_part() {
+        let flicker: Vec<usize> = (0..400).map(|i| i % 2).collect();
+        let scope = Scope { part_revolutions: NonZeroU64::new(200).unwrap(), ..Scope::default() };
+        let shares = shares(scope.clone(), &flicker);
+        let in_parts = |what: fn(Share) -> bool| {
+            [0..200, 200..400].map(|part| part.filter(|&i| shares[i].is_some_and(what)).count() as u64)
+        };
+        assert_eq!(in_parts(|share| share.exact), [EVENTS_PER_PART + 1; 2]);
+        assert_eq!(in_parts(|share| share.exact_refused), [1, 1]);
+        assert_eq!(in_parts(|share| share.new_part), [0, 1]);
+    }
+
+    #[test]
+    fn only_the_revolutions_and_seconds_asked_for_are_recorded_and_parts_count_those_alone() {
+        let recorded = |scope| -> Vec<usize> {
+            let shares = shares(scope, &[2; 20]);
+            (0..20).filter(|&i| shares[i].is_some()).collect()
+        };
+        assert_eq!(recorded(Scope { revolutions: 4..=6, ..Scope::default() }), [4, 5, 6]);
+        assert_eq!(recorded(Scope { seconds: 0.25..=0.5, ..Scope::default() }), [3, 4, 5]);
+        assert_eq!(recorded(Scope { revolutions: 4..=9, seconds: 0.75..=9.0, ..Scope::default() }), [8, 9]);
+        let two = NonZeroU64::new(2).unwrap();
+        let shares = shares(Scope { revolutions: 3..=9, part_revolutions: two, ..Scope::default() }, &[2; 20]);
+        let parts: Vec<usize> = (0..20).filter(|&i| shares[i].is_some_and(|share| share.new_part)).collect();
+        assert_eq!(parts, [5, 7, 9]);
+    }
+}

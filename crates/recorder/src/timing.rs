@@ -1,0 +1,105 @@
+//! Time: each stage, all together against the sensor's period, and a table of the last revolutions.
+
+use std::collections::VecDeque;
+
+use crosscut_stage::{Frame, Step};
+use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, TextDocument};
+
+use crate::colors::{REPORTED, STEPS, TOLERANCE, color, series};
+
+/// The table is of so many revolutions at most.
+const WINDOW: usize = 200;
+/// The table is written at every so many revolutions.
+const TOLD_EVERY: u64 = 10;
+
+/// Names and colours of the lines over time.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    for (step, rgba) in Step::ALL.into_iter().zip(STEPS) {
+        rec.log_static(format!("timing/{step}"), &series(step.name(), rgba, 2.0))?;
+    }
+    let lines = SeriesLines::new()
+        .with_names(["all stages", "from scan to scan"])
+        .with_colors([color(REPORTED), color(TOLERANCE)])
+        .with_widths([2.0, 1.5]);
+    rec.log_static("timing/total", &lines)
+}
+
+/// The times of the last revolutions.
+#[derive(Default)]
+pub(crate) struct Times {
+    stamp_ns: Option<u64>,
+    seen: u64,
+    /// Milliseconds of each step, of all, and since the revolution before (NaN at the first).
+    last: VecDeque<[f64; ROWS]>,
+}
+
+/// Each step, all of them, and the sensor's period.
+const ROWS: usize = Step::ALL.len() + 2;
+
+impl Times {
+    /// The times of one revolution, and the table so far.
+    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+        let ms = |ns: u64| ns as f64 * 1e-6;
+        let mut row = [f64::NAN; ROWS];
+        for (at, step) in Step::ALL.into_iter().enumerate() {
+            row[at] = ms(frame.timings.ns(step));
+            rec.log(format!("timing/{step}"), &Scalars::single(row[at]))?;
+        }
+        let total = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum();
+        row[ROWS - 2] = ms(total);
+        if let Some(before_ns) = self.stamp_ns.replace(frame.revolution.stamp_ns) {
+            row[ROWS - 1] = ms(frame.revolution.stamp_ns.saturating_sub(before_ns));
+        }
+        rec.log("timing/total", &Scalars::new([row[ROWS - 2], row[ROWS - 1]]))?;
+        if self.last.len() == WINDOW {
+            self.last.pop_front();
+        }
+        self.last.push_back(row);
+        self.seen += 1;
+        if self.seen % TOLD_EVERY == 1 {
+            rec.log("timing/summary", &TextDocument::from_markdown(self.table()))?;
+        }
+        Ok(())
+    }
+
+    fn table(&self) -> String {
+        let names = Step::ALL.map(Step::name).into_iter().chain(["**all stages**", "scan to scan"]);
+        let mut lines = vec![
+            format!("The last {} revolutions, milliseconds:\n", self.last.len()),
+            "| stage | now | median | 99 % below | most |\n|---|---|---|---|---|".to_owned(),
+        ];
+        for (at, name) in names.enumerate() {
+            let mut sorted: Vec<f64> = self.last.iter().map(|row| row[at]).filter(|ms| !ms.is_nan()).collect();
+            sorted.sort_by(f64::total_cmp);
+            if let (Some(now), Some(most)) = (self.last.back(), sorted.last()) {
+                let below = |share: f64| sorted[((sorted.len() as f64 * share).ceil() as usize).max(1) - 1];
+                let (now, median, p99) = (now[at], below(0.5), below(0.99));
+                lines.push(format!("| {name} | {now:.2} | {median:.2} | {p99:.2} | {most:.2} |"));
+            }
+        }
+        lines.push(
+            "\nStages run side by side, each in its own thread: a revolution comes out whenever the slowest one \
+            is done, and its answer is as old as all of them together."
+                .to_owned(),
+        );
+        lines.join("\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_tells_the_median_and_the_largest_of_a_window_that_moves() {
+        let mut times = Times::default();
+        for ms in (0..WINDOW + 50).map(|i| i as f64) {
+            if times.last.len() == WINDOW {
+                times.last.pop_front();
+            }
+            times.last.push_back([ms; ROWS]);
+        }
+        let table = times.table();
+        assert!(table.contains("| ingest | 249.00 | 149.00 | 247.00 | 249.00 |"), "{table}");
+    }
+}

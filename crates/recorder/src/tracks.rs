@@ -1,0 +1,187 @@
+//! The same wall has the same colour from one revolution to the next.
+//!
+//! Results number the walls of each revolution anew. Here each wall takes the colour of the wall of the revolution before
+//! that lay in the same directions. That is a matter of the recording alone: no result depends on it.
+
+use std::cmp::Reverse;
+
+use crosscut_stage::Frame;
+
+use crate::colors::{COLORS, NO_WALL};
+
+/// Directions are told apart to half a degree.
+const BINS: usize = 720;
+
+/// The classes of the walls and clusters of one revolution: what they are coloured by.
+#[derive(Debug, Default)]
+pub(crate) struct Classes {
+    /// By wall number.
+    pub(crate) walls: Vec<u16>,
+    /// By cluster.
+    clusters: Vec<u16>,
+}
+
+impl Classes {
+    /// The class of a wall.
+    pub(crate) fn of_wall(&self, wall: Option<u32>) -> u16 {
+        wall.and_then(|wall| self.walls.get(wall as usize)).copied().unwrap_or(NO_WALL)
+    }
+
+    /// The class of the wall that most of a cluster's returns belong to.
+    pub(crate) fn of_cluster(&self, cluster: Option<u32>) -> u16 {
+        cluster.and_then(|cluster| self.clusters.get(cluster as usize)).copied().unwrap_or(NO_WALL)
+    }
+}
+
+/// What was seen last in each direction.
+pub(crate) struct Tracks {
+    seen: Vec<Option<u16>>,
+}
+
+impl Default for Tracks {
+    fn default() -> Self {
+        Self { seen: vec![None; BINS] }
+    }
+}
+
+impl Tracks {
+    /// The classes of the next revolution's walls: of all pairs of a wall and a class seen before, those that share the
+    /// most directions go together; a wall that is left gets a class that was not seen lately.
+    pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
+        let walls = self.match_walls(frame);
+        let wall_of = &frame.junction.wall_of_return;
+        for (i, wall) in wall_of.iter().enumerate().take(frame.revolution.len()) {
+            if let Some(wall) = wall {
+                self.seen[bin(frame, i)] = Some(walls[*wall as usize]);
+            }
+        }
+        let clusters =
+            walls_of_clusters(frame).into_iter().map(|wall| wall.map_or(NO_WALL, |wall| walls[wall])).collect();
+        Classes { walls, clusters }
+    }
+
+    fn match_walls(&self, frame: &Frame) -> Vec<u16> {
+        let mut classes: Vec<Option<u16>> = vec![None; number_of_walls(frame)];
+        let mut taken = Vec::new();
+        for (_, wall, class) in self.overlaps(frame, classes.len()) {
+            if classes[wall].is_none() && !taken.contains(&class) {
+                classes[wall] = Some(class);
+                taken.push(class);
+            }
+        }
+        classes.into_iter().map(|class| class.unwrap_or_else(|| self.take_new(&mut taken))).collect()
+    }
+
+    /// Directions shared, wall, class; the most directions first.
+    fn overlaps(&self, frame: &Frame, walls: usize) -> Vec<(Reverse<usize>, usize, u16)> {
+        let classes = self.seen.iter().flatten().max().map_or(0, |&last| usize::from(last) + 1);
+        let mut shared = vec![0; walls * classes];
+        for (i, wall) in frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len()) {
+            if let (Some(wall), Some(class)) = (wall, self.seen[bin(frame, i)]) {
+                shared[*wall as usize * classes + usize::from(class)] += 1;
+            }
+        }
+        let pair = |(at, &shared): (usize, &usize)| (Reverse(shared), at / classes, (at % classes) as u16);
+        let mut overlaps: Vec<_> = shared.iter().enumerate().filter(|(_, shared)| **shared > 0).map(pair).collect();
+        overlaps.sort_unstable();
+        overlaps
+    }
+
+    /// The first class that nobody has: one with a colour of its own that was not seen lately, if there is one.
+    fn take_new(&self, taken: &mut Vec<u16>) -> u16 {
+        let free = |class: &u16| !taken.contains(class);
+        let fresh = (0..COLORS).filter(free).find(|class| !self.seen.contains(&Some(*class)));
+        let class = fresh.or_else(|| (0..NO_WALL).find(free)).unwrap_or(NO_WALL);
+        taken.push(class);
+        class
+    }
+}
+
+fn bin(frame: &Frame, i: usize) -> usize {
+    let turn = frame.revolution.bearing_rad(i).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+    ((turn * BINS as f64) as usize).min(BINS - 1)
+}
+
+fn number_of_walls(frame: &Frame) -> usize {
+    let last = frame.junction.wall_of_return.iter().flatten().max();
+    last.map_or(0, |&last| last as usize + 1).max(frame.junction.walls.len())
+}
+
+/// The wall that most returns of each cluster belong to; `None` if most belong to none.
+fn walls_of_clusters(frame: &Frame) -> Vec<Option<usize>> {
+    let (clusters, walls) = (frame.partition.clusters, number_of_walls(frame));
+    let mut returns = vec![vec![0usize; walls + 1]; clusters];
+    for (label, wall) in frame.partition.labels.iter().zip(&frame.junction.wall_of_return) {
+        if let Some(of_cluster) = label.and_then(|label| returns.get_mut(label as usize)) {
+            of_cluster[wall.map_or(walls, |wall| wall as usize)] += 1;
+        }
+    }
+    let most = |of_cluster: &Vec<usize>| (0..=walls).max_by_key(|&wall| (of_cluster[wall], Reverse(wall)));
+    returns.iter().map(|of_cluster| most(of_cluster).filter(|&wall| wall < walls)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_stage::Point;
+
+    /// A revolution whose walls span these directions, in degrees.
+    fn frame(walls: &[(u32, std::ops::Range<i32>)]) -> Frame {
+        let mut frame = Frame::default();
+        for (wall, span) in walls {
+            for degree in span.clone() {
+                let (sin, cos) = f64::from(degree).to_radians().sin_cos();
+                frame.revolution.points_m.push(Point::new(3.0 * cos, 3.0 * sin, 0.0));
+                frame.junction.wall_of_return.push(Some(*wall));
+            }
+        }
+        frame
+    }
+
+    #[test]
+    fn a_wall_keeps_its_class_when_it_is_numbered_otherwise() {
+        let mut tracks = Tracks::default();
+        assert_eq!(tracks.classes_of(&frame(&[(0, 0..100), (1, 120..300)])).walls, [0, 1]);
+        assert_eq!(tracks.classes_of(&frame(&[(0, 125..305), (1, 5..105)])).walls, [1, 0]);
+    }
+
+    #[test]
+    fn of_a_wall_that_breaks_the_larger_part_keeps_the_class_and_the_other_gets_a_new_one() {
+        let mut tracks = Tracks::default();
+        tracks.classes_of(&frame(&[(0, 0..180), (1, 190..350)]));
+        assert_eq!(tracks.classes_of(&frame(&[(0, 0..60), (1, 70..180), (2, 190..350)])).walls, [2, 0, 1]);
+        assert_eq!(tracks.classes_of(&frame(&[(0, 0..180), (1, 190..350)])).walls, [0, 1], "joined again");
+    }
+
+    #[test]
+    fn a_wall_out_of_sight_for_a_while_comes_back_with_its_class() {
+        let mut tracks = Tracks::default();
+        tracks.classes_of(&frame(&[(0, 0..100), (1, 120..300)]));
+        for _ in 0..5 {
+            tracks.classes_of(&frame(&[(0, 120..300)]));
+        }
+        assert_eq!(tracks.classes_of(&frame(&[(0, 0..100), (1, 120..300)])).walls, [0, 1]);
+        assert!(tracks.classes_of(&frame(&[])).walls.is_empty());
+    }
+
+    #[test]
+    fn walls_beyond_the_colours_still_have_a_class_each() {
+        let spans: Vec<_> =
+            (0..20u32).map(|wall| (wall, 18 * wall.cast_signed()..18 * wall.cast_signed() + 9)).collect();
+        let mut walls = Tracks::default().classes_of(&frame(&spans)).walls;
+        walls.sort_unstable();
+        walls.dedup();
+        assert_eq!(walls.len(), 20);
+    }
+
+    #[test]
+    fn a_cluster_has_the_colour_of_most_of_its_returns_and_grey_if_they_are_no_wall() {
+        let mut frame = frame(&[(0, 0..10), (1, 20..30)]);
+        frame.junction.wall_of_return[12..].fill(None);
+        frame.partition.labels = (0..20).map(|i| Some(u32::from(i >= 8))).collect();
+        frame.partition.clusters = 2;
+        let classes = Tracks::default().classes_of(&frame);
+        assert_eq!([classes.of_cluster(Some(0)), classes.of_cluster(Some(1))], [0, NO_WALL]);
+        assert_eq!([classes.of_cluster(None), classes.of_wall(None), classes.of_wall(Some(9))], [NO_WALL; 3]);
+    }
+}

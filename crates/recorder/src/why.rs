@@ -1,0 +1,99 @@
+//! Why the count is what it is: in words, drawn on the scan, and which revolutions are worth a look.
+
+use crosscut_explain::{Change, Event, Explanation, Link, Watch};
+use crosscut_stage::{Frame, Revolution, Weights};
+use rerun::{
+    AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, TextDocument, TextLog,
+    TextLogLevel,
+};
+
+use crate::beam_order::LARGEST_SIDE;
+use crate::colors::{LINK, STRONGEST, WEAK_LINK, WEAKEST, color, name_of};
+use crate::scan::xyz;
+use crate::tracks::Classes;
+
+/// Links of a sparse W drawn for each return at most; where there are more, every m-th is.
+const DRAWN_A_RETURN: usize = 4;
+/// A weaker link of a sparse W stands out.
+const WEAK: f64 = 0.1;
+
+/// Look of the entities.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let ui = Radius::new_ui_points;
+    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(STRONGEST)]);
+    let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
+    rec.log_static("scan/links", &[&lines as &dyn AsComponents, &marks])
+}
+
+/// The explanation of one revolution, and whether it is worth a look.
+pub(crate) fn log(
+    rec: &RecordingStream,
+    frame: &Frame,
+    classes: &Classes,
+    watch: &mut Watch,
+) -> RecordingStreamResult<()> {
+    let explanation = Explanation::of(frame);
+    let text = explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))));
+    rec.log("report/why", &TextDocument::from_markdown(text))?;
+    log_decisive_links(rec, &frame.revolution, &explanation)?;
+    for event in watch.events(frame) {
+        let level = match event {
+            Event::LowMargin { .. } => TextLogLevel::WARN,
+            _ => TextLogLevel::INFO,
+        };
+        rec.log("log", &TextLog::new(event.to_string()).with_level(level))?;
+    }
+    Ok(())
+}
+
+/// The weakest link inside each wall, and the strongest between two; a mark at those that would change the count.
+fn log_decisive_links(
+    rec: &RecordingStream,
+    revolution: &Revolution,
+    explanation: &Explanation,
+) -> RecordingStreamResult<()> {
+    let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
+    let links = weakest.chain(explanation.strongest().map(|(_, link)| (link, STRONGEST)));
+    let (lines, colors): (Vec<_>, Vec<_>) =
+        links.map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
+    let (at, labels): (Vec<_>, Vec<_>) =
+        explanation.changes.iter().filter_map(|change| mark(revolution, change, change.link?)).unzip();
+    let lines = LineStrips3D::new(lines).with_colors(colors);
+    let marks = Points3D::new(at).with_labels(labels).with_show_labels(true);
+    rec.log("scan/links", &[&lines as &dyn AsComponents, &marks])
+}
+
+fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
+    returns.map(|i| xyz(&revolution.points_m[i]))
+}
+
+/// In the middle of the link: "k = 4 if broken: 3e-5".
+fn mark(revolution: &Revolution, change: &Change, link: Link) -> Option<([f32; 3], String)> {
+    let [a, b] = line(revolution, link.returns);
+    let what = if change.walls.len() == 1 { "broken" } else { "joined" };
+    let middle = std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]));
+    Some((middle, format!("k = {} if {what}: {:.0e}", change.k, link.weight)))
+}
+
+/// The links of a sparse W, the weak ones standing out. Of those of weight 1, each return's to the next alone: the others
+/// lie upon them.
+pub(crate) fn log_graph(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+    let (weights, n) = (&frame.affinity.weights, frame.revolution.len());
+    if !matches!(weights, Weights::Sparse(_)) || weights.n() != n || n > LARGEST_SIDE {
+        return Ok(());
+    }
+    let mut links = Vec::new();
+    let mut linked = 0; // returns up to this one have their next
+    weights.for_each(|i, j, w| {
+        if i < j && w > 0.0 && (w < 1.0 || i >= linked) {
+            links.push(([i, j], w));
+            linked = i + 1;
+        }
+    });
+    let every = links.len().div_ceil(DRAWN_A_RETURN * n.max(1)).max(1);
+    let (lines, colors): (Vec<_>, Vec<_>) = (links.into_iter().step_by(every))
+        .map(|(returns, w)| (line(&frame.revolution, returns), color(if w < WEAK { WEAK_LINK } else { LINK })))
+        .unzip();
+    let lines = LineStrips3D::new(lines).with_colors(colors).with_radii([Radius::new_ui_points(0.5)]);
+    rec.log("affinity/links", &lines)
+}
