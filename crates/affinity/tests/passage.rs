@@ -78,8 +78,27 @@ fn a_wall_goes_on_across_beams_that_were_lost_and_behind_a_bump() {
     let bump = [TUNNEL[0], TUNNEL[1], [[4.0, -2.0], [4.2, -1.5]], [[4.2, -1.5], [4.4, -2.0]]];
     assert_eq!(components(&scan(&bump, all), &[]).len(), 2);
     let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
-    let corner_lost = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { range_m };
+    let corner_lost = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { lost(beam, range_m) };
     assert_eq!(components(&scan(&dead_end, corner_lost), &[]).len(), 1);
+}
+
+#[test]
+fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    let nothing_seen = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan(&dead_end, nothing_seen), &[]).len(), 2);
+}
+
+#[test]
+fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
+    // A side branch of that width, its far wall seen; all of its near one hidden.
+    let with_branch = |width_m: f64| {
+        let far_m = 3.0 + width_m;
+        let left = [[[-30.0, 2.0], [3.0, 2.0]], [[3.0, 2.0], [3.0, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
+        [&left[..], &[[[far_m, 2.0], [30.0, 2.0]], TUNNEL[1]]].concat()
+    };
+    let walls = |width_m| components(&scan(&with_branch(width_m), all), &[]).len();
+    assert_eq!((walls(0.8), walls(4.0)), (2, 3));
 }
 
 #[test]
@@ -111,7 +130,7 @@ fn a_door_narrower_than_the_vehicle_ends_no_wall() {
 
 #[test]
 fn a_number_out_of_range_is_refused_by_its_name() {
-    for (name, bad) in [("passage_m", 0.0), ("corner_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
+    for (name, bad) in [("passage_m", 0.0), ("straight_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
         let refused = Passage::new(&[(name, Value::Number(bad))]).expect_err("must be refused");
         assert_eq!(refused.name, name);
     }

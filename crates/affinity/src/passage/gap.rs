@@ -5,8 +5,24 @@ use std::f64::consts::{PI, TAU};
 use super::ring::{Place, Ring, turn_rad};
 use super::tangent::{End, has_direction, tangent};
 
-/// A wall whose end leaves the line of the other by this much on the far side hides a branch.
-const ASIDE_M: f64 = 0.8;
+/// A gap whose walls recede from each other is a way on if it is at least so wide, as a share of the place's size.
+const WAY_SHARE: f64 = 0.3;
+/// A gap in which the view ends with nothing seen, likewise.
+const DARK_SHARE: f64 = 0.45;
+/// Beams without return over so many beams and so wide an angle are such a view;
+const DARK_BEAMS: u32 = 4;
+const DARK_RAD: f64 = 3.5 * PI / 180.0;
+/// if one of its ends lies farther than this share of the sensor's range,
+const FAR_SHARE: f64 = 0.7;
+/// or if they are so many times more than are lost in a row where a wall clearly goes on.
+const LOST_TIMES: u32 = 2;
+/// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
+const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
+const LOST_OFF_SHARE: f64 = 0.3;
+/// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
+const SHADE_SHARE: f64 = 1.5;
+/// Nothing seen is a way on even where the wall turns as little as this.
+const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
 /// A piece without a direction belongs to a wall if it lies within this of its line, plus a share of the distance.
 const OFF_LINE_M: f64 = 0.3;
 const OFF_LINE_SHARE: f64 = 0.15;
@@ -14,11 +30,6 @@ const OFF_LINE_SHARE: f64 = 0.15;
 /// distance that is along the beams, and the largest distance.
 const GRAZING_SHARE: f64 = 0.8;
 const GRAZING_M: f64 = 3.0;
-/// Directions that differ by less are parallel: their sine.
-const PARALLEL: f64 = 0.2;
-/// In the shadow of an island nothing is seen, so a corner may be farther off, and blunter.
-const SHADOW_CORNER_M: f64 = 9.0;
-const SHADOW_CORNER_RAD: f64 = 110.0 * PI / 180.0;
 
 /// What is asked of a gap; see the parameters of the stage.
 #[derive(Clone, Copy, Debug)]
@@ -26,87 +37,147 @@ pub(super) struct Limits {
     pub(super) passage_m: f64,
     pub(super) stretch_m: f64,
     pub(super) straight_rad: f64,
-    pub(super) corner_rad: f64,
-    pub(super) corner_m: f64,
-    pub(super) unseen_rad: f64,
+    pub(super) way_rad: f64,
+    pub(super) clear_share: f64,
 }
 
-/// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None` where a
-/// vehicle could pass between them.
-pub(super) fn cost(ring: &Ring, island_beams: &[bool], a: &[usize], b: &[usize], limits: &Limits) -> Option<f64> {
-    let (p, q) = (a[a.len() - 1], b[0]);
-    let chord = ring.place_m(q) - ring.place_m(p);
-    let chord_m = chord.norm();
-    if chord_m < limits.passage_m {
-        return Some(0.0);
+/// Judges the gaps of one scan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judge<'a> {
+    ring: &'a Ring,
+    islands: &'a [Vec<usize>],
+    limits: Limits,
+    /// The size of the place: the median range.
+    size_m: f64,
+    /// The most beams that are lost in a row where a wall clearly goes on.
+    lost_beams: u32,
+}
+
+/// A gap between two pieces that have directions.
+struct Bend {
+    /// How much the wall turns left at the one end and at the other.
+    turns_rad: [f64; 2],
+    /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
+    aside_m: [f64; 2],
+}
+
+impl<'a> Judge<'a> {
+    /// Learns the size of the place, and how many beams get lost, from the pieces of its walls.
+    pub(super) fn new(ring: &'a Ring, pieces: &[Vec<usize>], islands: &'a [Vec<usize>], limits: Limits) -> Self {
+        let mut ranges_m: Vec<f64> = pieces.iter().flatten().map(|&i| ring.range_m(i)).collect();
+        let middle = ranges_m.len() / 2;
+        let size_m = if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let mut judge = Self { ring, islands, limits, size_m, lost_beams: 0 };
+        let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
+        let beside = |at: usize| (pieces[at].as_slice(), pieces[(at + 1) % pieces.len()].as_slice());
+        let across = (0..gaps).map(beside).filter(|(a, b)| judge.clearly_goes_on(a, b));
+        let across = across.map(|(a, b)| (a[a.len() - 1], b[0]));
+        let within = pieces.iter().flat_map(|piece| piece.windows(2)).map(|pair| (pair[0], pair[1]));
+        judge.lost_beams = across.chain(within).map(|(p, q)| ring.dark_between(p, q)).max().unwrap_or(0);
+        judge
     }
-    let before = has_direction(ring, a).then(|| tangent(ring, a, End::Last, limits.stretch_m));
-    let after = has_direction(ring, b).then(|| tangent(ring, b, End::First, limits.stretch_m));
-    match (before, after) {
-        (Some(before), Some(after)) => {
-            let bends = [turn_rad(before, chord), turn_rad(chord, after)];
-            let turn_rad = whole_turn_rad(bends);
-            let goes_on =
-                turn_rad < limits.straight_rad || closes(ring, island_beams, (p, q), [before, after], turn_rad, limits);
-            let detour = 0.2 * bends[0].abs().min(bends[1].abs());
-            goes_on.then(|| 0.1 + turn_rad.abs() + detour + if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 })
+
+    fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
+        let [Some(before), Some(after)] = self.directions(a, b) else { return false };
+        let bend = self.bend(a, b, [before, after]);
+        let off_m = bend.aside_m[0].abs().max(bend.aside_m[1].abs());
+        bend.turn_rad() < LOST_TURN_RAD && off_m < LOST_OFF_SHARE * self.size_m
+    }
+
+    /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
+    /// where a vehicle could pass between them.
+    pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let ring = self.ring;
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let chord = ring.place_m(q) - ring.place_m(p);
+        let chord_m = chord.norm();
+        if chord_m < self.limits.passage_m {
+            return Some(0.0);
         }
-        (None, None) => {
-            let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
-            let grazing = along_m > GRAZING_SHARE * chord_m && chord_m < GRAZING_M;
-            grazing.then_some(1.0 + 0.1 * chord_m)
+        match self.directions(a, b) {
+            [Some(before), Some(after)] => {
+                let bend = self.bend(a, b, [before, after]);
+                let detour_rad = bend.turns_rad[0].abs().min(bend.turns_rad[1].abs());
+                let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
+                (!self.is_way(&bend, (p, q))).then(|| 0.1 + bend.turn_rad().abs() + 0.2 * detour_rad + far)
+            }
+            [None, None] => {
+                let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
+                let grazing = along_m > GRAZING_SHARE * chord_m && chord_m < GRAZING_M;
+                grazing.then_some(1.0 + 0.1 * chord_m)
+            }
+            [before, after] => {
+                let line = before.or(after)?;
+                let along_m = line.dot(&chord);
+                let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
+                (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
+            }
         }
-        (before, after) => {
-            let line = before.or(after)?;
-            let along_m = line.dot(&chord);
-            let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
-            (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
+    }
+
+    /// Whether there is room between the two walls, and the wall turns enough for that to be a way on.
+    ///
+    /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
+    /// at a corner of which only the returns are missing; at a branch it is the width of the branch.
+    fn is_way(&self, bend: &Bend, (p, q): (usize, usize)) -> bool {
+        let turn_rad = bend.turn_rad();
+        let nearer_is_p = self.ring.range_m(p) < self.ring.range_m(q);
+        let [of_q, of_p] = bend.aside_m;
+        let (clear_m, farther_aside_m) = if nearer_is_p { (of_p.abs(), of_q) } else { (of_q.abs(), of_p) };
+        let turns = turn_rad >= self.limits.straight_rad;
+        let share = if turn_rad >= self.limits.way_rad {
+            WAY_SHARE
+        } else if turn_rad >= DARK_TURN_RAD && self.is_dark(p, q) {
+            DARK_SHARE
+        } else if turns {
+            if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }
+        } else {
+            return false;
+        };
+        let seen_inside = turns && turn_rad < self.limits.way_rad && -farther_aside_m > clear_m;
+        clear_m >= share * self.size_m || seen_inside
+    }
+
+    /// Whether beams into the gap came back with nothing because there is nothing, rather than being lost.
+    fn is_dark(&self, p: usize, q: usize) -> bool {
+        let dark = self.ring.dark_between(p, q);
+        let far = self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m;
+        let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
+        wide && (far || dark > LOST_TIMES * self.lost_beams)
+    }
+
+    /// Whether half of the beams into the gap, or more, end at islands.
+    fn is_shaded(&self, p: usize, q: usize) -> bool {
+        let shaded = self.islands.iter().flatten().filter(|&&i| self.ring.is_between(i, p, q)).count();
+        shaded > 0 && 2 * shaded >= self.ring.beams_from(p, q)
+    }
+
+    fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Place>; 2] {
+        let of = |piece: &[usize], end| {
+            has_direction(self.ring, piece).then(|| tangent(self.ring, piece, end, self.limits.stretch_m))
+        };
+        [of(a, End::Last), of(b, End::First)]
+    }
+
+    fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Place; 2]) -> Bend {
+        let chord = self.ring.place_m(b[0]) - self.ring.place_m(a[a.len() - 1]);
+        Bend {
+            turns_rad: [turn_rad(before, chord), turn_rad(chord, after)],
+            aside_m: [before.perp(&chord), after.perp(&-chord)],
         }
     }
 }
 
-/// How far a wall turns at a gap, to the left; around a tip it may turn right by more than π.
-fn whole_turn_rad([first, second]: [f64; 2]) -> f64 {
-    let turn_rad = first + second;
-    if turn_rad < -1.15 * PI {
-        turn_rad + TAU
-    } else if turn_rad > 1.5 * PI {
-        turn_rad - TAU
-    } else {
-        turn_rad
+impl Bend {
+    /// How far the wall turns at the gap, to the left; around a tip it may turn right by more than π.
+    fn turn_rad(&self) -> f64 {
+        let turn_rad = self.turns_rad[0] + self.turns_rad[1];
+        if turn_rad < -1.15 * PI {
+            turn_rad + TAU
+        } else if turn_rad > 1.5 * PI {
+            turn_rad - TAU
+        } else {
+            turn_rad
+        }
     }
-}
-
-/// Whether the two walls meet in a corner of which only the returns are missing: both lines run on to it, it is not far,
-/// and neither wall is seen to go on behind the other.
-fn closes(
-    ring: &Ring,
-    island_beams: &[bool],
-    (p, q): (usize, usize),
-    [before, after]: [Place; 2],
-    turn_rad: f64,
-    limits: &Limits,
-) -> bool {
-    let (unseen, shaded) = ring
-        .beams_between(p, q)
-        .fold((0, 0), |(unseen, shaded), beam| (unseen + 1, shaded + usize::from(island_beams[beam])));
-    let shadow = unseen > 0 && 2 * shaded >= unseen;
-    let angle_rad = ring.beams_apart(p, q) as f64 * ring.step_rad;
-    let (corner_rad, corner_m, unseen_rad) = if shadow {
-        (SHADOW_CORNER_RAD, SHADOW_CORNER_M, PI)
-    } else {
-        (limits.corner_rad, limits.corner_m, limits.unseen_rad)
-    };
-    let chord = ring.place_m(q) - ring.place_m(p);
-    let behind = before.perp(&chord) < -ASIDE_M || after.perp(&-chord) < -ASIDE_M;
-    if turn_rad >= corner_rad || behind {
-        return false;
-    }
-    let sine = before.perp(&after);
-    if sine.abs() <= PARALLEL {
-        return true;
-    }
-    // p + s·before = q - u·after.
-    let (s, u) = (chord.perp(&after) / sine, before.perp(&chord) / sine);
-    [s, u].iter().all(|length_m| (-ASIDE_M..corner_m).contains(length_m)) && angle_rad < unseen_rad
 }

@@ -1,6 +1,5 @@
 //! Short pieces that stand free: pillars.
 
-use super::gap::Limits;
 use super::ring::Ring;
 use super::tangent::{End, tangent};
 
@@ -20,27 +19,19 @@ const LINE_STEP_M: f64 = 2.5;
 const LEAST_RETURNS: usize = 3;
 
 /// Takes the islands out of `pieces`, nearest first, so that one that is partly hidden by another is found after it.
-pub(super) fn take(
-    ring: &Ring,
-    pieces: &mut Vec<Vec<usize>>,
-    island_m: f64,
-    limits: &Limits,
-    island_beams: &mut [bool],
-) -> Vec<Vec<usize>> {
+pub(super) fn take(ring: &Ring, pieces: &mut Vec<Vec<usize>>, island_m: f64, stretch_m: f64) -> Vec<Vec<usize>> {
     let mut islands = Vec::new();
     loop {
         let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
         let nearest = (0..pieces.len())
-            .filter(|&at| stands_free(ring, pieces, at, island_m, limits))
+            .filter(|&at| stands_free(ring, pieces, at, island_m, stretch_m))
             .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])));
         let Some(at) = nearest else { return islands };
-        let island = pieces.remove(at);
-        island.iter().for_each(|&i| island_beams[ring.returns[i].beam] = true);
-        islands.push(island);
+        islands.push(pieces.remove(at));
     }
 }
 
-fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, limits: &Limits) -> bool {
+fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, stretch_m: f64) -> bool {
     let (n, piece) = (pieces.len(), &pieces[at]);
     let at_the_end = !ring.full_turn && (at == 0 || at + 1 == n);
     if n < 3 || piece.len() < LEAST_RETURNS || at_the_end {
@@ -52,8 +43,8 @@ fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, lim
     length_m < island_m
         && hides(ring, first, piece[1], before[before.len() - 1])
         && hides(ring, last, piece[piece.len() - 2], after[0])
-        && !is_on_line(ring, pieces, at, End::First, limits)
-        && !is_on_line(ring, pieces, at, End::Last, limits)
+        && !is_on_line(ring, pieces, at, End::First, stretch_m)
+        && !is_on_line(ring, pieces, at, End::Last, stretch_m)
 }
 
 /// Whether the end of a piece stands in front of the next return beyond it.
@@ -68,7 +59,7 @@ fn hides(ring: &Ring, end: usize, inner: usize, outer: usize) -> bool {
 }
 
 /// Whether the wall beside that end of the piece, before or after it, runs towards the piece.
-fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, limits: &Limits) -> bool {
+fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m: f64) -> bool {
     let piece = &pieces[at];
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
     for i in beside(ring, pieces, at, end).take(LINE_RETURNS) {
@@ -82,7 +73,7 @@ fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, limits: &
     }
     let (tip, target) = (wall[0], piece[if end == End::First { 0 } else { piece.len() - 1 }]);
     wall.reverse();
-    let onward = tangent(ring, &wall, End::Last, limits.stretch_m);
+    let onward = tangent(ring, &wall, End::Last, stretch_m);
     let towards = ring.place_m(target) - ring.place_m(tip);
     onward.dot(&towards) > 0.0 && onward.perp(&towards).abs() < OFF_LINE_M
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gap::{Limits, cost};
+use super::gap::Judge;
 use super::ring::{Ring, turn_rad};
 use super::tangent::{End, tangent};
 
@@ -33,17 +33,11 @@ pub(super) fn pieces(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: 
 
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
 /// wall is taken out, smallest first, and what is beside it is looked at again. Returns what was taken out.
-pub(super) fn join(
-    ring: &Ring,
-    island_beams: &[bool],
-    pieces: &mut Vec<Vec<usize>>,
-    limits: &Limits,
-    least_returns: usize,
-) -> Vec<usize> {
+pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>, least_returns: usize) -> Vec<usize> {
     let gap = |pieces: &[Vec<usize>], at: usize| {
         let next = (at + 1) % pieces.len();
         let is_gap = next != at && (ring.full_turn || next != 0);
-        if is_gap { cost(ring, island_beams, &pieces[at], &pieces[next], limits) } else { None }
+        if is_gap { judge.cost(&pieces[at], &pieces[next]) } else { None }
     };
     let mut costs: Vec<Option<f64>> = (0..pieces.len()).map(|at| gap(pieces, at)).collect();
     let mut left_over = Vec::new();

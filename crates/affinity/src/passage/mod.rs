@@ -18,7 +18,7 @@ use crate::Invariance;
 use crate::edges::edges_bytes;
 use crate::finite::check_finite;
 use carrying::Carrying;
-use gap::Limits;
+use gap::{Judge, Limits};
 use ring::Ring;
 use walls::Chains;
 
@@ -43,25 +43,18 @@ const STRAIGHT_DEG: ParamSpec = ParamSpec {
     doc: "a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more",
 };
 
-const CORNER_DEG: ParamSpec = ParamSpec {
-    name: "corner_deg",
+const WAY_DEG: ParamSpec = ParamSpec {
+    name: "way_deg",
     unit: "°",
-    shape: Shape::Number { default: 100.0, range: Interval::closed(0.0, 180.0) },
-    doc: "a wall that turns left by more at a gap ends there; the corner of a dead end turns it by 90°",
+    shape: Shape::Number { default: 115.0, range: Interval::closed(0.0, 360.0) },
+    doc: "a wall that turns left by more at a gap ends there, unless the gap is narrow; the corner of a dead end is 90°",
 };
 
-const CORNER_M: ParamSpec = ParamSpec {
-    name: "corner_m",
-    unit: "m",
-    shape: Shape::Number { default: 4.0, range: Interval::closed(0.0, 1000.0) },
-    doc: "an unseen corner is no farther from the ends of its walls",
-};
-
-const UNSEEN_DEG: ParamSpec = ParamSpec {
-    name: "unseen_deg",
-    unit: "°",
-    shape: Shape::Number { default: 30.0, range: Interval::closed(0.0, 180.0) },
-    doc: "beams over less than this angle may be lost at an unseen corner",
+const CLEAR_SHARE: ParamSpec = ParamSpec {
+    name: "clear_share",
+    unit: "",
+    shape: Shape::Number { default: 1.05, range: Interval::closed(0.0, 100.0) },
+    doc: "at turns between the two a wall ends if the gap's clear width is at least this share of the median range",
 };
 
 const ISLAND_M: ParamSpec = ParamSpec {
@@ -93,7 +86,7 @@ const HEIGHT_M: ParamSpec = ParamSpec {
 };
 
 const PARAMS: &[ParamSpec] =
-    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, CORNER_DEG, CORNER_M, UNSEEN_DEG, ISLAND_M, WALL_DEG, NEIGHBOURS];
+    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, WAY_DEG, CLEAR_SHARE, ISLAND_M, WALL_DEG, NEIGHBOURS];
 
 pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     name: "passage",
@@ -111,9 +104,11 @@ pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mi
 /// 2. The ring of the others is cut where two that follow each other are `passage_m` apart or more.
 /// 3. Short pieces that stand free in front of what is on both sides of them are islands.
 /// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
-///    the wall turns by T = ∠(t, c) + ∠(c, t'). It goes on if T < `straight_deg` (a bump, lost beams), or if
-///    T < `corner_deg` and both lines run on to a corner close by. Else a vehicle can pass: T is 180° where both walls
-///    of a tunnel recede. Pieces join at the least |T| first, so that directions come from ever longer walls.
+///    the wall turns by T = ∠(t, c) + ∠(c, t'), and its clear width is the distance of the nearer end from the line of
+///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams), or if the clear width is small beside the
+///    place, whose size is the median range: less than `clear_share` of it, less than that if the gap is dark or
+///    T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a tunnel recede. Pieces join at the least
+///    |T| first, so that directions come from ever longer walls.
 /// 5. A wall that still turns around somewhere is cut there.
 ///
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
@@ -131,7 +126,6 @@ pub struct Passage {
     cloud: Cloud,
     ring: Ring,
     dust: Vec<bool>,
-    island_beams: Vec<bool>,
     chains: Chains,
 }
 
@@ -167,9 +161,8 @@ impl Passage {
             passage_m: params.number(PASSAGE_M.name),
             stretch_m: params.number(STRETCH_M.name),
             straight_rad: params.number(STRAIGHT_DEG.name).to_radians(),
-            corner_rad: params.number(CORNER_DEG.name).to_radians(),
-            corner_m: params.number(CORNER_M.name),
-            unseen_rad: params.number(UNSEEN_DEG.name).to_radians(),
+            way_rad: params.number(WAY_DEG.name).to_radians(),
+            clear_share: params.number(CLEAR_SHARE.name),
         };
         Self {
             limits,
@@ -179,7 +172,6 @@ impl Passage {
             wall_rad: params.number(WALL_DEG.name).to_radians(),
             ring: Ring::default(),
             dust: Vec::new(),
-            island_beams: Vec::new(),
             chains: Chains::new(params.count(NEIGHBOURS.name)),
         }
     }
@@ -192,27 +184,26 @@ impl Passage {
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        let Self { limits, ring, dust, island_beams, .. } = self;
+        let Self { limits, ring, dust, .. } = self;
         ring.fill(sweep, points_m)?;
         dust::mark(ring, dust);
-        island_beams.clear();
-        island_beams.resize(ring.beams, false);
 
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
         let mut walls = joining::pieces(ring, kept, limits.passage_m);
-        let islands = islands::take(ring, &mut walls, self.island_m, limits, island_beams);
-        let left_over = joining::join(ring, island_beams, &mut walls, limits, least_returns);
+        let islands = islands::take(ring, &mut walls, self.island_m, limits.stretch_m);
+        let judge = Judge::new(ring, &walls, &islands, *limits);
+        let left_over = joining::join(ring, &judge, &mut walls, least_returns);
         joining::cut_at_peaks(ring, &mut walls, limits.passage_m);
 
         let dropped = dust.iter().filter(|dust| **dust).count();
         if dropped > 0 {
             notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
         }
-        walls.extend(islands);
-        self.chains.write(ring, &walls, &left_over, |a, b| gap::cost(ring, island_beams, a, b, limits), out);
+        walls.extend(islands.iter().cloned());
+        self.chains.write(ring, &walls, &left_over, |a, b| judge.cost(a, b), out);
         Ok(())
     }
 

@@ -15,6 +15,9 @@ pub(super) struct Ring {
     pub(super) step_rad: f64,
     /// The last return is followed by the first.
     pub(super) full_turn: bool,
+    pub(super) range_max_m: f64,
+    /// How many beams before each came back with nothing; one entry more than there are beams.
+    dark_before: Vec<u32>,
 }
 
 /// One return.
@@ -34,6 +37,8 @@ impl Ring {
     pub(super) fn fill(&mut self, sweep: &Sweep, points_m: &[Point]) -> Result<(), StageError> {
         self.returns.clear();
         (self.beams, self.step_rad, self.full_turn) = (sweep.len(), sweep.step_rad, sweep.full_turn);
+        self.range_max_m = sweep.range_max_m;
+        self.count_dark(sweep);
         for (beam, seen) in sweep.beams.iter().enumerate() {
             let Beam::Return(number) = *seen else { continue };
             if number as usize != self.returns.len() || number as usize >= points_m.len() {
@@ -82,10 +87,32 @@ impl Ring {
         if self.full_turn { apart.min(self.beams - apart) } else { apart }
     }
 
-    /// The beams between a return and a later one.
-    pub(super) fn beams_between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
-        let (from, to, beams) = (self.returns[from].beam, self.returns[to].beam, self.beams);
-        (1..(to + beams - from) % beams).map(move |step| (from + step) % beams)
+    /// How many beams it is from a return anticlockwise to another.
+    pub(super) fn beams_from(&self, from: usize, to: usize) -> usize {
+        (self.returns[to].beam + self.beams - self.returns[from].beam) % self.beams
+    }
+
+    /// Whether a return lies anticlockwise after `from` and before `to`.
+    pub(super) fn is_between(&self, i: usize, from: usize, to: usize) -> bool {
+        i != from && self.beams_from(from, i) < self.beams_from(from, to)
+    }
+
+    /// How many beams between a return and a later one came back with nothing.
+    pub(super) fn dark_between(&self, from: usize, to: usize) -> u32 {
+        let (from, to) = (self.returns[from].beam, self.returns[to].beam);
+        let around = if to < from { self.dark_before[self.beams] } else { 0 };
+        around + self.dark_before[to] - self.dark_before[from]
+    }
+
+    fn count_dark(&mut self, sweep: &Sweep) {
+        let mut dark = 0;
+        self.dark_before.clear();
+        self.dark_before.push(0);
+        for step in 0..sweep.len() {
+            let beam = if sweep.is_clockwise() { sweep.len() - 1 - step } else { step };
+            dark += u32::from(sweep.beams[beam] == Beam::NoReturn);
+            self.dark_before.push(dark);
+        }
     }
 }
 
