@@ -32,10 +32,13 @@ fn counts(summary: &Summary) -> Table {
 
 fn times(summary: &Summary) -> Table {
     let mut table = plain(&["stage", "median ms", "p99 ms"]);
-    for step in Step::ALL {
-        if let Some((median_ns, p99_ns)) = summary.times.median_and_p99_ns(step) {
+    let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
+    // From when the scan was there to when its results were written.
+    let latency = ("latency", summary.times.latency_median_and_p99_ns());
+    for (name, times) in steps.into_iter().chain([latency]) {
+        if let Some((median_ns, p99_ns)) = times {
             let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
-            table.add_row([step.name().to_owned(), ms(median_ns), ms(p99_ns)]);
+            table.add_row([name.to_owned(), ms(median_ns), ms(p99_ns)]);
         }
     }
     table

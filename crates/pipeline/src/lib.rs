@@ -16,6 +16,7 @@ mod config;
 mod engine;
 mod memory;
 mod pace;
+mod quantiles;
 mod registry;
 mod stop;
 mod stream;

@@ -19,16 +19,20 @@ impl Pace {
         Self { rate, first: None }
     }
 
-    /// Waits until it is time for the revolution with this stamp. One from the past is due at once.
-    pub(crate) fn wait_for(&mut self, stamp_ns: u64, stop: &StopFlag) {
+    /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait began
+    /// too late. One from the past is due at once.
+    pub(crate) fn wait_for(&mut self, stamp_ns: u64, stop: &StopFlag) -> Instant {
         let (start, first_ns) = *self.first.get_or_insert_with(|| (Instant::now(), stamp_ns));
         let due_s = stamp_ns.saturating_sub(first_ns) as f64 / 1e9 / self.rate;
+        let due = Duration::try_from_secs_f64(due_s).ok().and_then(|after| start.checked_add(after));
         loop {
-            let left_s = due_s - start.elapsed().as_secs_f64();
-            if left_s <= 0.0 || stop.is_set() {
-                return;
+            let now = Instant::now();
+            match due {
+                Some(due) if due <= now => return due,
+                _ if stop.is_set() => return now,
+                Some(due) => std::thread::sleep(SLICE.min(due - now)),
+                None => std::thread::sleep(SLICE),
             }
-            std::thread::sleep(SLICE.min(Duration::from_secs_f64(left_s)));
         }
     }
 }

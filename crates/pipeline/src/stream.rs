@@ -88,18 +88,25 @@ pub fn stream(
     })
 }
 
+/// A frame on its way through the stages.
+struct Arrived {
+    frame: Frame,
+    /// When its scan was there: at the sensor's pace its time, else when it was read.
+    due: Instant,
+}
+
 /// A thread that runs one stage on every frame that comes; the frames come out of the returned channel.
 fn spawn_worker<'scope>(
     scope: &'scope Scope<'scope, '_>,
     mut stage: Stage,
     lane: usize,
-    frames: Receiver<Frame>,
-) -> io::Result<Receiver<Frame>> {
+    frames: Receiver<Arrived>,
+) -> io::Result<Receiver<Arrived>> {
     let (out, worked) = bounded(1);
     Builder::new().name(format!("{}-{lane}", stage.step())).spawn_scoped(scope, move || {
-        for mut frame in frames {
-            stage.work(&mut frame);
-            if out.send(frame).is_err() {
+        for mut arrived in frames {
+            stage.work(&mut arrived.frame);
+            if out.send(arrived).is_err() {
                 return;
             }
         }
@@ -112,7 +119,7 @@ struct Ingest<'a> {
     source: &'a mut dyn Source,
     options: StreamOptions,
     pool: Receiver<Frame>,
-    lanes: Vec<Sender<Frame>>,
+    lanes: Vec<Sender<Arrived>>,
 }
 
 impl Ingest<'_> {
@@ -125,11 +132,12 @@ impl Ingest<'_> {
                 return;
             }
             seq = frame.revolution.seq + 1;
-            if let Some(pace) = &mut pace {
-                pace.wait_for(frame.revolution.stamp_ns, &self.options.stop);
-            }
+            let due = match &mut pace {
+                Some(pace) => pace.wait_for(frame.revolution.stamp_ns, &self.options.stop),
+                None => Instant::now(),
+            };
             let last = frame.failure.is_some();
-            if self.lanes[lane].send(frame).is_err() || last {
+            if self.lanes[lane].send(Arrived { frame, due }).is_err() || last {
                 return;
             }
         }
@@ -140,6 +148,7 @@ impl Ingest<'_> {
         let start = Instant::now();
         frame.notes.clear();
         frame.failure = None;
+        frame.timings.set_latency_ns(None);
         let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
             Ok(Ok(more)) => {
                 frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
@@ -156,7 +165,7 @@ impl Ingest<'_> {
 /// The report thread: collects the lanes in rotation, runs the last stage, writes results, passes frames on.
 struct Collect<'a> {
     report: Stage,
-    lanes: Vec<Receiver<Frame>>,
+    lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
 }
@@ -165,7 +174,7 @@ impl Collect<'_> {
     fn run(mut self) -> Summary {
         let mut summary = Summary::default();
         for lane in (0..self.lanes.len()).cycle() {
-            let Ok(mut frame) = self.lanes[lane].recv() else { break };
+            let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
             self.report.work(&mut frame);
             if let Some(failure) = frame.failure.take() {
                 summary.end = End::Failed(failure);
@@ -175,6 +184,9 @@ impl Collect<'_> {
                 summary.end = End::ResultsLost(error);
                 break;
             }
+            // Reading the scan comes before it is due, but with a live sensor it would come after.
+            let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
+            frame.timings.set_latency_ns(Some(latency_ns));
             summary.add(&frame);
             if self.observers.send(frame).is_err() {
                 break;

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use crosscut_stage::{Failure, Frame, Step};
 
+use crate::quantiles::Quantiles;
+
 /// Counts and times of one run.
 #[derive(Debug, Default)]
 pub struct Summary {
@@ -35,23 +37,29 @@ pub enum End {
     ResultsLost(std::io::Error),
 }
 
-/// Time per step over a run.
+/// Time per step over a run, and latency.
 #[derive(Debug, Default)]
-pub struct StageTimes([Vec<u64>; Step::ALL.len()]);
+pub struct StageTimes {
+    steps: [Quantiles; Step::ALL.len()],
+    latency: Quantiles,
+}
 
 impl StageTimes {
-    /// Median and 99th percentile of a step in nanoseconds, nearest rank; `None` if it never ran.
+    /// Median and 99th percentile of a step in nanoseconds, nearest rank, to 1 %; `None` if it never ran.
     pub fn median_and_p99_ns(&self, step: Step) -> Option<(u64, u64)> {
-        let mut times = self.0[step as usize].clone();
-        times.sort_unstable();
-        let rank = |percent: usize| times.get((times.len() * percent).div_ceil(100).saturating_sub(1)).copied();
-        Some((rank(50)?, rank(99)?))
+        self.steps[step as usize].median_and_p99()
+    }
+
+    /// The same of the time from when a scan was there to when its results were written.
+    pub fn latency_median_and_p99_ns(&self) -> Option<(u64, u64)> {
+        self.latency.median_and_p99()
     }
 
     fn add(&mut self, frame: &Frame) {
         for step in Step::ALL {
-            self.0[step as usize].push(frame.timings.ns(step));
+            self.steps[step as usize].add(frame.timings.ns(step));
         }
+        frame.timings.latency_ns().into_iter().for_each(|ns| self.latency.add(ns));
     }
 }
 
@@ -61,20 +69,5 @@ impl Summary {
         *self.junctions.entry(frame.junction.junctions).or_default() += 1;
         self.noted += u64::from(!frame.notes.is_empty());
         self.times.add(frame);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_are_of_the_nearest_rank() {
-        let mut times = StageTimes::default();
-        assert_eq!(times.median_and_p99_ns(Step::Report), None);
-        times.0[Step::Report as usize] = (1..=100).rev().collect();
-        assert_eq!(times.median_and_p99_ns(Step::Report), Some((50, 99)));
-        times.0[Step::Report as usize] = vec![7];
-        assert_eq!(times.median_and_p99_ns(Step::Report), Some((7, 7)));
     }
 }

@@ -4,13 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use rand::RngExt;
 
+use crate::cloud::{Cloud, Rings};
 use crate::course::{bent, half_widths};
 use crate::lidar::Lidar;
 use crate::mine::Mine;
 use crate::network::{Disc, Network, Point, left_of, unit};
 use crate::noise::{Generator, generator};
 use crate::pose::{Motion, Pose};
-use crate::scene::{Scene, Sweep};
+use crate::scene::{FIRST_STAMP_NS, Scene, Sweep};
 use crate::surface::{Surface, Texture};
 
 /// Branches are at least this far apart.
@@ -49,14 +50,26 @@ impl Places {
 
     /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at most.
     pub fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
+        self.look(branches, seed, |mine, _, sweep, rng| sweep.scene(mine, stamp_ns, rng))
+    }
+
+    /// What a lidar of `rings` sees of the same place, and the truth of the level scan.
+    pub fn cloud(&self, branches: usize, seed: u64, rings: Rings) -> Cloud {
+        self.look(branches, seed, |mine, pose, sweep, rng| {
+            let truth = sweep.scene(mine, FIRST_STAMP_NS, rng).truth;
+            Cloud { points_m: rings.look(sweep.lidar, mine, pose, rng), truth }
+        })
+    }
+
+    /// Draws places until one is fit to be seen: with room for the lidar and its pillars, and no mere scrap of a wall.
+    fn look<T>(&self, branches: usize, seed: u64, see: impl FnOnce(&Mine, Pose, &Sweep, &mut Generator) -> T) -> T {
         let mut rng = generator(seed, "place");
         let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
-        // A place that leaves no room for the lidar or its pillars, or shows a mere scrap of a wall, is drawn again.
         loop {
             let Some((mine, pose)) = self.place(branches, &mut rng) else { continue };
             let sweep = Sweep::of(&mine, &lidar, &Motion::still(pose));
             if sweep.scenery.fewest_beams() >= BEAMS_OF_WALL {
-                return sweep.scene(&mine, stamp_ns, &mut rng);
+                return see(&mine, pose, &sweep, &mut rng);
             }
         }
     }

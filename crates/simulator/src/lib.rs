@@ -20,6 +20,8 @@
 //! - [`vehicle`]: follows a route by pure pursuit, disturbed in course, yaw, roll and pitch; its odometry drifts.
 //! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for reports.
 //!
+//! A place can also be seen by a lidar of many rings, as a [`Cloud`] without beams: [`Suite::clouds`].
+//!
 //! To add a scenario or a suite, add a line to its list, and the function that it names.
 //!
 //! ```
@@ -36,6 +38,7 @@
 //!
 //! [`Truth`]: crosscut_messages::Truth
 
+mod cloud;
 mod course;
 mod exits;
 mod grid;
@@ -56,6 +59,7 @@ pub mod surface;
 pub mod truth;
 pub mod vehicle;
 
+pub use cloud::{Cloud, Rings};
 pub use junction::Places;
 pub use mine::Mine;
 pub use recording::{RecordingError, write_mcap};

@@ -29,7 +29,7 @@ pub struct Scene {
 
 /// What the lidar meets in one sweep, before it errs.
 pub(crate) struct Sweep<'a> {
-    lidar: &'a Lidar,
+    pub(crate) lidar: &'a Lidar,
     moves: bool,
     view: Vec<Echo>,
     pub(crate) scenery: Scenery,

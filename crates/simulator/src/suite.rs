@@ -1,5 +1,6 @@
 //! Named families of scenes, for development and for reports.
 
+use crate::cloud::{Cloud, Rings};
 use crate::junction::Places;
 use crate::lidar::Lidar;
 use crate::presets;
@@ -49,12 +50,10 @@ impl Suite {
     pub fn scenes(&self, split: Split) -> Box<dyn Iterator<Item = Scene> + Send> {
         match self.scenes {
             Scenes::Places(places) => {
-                let places = places();
-                // Families share no scene: each has seeds of its own.
-                let family = self.name.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(131) + u64::from(byte));
+                let (places, first_seed) = (places(), self.first_seed(split));
                 Box::new((0..SCENES as u64).map(move |index| {
-                    let seed = (family << 32).wrapping_add(split.first_seed() + index);
-                    places.scene(1 + index as usize % 5, seed, FIRST_STAMP_NS + index * 100_000_000)
+                    let stamp_ns = FIRST_STAMP_NS + index * 100_000_000;
+                    places.scene(1 + index as usize % 5, first_seed.wrapping_add(index), stamp_ns)
                 }))
             }
             Scenes::Flights(fly) => Box::new(
@@ -65,6 +64,22 @@ impl Suite {
                     .map(|(index, scene)| scene.restamped(FIRST_STAMP_NS + index as u64 * 500_000_000)),
             ),
         }
+    }
+}
+
+impl Suite {
+    /// The places of its scenes, each seen by a lidar of `rings`; `None` for flights.
+    pub fn clouds(&self, split: Split, rings: Rings) -> Option<impl Iterator<Item = Cloud>> {
+        let Scenes::Places(places) = self.scenes else { return None };
+        let (places, first_seed) = (places(), self.first_seed(split));
+        let seed = move |index: usize| first_seed.wrapping_add(index as u64);
+        Some((0..SCENES).map(move |index| places.cloud(1 + index % 5, seed(index), rings)))
+    }
+
+    /// Families share no scene: each has seeds of its own.
+    fn first_seed(&self, split: Split) -> u64 {
+        let family = self.name.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(131) + u64::from(byte));
+        (family << 32).wrapping_add(split.first_seed())
     }
 }
 

@@ -84,19 +84,33 @@ impl Notes {
     }
 }
 
-/// Nanoseconds that each step took, in the order of [`Step::ALL`].
+/// What the workers measured of one revolution, nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Timings([u64; Step::ALL.len()]);
+pub struct Timings {
+    /// What each step took, in the order of [`Step::ALL`].
+    steps_ns: [u64; Step::ALL.len()],
+    latency_ns: Option<u64>,
+}
 
 impl Timings {
     /// Sets the time of a step.
     pub fn set_ns(&mut self, step: Step, ns: u64) {
-        self.0[step as usize] = ns;
+        self.steps_ns[step as usize] = ns;
     }
 
     /// The time of a step.
     pub fn ns(&self, step: Step) -> u64 {
-        self.0[step as usize]
+        self.steps_ns[step as usize]
+    }
+
+    /// Sets the latency, or that there is none.
+    pub fn set_latency_ns(&mut self, ns: Option<u64>) {
+        self.latency_ns = ns;
+    }
+
+    /// From when the scan was there to when its results were written; `None` before that.
+    pub fn latency_ns(&self) -> Option<u64> {
+        self.latency_ns
     }
 }
 
