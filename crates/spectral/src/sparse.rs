@@ -1,0 +1,163 @@
+//! One block's Laplacian as a sparse matrix, and its factorisation: for blocks whose edges are long in every order.
+
+use crosscut_stage::{Csr, StageError};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side, Spec};
+
+use crate::band::Scales;
+use crate::order::Order;
+
+/// Larger factors are refused.
+const MOST_BYTES: u64 = 1 << 30;
+/// A shift that meets an eigenvalue of a leading part exactly is moved by this, so often.
+const NUDGE: f64 = f64::EPSILON;
+const NUDGES: usize = 8;
+
+/// The Laplacian of one block, the links to others set aside, by the columns of its upper triangle; and its LDLᵀ with rows
+/// in an order of little fill (approximate minimum degree).
+pub(crate) struct Sparse {
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+    /// `values` less the shift on the diagonal, which stands at the end of each column.
+    shifted: Vec<f64>,
+    symbolic: Option<SymbolicCholesky<usize>>,
+    factor: Vec<f64>,
+    scratch: MemBuffer,
+}
+
+impl Default for Sparse {
+    fn default() -> Self {
+        Self {
+            column_starts: Vec::new(),
+            rows: Vec::new(),
+            values: Vec::new(),
+            shifted: Vec::new(),
+            symbolic: None,
+            factor: Vec::new(),
+            scratch: MemBuffer::new(StackReq::empty()),
+        }
+    }
+}
+
+impl Sparse {
+    /// Takes the block of `members`, in that order.
+    ///
+    /// # Errors
+    /// When the factor would take more than 1 GB.
+    pub(crate) fn form(
+        &mut self,
+        edges: &Csr,
+        scales: &Scales<'_>,
+        order: &Order,
+        block: usize,
+    ) -> Result<(), StageError> {
+        let scale = scales.inverse_sqrt_degrees;
+        self.rows.clear();
+        self.values.clear();
+        self.column_starts.clear();
+        let mut column: Vec<(usize, f64)> = Vec::new();
+        for (at, &i) in order.members(block).iter().enumerate() {
+            let i = i as usize;
+            self.column_starts.push(self.rows.len());
+            let (others, weights) = edges.row(i);
+            let of_block = others.iter().map(|&j| j as usize).zip(weights).filter(|&(j, _)| order.block(j) == block);
+            column.clear();
+            column.extend(of_block.map(|(j, weight)| (order.rank(j), -weight * (scale[i] * scale[j]))));
+            column.retain(|&(rank, _)| rank <= at);
+            column.sort_unstable_by_key(|&(rank, _)| rank);
+            let leak = scales.leaks[i] * (scale[i] * scale[i]);
+            match column.last_mut() {
+                Some((rank, value)) if *rank == at => *value += 1.0 - leak,
+                _ => column.push((at, 1.0 - leak)),
+            }
+            self.rows.extend(column.iter().map(|&(rank, _)| rank));
+            self.values.extend(column.iter().map(|&(_, value)| value));
+        }
+        self.column_starts.push(self.rows.len());
+        self.plan()
+    }
+
+    /// Orders the rows, and makes room for the factor.
+    fn plan(&mut self) -> Result<(), StageError> {
+        let n = self.column_starts.len() - 1;
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows);
+        let params = CholeskySymbolicParams::default();
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
+            .map_err(|error| StageError::Unsupported(format!("the factor of a block of {n} returns: {error}")))?;
+        let bytes = 8 * symbolic.len_val() as u64;
+        if bytes > MOST_BYTES {
+            return Err(StageError::Unsupported(format!(
+                "the factor of a block of {n} returns would need {} MB, more than {} MB: choose a sparser affinity",
+                bytes >> 20,
+                MOST_BYTES >> 20
+            )));
+        }
+        self.factor.clear();
+        self.factor.resize(symbolic.len_val(), 0.0);
+        let factorising = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
+        let needed = factorising.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        if self.scratch.len() < needed.unaligned_bytes_required() {
+            self.scratch = MemBuffer::new(needed);
+        }
+        self.symbolic = Some(symbolic);
+        Ok(())
+    }
+
+    /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
+    pub(crate) fn factorise(&mut self, shift: f64) -> usize {
+        let n = self.column_starts.len() - 1;
+        let Some(symbolic) = &self.symbolic else { return 0 };
+        for nudge in 0..NUDGES {
+            let shift = shift + NUDGE * nudge as f64;
+            self.shifted.clone_from(&self.values);
+            self.column_starts[1..].iter().for_each(|end| self.shifted[end - 1] -= shift);
+            let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows);
+            let matrix = SparseColMatRef::new(pattern, &self.shifted);
+            let done = symbolic.factorize_numeric_ldlt(
+                &mut self.factor,
+                matrix,
+                Side::Upper,
+                LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut self.scratch),
+                Spec::default(),
+            );
+            if done.is_ok() {
+                break;
+            }
+        }
+        negative_pivots(symbolic, &self.factor)
+    }
+
+    /// Solves (L - shift·I) x = `x` in place, with the last shift.
+    pub(crate) fn solve(&mut self, x: &mut [f64]) {
+        let Some(symbolic) = &self.symbolic else { return };
+        let n = x.len();
+        let x = MatMut::from_column_major_slice_mut(x, n, 1);
+        let stack = MemStack::new(&mut self.scratch);
+        LdltRef::new(symbolic, &self.factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+    }
+}
+
+/// How many entries of the diagonal of a factor LDLᵀ, where D stands, are negative.
+fn negative_pivots(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> usize {
+    match symbolic.raw() {
+        SymbolicCholeskyRaw::Simplicial(columns) => {
+            columns.col_ptr()[..columns.ncols()].iter().filter(|&&start| factor[start] < 0.0).count()
+        }
+        SymbolicCholeskyRaw::Supernodal(blocks) => {
+            let factor = faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef::new(blocks, factor);
+            let of_block = |s: usize| {
+                let values = factor.supernode(s).val();
+                (0..values.ncols()).filter(|&j| values[(j, j)] < 0.0).count()
+            };
+            (0..blocks.n_supernodes()).map(of_block).sum()
+        }
+    }
+}
