@@ -2,6 +2,7 @@
 
 use crate::graph::Graph;
 use crate::order::Order;
+use crate::second::Factorise;
 
 /// Strides that the kernels are compiled for: 4 neighbours on either side, as along a wall, and 8.
 const USUAL_STRIDES: [usize; 2] = [5, 9];
@@ -42,9 +43,10 @@ impl Band {
             }
         }
     }
+}
 
-    /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
-    pub(crate) fn factorise(&mut self, shift: f64) -> usize {
+impl Factorise for Band {
+    fn factorise(&mut self, shift: f64) -> usize {
         self.factor.clone_from(&self.entries);
         match self.stride {
             5 => factorise(&mut self.factor, self.n, 5, shift),
@@ -53,8 +55,7 @@ impl Band {
         }
     }
 
-    /// Solves (L - shift·I) x = `x` in place; `x` has n entries, and `stride` more that are scratch.
-    pub(crate) fn solve(&self, x: &mut Vec<f64>) {
+    fn solve(&mut self, x: &mut Vec<f64>) {
         x.resize(self.n + self.stride, 0.0);
         match self.stride {
             5 => solve(&self.factor, x, self.n, 5),

@@ -12,6 +12,7 @@ use crate::graph::{Graph, edges};
 use crate::laplacian::dense_bytes;
 use crate::order::Order;
 use crate::second::Second;
+use crate::sparse::Sparse;
 use crate::split::Split;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
@@ -21,6 +22,12 @@ const WEAK_LINK: ParamSpec = ParamSpec {
     shape: Shape::Number { default: 1e-3, range: Interval::closed(0.0, 1.0) },
     doc: "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
 };
+
+/// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
+const WIDEST_BAND: usize = 64;
+/// More memory than this is not taken for the full decomposition of a block.
+const MOST_BYTES: u64 = 1 << 30;
+const BYTES_PER_RETURN: u64 = 512;
 
 pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
     name: "blocks",
@@ -75,6 +82,16 @@ impl Blocks {
     /// A block that has more zeros than one: all of them, their eigenvectors, and the next eigenvalue.
     fn decompose(&mut self, affinity: &Affinity, block: usize, notes: &mut Notes) -> Result<Spectrum, StageError> {
         let members = self.solver.order.members(block);
+        let bytes = self.full.memory_bytes(members.len()).saturating_add(dense_bytes(members.len()));
+        if bytes > MOST_BYTES {
+            return Err(StageError::Unsupported(format!(
+                "a component of {} returns has several eigenvalues below the tolerance, and would need {} MB to be decomposed \
+                 in full, more than {} MB: choose a smaller spectral.zero_tolerance",
+                members.len(),
+                bytes.div_ceil(1 << 20),
+                MOST_BYTES >> 20
+            )));
+        }
         notes.add(format!("blocks: a component of {} returns by full decomposition", members.len()));
         let mut spectrum = Spectrum::default();
         self.full.spectrum(&part_of(affinity, members), &mut spectrum, notes)?;
@@ -98,6 +115,7 @@ struct Solver {
     split: Split,
     order: Order,
     band: Band,
+    sparse: Sparse,
     second: Second,
     zero: Vec<f64>,
     /// The least of the next eigenvalues of the blocks that have one zero.
@@ -120,8 +138,14 @@ impl Solver {
             let volume = self.split.volumes()[block];
             self.zero.clear();
             self.zero.extend(members.iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
-            self.band.form(graph, self.split.leaks(), &self.order, block);
-            match self.second.find(&mut self.band, &self.zero) {
+            let next = if self.order.width(block) <= WIDEST_BAND {
+                self.band.form(graph, self.split.leaks(), &self.order, block);
+                self.second.find(&mut self.band, &self.zero)
+            } else {
+                self.sparse.form(graph, self.split.leaks(), &self.order, block)?;
+                self.second.find(&mut self.sparse, &self.zero)
+            };
+            match next {
                 Some(next) if next >= tolerance => self.next = Some(self.next.map_or(next, |least| least.min(next))),
                 _ => self.several.push(block),
             }
@@ -201,7 +225,8 @@ impl SpectralStage for Blocks {
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // At worst one component that needs the full decomposition, and its part of W made dense.
-        self.full.memory_bytes(n).saturating_add(dense_bytes(n))
+        // Buffers of a few numbers a return. What a factor or the full decomposition of a block takes beyond that depends
+        // on the graph, and is refused where it is known, if it is too much.
+        (n as u64).saturating_mul(BYTES_PER_RETURN)
     }
 }

@@ -56,6 +56,7 @@ mod nalgebra_evd;
 mod order;
 mod second;
 mod slicing;
+mod sparse;
 mod split;
 mod zero_rule;
 

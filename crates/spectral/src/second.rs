@@ -1,7 +1,18 @@
 //! The second eigenvalue of a block.
 
+<<<<<<< HEAD
 use crate::band::Band;
 use crate::dot::dot;
+=======
+/// The Laplacian of a block, of which L - shift·I can be factorised.
+pub(crate) trait Factorise {
+    /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
+    fn factorise(&mut self, shift: f64) -> usize;
+
+    /// Solves (L - shift·I) x = `x` in place, by the last factorisation. `x` has n entries; what it gets beyond is taken off.
+    fn solve(&mut self, x: &mut Vec<f64>);
+}
+>>>>>>> c80e00c (blocks: a sparse factorisation for blocks with long edges; the full decomposition of a large one is refused with its size)
 
 /// The shift of the first step: L itself is singular.
 const FIRST_SHIFT: f64 = -1e-9;
@@ -35,11 +46,11 @@ impl Second {
     /// with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns out to be
     /// above λ, the next one halves what is between. What comes out is the upper bound, once they differ by rounding alone;
     /// `None` if they do not come so near.
-    pub(crate) fn find(&mut self, band: &mut Band, zero: &[f64]) -> Option<f64> {
+    pub(crate) fn find(&mut self, matrix: &mut impl Factorise, zero: &[f64]) -> Option<f64> {
         self.start(zero);
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
-        band.factorise(below);
-        let mut estimate = self.step(band, zero, below);
+        matrix.factorise(below);
+        let mut estimate = self.step(matrix, zero, below);
         for _ in 0..MOST_STEPS {
             let upper = estimate.quotient.min(above);
             let rounding = RELATIVE * upper.abs() + ROUNDING;
@@ -49,11 +60,11 @@ impl Second {
             let guess = upper - 2.0 * estimate.error - rounding;
             let is_of_lambda = estimate.quotient <= above && guess > below;
             let shift = if is_of_lambda { guess } else { 0.5 * (below + upper) };
-            if band.factorise(shift) > 1 {
+            if matrix.factorise(shift) > 1 {
                 above = shift;
             } else {
                 below = shift;
-                estimate = self.step(band, zero, shift);
+                estimate = self.step(matrix, zero, shift);
             }
         }
         None
@@ -77,9 +88,9 @@ impl Second {
     /// One step of inverse iteration: y = (L - shift·I)⁻¹ x, made orthogonal to `zero`. As (L - shift·I) y = x, the Rayleigh
     /// quotient of y is q = shift + xᵀy / yᵀy and its residual ‖Ly - qy‖² / yᵀy = xᵀx / yᵀy - (q - shift)². The error of q is at
     /// most residual² / (λ_3 - q) (Temple), where λ_3 is taken to be 2q.
-    fn step(&mut self, band: &Band, zero: &[f64], shift: f64) -> Estimate {
+    fn step(&mut self, matrix: &mut impl Factorise, zero: &[f64], shift: f64) -> Estimate {
         self.solution.clone_from(&self.vector);
-        band.solve(&mut self.solution);
+        matrix.solve(&mut self.solution);
         make_orthogonal(&mut self.solution, zero);
         let square = dot(&self.solution, &self.solution);
         let above_shift = dot(&self.vector, &self.solution) / square;

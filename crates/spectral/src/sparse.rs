@@ -1,16 +1,18 @@
 //! One block's Laplacian as a sparse matrix, and its factorisation: for blocks whose edges are long in every order.
 
-use crosscut_stage::{Csr, StageError};
+use crosscut_stage::StageError;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use crate::band::Scales;
+use crate::graph::Graph;
 use crate::order::Order;
+use crate::second::Factorise;
 
 /// Larger factors are refused.
 const MOST_BYTES: u64 = 1 << 30;
@@ -46,18 +48,18 @@ impl Default for Sparse {
 }
 
 impl Sparse {
-    /// Takes the block of `members`, in that order.
+    /// Takes one block of `graph`. `leaks` are the weights of each return's links to other blocks, which are set aside.
     ///
     /// # Errors
     /// When the factor would take more than 1 GB.
     pub(crate) fn form(
         &mut self,
-        edges: &Csr,
-        scales: &Scales<'_>,
+        graph: &Graph<'_>,
+        leaks: &[f64],
         order: &Order,
         block: usize,
     ) -> Result<(), StageError> {
-        let scale = scales.inverse_sqrt_degrees;
+        let scale = graph.inverse_sqrt_degrees;
         self.rows.clear();
         self.values.clear();
         self.column_starts.clear();
@@ -65,13 +67,13 @@ impl Sparse {
         for (at, &i) in order.members(block).iter().enumerate() {
             let i = i as usize;
             self.column_starts.push(self.rows.len());
-            let (others, weights) = edges.row(i);
+            let (others, weights) = graph.edges.row(i);
             let of_block = others.iter().map(|&j| j as usize).zip(weights).filter(|&(j, _)| order.block(j) == block);
             column.clear();
             column.extend(of_block.map(|(j, weight)| (order.rank(j), -weight * (scale[i] * scale[j]))));
             column.retain(|&(rank, _)| rank <= at);
             column.sort_unstable_by_key(|&(rank, _)| rank);
-            let leak = scales.leaks[i] * (scale[i] * scale[i]);
+            let leak = leaks[i] * (scale[i] * scale[i]);
             match column.last_mut() {
                 Some((rank, value)) if *rank == at => *value += 1.0 - leak,
                 _ => column.push((at, 1.0 - leak)),
@@ -108,9 +110,10 @@ impl Sparse {
         self.symbolic = Some(symbolic);
         Ok(())
     }
+}
 
-    /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
-    pub(crate) fn factorise(&mut self, shift: f64) -> usize {
+impl Factorise for Sparse {
+    fn factorise(&mut self, shift: f64) -> usize {
         let n = self.column_starts.len() - 1;
         let Some(symbolic) = &self.symbolic else { return 0 };
         for nudge in 0..NUDGES {
@@ -135,8 +138,7 @@ impl Sparse {
         negative_pivots(symbolic, &self.factor)
     }
 
-    /// Solves (L - shift·I) x = `x` in place, with the last shift.
-    pub(crate) fn solve(&mut self, x: &mut [f64]) {
+    fn solve(&mut self, x: &mut Vec<f64>) {
         let Some(symbolic) = &self.symbolic else { return };
         let n = x.len();
         let x = MatMut::from_column_major_slice_mut(x, n, 1);

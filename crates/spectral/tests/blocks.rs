@@ -138,3 +138,58 @@ fn a_real_leak_between_two_walls_is_the_second_eigenvalue() {
     assert!((found.eigenvalues[1] / expected - 1.0).abs() < 1e-6, "{} is {expected}", found.eigenvalues[1]);
     assert_eq!(found.margin_decades, Some((found.tolerance / found.eigenvalues[1]).log10()));
 }
+
+/// A chain of hubs, each tied to the next, with so many leaves tied to it and to the next hub: no order of its nodes has short
+/// edges.
+fn hubs(hubs: usize, leaves: usize) -> Affinity {
+    let n = hubs * (1 + leaves);
+    let mut affinity = Affinity::default();
+    let w = affinity.weights.make_dense(n);
+    w.fill(0.0);
+    w.diagonal_mut().fill(1.0);
+    let mut tie = |i: usize, j: usize, weight: f64| (w[(i, j)], w[(j, i)]) = (weight, weight);
+    for hub in 0..hubs {
+        let next = (hub + 1 < hubs).then_some(hub + 1);
+        next.into_iter().for_each(|next| tie(hub, next, 0.9));
+        for leaf in hubs + hub * leaves..hubs + (hub + 1) * leaves {
+            tie(leaf, hub, 1.0);
+            next.into_iter().for_each(|next| tie(leaf, next, 0.5));
+        }
+    }
+    affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
+    affinity
+}
+
+#[test]
+fn a_block_whose_edges_are_long_in_every_order_has_the_second_eigenvalue_of_a_full_decomposition() {
+    for (count, leaves) in [(2, 150), (4, 90), (5, 70)] {
+        let affinity = hubs(count, leaves);
+        let rule = ZeroRule::Tolerance(1e-8);
+        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
+        let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
+        assert_eq!((found.k, notes), (1, 0), "{count} hubs of {leaves} leaves");
+        let (next, expected) = (found.eigenvalues[1], all.eigenvalues[1]);
+        assert!((next - expected).abs() < 1e-12, "{count} hubs: {next} is {expected} by full decomposition");
+    }
+}
+
+#[test]
+fn a_component_too_large_to_be_decomposed_in_full_is_refused_with_the_size_that_it_would_need() {
+    // A ring of 30,000: its second eigenvalue is 3e-8, and it comes twice.
+    let n = 30_000u32;
+    let mut affinity = Affinity { degrees: vec![3.0; n as usize], ..Affinity::default() };
+    let w = affinity.weights.make_sparse();
+    for i in 0..n {
+        let mut row = [(i + n - 1) % n, i, (i + 1) % n];
+        row.sort_unstable();
+        row.into_iter().for_each(|j| w.push(j, 1.0));
+        w.end_row();
+    }
+    let mut stage = Blocks::new(ZeroRule::Tolerance(1e-6), 0.0).expect("allowed");
+    let refused =
+        stage.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default()).expect_err("7 GB and more");
+    assert!(
+        refused.to_string().contains("component of 30000 returns") && refused.to_string().contains(" MB"),
+        "{refused}"
+    );
+}
