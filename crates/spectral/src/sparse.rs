@@ -3,6 +3,7 @@
 use crosscut_stage::StageError;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::amd::Control;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -85,11 +86,25 @@ impl Sparse {
         self.plan()
     }
 
+    /// How rows are ordered: if a few are far longer than the others, as of the one return to which all around it are tied, they
+    /// go last, in the order of the block. Minimum degree would look through them again and again.
+    fn ordering(&self) -> Control {
+        let n = self.column_starts.len() - 1;
+        let mut lengths = vec![0; n];
+        for (column, span) in self.column_starts.windows(2).enumerate() {
+            lengths[column] += span[1] - span[0];
+            self.rows[span[0]..span[1]].iter().for_each(|&row| lengths[row] += 1);
+        }
+        let long = n.isqrt();
+        let few = lengths.iter().filter(|&&length| length > long).count() < n / 8;
+        Control { dense: if few { 1.0 } else { Control::default().dense }, ..Control::default() }
+    }
+
     /// Orders the rows, and makes room for the factor.
     fn plan(&mut self) -> Result<(), StageError> {
         let n = self.column_starts.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows);
-        let params = CholeskySymbolicParams::default();
+        let params = CholeskySymbolicParams { amd_params: self.ordering(), ..CholeskySymbolicParams::default() };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
             .map_err(|error| StageError::Unsupported(format!("the factor of a block of {n} returns: {error}")))?;
         let bytes = 8 * symbolic.len_val() as u64;

@@ -32,8 +32,9 @@ impl Carrying {
     ///    represent themselves.
     /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps first:
     ///    each is tied to the one that it was reached from, so that nothing unseen joins two walls.
-    /// 3. Each other level return is tied to its representative, and to all that this one is tied to. So the weight
-    ///    of a wall grows with its number of returns everywhere alike, and the eigenvalues of its block do not fall with it.
+    /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied to.
+    ///    So what ties the parts of a wall grows with its number of returns as the parts do, and the second eigenvalue of its
+    ///    block does not fall with it.
     ///
     /// What is not level, or not reached, is tied to nothing.
     pub(super) fn write(
@@ -113,10 +114,11 @@ impl Carrying {
 
     /// Fills `rows`, by numbers of the cloud.
     fn tie_all(&mut self, n: usize, seen: &Affinity) {
-        let Self { numbers, representative, carried_from, rows, .. } = self;
+        let Self { level_m, numbers, representative, carried_from, rows, .. } = self;
         rows.iter_mut().for_each(Vec::clear);
         rows.resize_with(n.max(rows.len()), Vec::new);
         (0..n).for_each(|i| rows[i].push((i as u32, 1.0)));
+        let mut nearest: Vec<(u32, f64)> = Vec::new();
         let mut tie = |i: usize, j: u32, weight: f64| {
             let (i, j) = (numbers[i], numbers[j as usize]);
             rows[i as usize].push((j, weight));
@@ -129,16 +131,17 @@ impl Carrying {
             if at as usize == i {
                 let once = |j: u32| j > at || carried_from[i].is_some();
                 ties.filter(|&(j, _)| once(j)).for_each(|(j, weight)| tie(i, j, weight));
-            } else {
-                let mut of_wall = false;
-                for (j, weight) in ties {
-                    of_wall = true;
-                    tie(i, j, weight);
-                }
-                if of_wall {
-                    tie(i, at, 1.0);
-                }
+                continue;
             }
+            let distance_m = |j: u32| distance(&level_m[j as usize], &level_m[at as usize]);
+            nearest.clear();
+            nearest.extend(ties);
+            nearest.sort_by(|a, b| distance_m(a.0).total_cmp(&distance_m(b.0)));
+            nearest.truncate(2);
+            if !nearest.is_empty() {
+                tie(i, at, 1.0);
+            }
+            nearest.iter().for_each(|&(j, weight)| tie(i, j, weight));
         }
     }
 

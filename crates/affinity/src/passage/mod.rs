@@ -233,8 +233,7 @@ impl AffinityStage for Passage {
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // An unseen return is tied to its representative and to all that this one is tied to, which are tied back. In a
-        // sweep it is half as many, and on average one more to and from a return that is left over.
-        edges_bytes(n, self.chains.neighbours.saturating_mul(4).saturating_add(3))
+        // On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
+        edges_bytes(n, self.chains.neighbours.saturating_mul(2).saturating_add(3).max(7))
     }
 }

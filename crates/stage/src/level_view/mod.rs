@@ -1,14 +1,14 @@
 //! A cloud as a vehicle sees it that flies level: a 2D sweep of the nearest returns at its height.
 
+mod usual;
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::{Beam, Point, Revolution, Sweep, wrap_angle_rad};
+use usual::{Fan, Usual};
 
 /// A beam is half a degree wide if there are returns enough.
 const MOST_BEAMS: usize = 720;
-/// What a beam meets first: the nearest return with so large a share of the beam's returns no more than a vehicle's width
-/// behind it. Fewer are dust, or a cable.
-const SHARE: f64 = 0.1;
 /// A wider sector without any return was not looked at: no way on is as wide.
 const UNSEEN_RAD: f64 = FRAC_PI_2;
 
@@ -16,8 +16,12 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 ///
 /// A cloud has no beams. What a level vehicle could meet are its returns with |z| <= height/2, z = 0 being the height of the
 /// sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to min(their number, 720) beams, and
-/// each beam sees the nearest that is no dust. So a cloud of any size becomes a sweep of bounded size, to which all that
-/// is known of sweeps applies.
+/// each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size, to which all that is known of
+/// sweeps applies.
+///
+/// A beam sees the nearest return that has company: together with those up to a vehicle's width behind it, a quarter of
+/// the returns that a beam has as a rule (the median) in the angles |z| / range <= height / (2 range) that are level there. A
+/// wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
 /// The first level return is in the middle of its beam, so the view turns with the cloud. An empty sector of more than 90°
 /// is taken as not looked at; a smaller one as free.
@@ -38,6 +42,7 @@ pub struct LevelView {
     numbers: Vec<u32>,
     level: Vec<u32>,
     echoes: Vec<Echo>,
+    usual: Usual,
     /// The return that each beam sees, from the beam of the first level return on.
     beams: Vec<Option<Echo>>,
 }
@@ -60,13 +65,18 @@ impl LevelView {
         };
         self.level.clear();
         self.level.extend((0..cloud.len() as u32).filter(is_level));
-        self.deal(cloud);
+        let first_rad = self.level.first().map_or(0.0, |&first| cloud.bearing_rad(first as usize));
+        let fan = Fan { first_rad, beams: self.level.len().min(MOST_BEAMS) };
         self.beams.clear();
-        self.beams.resize(self.level.len().min(MOST_BEAMS), None);
-        for echoes in self.echoes.chunk_by(|a, b| a.beam == b.beam) {
-            self.beams[echoes[0].beam] = Some(first_met(echoes, width_m));
+        self.beams.resize(fan.beams, None);
+        if fan.beams > 0 {
+            self.deal(cloud, &fan);
+            self.usual.measure(cloud, &fan, height_m, width_m);
+            for echoes in self.echoes.chunk_by(|a, b| a.beam == b.beam) {
+                self.beams[echoes[0].beam] = first_met(echoes, &self.usual, width_m);
+            }
         }
-        self.write_sweep(cloud);
+        self.write_sweep(cloud, first_rad);
     }
 
     /// The returns that are seen, in beam order with the beams behind them, at z = 0.
@@ -85,35 +95,30 @@ impl LevelView {
     }
 
     /// Sorts the level returns by beam, those of a beam by range.
-    fn deal(&mut self, cloud: &Revolution) {
+    fn deal(&mut self, cloud: &Revolution, fan: &Fan) {
         self.echoes.clear();
-        let Some(&first) = self.level.first() else { return };
-        let (beams, start_rad) = (self.level.len().min(MOST_BEAMS), cloud.bearing_rad(first as usize));
-        let step_rad = TAU / beams as f64;
         self.echoes.extend(self.level.iter().map(|&number| {
-            let offset_rad = wrap_angle_rad(cloud.bearing_rad(number as usize) - start_rad);
-            let beam = (offset_rad / step_rad).round().rem_euclid(beams as f64) as usize;
-            Echo { beam, range_m: cloud.range_m(number as usize), number }
+            let i = number as usize;
+            Echo { beam: fan.beam(cloud.bearing_rad(i)), range_m: cloud.range_m(i), number }
         }));
         self.echoes.sort_unstable_by(|a, b| {
             a.beam.cmp(&b.beam).then(a.range_m.total_cmp(&b.range_m)).then(a.number.cmp(&b.number))
         });
     }
 
-    fn write_sweep(&mut self, cloud: &Revolution) {
-        let Self { seen, numbers, level, beams, .. } = self;
+    fn write_sweep(&mut self, cloud: &Revolution, first_rad: f64) {
+        let Self { seen, numbers, beams, .. } = self;
         seen.clear();
         (seen.seq, seen.stamp_ns) = (cloud.seq, cloud.stamp_ns);
         numbers.clear();
         let sweep = seen.sweep.get_or_insert_with(Sweep::default);
         sweep.step_rad = TAU / beams.len().max(1) as f64;
         sweep.range_max_m = f64::INFINITY;
-        let start_rad = level.first().map_or(0.0, |&first| cloud.bearing_rad(first as usize));
         let (begin, unseen) = widest_empty(beams);
         sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
         let turn = if sweep.full_turn { 0..beams.len() } else { begin + unseen..begin + beams.len() };
         for beam in turn {
-            sweep.bearings_rad.push(wrap_angle_rad(start_rad + beam as f64 * sweep.step_rad));
+            sweep.bearings_rad.push(wrap_angle_rad(first_rad + beam as f64 * sweep.step_rad));
             let Some(echo) = beams[beam % beams.len()] else {
                 sweep.ranges_m.push(f32::INFINITY);
                 sweep.beams.push(Beam::NoReturn);
@@ -129,10 +134,12 @@ impl LevelView {
 }
 
 /// What one beam sees of its returns, which ascend by range.
-fn first_met(echoes: &[Echo], width_m: f64) -> Echo {
-    let enough = (SHARE * echoes.len() as f64).ceil() as usize;
-    let is_met = |at: &usize| echoes[at + enough - 1].range_m <= echoes[*at].range_m + width_m;
-    echoes[(0..=echoes.len() - enough).find(is_met).unwrap_or(0)]
+fn first_met(echoes: &[Echo], usual: &Usual, width_m: f64) -> Option<Echo> {
+    let is_met = |&(at, echo): &(usize, &Echo)| {
+        let last = echoes.get(at + usual.enough(echo.range_m) - 1);
+        last.is_some_and(|last| last.range_m <= echo.range_m + width_m)
+    };
+    echoes.iter().enumerate().find(is_met).map(|(_, echo)| *echo)
 }
 
 /// The first beam and the number of beams of the longest run without a return, the first of equals; around the turn.
@@ -184,9 +191,15 @@ mod tests {
 
     #[test]
     fn a_few_returns_in_the_air_are_not_what_a_beam_of_many_sees() {
-        let view = look(ring(14_400, 5.0, 0.0).chain(ring(360, 2.0, 0.0)).collect());
-        let seen = view.seen();
-        assert!((0..seen.len()).all(|i| (seen.range_m(i) - 5.0).abs() < 1e-9));
+        // Where nothing comes back from beyond the dust, nothing is seen.
+        for (dark, least) in [(0, 720), (900, 620)] {
+            let view = look(ring(7200, 5.0, 0.0).skip(dark).chain(ring(360, 2.0, 0.0)).collect());
+            let seen = view.seen();
+            assert!(
+                seen.len() >= least && (0..seen.len()).all(|i| (seen.range_m(i) - 5.0).abs() < 1e-9),
+                "{dark} dark"
+            );
+        }
     }
 
     #[test]
