@@ -1,9 +1,7 @@
 //! The second eigenvalue of a block.
 
-<<<<<<< HEAD
-use crate::band::Band;
 use crate::dot::dot;
-=======
+
 /// The Laplacian of a block, of which L - shift·I can be factorised.
 pub(crate) trait Factorise {
     /// Factorises L - shift·I; the number of its negative pivots is that of eigenvalues below the shift.
@@ -12,7 +10,6 @@ pub(crate) trait Factorise {
     /// Solves (L - shift·I) x = `x` in place, by the last factorisation. `x` has n entries; what it gets beyond is taken off.
     fn solve(&mut self, x: &mut Vec<f64>);
 }
->>>>>>> c80e00c (blocks: a sparse factorisation for blocks with long edges; the full decomposition of a large one is refused with its size)
 
 /// The shift of the first step: L itself is singular.
 const FIRST_SHIFT: f64 = -1e-9;
