@@ -99,6 +99,7 @@ pub(crate) fn observers(
     args: &RecordArgs,
     input: &Path,
     config: &Config,
+    live: bool,
     lost: &mut Vec<String>,
 ) -> anyhow::Result<Observers> {
     use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
@@ -107,6 +108,7 @@ pub(crate) fn observers(
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
+        live,
         name: input.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         layout: args.layout.into(),
@@ -138,7 +140,13 @@ pub(crate) fn observers(
 }
 
 #[cfg(not(feature = "rerun"))]
-pub(crate) fn observers(args: &RecordArgs, _: &Path, _: &Config, _: &mut Vec<String>) -> anyhow::Result<Observers> {
+pub(crate) fn observers(
+    args: &RecordArgs,
+    _: &Path,
+    _: &Config,
+    _: bool,
+    _: &mut Vec<String>,
+) -> anyhow::Result<Observers> {
     if args.save.is_some() || args.view || args.serve.is_some() {
         let text = "this crosscut was built without the feature `rerun`".to_owned();
         return Err(crate::exit::UsageError(text).into());

@@ -25,7 +25,8 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let mut recording = open(args, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut lost = Vec::new();
-    let (mut observers, served) = record::observers(&args.record, &args.input[0], &config, &mut lost)?;
+    let (mut observers, served) =
+        record::observers(&args.record, &args.input[0], &config, args.rate.is_some(), &mut lost)?;
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;

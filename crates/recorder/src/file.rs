@@ -5,7 +5,7 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
 use rerun::StoreKind;
@@ -42,9 +42,13 @@ impl RrdFile {
         Ok(Self { shared: Arc::new(Mutex::new(shared)) })
     }
 
-    /// Whether everything so far was written.
+    /// Whether everything so far was written. A write that is going on is not waited for.
     pub(crate) fn check(&self) -> Result<(), RecorderError> {
-        let shared = self.lock();
+        let shared = match self.shared.try_lock() {
+            Ok(shared) => shared,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return Ok(()),
+        };
         match &shared.state {
             State::Writing { .. } | State::Ended => Ok(()),
             State::Failed(cause) => Err(RecorderError::Write { path: shared.path.clone(), cause: cause.clone() }),

@@ -48,9 +48,14 @@
 //! message. After so many revolutions the file is ended and another begins, which opens alone and together with it: the
 //! footer grows in memory with the file, and so memory stays flat.
 //!
+//! A disk that is slower than the flight: a recorded flight waits for it. A live one (`--rate`) does not: what the disk has
+//! not taken waits in memory, beyond 16 MB revolutions are recorded without matrices, beyond 40 MB not at all, until the disk
+//! has caught up. `/log` says where, and the end says how many; the results are complete.
+//!
 //! To log something new: a function in the file of its area, taking the stream and the frame; a line in `about.md` and
 //! in the table above; a view in `layout/views.rs`, on a page of `layout/pages.rs`.
 
+mod backlog;
 mod beam_order;
 mod colors;
 mod exact;

@@ -16,6 +16,8 @@ pub struct RecorderOptions {
     pub view: bool,
     /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free one.
     pub serve: Option<SocketAddr>,
+    /// The flight is live: what the disk is too slow for is left out and counted, instead of the flight waiting.
+    pub live: bool,
     /// Name of the recording, as the viewer lists it.
     pub name: String,
     /// The resolved configuration, as TOML.
@@ -45,6 +47,16 @@ pub enum RecorderError {
         path: PathBuf,
         /// What the system said.
         cause: String,
+    },
+    /// The disk was slower than the live flight.
+    #[error(
+        "the disk was slower than the flight: {thinned} revolutions are recorded without matrices, {left_out} not at all"
+    )]
+    DiskTooSlow {
+        /// Recorded without matrices.
+        thinned: u64,
+        /// Not recorded.
+        left_out: u64,
     },
     /// The environment tells Rerun to drop everything in silence.
     #[error("RERUN=0 in the environment turns every recording off; unset it")]

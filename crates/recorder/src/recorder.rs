@@ -9,6 +9,7 @@ use rerun::sink::LogSink;
 use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, TextDocument};
 use rerun::{TextLog, TextLogLevel};
 
+use crate::backlog::{Backlog, Lost, Room};
 use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
 use crate::file::RrdFile;
@@ -40,11 +41,15 @@ pub struct Recorder {
     file: Option<RrdFile>,
     live: Vec<Live>,
     served: Option<Served>,
+    /// Of a live flight.
+    backlog: Option<Backlog>,
     options: RecorderOptions,
     /// What the views have to reach; set when the layout was sent.
     extent: Option<Extent>,
     /// The part being written, from 1.
     part: u64,
+    /// A new part is begun as soon as that does not hold up a live flight.
+    part_is_due: bool,
     plan: Plan,
     tracks: Tracks,
     watch: Watch,
@@ -80,6 +85,8 @@ impl Recorder {
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
+        let backlog = options.live.then(Backlog::default);
+        sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
         let batches = ChunkBatcherConfig {
             flush_tick: if live.is_empty() { Duration::MAX } else { LIVE_TICK },
             flush_num_bytes: FLUSH_AFTER_BYTES,
@@ -98,8 +105,10 @@ impl Recorder {
             file,
             live,
             served,
+            backlog,
             extent: None,
             part: 1,
+            part_is_due: false,
             plan: Plan::new(options.scope.clone()),
             options,
             tracks: Tracks::default(),
@@ -119,9 +128,10 @@ impl Recorder {
     }
 
     fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
-        let Some(share) = self.plan.share_of(frame) else { return Ok(()) };
+        let Some(mut share) = self.plan.share_of(frame) else { return Ok(()) };
         let revolution = &frame.revolution;
-        if share.new_part {
+        self.part_is_due |= share.new_part;
+        if self.part_is_due && self.backlog.as_ref().is_none_or(Backlog::is_clear) {
             self.begin_part()?;
         }
         self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
@@ -131,22 +141,43 @@ impl Recorder {
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
+        let is_room = self.make_room(frame, &mut share)?;
         match &frame.failure {
-            None => self.log(frame, share)?,
+            None if is_room => self.log(frame, share)?,
+            None => {}
             Some(failure) => self.log_failure(&failure.to_string())?,
         }
         self.unflushed += 1;
         let unflushed_ns = revolution.stamp_ns.abs_diff(self.flushed_stamp_ns);
-        if unflushed_ns >= FLUSH_AFTER_NS || self.unflushed >= FLUSH_AFTER_REVOLUTIONS {
+        let is_due = unflushed_ns >= FLUSH_AFTER_NS || self.unflushed >= FLUSH_AFTER_REVOLUTIONS;
+        if is_due || self.backlog.as_ref().is_some_and(Backlog::wants_flush) {
             self.flush()?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
         Ok(())
     }
 
+    /// Takes from `share` what a live flight's disk is too slow for, and says so; `false` if there is no room at all.
+    fn make_room(&mut self, frame: &Frame, share: &mut Share) -> Result<bool, RecorderError> {
+        let Some(backlog) = &mut self.backlog else { return Ok(true) };
+        let (room, said) = backlog.room_for(frame, *share);
+        if let Some(said) = said {
+            self.rec.log("log", &TextLog::new(said).with_level(TextLogLevel::WARN))?;
+        }
+        if room == Room::NoMatrices {
+            (share.matrices, share.exact) = (false, false);
+            self.pictures.log_dark(&self.rec)?;
+            for entity in ["affinity/degrees", "affinity/links", "spectral/U", "spectral/embedding"] {
+                self.rec.log(entity, &Clear::flat())?; // nothing stale stays on the screen
+            }
+        }
+        Ok(room != Room::Nothing)
+    }
+
     /// Ends the file and goes on in another one, which can be opened alone: what never changes is written again.
     fn begin_part(&mut self) -> Result<(), RecorderError> {
-        self.flush()?;
+        self.part_is_due = false;
+        self.flush_to_the_end()?;
         let (Some(file), Some(first)) = (&self.file, &self.options.path) else { return Ok(()) };
         self.part += 1;
         file.go_on_in(&part_path(first, self.part))?;
@@ -210,9 +241,20 @@ impl Recorder {
         Ok(())
     }
 
-    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for.
+    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for, nor is the disk during a
+    /// live flight.
     fn flush(&mut self) -> Result<(), RecorderError> {
+        let Some(backlog) = &mut self.backlog else { return self.flush_to_the_end() };
         self.unflushed = 0;
+        backlog.flush_asked();
+        let asked = self.rec.flush_async();
+        self.file.as_ref().map_or(Ok(()), RrdFile::check)?;
+        asked.map_err(|e| RecorderError::Viewer(e.to_string()))
+    }
+
+    fn flush_to_the_end(&mut self) -> Result<(), RecorderError> {
+        self.unflushed = 0;
+        self.backlog.iter_mut().for_each(Backlog::flush_asked);
         let flushed = self.rec.flush_blocking();
         self.file.as_ref().map_or(Ok(()), RrdFile::check)?;
         flushed.map_err(|e| RecorderError::Viewer(e.to_string()))
@@ -229,9 +271,13 @@ impl Observer for Recorder {
             if self.extent.is_none() {
                 self.send_layout(Extent::default())?;
             }
-            self.flush()?;
+            self.flush_to_the_end()?;
             self.file.as_ref().map_or(Ok(()), RrdFile::end)?;
-            self.live.iter().try_for_each(Live::end)
+            self.live.iter().try_for_each(Live::end)?;
+            match self.backlog.as_ref().and_then(Backlog::lost) {
+                Some(Lost { thinned, left_out }) => Err(RecorderError::DiskTooSlow { thinned, left_out }),
+                None => Ok(()),
+            }
         };
         end().map_err(|e| ObserverError(e.to_string()))
     }

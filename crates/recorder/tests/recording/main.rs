@@ -8,4 +8,5 @@ mod killing;
 mod parts;
 mod read_back;
 mod reading;
+mod slow_disk;
 mod values;
