@@ -43,10 +43,10 @@ fn main() -> anyhow::Result<()> {
         answer.score.confidence = probability(&beta, &answer.x);
         comparison.add(answer.family, 0, &answer.score);
     }
-    let [one, opening, gap, unseen, apart, islands] = beta.into();
+    let [one, opening, gap, unseen, ratio, apart, islands] = beta.into();
     let mut page = format!(
-        "{PAGE}\nβ = ({one:.2}, {opening:.2}, {gap:.2}, {unseen:.2}, {apart:.2}, {islands:.2}) \
-         for x = (1, ln(o/w), ln(g/w), ln(u/1°), φ, i)\n"
+        "{PAGE}\nβ = ({one:.2}, {opening:.2}, {gap:.2}, {unseen:.2}, {ratio:.2}, {apart:.2}, {islands:.2}) \
+         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)\n"
     );
     for table in tables::details(&comparison).iter().filter(|table| table.title.contains("confidence")) {
         page += &markdown(table);

@@ -6,10 +6,11 @@
 //! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is as
 //! sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), φ, i)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
 //! ```
 //! with w the width of the vehicle. β is a logistic regression of right against wrong over the development scenes;
-//! `cargo run --release -p crosscut --no-default-features --example confidence` prints it.
+//! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it with what it
+//! means.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -22,10 +23,12 @@ use crate::ring::{Position, Ring};
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
 /// Unseen angles count between these.
 const UNSEEN_DEG: [f64; 2] = [1.0, 60.0];
+/// Widths differ at most by this factor.
+const LEAST_RATIO: f64 = 0.2;
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
 /// β.
-const BETA: [f64; Grounds::INPUTS] = [-1.62, 0.66, -0.82, -0.49, 5.82, -0.69];
+const BETA: [f64; Grounds::INPUTS] = [-0.69, 0.43, -0.83, -0.49, 1.38, 5.59, -0.58];
 
 /// What speaks for and against an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +40,8 @@ pub struct Grounds {
     pub most_within_walls_m: f64,
     /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
     pub unseen_within_walls_rad: f64,
+    /// r: the width of the narrowest opening as a part of that of the widest; those that the end of the view cuts aside.
+    pub narrowest_to_widest: f64,
     /// φ: between the bearings of two openings, the least.
     pub apart_rad: f64,
     /// i: whether pillars are in view, behind which nothing is seen.
@@ -45,7 +50,7 @@ pub struct Grounds {
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 6;
+    pub const INPUTS: usize = 7;
 
     /// Of an answer that has walls; `None` without one, or without beams.
     pub fn of(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
@@ -66,6 +71,7 @@ impl Grounds {
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             unseen_within_walls_rad: 0.0,
+            narrowest_to_widest: narrowest_to_widest(answer),
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
         };
@@ -92,8 +98,15 @@ impl Grounds {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
         let unseen = self.unseen_within_walls_rad.to_degrees().clamp(UNSEEN_DEG[0], UNSEEN_DEG[1]).ln();
-        [1.0, opening, gap, unseen, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
+        let ratio = self.narrowest_to_widest.max(LEAST_RATIO).ln();
+        [1.0, opening, gap, unseen, ratio, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
     }
+}
+
+fn narrowest_to_widest(answer: &Junction) -> f64 {
+    let widths_m = || answer.openings.iter().filter(|opening| !opening.cut_by_view).map(|opening| opening.width_m);
+    let widest_m = widths_m().fold(0.0, f64::max);
+    if widest_m > 0.0 { widths_m().fold(widest_m, f64::min) / widest_m } else { 1.0 }
 }
 
 /// The least angle between the bearings of two openings; π with fewer than two.

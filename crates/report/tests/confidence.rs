@@ -77,3 +77,19 @@ fn a_stretch_of_wall_that_is_not_seen_speaks_against_an_answer() {
     assert!(plain.unseen_within_walls_rad.to_degrees() < 1.5, "{plain:?}");
     assert!(unsure < sure, "{sure} and {unsure}");
 }
+
+#[test]
+fn an_opening_much_narrower_than_another_speaks_against_an_answer() {
+    // A dead end, the last 1.2 m of whose left wall did not come back: two walls, and a way on through the corner.
+    let dead_end = |end_m: f64, second: u32| {
+        vec![
+            (Segment([-30.0, 1.75], [end_m, 1.75]), 0),
+            (Segment([4.0, 1.75], [4.0, -1.75]), second),
+            (Segment([4.0, -1.75], [-30.0, -1.75]), second),
+        ]
+    };
+    let ((whole, sure), (open, unsure)) = (grounds(&dead_end(4.0, 0)), grounds(&dead_end(2.8, 1)));
+    assert_eq!(whole.narrowest_to_widest, 1.0, "there is but one");
+    assert!((open.narrowest_to_widest - 1.2 / 3.5).abs() < 0.1, "{open:?}");
+    assert!(unsure < sure, "{sure} and {unsure}");
+}
