@@ -11,13 +11,14 @@ use crate::ldlt::Ldlt;
 /// Blocks of columns at most.
 const MOST_STEPS: usize = 16;
 /// Residuals of eigenvalues that are not zeros: their errors are the squares, over the gap.
-const RESIDUAL: f64 = 1e-9;
+const RESIDUAL: f64 = 1e-8;
 /// What is left of a column that depends on those before it.
 const DEPENDENT: f64 = 1e-10;
 
 /// Block Krylov spaces of (L - τI)⁻¹; holds its buffers.
 #[derive(Default)]
 pub(crate) struct Krylov {
+    space: Space,
     small: Decomposition,
     values: Vec<f64>,
 }
@@ -57,15 +58,15 @@ impl Krylov {
     ) -> Result<Option<Lowest>, StageError> {
         let n = laplacian.nrows();
         let columns = wanted.div_ceil(2).max(factor.below() + 2);
-        let mut space = Space::new(n, columns, start);
+        self.space.begin(n, columns, start);
         let rounding = 100.0 * n as f64 * f64::EPSILON;
-        while space.dimension + columns <= space.basis.ncols() {
-            let remainder = space.grow(factor, columns);
-            let dimension = space.dimension - columns;
+        while self.space.dimension + columns <= self.space.basis.ncols() {
+            let remainder = self.space.grow(factor, columns);
+            let dimension = self.space.dimension - columns;
             if dimension < wanted + 1 {
                 continue;
             }
-            let projected = space.projected.submatrix(0, 0, dimension, dimension);
+            let projected = self.space.projected.submatrix(0, 0, dimension, dimension);
             self.small.decompose(projected, &mut self.values)?;
             // λ = τ + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
             let negative = self.values.partition_point(|&nu| nu < 0.0);
@@ -76,7 +77,7 @@ impl Krylov {
                 residual <= if rank < factor.below() { rounding } else { RESIDUAL }
             };
             if order.iter().enumerate().all(settled) {
-                return self.refine(laplacian, &space, dimension, &order, factor);
+                return self.refine(laplacian, dimension, &order, factor);
             }
         }
         Ok(None)
@@ -86,14 +87,13 @@ impl Krylov {
     fn refine(
         &mut self,
         laplacian: MatRef<'_, f64>,
-        space: &Space,
         dimension: usize,
         order: &[usize],
         factor: &Ldlt,
     ) -> Result<Option<Lowest>, StageError> {
         let (n, wanted) = (laplacian.nrows(), order.len());
         let chosen = Mat::from_fn(dimension, wanted, |i, j| self.small.eigenvector(order[j])[i]);
-        let vectors = product(space.basis.subcols(0, dimension), chosen.as_ref());
+        let vectors = product(self.space.basis.subcols(0, dimension), chosen.as_ref());
         let image = product(laplacian, vectors.as_ref());
         let mut eigenvalues = Vec::new();
         self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
@@ -110,19 +110,23 @@ impl Krylov {
     }
 }
 
+impl Default for Space {
+    fn default() -> Self {
+        Self { basis: Mat::new(), dimension: 0, projected: Mat::new(), noise: 0 }
+    }
+}
+
 impl Space {
-    fn new(n: usize, columns: usize, start: &[f64]) -> Self {
+    /// Begins anew with random columns, `start` the first of them.
+    fn begin(&mut self, n: usize, columns: usize, start: &[f64]) {
         let most = (columns * (MOST_STEPS + 1)).min(n - n % columns);
-        let mut space = Self {
-            basis: Mat::zeros(n, most),
-            dimension: 0,
-            projected: Mat::zeros(most, most),
-            noise: 0x9E37_79B9_7F4A_7C15,
-        };
-        let mut first = Mat::from_fn(n, columns, |_, _| random(&mut space.noise));
+        self.basis.resize_with(n, most, |_, _| 0.0);
+        self.projected.resize_with(most, most, |_, _| 0.0);
+        self.dimension = 0;
+        self.noise = 0x9E37_79B9_7F4A_7C15;
+        let mut first = Mat::from_fn(n, columns, |_, _| random(&mut self.noise));
         first.col_as_slice_mut(0).copy_from_slice(start);
-        space.append(first);
-        space
+        self.append(first);
     }
 
     /// Multiplies the last block by (L - τI)⁻¹ and adds what is new in it as the next block. Returns that part in the new

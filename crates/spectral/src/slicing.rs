@@ -46,6 +46,8 @@ pub struct Slicing {
     rule: ZeroRule,
     eigenvalues: usize,
     laplacian: Mat<f64>,
+    /// The diagonal of D^-1/2.
+    scale: Vec<f64>,
     ldlt: Ldlt,
     krylov: Krylov,
     full: Decomposition,
@@ -72,6 +74,7 @@ impl Slicing {
             rule,
             eigenvalues,
             laplacian: Mat::new(),
+            scale: Vec::new(),
             ldlt: Ldlt::default(),
             krylov: Krylov::default(),
             full: Decomposition::default(),
@@ -111,14 +114,20 @@ impl Slicing {
 
     /// Equation (2) for the returns of one part.
     fn form(&mut self, w: &Mat<f64>, degrees: &[f64], members: &[u32]) {
-        let scale: Vec<f64> = members.iter().map(|&i| degrees[i as usize].sqrt().recip()).collect();
+        self.scale.clear();
+        self.scale.extend(members.iter().map(|&i| degrees[i as usize].sqrt().recip()));
         self.laplacian.resize_with(members.len(), members.len(), |_, _| 0.0);
+        let is_all = members.len() == w.nrows();
         for (j, &from) in members.iter().enumerate() {
             let weights = w.col_as_slice(from as usize);
             let column = self.laplacian.col_as_slice_mut(j);
-            for ((l, &i), scale_i) in column.iter_mut().zip(members).zip(&scale) {
-                *l = -weights[i as usize] * (scale_i * scale[j]);
+            if is_all {
+                column.copy_from_slice(weights);
+            } else {
+                column.iter_mut().zip(members).for_each(|(l, &i)| *l = weights[i as usize]);
             }
+            let scale_j = self.scale[j];
+            column.iter_mut().zip(&self.scale).for_each(|(l, scale_i)| *l *= -(scale_i * scale_j));
             column[j] += 1.0;
         }
     }
