@@ -105,11 +105,12 @@ impl Ring {
     }
 
     fn count_dark(&mut self, sweep: &Sweep) {
-        let mut dark = 0;
+        // The direction is summed over all beams.
+        let (mut dark, clockwise) = (0, sweep.is_clockwise());
         self.dark_before.clear();
         self.dark_before.push(0);
         for step in 0..sweep.len() {
-            let beam = if sweep.is_clockwise() { sweep.len() - 1 - step } else { step };
+            let beam = if clockwise { sweep.len() - 1 - step } else { step };
             dark += u32::from(sweep.beams[beam] == Beam::NoReturn);
             self.dark_before.push(dark);
         }
