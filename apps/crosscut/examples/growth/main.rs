@@ -14,7 +14,7 @@ use anyhow::Context;
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_simulator::{Places, Rings, lidar::Lidar};
-use crosscut_stage::{Frame, Params, Revolution};
+use crosscut_stage::{Frame, Params, Revolution, Step};
 use plot::Curve;
 
 /// Seeds of no suite.
@@ -41,8 +41,9 @@ fn main() -> anyhow::Result<()> {
     for (name, sizes, make) in KINDS {
         let mut curve = Curve { name, points: Vec::new() };
         for &size in sizes {
-            let (points, ms, right) = measure(&mut engine, size, make)?;
-            println!("{name:<10} {points:>8.0} {ms:>10.3} {right:>4}/{}", BRANCHES.len());
+            let Measured { points, ms, right, steps_ms } = measure(&mut engine, size, make)?;
+            let steps = steps_ms.map(|ms| format!("{ms:.3}")).join(" ");
+            println!("{name:<10} {points:>8.0} {ms:>10.3} {right:>4}/{}  {steps}", BRANCHES.len());
             curve.points.push([points, ms]);
         }
         println!("{name:<10} grow as n^{:.2}\n", curve.exponent());
@@ -55,13 +56,20 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Mean number of points, median time in ms, and how many places have the right count.
-fn measure(
-    engine: &mut Engine,
-    size: usize,
-    make: fn(usize, usize) -> (Revolution, u32),
-) -> anyhow::Result<(f64, f64, usize)> {
-    let (mut points, mut right, mut times_ms) = (0, 0, Vec::new());
+/// What was measured at one size.
+struct Measured {
+    /// Mean number of points.
+    points: f64,
+    /// Median time.
+    ms: f64,
+    /// How many places have the right count.
+    right: usize,
+    /// Affinity, spectral, kmeans and report of the last revolution.
+    steps_ms: [f64; 4],
+}
+
+fn measure(engine: &mut Engine, size: usize, make: fn(usize, usize) -> (Revolution, u32)) -> anyhow::Result<Measured> {
+    let (mut points, mut right, mut times_ms, mut steps_ms) = (0, 0, Vec::new(), [0.0; 4]);
     for branches in BRANCHES {
         let (revolution, walls) = make(branches, size);
         points += revolution.len();
@@ -73,9 +81,12 @@ fn measure(
             times_ms.push(1e3 * start.elapsed().as_secs_f64());
         }
         right += usize::from(frame.junction.junctions == walls as usize);
+        let steps = [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report];
+        steps_ms = steps.map(|step| frame.timings.ns(step) as f64 / 1e6);
     }
     times_ms.sort_by(f64::total_cmp);
-    Ok((points as f64 / BRANCHES.len() as f64, times_ms[times_ms.len() / 2], right))
+    let points = points as f64 / BRANCHES.len() as f64;
+    Ok(Measured { points, ms: times_ms[times_ms.len() / 2], right, steps_ms })
 }
 
 fn sweep(branches: usize, n: usize) -> (Revolution, u32) {
