@@ -2,9 +2,9 @@
 
 use crosscut_stage::{Beam, Frame};
 
-use crate::{Change, Explanation, Link};
+use crate::{Change, Explanation, Link, WallLinks};
 
-/// Walls in the table; more would not be read.
+/// Walls that are told of; more would not be read.
 const TOLD: usize = 12;
 
 impl Explanation {
@@ -14,7 +14,7 @@ impl Explanation {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
         paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
-        paragraphs.extend(words.table(self));
+        paragraphs.extend(words.walls(self));
         paragraphs.extend(self.closest.map(|(walls, returns)| words.closest(walls, returns)));
         paragraphs.push(words.left_out());
         paragraphs.join("\n\n")
@@ -71,26 +71,27 @@ impl Words<'_> {
         text + "."
     }
 
-    fn table(&self, explanation: &Explanation) -> Option<String> {
+    /// A line for each wall: what holds it together, and what ties it to another.
+    fn walls(&self, explanation: &Explanation) -> Option<String> {
         let walls = &explanation.walls;
-        if walls.is_empty() {
-            return None;
-        }
-        let mut lines = vec!["| wall | weakest link inside | strongest to another |\n|---|---|---|".to_owned()];
-        for wall in walls.iter().take(TOLD) {
-            let weakest = match wall.weakest {
-                Some(link) => self.link(link),
-                None if wall.pieces > 1 => format!("none: {} parts without a link", wall.pieces),
-                None => "one return".to_owned(),
-            };
-            let strongest = wall.strongest.map(|(to, link)| format!("{}: {}", self.wall(to), self.link(link)));
-            let strongest = strongest.unwrap_or_else(|| "none".to_owned());
-            lines.push(format!("| {} | {weakest} | {strongest} |", self.wall(wall.wall)));
-        }
+        let mut lines: Vec<String> = walls.iter().take(TOLD).map(|wall| self.links_of(wall)).collect();
         if walls.len() > TOLD {
-            lines.push(format!("| {} more | | |", walls.len() - TOLD));
+            lines.push(format!("- and {} more", walls.len() - TOLD));
         }
-        Some(lines.join("\n"))
+        (!lines.is_empty()).then(|| lines.join("\n"))
+    }
+
+    fn links_of(&self, wall: &WallLinks) -> String {
+        let inside = match wall.weakest {
+            Some(link) => format!("weakest link inside {}", self.link(link)),
+            None if wall.pieces > 1 => format!("{} parts without a link", wall.pieces),
+            None => "one return".to_owned(),
+        };
+        let outside = match wall.strongest {
+            Some((to, link)) => format!("strongest to another {}, to {}", self.link(link), self.wall(to)),
+            None => "no link to another".to_owned(),
+        };
+        format!("- **{}**: {inside}; {outside}", self.wall(wall.wall))
     }
 
     fn closest(&self, [a, b]: [u32; 2], returns: [usize; 2]) -> String {

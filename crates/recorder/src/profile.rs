@@ -11,7 +11,7 @@ use crate::tracks::Classes;
 
 /// The chart is as wide as this whatever the number of beams, and as high as this whatever the range.
 const WIDTH: f32 = 100.0;
-const HEIGHT: f32 = 60.0;
+const HEIGHT: f32 = 95.0;
 /// Where the clusters and the walls stand: 2D views have y downwards, so above the ranges.
 const CLUSTERS_Y: f32 = -HEIGHT - 12.0;
 const WALLS_Y: f32 = -HEIGHT - 6.0;
