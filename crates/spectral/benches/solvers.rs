@@ -1,4 +1,5 @@
-//! How the time of every solver grows with the number of returns: `cargo bench -p crosscut-spectral`.
+//! How the time of every solver grows with the number of returns: `cargo bench -p crosscut-spectral`;
+//! the sparse ones alone: `... -- sparse`.
 //!
 //! Four straight walls, 3.5 m apart, 20 m long, evenly sampled. The dense solvers get equation (1) with σ = 1.5 per m², the sparse
 //! ones the graph of each return's 4 neighbours on either side. One line per solver and size, columns parted by commas: the
@@ -28,12 +29,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("slicing", Box::new(Slicing::new(rule, 1)?)),
         ("slicing16", Box::new(Slicing::new(rule, 16)?)),
     ];
-    for n in DENSE {
+    let dense_too = std::env::args().all(|arg| arg != "sparse");
+    for n in DENSE.into_iter().filter(|_| dense_too) {
         let affinity = every_pair(n);
         for (name, stage) in &mut dense {
             print(name, n, stage.as_mut(), &affinity)?;
         }
     }
+    // That of preset `default`: a wall of 25,000 returns has its next eigenvalue below 1e-7.
+    let rule = ZeroRule::Tolerance(1e-8);
     let mut sparse: [(&str, Box<dyn SpectralStage>); 2] =
         [("blocks", Box::new(Blocks::new(rule, 1e-3)?)), ("components", Box::<Components>::default())];
     for n in SPARSE {
