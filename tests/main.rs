@@ -15,3 +15,5 @@ mod results;
 #[cfg(feature = "rerun")]
 mod serving;
 mod simulation;
+#[cfg(all(unix, feature = "rerun"))]
+mod viewing;

@@ -12,6 +12,7 @@ import mcap_io
 import reading
 import recording
 import spectrum
+import viewing
 from flights import Flights
 from program import Crosscut
 from verdicts import Verdicts
@@ -20,6 +21,7 @@ CHECKS = {
     "spectrum": spectrum,
     "recording": recording,
     "reading": reading,
+    "viewing": viewing,
     "killing": killing,
     "mcap_io": mcap_io,
     "determinism": determinism,

@@ -136,7 +136,7 @@ def check_picture(flight: Flight, flights: Flights, verdicts: Verdicts):
     outcome = flights.outcome(flight)
     path = flights.work.parent / "screenshot.png"
     fullest = max(outcome.lines, key=lambda line: (line["junctions"], line["returns"]))
-    with Viewer(outcome.rrd, PICTURE_SIZE) as viewer:
+    with Viewer.of(outcome.rrd, size=PICTURE_SIZE) as viewer:
         viewer.show(fullest["seq"])
         views = viewer.views()
         viewer.save(path)

@@ -12,6 +12,7 @@ The README's picture is revolution 81 of the shipped flight, with the paper's se
 import argparse
 import json
 import os
+import signal
 import socket
 import subprocess
 import tempfile
@@ -24,22 +25,27 @@ DEADLINE_S = 120
 # Frames that the viewer draws after a change before it is looked at: pictures are decoded on the way.
 SETTLING_FRAMES = 40
 
+# Stands in for the viewer's command, which would open a window.
+HEADLESS_RERUN = """#!/bin/sh
+if [ "$1" = mcap ]; then exec {rerun} "$@"; fi
+for argument; do shift; [ "$argument" = --port=auto ] || set -- "$@" "$argument"; done
+exec {rerun} --headless --window-size {size} --port {port} "$@"
+"""
+
 
 class Viewer:
-    """A headless viewer with a recording loaded, driven over the control protocol that it brings along."""
+    """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, recording: Path, size: str):
-        port = _free_port()
+    def __init__(self, command: list, port: int, environment: dict):
         self._log = tempfile.TemporaryFile()
-        environment = {**os.environ, "RUST_LOG": "error", "NO_COLOR": "1"}
-        address = ["--bind", "127.0.0.1", "--port", str(port)]
+        quiet = {"RUST_LOG": "error", "NO_COLOR": "1"}
         self._viewer = subprocess.Popen(
-            [RERUN, "--headless", *address, "--window-size", size, recording],
-            stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log, env=environment,
+            command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log,
+            env={**os.environ, **quiet, **environment}, start_new_session=True,
         )  # fmt: skip
         self._control = subprocess.Popen(
             [RERUN, "viewer-mcp"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=environment, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env={**os.environ, **quiet}, text=True,
         )  # fmt: skip
         self._requests = 0
         try:
@@ -51,6 +57,22 @@ class Viewer:
             self.close()
             raise
 
+    @classmethod
+    def of(cls, *sources, size: str) -> "Viewer":
+        """Of recordings, or of what a server serves."""
+        port = free_port()
+        address = ["--bind", "127.0.0.1", "--port", str(port)]
+        return cls([RERUN, "--headless", *address, "--window-size", size, *map(str, sources)], port, {})
+
+    @classmethod
+    def started_by(cls, command: list[str], size: str) -> "Viewer":
+        """The one that another program starts: it finds a viewer on its path that needs no screen."""
+        port = free_port()
+        folder = Path(tempfile.mkdtemp(prefix="viewer-"))
+        (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
+        (folder / "rerun").chmod(0o755)
+        return cls(command, port, {"PATH": f"{folder}:{os.environ['PATH']}"})
+
     def __enter__(self):
         return self
 
@@ -58,9 +80,16 @@ class Viewer:
         self.close()
 
     def close(self):
-        for process in (self._control, self._viewer):
-            process.terminate()
-            process.wait()
+        self._control.terminate()
+        self._control.wait()
+        if self._viewer.poll() is None:
+            os.killpg(self._viewer.pid, signal.SIGTERM)  # with the viewer that it started
+            os.killpg(self._viewer.pid, signal.SIGCONT)
+        self._viewer.wait()
+
+    def pause(self):
+        """It reads no more, and does not answer."""
+        os.killpg(self._viewer.pid, signal.SIGSTOP)
 
     def last_revolution(self) -> int | None:
         """`None` while nothing is loaded."""
@@ -129,7 +158,7 @@ class Viewer:
         return self._log.read().decode(errors="replace").strip()[-600:]
 
 
-def _free_port() -> int:
+def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
@@ -143,7 +172,7 @@ def main():
     parser.add_argument("--size", default="1400x900", help="WxH in pixels (default: %(default)s)")
     args = parser.parse_args()
     args.picture.parent.mkdir(parents=True, exist_ok=True)
-    with Viewer(args.recording, args.size) as viewer:
+    with Viewer.of(args.recording, size=args.size) as viewer:
         viewer.show(viewer.last_revolution() if args.seq is None else args.seq)
         viewer.save(args.picture)
 

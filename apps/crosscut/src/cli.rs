@@ -1,11 +1,12 @@
 //! What can be typed.
 
+use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::record::RecordArgs;
+use crate::record::{LayoutArg, RecordArgs};
 
 /// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
 #[derive(Debug, Parser)]
@@ -23,6 +24,8 @@ lost (damaged input, incomplete recording); 130 interrupted, what was made is sa
 pub(crate) enum Command {
     /// Count the walls of every revolution in a recorded flight.
     Run(RunArgs),
+    /// Show what `run --save` recorded.
+    View(ViewArgs),
     /// Make a flight through a mine whose truth is known.
     Simulate(SimulateArgs),
     /// Compare the results of one configuration or several with the truth in recordings.
@@ -68,6 +71,26 @@ pub(crate) struct RunArgs {
     pub(crate) rate: Option<f64>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// The recording that `run --save` made; its other parts (FLIGHT-2.rrd...) come with it.
+    #[arg(required = true, value_name = "FLIGHT.rrd")]
+    pub(crate) flight: Vec<PathBuf>,
+    /// Which page the viewer opens with; the one that the recording was made for, if not given.
+    #[arg(long, value_enum, conflicts_with_all = ["beside", "with"])]
+    pub(crate) layout: Option<LayoutArg>,
+    /// Another recording, side by side with the first.
+    #[arg(long, value_name = "OTHER.rrd")]
+    pub(crate) beside: Option<PathBuf>,
+    /// The flight's MCAP recording, to see its point clouds, cameras and transforms together with ours. May be given
+    /// again.
+    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with = "beside")]
+    pub(crate) with: Vec<PathBuf>,
+    /// Do not open the viewer: let viewers connect, until Ctrl-C. Port 0 takes a free one.
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:9877")]
+    pub(crate) serve: Option<SocketAddr>,
 }
 
 #[derive(Debug, Args)]

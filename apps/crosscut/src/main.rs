@@ -19,6 +19,8 @@ mod run;
 mod scoring;
 mod simulate;
 mod summary;
+#[cfg(feature = "rerun")]
+mod view;
 
 use std::process::ExitCode;
 
@@ -29,6 +31,7 @@ use crate::cli::{Cli, Command};
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::View(args) => view(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Evaluate(args) => evaluate::evaluate(&args),
         Command::Paper(args) => paper::paper(&args),
@@ -47,8 +50,20 @@ fn main() -> ExitCode {
 
 #[cfg(feature = "rerun")]
 use rrd::rrd;
+#[cfg(feature = "rerun")]
+use view::view;
 
 #[cfg(not(feature = "rerun"))]
 fn rrd(_: &cli::RrdCommand) -> anyhow::Result<exit::Outcome> {
-    Err(exit::UsageError("this crosscut was built without the feature `rerun`".to_owned()).into())
+    Err(without_rerun())
+}
+
+#[cfg(not(feature = "rerun"))]
+fn view(_: &cli::ViewArgs) -> anyhow::Result<exit::Outcome> {
+    Err(without_rerun())
+}
+
+#[cfg(not(feature = "rerun"))]
+fn without_rerun() -> anyhow::Error {
+    exit::UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
 }

@@ -102,8 +102,9 @@ pub(crate) fn observers(
     live: bool,
     lost: &mut Vec<String>,
 ) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
+    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
 
+    let ingest = config.params("ingest");
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
@@ -111,6 +112,7 @@ pub(crate) fn observers(
         live,
         name: input.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
+        mounting: Mounting { yaw_rad: ingest.number("yaw_rad"), upside_down: ingest.flag("upside_down") },
         layout: args.layout.into(),
         scope: args.scope(),
     };
@@ -126,9 +128,7 @@ pub(crate) fn observers(
     }
     Ok(match recorder {
         Ok(recorder) => {
-            if let Some(served) = recorder.served() {
-                eprintln!("serving; to see it: rerun --connect {}", served.url);
-            }
+            recorder.served().inspect(|served| crate::view::say_where(served));
             let served = recorder.served().is_some();
             (vec![Box::new(recorder)], served)
         }

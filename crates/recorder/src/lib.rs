@@ -11,6 +11,7 @@
 //! | `/scan/returns`, `/scan/count` | returns, coloured by wall; how many | n points, m, body frame | f32; exact |
 //! | `/scan/ranges`, `/scan/seen` | ranges as on the wire; what each beam saw | beams, m | exact |
 //! | `/scan/beams`, `/scan/beams/wire` | bearings and wire geometry, logged when they change | beams, rad | exact |
+//! | `/scan/mounting` | frame of the sensor by its name, turned in the body frame | | f32 |
 //! | `/scan/walls` | lines along the walls, broken at gaps | m | within 3 cm |
 //! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
 //! | `/scan/links` | the links that decide the count | m | drawing |
@@ -63,6 +64,7 @@ mod file;
 mod layout;
 mod live;
 mod matrices;
+mod mounting;
 mod notes;
 mod options;
 mod partition;
@@ -75,6 +77,7 @@ mod report;
 mod scan;
 mod scope;
 mod serving;
+mod showing;
 mod spectrum;
 mod tensors;
 mod timing;
@@ -83,6 +86,7 @@ mod viewer;
 mod why;
 
 pub use layout::Layout;
+pub use mounting::Mounting;
 pub use options::{RecorderError, RecorderOptions};
 pub use reading::{
     Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
@@ -91,3 +95,4 @@ pub use reading::{
 pub use recorder::Recorder;
 pub use scope::{Detail, Scope};
 pub use serving::Served;
+pub use showing::{Show, ShowError};

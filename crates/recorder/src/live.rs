@@ -9,11 +9,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use rerun::external::re_byte_size::SizeBytes as _;
-use rerun::grpc_server::GrpcServerSink;
 use rerun::log::LogMsg;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 
 use crate::RecorderError;
+use crate::serving::Server;
 
 /// How much may wait, and for how long.
 #[derive(Clone, Copy)]
@@ -34,14 +34,14 @@ pub(crate) enum Outlet {
     /// To one viewer.
     Viewer(GrpcSink),
     /// To any number of viewers that come and go.
-    Server(GrpcServerSink),
+    Server(Server),
 }
 
 impl Outlet {
     fn sink(&self) -> &dyn LogSink {
         match self {
             Self::Viewer(sink) => sink,
-            Self::Server(sink) => sink,
+            Self::Server(server) => &server.sink,
         }
     }
 

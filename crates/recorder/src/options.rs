@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use rerun::RecordingStreamError;
 
-use crate::{Layout, Scope};
+use crate::{Layout, Mounting, Scope};
 
 /// Where and how to record.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,8 @@ pub struct RecorderOptions {
     pub name: String,
     /// The resolved configuration, as TOML.
     pub config_toml: String,
+    /// How the sensor sits in the body frame.
+    pub mounting: Mounting,
     /// The page that the viewer opens with.
     pub layout: Layout,
     /// What is recorded.

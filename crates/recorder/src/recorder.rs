@@ -13,7 +13,7 @@ use crate::backlog::{Backlog, Lost, Room};
 use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
 use crate::file::RrdFile;
-use crate::layout::Extent;
+use crate::layout::{Extent, Shown};
 use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
 use crate::notes::Notes;
@@ -24,7 +24,7 @@ use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
 use crate::timing::Times;
 use crate::tracks::Tracks;
-use crate::{exact, layout, partition, profile, report, scan, spectrum, timing, viewer, why};
+use crate::{exact, layout, mounting, partition, profile, report, scan, spectrum, timing, viewer, why};
 
 /// What is on the disk never lags behind by more than this much sensor time: each flush costs 2 KB an entity...
 const FLUSH_AFTER_NS: u64 = 2_500_000_000;
@@ -78,8 +78,8 @@ impl Recorder {
         }
         if let Some(address) = options.serve {
             let server = serving::open(address)?;
-            live.push(Live::start(Outlet::Server(server.sink))?);
-            served = Some(server.served);
+            served = Some(server.served.clone());
+            live.push(Live::start(Outlet::Server(server))?);
         }
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
@@ -136,6 +136,9 @@ impl Recorder {
         }
         self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
+        if share.new_part || self.extent.is_none() {
+            mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
+        }
         if self.extent.is_none() {
             self.send_layout(Extent::of(frame))?;
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
@@ -236,7 +239,8 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
-        layout::send(&self.rec, self.options.layout, extent)?;
+        layout::send(&self.rec, &Shown::Flight(self.options.layout, extent))?;
+        extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! A server that viewers connect to: they see what comes, and, when they come late, what came.
 
+use std::any::Any;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
@@ -26,6 +27,8 @@ pub struct Served {
 pub(crate) struct Server {
     pub(crate) sink: GrpcServerSink,
     pub(crate) served: Served,
+    /// Serves the web viewer until it is dropped.
+    _web: Option<Pages>,
 }
 
 /// Listens at `address`; port 0 takes a free one.
@@ -34,11 +37,34 @@ pub(crate) struct Server {
 /// When the address cannot be listened at.
 pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
     let address = free_address(address)?;
-    let options = ServerOptions { memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES), ..ServerOptions::default() };
+    let options = ServerOptions {
+        memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES),
+        cors_allowed_origins: vec![format!("http://{}:*", bind_ip(address))], // the web viewer's own pages
+        ..ServerOptions::default()
+    };
     let sink = GrpcServerSink::new(&bind_ip(address), address.port(), options).map_err(|e| cannot(address, &e))?;
     await_listening(address)?;
     let url = format!("rerun+http://{}/proxy", reachable(address));
-    Ok(Server { sink, served: Served { url, web_url: None } })
+    let (web, web_url) = web_viewer(address, &url)?.unzip();
+    Ok(Server { sink, served: Served { url, web_url }, _web: web })
+}
+
+/// What serves pages until it is dropped.
+type Pages = Box<dyn Any + Send>;
+
+/// The web viewer, at a free port of the same address, and the page that connects it to `url`.
+#[cfg(feature = "web")]
+fn web_viewer(address: SocketAddr, url: &str) -> Result<Option<(Pages, String)>, RecorderError> {
+    let config =
+        rerun::web_viewer::WebViewerConfig { bind_ip: bind_ip(address), open_browser: false, ..Default::default() };
+    let server = rerun::serve_web_viewer(config).map_err(|e| cannot(address, &e))?;
+    let page = format!("{}?url={}", server.server_url(), url.replace('+', "%2B"));
+    Ok(Some((Box::new(server), page)))
+}
+
+#[cfg(not(feature = "web"))]
+fn web_viewer(_: SocketAddr, _: &str) -> Result<Option<(Pages, String)>, RecorderError> {
+    Ok(None)
 }
 
 /// Rerun binds in a thread of its own and keeps errors to itself: whether the address can be had is tried before.

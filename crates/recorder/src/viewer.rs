@@ -1,5 +1,12 @@
 //! The native viewer: found, started, connected to.
 
+use std::io::BufWriter;
+use std::process::{Child, ChildStdin, Command, Stdio};
+
+use rerun::external::re_build_info::CrateVersion;
+use rerun::external::re_log_encoding::{Encoder, EncodingOptions};
+use rerun::log::LogMsg;
+
 use rerun::external::re_uri::ProxyUri;
 use rerun::sink::GrpcSink;
 use rerun::{SpawnError, SpawnOptions};
@@ -22,6 +29,56 @@ pub(crate) fn connect(executable: &str) -> Result<GrpcSink, RecorderError> {
         .parse()
         .map_err(|e| RecorderError::Viewer(format!("{e}")))?;
     Ok(GrpcSink::new(uri))
+}
+
+/// A viewer of its own that reads a recording from its standard input.
+pub(crate) struct Viewer {
+    process: Child,
+    /// Nothing once the viewer reads no more.
+    input: Option<Encoder<BufWriter<ChildStdin>>>,
+}
+
+impl Viewer {
+    /// Starts the viewer called `executable`.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(crate) fn start(executable: &str) -> Result<Self, RecorderError> {
+        let mut command = Command::new(executable);
+        command.args(["--port=auto", "--bind=127.0.0.1", "-"]).stdin(Stdio::piped()).stdout(Stdio::null());
+        let mut process = command.spawn().map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => RecorderError::NoViewer,
+            _ => RecorderError::Viewer(error.to_string()),
+        })?;
+        let input = BufWriter::new(process.stdin.take().expect("it is piped"));
+        let input = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, input)
+            .map(|mut encoder| {
+                encoder.do_not_emit_footer(); // it would grow with the recording, and the viewer does not read it
+                encoder
+            })
+            .ok();
+        Ok(Self { process, input })
+    }
+
+    /// Hands a message over; whether more are wanted.
+    pub(crate) fn take(&mut self, message: &LogMsg) -> bool {
+        if self.input.as_mut().is_some_and(|input| input.append(message).is_err()) {
+            self.input = None; // it was closed
+        }
+        self.input.is_some()
+    }
+
+    /// Returns when the viewer is closed.
+    ///
+    /// # Errors
+    /// When it failed.
+    pub(crate) fn wait(mut self) -> Result<(), RecorderError> {
+        if let Some(mut input) = self.input.take() {
+            let _ = input.finish(); // that it was closed in the meantime is seen below
+        }
+        let ended = self.process.wait().map_err(|e| RecorderError::Viewer(e.to_string()))?;
+        if ended.success() { Ok(()) } else { Err(RecorderError::Viewer(format!("it ended with {ended}"))) }
+    }
 }
 
 #[cfg(test)]

@@ -4,14 +4,17 @@
 
 mod pages;
 mod properties;
+mod together;
 mod views;
 
 use crosscut_stage::Frame;
 use rerun::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel};
-use rerun::{RecordingStream, RecordingStreamResult};
+use rerun::log::{Chunk, LogMsg};
+use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, Tensor, TensorBuffer};
 
 use crate::beam_order::BeamOrder;
+use crate::tensors::f64_vector;
 use views::Views;
 
 /// The page that a recording opens with. The other pages of a flight are tabs beside it.
@@ -67,20 +70,74 @@ impl Extent {
             places: if places > 0 { places } else { default.places },
         }
     }
+
+    /// Kept in the recording, so that it can be laid out again.
+    pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
+        let values = vec![self.range_m, self.places as f64];
+        rec.log_static("layout/extent", &f64_vector(values, "range_m, places"))
+    }
+
+    /// As it was kept.
+    pub(crate) fn read(chunk: &Chunk) -> Option<Self> {
+        let data: Vec<rerun::components::TensorData> =
+            chunk.component_batch(Tensor::descriptor_data().component, 0)?.ok()?;
+        match &data.first()?.buffer {
+            TensorBuffer::F64(values) => match values.as_ref() {
+                [range_m, places] => Some(Self { range_m: *range_m, places: *places as usize }),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// What a layout shows.
+pub(crate) enum Shown<'a> {
+    /// A flight, with its pages as tabs; this one first.
+    Flight(Layout, Extent),
+    /// Two flights, each below an entity.
+    Beside([(&'a str, Extent); 2]),
+    /// A flight with what else its MCAP recording holds: below `root`, and the entities there that are pictures.
+    Sensors { extent: Extent, root: &'a str, pictures: &'a [String] },
 }
 
 /// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
-pub(crate) fn send(rec: &RecordingStream, first: Layout, extent: Extent) -> RecordingStreamResult<()> {
-    let mut views = Views::new("", extent);
-    let others = Layout::ALL.into_iter().filter(|page| *page != first);
-    let tabs: Vec<_> = std::iter::once(first).chain(others).map(|page| page.page(&mut views)).collect();
+pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
+    let (tabs, properties) = match shown {
+        Shown::Flight(first, extent) => {
+            let mut views = Views::new("", *extent);
+            let others = Layout::ALL.into_iter().filter(|page| page != first);
+            let tabs = std::iter::once(*first).chain(others).map(|page| page.page(&mut views)).collect();
+            (tabs, views.into_properties())
+        }
+        Shown::Beside(flights) => {
+            let [mut left, mut right] = flights.map(|(below, extent)| Views::new(&format!("/{below}"), extent));
+            let tabs = vec![together::beside(&mut left, &mut right)];
+            (tabs, left.into_properties().and(right.into_properties()))
+        }
+        Shown::Sensors { extent, root, pictures } => {
+            let mut views = Views::new("", *extent);
+            let mut tabs = vec![together::sensors(&mut views, root, pictures)];
+            tabs.extend(Layout::ALL.map(|page| page.page(&mut views)));
+            (tabs, views.into_properties())
+        }
+    };
     let layout = Blueprint::new(Tabs::new(tabs))
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
         .with_time_panel(time_panel());
-    properties::send(rec, &layout, views.into_properties())
+    properties::send(rec, &layout, properties)
+}
+
+/// The messages of a layout, to be sent with those of a recording that is shown again.
+pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
+    let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
+    send(&scratch, shown)?;
+    let mut messages = storage.take();
+    messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
+    Ok(messages)
 }
 
 /// By revolution; at the newest one until somebody moves it.

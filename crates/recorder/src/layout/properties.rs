@@ -30,6 +30,12 @@ impl Properties {
         }
         view
     }
+
+    /// These and the others.
+    pub(super) fn and(mut self, others: Self) -> Self {
+        self.0.extend(others.0);
+        self
+    }
 }
 
 /// Sends the layout and makes it the active one.

@@ -56,6 +56,21 @@ impl Views {
         self.above(name, contents)
     }
 
+    /// Walls and openings in space, with all that stands below `root` but the pictures; from behind, looking down.
+    pub(super) fn scene(&mut self, name: &str, root: &str, pictures: &[String]) -> ContainerLike {
+        let ours = self.entities(["scan/returns", "scan/walls", "scan/openings", "scan/sensor"]);
+        let flat = pictures.iter().map(|entity| format!("- {entity}"));
+        let contents = ours.into_iter().chain([format!("+ /{root}/**")]).chain(flat);
+        let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let reach = self.extent.range_m as f32;
+        self.seen_from(view, [-0.8 * reach, 0.0, 0.7 * reach], [0.0, 0.0, 1.0])
+    }
+
+    /// A camera's picture.
+    pub(super) fn camera(entity: &str) -> ContainerLike {
+        Spatial2DView::new(entity).with_origin(entity).into()
+    }
+
     /// The scan from above, x up and y left.
     fn above<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
         let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);

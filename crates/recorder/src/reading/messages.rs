@@ -19,13 +19,13 @@ use super::{Damage, ReadError};
 
 /// Where the content of a message lies in its file.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     pub(super) at: u64,
     pub(super) bytes: u64,
 }
 
 /// One .rrd file, read from its start to its end or to where it is damaged.
-pub(super) struct Messages {
+pub(crate) struct Messages {
     path: PathBuf,
     file: BufReader<File>,
     version: CrateVersion,
@@ -37,7 +37,7 @@ pub(super) struct Messages {
 }
 
 impl Messages {
-    pub(super) fn open(path: &Path) -> Result<Self, ReadError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
         let cannot = |cause: String| ReadError::Open { path: path.to_owned(), cause };
         let file = File::open(path).map_err(|e| cannot(e.to_string()))?;
         let end = file.metadata().map_err(|e| cannot(e.to_string()))?.len();
@@ -56,7 +56,7 @@ impl Messages {
     }
 
     /// The recording that the file belongs to, as its first message says.
-    pub(super) fn store(&mut self) -> Option<StoreId> {
+    pub(crate) fn store(&mut self) -> Option<StoreId> {
         if self.first.is_none() {
             self.first = self.next();
         }
@@ -141,7 +141,7 @@ pub(super) fn chunk_at(file: &mut File, place: Place, version: CrateVersion) -> 
 }
 
 /// The chunk in a message.
-pub(super) fn chunk_of(message: &ArrowMsg) -> Result<Chunk, String> {
+pub(crate) fn chunk_of(message: &ArrowMsg) -> Result<Chunk, String> {
     caught(|| Chunk::from_arrow_msg(message).map_err(|e| e.to_string()))
 }
 

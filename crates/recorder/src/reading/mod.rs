@@ -24,7 +24,7 @@
 //! L become numbers by their scale, see [`Row::value`].
 
 mod difference;
-mod messages;
+pub(crate) mod messages;
 mod picture;
 mod recording;
 mod rows;

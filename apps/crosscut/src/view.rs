@@ -1,0 +1,38 @@
+//! `crosscut view`: what `run --save` recorded, in the viewer.
+
+use crosscut_pipeline::StopFlag;
+use crosscut_recorder::{Served, Show};
+
+use crate::cli::ViewArgs;
+use crate::exit::Outcome;
+use crate::run::stop_on_interrupt;
+
+/// Shows recordings until the viewer is closed, or until Ctrl-C.
+pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
+    let show = Show {
+        flight: args.flight.clone(),
+        beside: args.beside.iter().cloned().collect(),
+        sensors: args.with.clone(),
+        layout: args.layout.map(Into::into),
+    };
+    let damages = match args.serve {
+        None => show.in_viewer()?,
+        Some(address) => {
+            let stop = StopFlag::default();
+            stop_on_interrupt(stop.clone())?;
+            show.served(address, say_where, || stop.is_set())?
+        }
+    };
+    for damage in &damages {
+        eprintln!("lost: {damage}");
+    }
+    Ok(if damages.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
+}
+
+/// Says where viewers can connect.
+pub(crate) fn say_where(served: &Served) {
+    eprintln!("serving; to see it: rerun --connect {}", served.url);
+    if let Some(page) = &served.web_url {
+        eprintln!("or in a browser: {page}");
+    }
+}

@@ -1,0 +1,37 @@
+//! Pages for what is seen together: two flights side by side; a flight with what else its MCAP recording holds.
+
+use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
+
+use super::views::Views;
+
+/// Two flights, each with the same views: what was answered, and the matrix and spectrum that it follows from.
+pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
+    let halves = [half(left, "Left"), half(right, "Right")];
+    Horizontal::new(halves).with_name("Side by side").into()
+}
+
+fn half(views: &mut Views, side: &str) -> ContainerLike {
+    let words = Tabs::new([views.answer(), views.why(), views.config()]);
+    let answer = Horizontal::new([views.scan(&format!("{side}: walls and openings [m]")), words.into()]);
+    let numbers = Horizontal::new([
+        views.picture(&format!("{side}: W by beam, log10"), "affinity/W"),
+        views.chart(&format!("{side}: eigenvalues of L, zeros blue, τ pink")),
+    ]);
+    let flight = Horizontal::new([views.counts(), views.margin()]);
+    Vertical::new([answer.into(), numbers.into(), flight.into()]).with_row_shares([1.25, 1.0, 0.7]).into()
+}
+
+/// Walls and openings among the robot's own point clouds, its cameras, and the flight below.
+pub(super) fn sensors(views: &mut Views, root: &str, pictures: &[String]) -> ContainerLike {
+    let scene = views.scene("Walls and openings among the robot's point clouds [m]", root, pictures);
+    let cameras = Tabs::new(pictures.iter().map(|entity| Views::camera(entity)));
+    let words = Tabs::new([views.answer(), views.why()]);
+    let beside: Vec<ContainerLike> = match pictures {
+        [] => vec![words.into()],
+        _ => vec![cameras.into(), words.into()],
+    };
+    let above = Horizontal::new([scene, Vertical::new(beside).into()]).with_column_shares([1.6, 1.0]);
+    let below = Horizontal::new([views.counts(), views.places()]);
+    let page = Vertical::new([above.into(), below.into()]).with_row_shares([3.0, 1.0]);
+    page.with_name("Sensors: with the robot's own data").into()
+}

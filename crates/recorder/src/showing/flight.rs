@@ -1,0 +1,153 @@
+//! The recordings of one flight, message by message.
+
+use std::path::{Path, PathBuf};
+
+use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
+use rerun::log::{Chunk, LogMsg};
+use rerun::{CoordinateFrame, StoreKind, Transform3D, components};
+
+use super::ShowError;
+use crate::layout::Extent;
+use crate::parts::part_path;
+use crate::reading::ReadError;
+use crate::reading::messages::{Messages, chunk_of};
+
+/// What is read of a flight on the way, for what is shown beside it.
+#[derive(Debug, Default)]
+pub(super) struct Facts {
+    /// Stamp and number of each revolution, ascending in the order of the file.
+    pub(super) revolutions: Vec<[i64; 2]>,
+    /// How far its views have to reach.
+    pub(super) extent: Extent,
+    /// The sensor's frame.
+    pub(super) frame: Option<components::TransformFrameId>,
+    /// How the sensor is turned in the body frame.
+    pub(super) mounting: Option<components::RotationQuat>,
+}
+
+/// Under which name, and where in the tree of entities, a flight is shown.
+pub(super) struct Place {
+    pub(super) store: StoreId,
+    /// The entity that everything is put below, if it is not the root.
+    pub(super) below: Option<EntityPath>,
+    /// Whether the layout of the recording is sent with it.
+    pub(super) own_layout: bool,
+}
+
+/// The files of one flight, in order.
+pub(super) struct Flight {
+    parts: Vec<PathBuf>,
+    store: StoreId,
+}
+
+impl Flight {
+    /// Looks at the files; parts that lie beside a single one are added.
+    ///
+    /// # Errors
+    /// When one of them is no recording.
+    pub(super) fn open(paths: &[PathBuf]) -> Result<Self, ShowError> {
+        let mut parts = paths.to_vec();
+        let store = store_of(&parts[0])?;
+        for path in &parts[1..] {
+            store_of(path)?;
+        }
+        if let [first] = paths {
+            let others = (2..).map(|part| part_path(first, part));
+            parts.extend(others.take_while(|path| path.exists() && store_of(path).is_ok_and(|other| other == store)));
+        }
+        Ok(Self { parts, store })
+    }
+
+    /// The recording's own name.
+    pub(super) fn store(&self) -> &StoreId {
+        &self.store
+    }
+
+    /// Hands over all messages; `take` says whether more are wanted. Gives what could not be read.
+    pub(super) fn send(
+        &self,
+        place: &Place,
+        facts: &mut Facts,
+        take: &mut dyn FnMut(LogMsg) -> bool,
+    ) -> Result<Vec<String>, ShowError> {
+        let mut damages = Vec::new();
+        for path in &self.parts {
+            for message in Messages::open(path)? {
+                let message = message.map_err(|damage| damage.to_string());
+                match message.and_then(|(_, message)| place.put(message, facts)) {
+                    Ok(Some(message)) => {
+                        if !take(message) {
+                            return Ok(damages);
+                        }
+                    }
+                    Ok(None) => {}
+                    Err(damage) => damages.push(damage),
+                }
+            }
+        }
+        Ok(damages)
+    }
+}
+
+impl Place {
+    /// The message as it is shown; nothing if it is not.
+    fn put(&self, mut message: LogMsg, facts: &mut Facts) -> Result<Option<LogMsg>, String> {
+        if message.store_id().kind() == StoreKind::Blueprint {
+            return Ok(self.own_layout.then_some(message));
+        }
+        message.set_store_id(self.store.clone());
+        let LogMsg::ArrowMsg(_, arrow) = &message else { return Ok(Some(message)) };
+        let entity = entity_of(arrow);
+        facts.learn(&entity, arrow)?;
+        let Some(below) = &self.below else { return Ok(Some(message)) };
+        let chunk = chunk_of(arrow)?;
+        let moved = chunk.clone_with_new_entity_path(below.join(&EntityPath::from(entity.as_str())));
+        let arrow = moved.to_arrow_msg().map_err(|e| e.to_string())?;
+        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), arrow)))
+    }
+}
+
+impl Facts {
+    fn learn(&mut self, entity: &str, arrow: &ArrowMsg) -> Result<(), String> {
+        match entity {
+            "/report/junctions" => {
+                let chunk = chunk_of(arrow)?;
+                let times = |name: &'static str| {
+                    chunk.timelines().get(&name.into()).map_or(&[][..], |column| column.times_raw())
+                };
+                let pairs = times("stamp").iter().zip(times("revolution"));
+                self.revolutions.extend(pairs.map(|(&stamp_ns, &seq)| [stamp_ns, seq]));
+            }
+            "/layout/extent" => self.extent = Extent::read(&chunk_of(arrow)?).unwrap_or(self.extent),
+            "/scan/mounting" => {
+                let chunk = chunk_of(arrow)?;
+                self.frame = first(&chunk, &CoordinateFrame::descriptor_frame()).or(self.frame.take());
+                self.mounting = first(&chunk, &Transform3D::descriptor_quaternion()).or(self.mounting.take());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The revolution that was the latest at this time; before the first one, the first.
+    pub(super) fn revolution_at(&self, stamp_ns: i64) -> i64 {
+        let after = self.revolutions.partition_point(|[stamp, _]| *stamp <= stamp_ns);
+        self.revolutions.get(after.saturating_sub(1)).map_or(0, |[_, seq]| *seq)
+    }
+}
+
+/// The entity that a message is about; empty if it does not say.
+pub(super) fn entity_of(arrow: &ArrowMsg) -> String {
+    arrow.batch.schema_ref().metadata().get("rerun:entity_path").cloned().unwrap_or_default()
+}
+
+/// The first value of a component, where there is one.
+fn first<C: rerun::Component>(chunk: &Chunk, component: &rerun::ComponentDescriptor) -> Option<C> {
+    chunk.component_batch(component.component, 0)?.ok()?.into_iter().next()
+}
+
+/// The recording that a file belongs to.
+fn store_of(path: &Path) -> Result<StoreId, ShowError> {
+    let cause = "it does not start with the name of a recording".to_owned();
+    Messages::open(path)?.store().ok_or_else(|| ReadError::Open { path: path.to_owned(), cause }.into())
+}

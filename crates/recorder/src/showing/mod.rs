@@ -1,0 +1,142 @@
+//! Recordings shown again: the parts of a flight together, two flights side by side, a flight with what else its MCAP
+//! recording holds.
+//!
+//! Messages are read from the files one by one, changed where they must be, and handed to the native viewer's standard
+//! input or to a server; nothing is kept here, whatever the size of the recording.
+
+mod flight;
+mod sensors;
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use rerun::log::LogMsg;
+use rerun::sink::LogSink as _;
+
+use self::flight::{Facts, Flight, Place};
+use crate::RecorderError;
+use crate::layout::{self, Layout, Shown};
+use crate::reading::ReadError;
+use crate::serving::{self, Served};
+use crate::viewer::Viewer;
+
+/// Where two flights are put that are seen side by side.
+const LEFT: &str = "left";
+const RIGHT: &str = "right";
+
+/// What to show.
+#[derive(Clone, Debug, Default)]
+pub struct Show {
+    /// The parts of one flight. Those that lie beside a single one (FILE-2.rrd, FILE-3.rrd...) come with it.
+    pub flight: Vec<PathBuf>,
+    /// The parts of another flight, to see beside it.
+    pub beside: Vec<PathBuf>,
+    /// MCAP recordings of the same time: point clouds, cameras and transforms.
+    pub sensors: Vec<PathBuf>,
+    /// The page to open with; the one that the recording was made for, if none.
+    pub layout: Option<Layout>,
+}
+
+/// Why nothing is shown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShowError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] ReadError),
+    /// The MCAP recording cannot be read.
+    #[error("cannot convert the recording: {cause}: {}", path.display())]
+    Sensors {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
+    /// There is no viewer or no address to show it at.
+    #[error(transparent)]
+    Viewer(#[from] RecorderError),
+}
+
+impl Show {
+    /// Shows everything in the native viewer, and returns when it is closed. Gives what could not be shown.
+    ///
+    /// # Errors
+    /// When a file is no recording, or there is no viewer.
+    pub fn in_viewer(&self) -> Result<Vec<String>, ShowError> {
+        let opened = self.open()?;
+        let mut viewer = Viewer::start("rerun")?;
+        let damages = opened.send(&mut |message| viewer.take(&message))?;
+        viewer.wait()?;
+        Ok(damages)
+    }
+
+    /// Serves everything at `address` until `stopped` says so; `announce` is told where. Gives what could not be shown.
+    ///
+    /// # Errors
+    /// When a file is no recording, or the address cannot be listened at.
+    pub fn served(
+        &self,
+        address: SocketAddr,
+        announce: impl FnOnce(&Served),
+        stopped: impl Fn() -> bool,
+    ) -> Result<Vec<String>, ShowError> {
+        let opened = self.open()?;
+        let server = serving::open(address)?;
+        announce(&server.served);
+        let damages = opened.send(&mut |message| {
+            server.sink.send(message);
+            !stopped()
+        })?;
+        while !stopped() {
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        Ok(damages)
+    }
+
+    fn open(&self) -> Result<Opened<'_>, ShowError> {
+        let flight = Flight::open(&self.flight)?;
+        let beside = if self.beside.is_empty() { None } else { Some(Flight::open(&self.beside)?) };
+        Ok(Opened { show: self, flight, beside })
+    }
+}
+
+struct Opened<'a> {
+    show: &'a Show,
+    flight: Flight,
+    beside: Option<Flight>,
+}
+
+impl Opened<'_> {
+    /// Hands over everything, the layout last. Gives what could not be read.
+    fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<Vec<String>, ShowError> {
+        let store = self.flight.store();
+        let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
+        let at = |below: Option<&str>| Place { store: store.clone(), below: below.map(Into::into), own_layout };
+        let (mut facts, mut pictures) = (Facts::default(), Vec::new());
+        if let Some(beside) = &self.beside {
+            let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
+            let mut other = Facts::default();
+            damages.extend(beside.send(&at(Some(RIGHT)), &mut other, take)?);
+            lay_out(&Shown::Beside([(LEFT, facts.extent), (RIGHT, other.extent)]), take)?;
+            return Ok(damages);
+        }
+        let damages = self.flight.send(&at(None), &mut facts, take)?;
+        for path in &self.show.sensors {
+            pictures.extend(sensors::send(path, store, &facts, take)?);
+        }
+        if !self.show.sensors.is_empty() {
+            sensors::tie(store, &facts)?.into_iter().all(&mut *take);
+            lay_out(&Shown::Sensors { extent: facts.extent, root: sensors::ROOT, pictures: &pictures }, take)?;
+        } else if let Some(first) = self.show.layout {
+            lay_out(&Shown::Flight(first, facts.extent), take)?;
+        }
+        Ok(damages)
+    }
+}
+
+fn lay_out(shown: &Shown, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), ShowError> {
+    let messages = layout::messages(shown).map_err(RecorderError::from)?;
+    messages.into_iter().all(take);
+    Ok(())
+}

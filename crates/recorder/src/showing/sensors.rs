@@ -1,0 +1,117 @@
+//! What else an MCAP recording holds, by way of Rerun's own converter: point clouds, cameras, transforms.
+//!
+//! Its messages are put under `/mcap`, on the timelines of the flight: `stamp` by the time in their header (their log
+//! time without one), `revolution` by the latest revolution at that time. One static transform ties the sensor's frame
+//! to the body frame that walls and openings are drawn in.
+
+use std::io::BufReader;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::{EntityPath, StoreId};
+use rerun::log::{Chunk, LogMsg};
+use rerun::{RecordingStreamBuilder, StoreKind, TimeColumn, Transform3D, TransformRelation};
+
+use super::ShowError;
+use super::flight::Facts;
+
+/// Where it is put.
+pub(crate) const ROOT: &str = "mcap";
+/// The converter's names of the times of a message, the best first.
+const STAMPS: [&str; 2] = ["ros2_timestamp", "message_log_time"];
+/// Only what can be seen: raw messages and reflections of unknown types would be large.
+const DECODERS: [&str; 3] = ["ros2msg", "foxglove", "urdf"];
+/// Archetypes that are pictures.
+const PICTURES: [&str; 5] = ["EncodedImage:", "Image:", "DepthImage:", "EncodedDepthImage:", "VideoStream:"];
+
+/// Hands over what `path` holds. Gives the entities that are pictures.
+///
+/// # Errors
+/// When the converter is not there, or cannot read the file.
+pub(super) fn send(
+    path: &Path,
+    store: &StoreId,
+    facts: &Facts,
+    take: &mut dyn FnMut(LogMsg) -> bool,
+) -> Result<Vec<String>, ShowError> {
+    let cannot = |cause: String| ShowError::Sensors { path: path.to_owned(), cause };
+    let mut converter = converter(path, store).map_err(|e| cannot(format!("`rerun mcap convert`: {e}")))?;
+    let output = converter.stdout.take().expect("it is piped");
+    let mut pictures: Vec<String> = Vec::new();
+    let mut wanted = true;
+    for message in DecoderApp::decode_lazy(BufReader::new(output)) {
+        let LogMsg::ArrowMsg(id, arrow) = message.map_err(|e| cannot(e.to_string()))? else { continue };
+        if id.kind() != StoreKind::Recording {
+            continue;
+        }
+        let chunk = Chunk::from_arrow_msg(&arrow).map_err(|e| cannot(e.to_string()))?;
+        if chunk.entity_path().to_string().starts_with("/__") {
+            continue; // properties of the file, not of the flight
+        }
+        let chunk = on_our_timelines(&chunk, facts).map_err(|e| cannot(e.to_string()))?;
+        let entity = chunk.entity_path().to_string();
+        let is_picture = |name: &str| PICTURES.iter().any(|archetype| name.starts_with(archetype));
+        if !pictures.contains(&entity) && chunk.components_identifiers().any(|name| is_picture(name.as_str())) {
+            pictures.push(entity);
+        }
+        let arrow = chunk.to_arrow_msg().map_err(|e| cannot(e.to_string()))?;
+        wanted = take(LogMsg::ArrowMsg(store.clone(), arrow));
+        if !wanted {
+            break;
+        }
+    }
+    let ended = converter.wait().map_err(|e| cannot(e.to_string()))?;
+    if wanted && !ended.success() {
+        return Err(cannot(format!("`rerun mcap convert` ended with {ended}")));
+    }
+    Ok(pictures)
+}
+
+fn converter(path: &Path, store: &StoreId) -> std::io::Result<std::process::Child> {
+    let mut command = Command::new("rerun");
+    command.args(["mcap", "convert", "--recover", "--disable-raw-fallback"]).arg(path);
+    command.args([
+        "--application-id",
+        store.application_id().as_str(),
+        "--recording-id",
+        store.recording_id().as_str(),
+    ]);
+    command.args(DECODERS.iter().flat_map(|decoder| ["--decoder", decoder]));
+    command.env("RUST_LOG", "error").stdin(Stdio::null()).stdout(Stdio::piped()).spawn()
+}
+
+/// The chunk under [`ROOT`], with `stamp` and `revolution` as its only timelines; static stays static.
+fn on_our_timelines(chunk: &Chunk, facts: &Facts) -> Result<Chunk, rerun::log::ChunkError> {
+    let under = EntityPath::from(ROOT).join(chunk.entity_path());
+    let stamps = STAMPS.iter().find_map(|name| chunk.timelines().get(&(*name).into()));
+    let stamps: Option<Vec<i64>> = stamps.map(|column| column.times_raw().to_vec());
+    let mut chunk = chunk.clone_with_new_entity_path(under);
+    if let Some(stamps) = stamps {
+        let revolutions = stamps.iter().map(|&stamp_ns| facts.revolution_at(stamp_ns));
+        chunk.add_timeline(TimeColumn::new_sequence("revolution", revolutions))?;
+        chunk.add_timeline(TimeColumn::new_timestamp_nanos_since_epoch("stamp", stamps))?;
+        chunk = chunk.timelines_sliced(&["revolution".into(), "stamp".into()].into_iter().collect());
+    }
+    Ok(chunk)
+}
+
+/// Ties the sensor's frame to the body frame, which is the root of our entities.
+pub(super) fn tie(store: &StoreId, facts: &Facts) -> Result<Vec<LogMsg>, ShowError> {
+    let Some(frame) = &facts.frame else { return Ok(Vec::new()) };
+    let build = || -> rerun::RecordingStreamResult<Vec<LogMsg>> {
+        let (scratch, storage) = RecordingStreamBuilder::from_store_id(store).send_properties(false).memory()?;
+        let mut tie = Transform3D::new()
+            .with_parent_frame(frame.clone())
+            .with_child_frame("tf#/")
+            .with_relation(TransformRelation::ChildFromParent);
+        if let Some(turned) = facts.mounting {
+            tie = tie.with_quaternion(turned);
+        }
+        scratch.log_static(format!("{ROOT}/tie"), &tie)?;
+        let mut messages = storage.take();
+        messages.retain(|message| matches!(message, LogMsg::ArrowMsg(..)));
+        Ok(messages)
+    };
+    Ok(build().map_err(crate::RecorderError::from)?)
+}

@@ -1,0 +1,81 @@
+"""The pictures of docs/: started by make-screenshots."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests/foreign"))
+
+import sensors  # noqa: E402
+from screenshot import Viewer  # noqa: E402
+
+SIZE = "1400x900"
+IMAGES, WORK = ROOT / "docs/images", ROOT / "target/screenshots"
+# Real recordings: see docs/viewing.md for their origin.
+REAL = ROOT / "../shared/data"
+
+
+def main(crosscut: str):
+    IMAGES.mkdir(exist_ok=True)
+    WORK.mkdir(parents=True, exist_ok=True)
+    tee = ROOT / "recordings/tee.mcap"
+    for name, flight, seq in (("tee", tee, 81), ("corridor", REAL / "corridor_cross.mcap", 567)):
+        if not flight.exists():
+            print(f"skipped: {flight} is not here")
+            continue
+        paper, default = (run(crosscut, flight, preset, f"{name}-{preset}") for preset in ("paper", "default"))
+        for page in ("overview", "stages", "speed"):
+            take(crosscut, [default, "--layout", page], seq, f"{page}-{name}")
+        take(crosscut, [paper, "--beside", default], seq, f"beside-{name}")
+    robot = WORK / "robot.mcap"
+    sensors.write(robot)
+    take(crosscut, [run(crosscut, robot, "default", "robot"), "--with", robot], 20, "sensors-robot")
+    why(crosscut, tee)
+
+
+def why(crosscut: str, tee: Path):
+    """The pictures of docs/why.md: three wrong counts, and what the change makes of them."""
+    dust = WORK / "dust.mcap"
+    if not dust.exists():
+        subprocess.run([crosscut, "simulate", "--suite", "dust", "--split", "dev", "--out", WORK], check=True)
+    cases = (
+        ("leak", REAL / "corridor_cross.mcap", 358, ["affinity.sigma_per_m2=3"]),
+        ("far", tee, 107, ["report.min_returns=3"]),
+        ("dust", dust, 1, None),
+    )
+    for name, flight, seq, change in cases:
+        if not flight.exists():
+            print(f"skipped: {flight} is not here")
+            continue
+        wrong = run(crosscut, flight, "paper", f"why-{name}", around=seq)
+        take(crosscut, [wrong, "--layout", "stages"], seq, f"why-{name}")
+        preset, settings = ("default", []) if change is None else ("paper", change)
+        right = run(crosscut, flight, preset, f"why-{name}-changed", settings, around=seq)
+        take(crosscut, [right, "--layout", "stages"], seq, f"why-{name}-changed")
+
+
+def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around: int | None = None) -> Path:
+    """The recording of a flight, or of some revolutions of it."""
+    saved = WORK / f"{name}.rrd"
+    chosen = [] if around is None else ["--record-revolutions", f"{max(0, around - 20)}..{around + 20}"]
+    changes = [part for setting in settings for part in ("--set", setting)]
+    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", *chosen]
+    subprocess.run(command, check=True)
+    return saved
+
+
+def take(crosscut: str, what: list, seq: int, name: str):
+    path = IMAGES / f"{name}.png"
+    with Viewer.started_by([crosscut, "view", *map(str, what)], SIZE) as viewer:
+        viewer.show(seq)
+        viewer.save(path)
+    # 256 colours are enough for lines and letters, and a third of the size.
+    Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    print(f"{path.relative_to(ROOT)}, {path.stat().st_size / 1e3:.0f} KB")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,175 @@
+"""What can be looked at, in the real viewer: every page, two flights side by side, the robot's own sensors beside ours,
+a viewer that comes late, one that stops reading; and in a real browser, if the program was built with the web viewer."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import sensors
+import writing
+import scenes
+from browser import CHROMIUM, Browser
+from flights import Flights
+from recording import DRAWN_SHARE, drawn_share
+from screenshot import Viewer
+from verdicts import Verdicts
+
+SIZE = "1400x900"
+# Pages by the option, and words in the names of their views.
+PAGES = {
+    "overview": ("Here", "Junctions", "Place", "Margin", "Confidence"),
+    "stages": ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "Walls"),
+    "speed": ("Time per stage", "period"),
+}
+# Two of the colours of walls.
+WALLS_RGB = ((0x56, 0xB4, 0xE9), (0xE6, 0x9F, 0x00))
+BROWSER_DEADLINE_S = 240
+STALLED_SCANS = 12_000
+STALLED_S = 40
+
+
+def check(flights: Flights, verdicts: Verdicts):
+    flight = flights.shipped()[0]
+    rrd = flights.outcome(flight).rrd
+    for page, words in PAGES.items():
+        command = flights.crosscut.command("view", rrd, "--layout", page)
+        check_view(command, f"view --layout {page}", words, flights, verdicts)
+    check_beside(rrd, flights, verdicts)
+    check_sensors(flights, verdicts)
+    check_late(flight.path, flights, verdicts)
+    check_stalled(flights, verdicts)
+    check_browser(flight.path, flights, verdicts)
+
+
+def check_view(command: list[str], what: str, words, flights: Flights, verdicts: Verdicts, at: int | None = None) -> np.ndarray:
+    path = flights.work.parent / f"{re.sub('[^a-z]+', '-', what)}.png"
+    with Viewer.started_by(command, SIZE) as viewer:
+        viewer.show(viewer.last_revolution() if at is None else at)
+        views = {name: place for name, place in viewer.views().items() if not name.startswith("_")}
+        viewer.save(path)
+    pixels = np.array(Image.open(path).convert("RGB")).astype(int)
+    missing = [word for word in words if not any(re.search(rf"\b{word}\b", name) for name in views)]
+    shares = {name: drawn_share(pixels, place) for name, place in views.items() if place["w"] > 0}
+    blank = [name for name, share in shares.items() if share < DRAWN_SHARE]
+    verdicts.that(
+        not missing and not blank, what, f"{len(views)} views, missing: {missing or 'none'}, blank: {blank or 'none'}; {path.name}"
+    )
+    return pixels
+
+
+def check_beside(rrd: Path, flights: Flights, verdicts: Verdicts):
+    """The same flight with other settings."""
+    other = flights.work / "other.rrd"
+    flights.crosscut("run", flights.shipped()[0].path, "--preset", "default", "--save", other, "--quiet").expect(0)
+    command = flights.crosscut.command("view", rrd, "--beside", other)
+    check_view(command, "view --beside", ("Left: walls", "Right: walls", "Left: W", "Right: W"), flights, verdicts)
+
+
+def check_sensors(flights: Flights, verdicts: Verdicts):
+    """A point cloud that stands on the walls when transforms and times are right, and a camera."""
+    path, rrd = flights.work / "sensors.mcap", flights.work / "sensors.rrd"
+    sensors.write(path)
+    flights.crosscut("run", path, "--save", rrd, "--quiet", "--set", "ingest.yaw_rad=0.5").expect(0)
+    command = flights.crosscut.command("view", rrd, "--with", path)
+    check_view(command, "view --with", ("point clouds", "camera"), flights, verdicts, at=sensors.SCENES // 2)
+
+
+def check_late(path: Path, flights: Flights, verdicts: Verdicts):
+    """A viewer that connects when the flight is over sees all of it; the file beside it is whole."""
+    saved = flights.work / "served.rrd"
+    with Served(flights.crosscut.command("run", path, "--serve=127.0.0.1:0", "--save", saved)) as served:
+        served.wait_for("still served")
+        with Viewer.of(served.url, size=SIZE) as viewer:
+            last = viewer.last_revolution()
+        code = served.interrupt()
+    expected = len(flights.outcome(flights.shipped()[0]).lines) - 1
+    figures = f"revolution {last} of {expected}, exit code {code}, {saved.stat().st_size / 1e6:.1f} MB saved"
+    verdicts.that(last == expected and code == 0, "run --serve, a viewer that comes late", figures)
+
+
+def check_stalled(flights: Flights, verdicts: Verdicts):
+    """A viewer that was stopped (SIGSTOP) and one that was killed: the flight and its file are whole."""
+    path, saved, results = flights.work / "long.mcap", flights.work / "long.rrd", flights.work / "long.jsonl"
+    made = scenes.clear_junctions(50, seed=3)
+    writing.write_ros2(path, [made[i % len(made)] for i in range(STALLED_SCANS)])
+    command = ["run", path, "--serve=127.0.0.1:0", "--save", saved, "--results", results, "--rate", "30"]
+    with Served(flights.crosscut.command(*command)) as served:
+        with Viewer.of(served.url, size=SIZE) as viewer:
+            viewer.pause()
+            start = time.monotonic()
+            served.wait_for("still served")
+            took_s = time.monotonic() - start
+        code = served.interrupt()
+    count = results.read_bytes().count(b"\n")
+    paced_s = STALLED_SCANS * writing.PERIOD_NS / 1e9 / 30
+    figures = f"{count} of {STALLED_SCANS} results, exit code {code}, {took_s:.0f} s, at its pace {paced_s:.0f} s"
+    verdicts.that(count == STALLED_SCANS and code in (0, 3) and took_s < paced_s + STALLED_S, "a viewer that stops reading", figures)
+
+
+def check_browser(path: Path, flights: Flights, verdicts: Verdicts):
+    """The web viewer that the program serves draws the walls in a real browser."""
+    binary = next((found for name in CHROMIUM if (found := shutil.which(name))), None)
+    with Served(flights.crosscut.command("run", path, "--serve=127.0.0.1:0")) as served:
+        served.wait_for("still served")
+        if served.page is None:
+            return verdicts.skipped("web viewer", "this program was built without the feature `web`")
+        if binary is None:
+            return verdicts.skipped("web viewer", "there is no Chromium: apt-get install chromium")
+        picture, start = flights.work.parent / "browser.png", time.monotonic()
+        found = 0
+        with Browser(binary, f"{served.page}&renderer=webgl", SIZE) as browser:
+            while found < len(WALLS_RGB) and time.monotonic() - start < BROWSER_DEADLINE_S:
+                browser.wait(3)
+                browser.save(picture)
+                found = walls_drawn(picture)
+            said = [text for text in browser.said if "panic" in text.lower()]
+        figures = f"{found} of {len(WALLS_RGB)} colours of walls after {time.monotonic() - start:.0f} s; {picture.name}"
+        verdicts.that(found == len(WALLS_RGB) and not said, "web viewer in a browser", figures + "".join(said)[:200])
+
+
+def walls_drawn(picture: Path) -> int:
+    """How many of the walls' colours fill some pixels."""
+    pixels = np.array(Image.open(picture).convert("RGB")).astype(int)
+    return sum(int(np.sum(np.abs(pixels - colour).max(axis=2) < 12) >= 200) for colour in WALLS_RGB)
+
+
+class Served:
+    """A run that serves, until the end of a `with` block."""
+
+    def __init__(self, command: list[str]):
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self._said = ""
+        self.wait_for("rerun --connect")
+        self.url = re.search(r"rerun\+http://\S+", self._said)[0]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+
+    @property
+    def page(self) -> str | None:
+        found = re.search(r"http://\S+\?url=\S+", self._said)
+        return found and found[0]
+
+    def wait_for(self, words: str):
+        while words not in self._said:
+            more = os.read(self._process.stderr.fileno(), 1 << 16)
+            if not more:
+                raise RuntimeError(f"it ended: {self._said[-400:]}")
+            self._said += more.decode(errors="replace")
+
+    def interrupt(self) -> int:
+        self._process.send_signal(signal.SIGINT)
+        self._process.communicate()
+        return self._process.returncode

@@ -1,0 +1,87 @@
+//! `crosscut view`: what reaches the viewer.
+
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+
+use crate::flight::{Writing, file, tunnel};
+use crate::program::{Ran, crosscut, run};
+
+/// A recording of five revolutions.
+fn recording(folder: &Path, name: &str) -> PathBuf {
+    let flight = file(folder, "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let saved = folder.join(name);
+    run(["run".as_ref(), flight.as_os_str(), "--quiet".as_ref(), "--save".as_ref(), saved.as_os_str()]).expect_code(0);
+    saved
+}
+
+/// Runs `crosscut view` where the viewer is a program that keeps what it is given; how it ended, and what was given.
+fn view(folder: &Path, args: &[&Path]) -> (Ran, PathBuf) {
+    let (bin, given) = (folder.join("bin"), folder.join("given.rrd"));
+    std::fs::create_dir_all(&bin).expect("a folder");
+    let viewer = bin.join("rerun");
+    std::fs::write(&viewer, format!("#!/bin/sh\nexec cat > '{}'\n", given.display())).expect("written");
+    std::fs::set_permissions(&viewer, std::fs::Permissions::from_mode(0o755)).expect("set");
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default());
+    let ran = crosscut([Path::new("view")].iter().chain(args)).env("PATH", path).output().expect("it starts");
+    (ran.into(), given)
+}
+
+/// The entities that `crosscut rrd ls` finds.
+fn entities(recording: &Path) -> String {
+    run(["rrd".as_ref(), "ls".as_ref(), recording.as_os_str()]).stdout
+}
+
+#[test]
+fn a_recording_reaches_the_viewer_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved = recording(folder.path(), "flight.rrd");
+    let (ran, given) = view(folder.path(), &[&saved]);
+    ran.expect_code(0);
+    let diff = run(["rrd".as_ref(), "diff".as_ref(), saved.as_os_str(), given.as_os_str()]);
+    assert!(!diff.stdout.contains("differ"), "{}\n{}", diff.stdout, diff.stderr);
+    assert!(entities(&given).contains("/affinity/W"));
+}
+
+#[test]
+fn two_recordings_stand_side_by_side_below_entities_of_their_own() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (left, right) = (recording(folder.path(), "left.rrd"), recording(folder.path(), "right.rrd"));
+    let (ran, given) = view(folder.path(), &[&left, Path::new("--beside"), &right]);
+    ran.expect_code(0);
+    let listed = entities(&given);
+    for entity in ["/left/scan/returns", "/right/scan/returns", "/left/report/junctions", "/right/report/junctions"] {
+        assert!(listed.contains(entity), "{entity} in\n{listed}");
+    }
+    assert!(!listed.contains(" /scan/returns"), "{listed}");
+}
+
+#[test]
+fn what_is_damaged_is_shown_up_to_there_and_the_exit_code_is_3() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved = recording(folder.path(), "flight.rrd");
+    let bytes = std::fs::read(&saved).expect("saved");
+    std::fs::write(&saved, &bytes[..bytes.len() * 2 / 3]).expect("written");
+    let (ran, given) = view(folder.path(), &[&saved]);
+    let ran = ran.expect_code(3);
+    assert!(ran.stderr.contains("flight.rrd"), "{}", ran.stderr);
+    assert!(entities(&given).contains("/config"));
+}
+
+#[test]
+fn without_a_viewer_it_says_how_to_get_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved = recording(folder.path(), "flight.rrd");
+    let ran: Ran = crosscut([Path::new("view"), &saved]).env("PATH", "").output().expect("it starts").into();
+    assert!(ran.expect_code(1).stderr.contains("pip install rerun-sdk"));
+}
+
+#[test]
+fn what_is_no_recording_is_refused_before_a_viewer_is_started() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = folder.path().join("notes.txt");
+    std::fs::write(&text, "no recording\n").expect("written");
+    let (ran, given) = view(folder.path(), &[&text]);
+    let ran = ran.expect_code(1);
+    assert!(ran.stderr.contains("notes.txt"), "{}", ran.stderr);
+    assert!(!given.exists());
+}
