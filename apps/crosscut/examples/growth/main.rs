@@ -3,25 +3,23 @@
 //! `cargo run --release --no-default-features --example growth [-- FIGURE.svg]`
 //!
 //! Places with 2, 3 and 4 branches 4 to 5 m wide, seen by a 2D lidar of more and more beams, as dense 2D clouds, and by a lidar
-//! of many rings. Of each size: the median time of a revolution, from its points to its walls and openings; how many of the
+//! of many rings. Of each size: the processor time of a revolution, from its points to its walls and openings; how many of the
 //! answers have the true count; and the exponent a of the fit time = c·nᵃ.
 
 mod plot;
-
-use std::time::Instant;
 
 use anyhow::Context;
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_simulator::{Places, Rings, lidar::Lidar};
-use crosscut_stage::{Frame, Params, Revolution, Step};
+use crosscut_stage::{Frame, Params, Revolution};
 use plot::Curve;
 
 /// Seeds of no suite.
 const FIRST_SEED: u64 = 77_000;
 const BRANCHES: [usize; 3] = [2, 3, 4];
-/// Each place is worked on so often, and for at least so long.
-const REPEATS: usize = 3;
+/// Each place is worked on, again and again, for so long.
+const LEAST_MS: f64 = 300.0;
 const PLACES: Places = Places { width_m: [4.0, 5.0], ..Places::CLEAN };
 
 /// What is timed: its name, and the revolution of a place of about n points with its true count.
@@ -37,13 +35,12 @@ fn main() -> anyhow::Result<()> {
     let registry = Registry::standard();
     let mut engine = Engine::new(&Config::preset("default", &registry)?, &registry);
     let mut curves = Vec::new();
-    println!("{:<10} {:>8} {:>10} {:>6}", "kind", "points", "median ms", "right");
+    println!("{:<10} {:>8} {:>10} {:>6}", "kind", "points", "ms", "right");
     for (name, sizes, make) in KINDS {
         let mut curve = Curve { name, points: Vec::new() };
         for &size in sizes {
-            let Measured { points, ms, right, steps_ms } = measure(&mut engine, size, make)?;
-            let steps = steps_ms.map(|ms| format!("{ms:.3}")).join(" ");
-            println!("{name:<10} {points:>8.0} {ms:>10.3} {right:>4}/{}  {steps}", BRANCHES.len());
+            let Measured { points, ms, right } = measure(&mut engine, size, make)?;
+            println!("{name:<10} {points:>8.0} {ms:>10.3} {right:>4}/{}", BRANCHES.len());
             curve.points.push([points, ms]);
         }
         println!("{name:<10} grow as n^{:.2}\n", curve.exponent());
@@ -60,33 +57,30 @@ fn main() -> anyhow::Result<()> {
 struct Measured {
     /// Mean number of points.
     points: f64,
-    /// Median time.
+    /// Processor time of a revolution, which others on the machine hardly touch.
     ms: f64,
     /// How many places have the right count.
     right: usize,
-    /// Affinity, spectral, kmeans and report of the last revolution.
-    steps_ms: [f64; 4],
 }
 
 fn measure(engine: &mut Engine, size: usize, make: fn(usize, usize) -> (Revolution, u32)) -> anyhow::Result<Measured> {
-    let (mut points, mut right, mut times_ms, mut steps_ms) = (0, 0, Vec::new(), [0.0; 4]);
+    let (mut points, mut right, mut ms) = (0, 0, 0.0);
     for branches in BRANCHES {
         let (revolution, walls) = make(branches, size);
         points += revolution.len();
         let mut frame = Frame { revolution, ..Frame::default() };
-        for _ in 0..REPEATS {
+        engine.process(&mut frame)?;
+        let (start_ms, mut repeats) = (processor_ms()?, 0);
+        while processor_ms()? < start_ms + LEAST_MS {
             frame.notes.clear();
-            let start = Instant::now();
             engine.process(&mut frame)?;
-            times_ms.push(1e3 * start.elapsed().as_secs_f64());
+            repeats += 1;
         }
+        ms += (processor_ms()? - start_ms) / f64::from(repeats) / BRANCHES.len() as f64;
         right += usize::from(frame.junction.junctions == walls as usize);
-        let steps = [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report];
-        steps_ms = steps.map(|step| frame.timings.ns(step) as f64 / 1e6);
     }
-    times_ms.sort_by(f64::total_cmp);
     let points = points as f64 / BRANCHES.len() as f64;
-    Ok(Measured { points, ms: times_ms[times_ms.len() / 2], right, steps_ms })
+    Ok(Measured { points, ms, right })
 }
 
 fn sweep(branches: usize, n: usize) -> (Revolution, u32) {
@@ -111,6 +105,13 @@ fn rings_cloud(branches: usize, n: usize) -> (Revolution, u32) {
 fn cloud(branches: usize, rings: Rings) -> (Revolution, u32) {
     let cloud = PLACES.cloud(branches, FIRST_SEED, rings);
     (Revolution { points_m: cloud.points_m, ..Revolution::default() }, cloud.truth.walls)
+}
+
+/// How long this thread has been on a processor.
+fn processor_ms() -> anyhow::Result<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").context("needs Linux")?;
+    let ns: f64 = text.split_whitespace().next().context("an empty schedstat")?.parse()?;
+    Ok(ns / 1e6)
 }
 
 /// The most memory that this process ever had resident.

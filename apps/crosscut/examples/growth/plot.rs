@@ -13,7 +13,7 @@ const COLOURS: [&str; 3] = ["#0072b2", "#e69f00", "#009e73"];
 const INK: &str = "#333333";
 /// Decades shown: of points, and of milliseconds.
 const POINTS: [i32; 2] = [2, 5];
-const MS: [i32; 2] = [-1, 4];
+const MS: [i32; 2] = [-1, 3];
 const DECADE: f64 = 120.0;
 const MARGIN: f64 = 60.0;
 
@@ -31,7 +31,7 @@ impl Curve {
 
 /// The figure.
 pub(crate) fn svg(curves: &[Curve]) -> String {
-    let width = DECADE * f64::from(POINTS[1] - POINTS[0]) + 2.5 * MARGIN;
+    let width = DECADE * f64::from(POINTS[1] - POINTS[0]) + 4.0 * MARGIN;
     let height = DECADE * f64::from(MS[1] - MS[0]) + 2.0 * MARGIN;
     let mut document = Document::new()
         .set("viewBox", (0, 0, width, height))
@@ -80,7 +80,7 @@ fn axes() -> Group {
         left - 8.0,
         top - 18.0,
         "start",
-        "ms a revolution, preset default, one thread".to_owned(),
+        "ms of processor time a revolution, preset default".to_owned(),
     ))
 }
 
