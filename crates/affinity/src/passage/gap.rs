@@ -23,6 +23,11 @@ const LOST_OFF_SHARE: f64 = 0.3;
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
+/// Turns are known to within this much.
+const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
+/// How decided a verdict is at least, and one on pieces without directions.
+const LEAST_DECIDED: f64 = 1.05;
+const WITHOUT_DIRECTION: f64 = 3.0;
 /// A piece without a direction belongs to a wall if it lies within this of its line, plus a share of the distance.
 const OFF_LINE_M: f64 = 0.3;
 const OFF_LINE_SHARE: f64 = 0.15;
@@ -116,11 +121,15 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether there is room between the two walls, and the wall turns enough for that to be a way on.
+    fn is_way(&self, bend: &Bend, ends: (usize, usize)) -> bool {
+        self.room(bend, ends, bend.turn_rad()) >= 1.0
+    }
+
+    /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch.
-    fn is_way(&self, bend: &Bend, (p, q): (usize, usize)) -> bool {
-        let turn_rad = bend.turn_rad();
+    fn room(&self, bend: &Bend, (p, q): (usize, usize), turn_rad: f64) -> f64 {
         let nearer_is_p = self.ring.range_m(p) < self.ring.range_m(q);
         let [of_q, of_p] = bend.aside_m;
         let (clear_m, farther_aside_m) = if nearer_is_p { (of_p.abs(), of_q) } else { (of_q.abs(), of_p) };
@@ -132,10 +141,20 @@ impl<'a> Judge<'a> {
         } else if turns {
             if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }
         } else {
-            return false;
+            return 0.0;
         };
-        let seen_inside = turns && turn_rad < self.limits.way_rad && -farther_aside_m > clear_m;
-        clear_m >= share * self.size_m || seen_inside
+        let seen_inside = if turns && turn_rad < self.limits.way_rad { -farther_aside_m / clear_m } else { 0.0 };
+        (clear_m / (share * self.size_m)).max(seen_inside)
+    }
+
+    /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the wall
+    /// turned by [`DOUBT_RAD`] less or more; at least [`LEAST_DECIDED`].
+    pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
+        let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
+        let bend = self.bend(a, b, [before, after]);
+        let ends = (a[a.len() - 1], b[0]);
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, ends, bend.turn_rad() + more_rad));
+        rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
     /// Whether beams into the gap came back with nothing because there is nothing, rather than being lost.

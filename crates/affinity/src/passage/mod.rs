@@ -85,8 +85,15 @@ const HEIGHT_M: ParamSpec = ParamSpec {
     doc: "the vehicle's height: of a cloud, returns farther above or below the sensor than half of it are of no wall",
 };
 
+const LEAK: ParamSpec = ParamSpec {
+    name: "leak",
+    unit: "",
+    shape: Shape::Number { default: 1e-8, range: Interval::closed(0.0, 1.0) },
+    doc: "the zero tolerance; gaps leak so that their eigenvalues come the nearer to it the less decided they are; 0: none",
+};
+
 const PARAMS: &[ParamSpec] =
-    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, WAY_DEG, CLEAR_SHARE, ISLAND_M, WALL_DEG, NEIGHBOURS];
+    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, WAY_DEG, CLEAR_SHARE, ISLAND_M, WALL_DEG, NEIGHBOURS, LEAK];
 
 pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     name: "passage",
@@ -112,8 +119,9 @@ pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mi
 /// 5. A wall that still turns around somewhere is cut there.
 ///
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
-/// returns of the wall on either side of i; 0 from wall to wall. The weights along a wall do not fall with the spacing of
-/// its returns, so the second eigenvalue of its block does not either.
+/// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so the
+/// second eigenvalue of its block does not either. From wall to wall there is one weak edge over each way on: its
+/// eigenvalue is half of `leak`, divided by the fourth power of how many times the room that a way on needs there is.
 ///
 /// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the returns
 /// that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
@@ -123,6 +131,7 @@ pub struct Passage {
     height_m: f64,
     island_m: f64,
     wall_rad: f64,
+    leak: f64,
     cloud: Cloud,
     ring: Ring,
     dust: Vec<bool>,
@@ -170,6 +179,7 @@ impl Passage {
             cloud: Cloud::default(),
             island_m: params.number(ISLAND_M.name),
             wall_rad: params.number(WALL_DEG.name).to_radians(),
+            leak: params.number(LEAK.name),
             ring: Ring::default(),
             dust: Vec::new(),
             chains: Chains::new(params.count(NEIGHBOURS.name)),
@@ -202,8 +212,7 @@ impl Passage {
         if dropped > 0 {
             notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
         }
-        walls.extend(islands.iter().cloned());
-        self.chains.write(ring, &walls, &left_over, |a, b| judge.cost(a, b), out);
+        self.chains.write(ring, &judge, (&walls, &islands), &left_over, self.leak, out);
         Ok(())
     }
 
@@ -216,7 +225,10 @@ impl Passage {
         if aside > 0 {
             notes.add(format!("passage: {aside} returns lie above or below the vehicle, or within it: tied to none"));
         }
+        // Carried on to what is not seen, a leak would be many.
+        let leak = std::mem::take(&mut self.leak);
         let done = self.affinity(view.seen(), seen, notes);
+        self.leak = leak;
         carrying.write(cloud, view, seen, self.limits.passage_m, out);
         self.cloud = buffers;
         done
