@@ -4,6 +4,7 @@ use crosscut_stage::{
     Embedding, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value,
 };
 
+use crate::KmeansPlusPlus;
 use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
 use crate::rows::check;
@@ -17,15 +18,16 @@ const MIN_CLUSTER: ParamSpec = ParamSpec {
 
 pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
     name: "components",
-    doc: "a cluster for each connected component, read off the U of the solver `components` (baseline)",
+    doc: "a cluster for each connected component, read off a U whose columns share no row",
     params: &[MIN_CLUSTER],
     build: |params| Box::new(Components::with(params.count(MIN_CLUSTER.name))),
 };
 
-/// The cluster of a return is the one column of U in which its row is not 0, as in the U of the solver `components`. Any
-/// other U is refused: the full decompositions mix the eigenvectors of a repeated zero.
+/// The cluster of a return is the one column of U in which its row is not 0, as in the U of the solvers `components` and
+/// `blocks`. The full decompositions mix the eigenvectors of a repeated zero, and so does `blocks` where a component has
+/// more zeros than one: such a U goes to [`KmeansPlusPlus`] with its defaults, with a note.
 ///
-/// Components of fewer than `min_cluster` returns (DBSCAN's noise: fewer than 2) get no cluster, with a note.
+/// Clusters of fewer than `min_cluster` returns (DBSCAN's noise: fewer than 2) are left out, with a note.
 #[derive(Clone, Debug)]
 pub struct Components {
     min_cluster: usize,
@@ -34,6 +36,8 @@ pub struct Components {
     sizes: Vec<usize>,
     /// The mean of the entries of each column.
     means: Vec<f64>,
+    /// For a U that mixes its columns.
+    mixed: KmeansPlusPlus,
 }
 
 impl Components {
@@ -47,11 +51,12 @@ impl Components {
     }
 
     fn with(min_cluster: usize) -> Self {
-        Self { min_cluster, columns: Vec::new(), sizes: Vec::new(), means: Vec::new() }
+        let mixed = KmeansPlusPlus::default();
+        Self { min_cluster, columns: Vec::new(), sizes: Vec::new(), means: Vec::new(), mixed }
     }
 
-    /// Fills `columns`, `sizes` and `means`.
-    fn read_columns(&mut self, u: &Embedding) -> Result<(), StageError> {
+    /// Fills `columns`, `sizes` and `means`, unless a row has not exactly one entry.
+    fn read_columns(&mut self, u: &Embedding) -> bool {
         self.columns.clear();
         self.sizes.clear();
         self.sizes.resize(u.ncols(), 0);
@@ -60,17 +65,14 @@ impl Components {
         for i in 0..u.nrows() {
             let mut present = u.row(i).filter(|&(_, entry)| entry != 0.0);
             let (Some((column, entry)), None) = (present.next(), present.next()) else {
-                return Err(StageError::Unsupported(format!(
-                    "row {i} of U does not have exactly one entry that is not 0: kmeans `components` needs the U of \
-                     spectral `components`"
-                )));
+                return false;
             };
             self.columns.push((column as u32, entry));
             self.sizes[column] += 1;
             self.means[column] += entry;
         }
         self.means.iter_mut().zip(&self.sizes).for_each(|(sum, &size)| *sum /= size.max(1) as f64);
-        Ok(())
+        true
     }
 
     /// Notes how much is left out.
@@ -94,7 +96,10 @@ impl KmeansStage for Components {
             without_clusters(n, k, out, notes);
             return Ok(());
         }
-        self.read_columns(&spectrum.u)?;
+        if !self.read_columns(&spectrum.u) {
+            notes.add("components: columns of U share returns, so kmeans++ clusters its rows, small clusters too");
+            return self.mixed.partition(spectrum, out, notes);
+        }
         let columns = self.columns.iter().map(|&(column, _)| column);
         let numbers = by_first_return(columns.filter(|&column| self.sizes[column as usize] >= self.min_cluster), k);
         out.labels.clear();

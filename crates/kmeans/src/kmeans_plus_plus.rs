@@ -1,7 +1,7 @@
 //! `kmeans++`: the last step of the paper's Algorithm 1.
 
 use crosscut_stage::{
-    Interval, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value,
+    Interval, Kind, KmeansStage, Notes, ParamError, ParamSpec, Params, Partition, Shape, Spectrum, StageError, Value,
 };
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -40,18 +40,13 @@ const TOLERANCE: ParamSpec = ParamSpec {
     doc: "a restart ends when the squared steps of all centres sum to no more than this; 0: when no label changes",
 };
 
+const PARAMS: &[ParamSpec] = &[SEED, RESTARTS, MAX_ITERATIONS, TOLERANCE];
+
 pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
     name: "kmeans++",
     doc: "k-means++ on the rows of U, not normalised, as in the paper",
-    params: &[SEED, RESTARTS, MAX_ITERATIONS, TOLERANCE],
-    build: |params| {
-        Box::new(KmeansPlusPlus::with(
-            params.count(SEED.name) as u64,
-            params.count(RESTARTS.name),
-            params.count(MAX_ITERATIONS.name),
-            params.number(TOLERANCE.name),
-        ))
-    },
+    params: PARAMS,
+    build: |params| Box::new(KmeansPlusPlus::of(params)),
 };
 
 /// k-means on the rows of U: k-means++ seeding, Lloyd's iteration, several restarts, of which the one with the smallest
@@ -71,6 +66,12 @@ pub struct KmeansPlusPlus {
     best: Lloyd,
 }
 
+impl Default for KmeansPlusPlus {
+    fn default() -> Self {
+        Self::of(&Params::defaults(PARAMS))
+    }
+}
+
 impl KmeansPlusPlus {
     /// With a seed, 1 to 1000 restarts, at most `max_iterations` (1 to 100,000) in each, and a tolerance in [0, 1]: the
     /// sum of the squared steps of all centres, over the mean variance of U's columns, at which a restart ends.
@@ -82,6 +83,15 @@ impl KmeansPlusPlus {
         MAX_ITERATIONS.check(Value::Integer(max_iterations.into()))?;
         TOLERANCE.check(Value::Number(tolerance))?;
         Ok(Self::with(seed.into(), restarts as usize, max_iterations as usize, tolerance))
+    }
+
+    fn of(params: &Params) -> Self {
+        Self::with(
+            params.count(SEED.name) as u64,
+            params.count(RESTARTS.name),
+            params.count(MAX_ITERATIONS.name),
+            params.number(TOLERANCE.name),
+        )
     }
 
     fn with(seed: u64, restarts: usize, max_iterations: usize, tolerance: f64) -> Self {

@@ -9,7 +9,7 @@
 //! | kind | clusters | for |
 //! |---|---|---|
 //! | `kmeans++` | k-means: k-means++ seeding, Lloyd's iteration, the best of several restarts | the paper |
-//! | `components` | the columns of a U with one entry that is not 0 in each row | the baselines |
+//! | `components` | the columns of a U with one entry that is not 0 in each row | blocks of a sparse graph |
 //!
 //! ```
 //! use crosscut_kmeans::KmeansPlusPlus;

@@ -20,19 +20,16 @@ fn build(kind: &AssignmentKind) -> Box<dyn KmeansStage> {
     (kind.build)(&Params::defaults(kind.params))
 }
 
-/// The partition; none if the kind does not work on such a U.
-fn partition(kind: &AssignmentKind, spectrum: &Spectrum) -> Option<Partition> {
+fn partition(kind: &AssignmentKind, spectrum: &Spectrum) -> Partition {
     let mut out = Partition::default();
-    match build(kind).partition(spectrum, &mut out, &mut Notes::default()) {
-        Ok(()) => Some(out),
-        Err(StageError::Unsupported(_)) => None,
-        Err(error) => panic!("{error}"),
-    }
+    let done = build(kind).partition(spectrum, &mut out, &mut Notes::default());
+    done.unwrap_or_else(|error| panic!("{}: {error}", kind.name));
+    out
 }
 
-/// The partition of a U of separate components, on which every kind works.
+/// The partition of a U of separate components.
 fn partition_of(kind: &AssignmentKind, component_of_return: &[usize]) -> Partition {
-    partition(kind, &of_components(component_of_return)).expect("every kind works on separate components")
+    partition(kind, &of_components(component_of_return))
 }
 
 /// U of a graph whose returns belong to these components (0, 1, … without a gap): column c is 1/√|C| on component c.
@@ -92,7 +89,7 @@ fn separate_components_are_the_clusters_numbered_by_their_first_return() {
 #[test]
 fn clusters_are_numbered_by_their_first_return_and_have_a_centroid_each() {
     for_every_kind(&any_spectrum(), |kind, spectrum| {
-        let Some(partition) = partition(kind, &spectrum) else { return };
+        let partition = partition(kind, &spectrum);
         assert_eq!(partition.labels.len(), spectrum.u.nrows());
         let mut next = 0;
         for label in partition.labels.iter().flatten() {
@@ -108,7 +105,7 @@ fn clusters_are_numbered_by_their_first_return_and_have_a_centroid_each() {
 #[test]
 fn centroids_are_means_and_the_inertia_is_that_of_labels_and_centroids() {
     for_every_kind(&any_spectrum(), |kind, spectrum| {
-        let Some(partition) = partition(kind, &spectrum) else { return };
+        let partition = partition(kind, &spectrum);
         let labels = &partition.labels;
         let members = |c: u32| (0..labels.len()).filter(move |&i| labels[i] == Some(c));
         let mut inertia = 0.0;
@@ -137,7 +134,7 @@ fn turning_u_changes_no_label() {
             }
         }
         let turned = Spectrum { u: u.into(), ..spectrum };
-        let Some(after) = partition(kind, &turned) else { return };
+        let after = partition(kind, &turned);
         assert_eq!(after.labels, partition_of(kind, &component_of_return).labels);
     });
 }
@@ -149,7 +146,7 @@ fn returns_in_another_order_only_rename_the_clusters() {
         order.sort_by_key(|&i| keys[i]);
         let u = of_components(&component_of_return).u;
         let reordered = Mat::from_fn(u.nrows(), u.ncols(), |row, j| u[(order[row], j)]);
-        let after = partition(kind, &spectrum(reordered)).expect("separate components in another order");
+        let after = partition(kind, &spectrum(reordered));
         let before = partition_of(kind, &component_of_return);
         for (row_a, &a) in order.iter().enumerate() {
             for (row_b, &b) in order.iter().enumerate() {
@@ -165,7 +162,7 @@ fn a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones() {
     for_every_kind(&(any_spectrum(), any_spectrum()), |kind, (first, second)| {
         let (mut stage, mut out) = (build(kind), Partition::default());
         for spectrum in [&first, &second, &first, &second] {
-            let Some(fresh) = partition(kind, spectrum) else { continue };
+            let fresh = partition(kind, spectrum);
             stage.partition(spectrum, &mut out, &mut Notes::default()).expect("as before");
             assert_eq!((out.clusters, &out.labels, out.inertia), (fresh.clusters, &fresh.labels, fresh.inertia));
             assert_eq!(out.centroids, fresh.centroids);
