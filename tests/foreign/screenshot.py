@@ -36,7 +36,7 @@ exec {rerun} --headless --window-size {size} --port {port} "$@"
 class Viewer:
     """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, command: list, port: int, environment: dict):
+    def __init__(self, command: list, port: int, environment: dict, whole: bool = True):
         self._log = tempfile.TemporaryFile()
         quiet = {"RUST_LOG": "error", "NO_COLOR": "1"}
         self._viewer = subprocess.Popen(
@@ -52,17 +52,17 @@ class Viewer:
             client = {"name": "screenshot", "version": "1"}
             self._request("initialize", protocolVersion="2024-11-05", capabilities={}, clientInfo=client)
             self._send(method="notifications/initialized")
-            self._wait_until_loaded(f"http://127.0.0.1:{port}")
+            self._wait_until_loaded(f"http://127.0.0.1:{port}", whole)
         except BaseException:
             self.close()
             raise
 
     @classmethod
-    def of(cls, *sources, size: str) -> "Viewer":
-        """Of recordings, or of what a server serves."""
+    def of(cls, *sources, size: str, whole: bool = True) -> "Viewer":
+        """Of recordings, or of what a server serves; unless `whole`, as soon as anything is there."""
         port = free_port()
         address = ["--bind", "127.0.0.1", "--port", str(port)]
-        return cls([RERUN, "--headless", *address, "--window-size", size, *map(str, sources)], port, {})
+        return cls([RERUN, "--headless", *address, "--window-size", size, *map(str, sources)], port, {}, whole)
 
     @classmethod
     def started_by(cls, command: list[str], size: str) -> "Viewer":
@@ -114,15 +114,15 @@ class Viewer:
     def _settle(self):
         self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
 
-    def _wait_until_loaded(self, endpoint: str):
-        """Loaded is when the flight has grown no more while some frames were drawn."""
+    def _wait_until_loaded(self, endpoint: str, whole: bool):
+        """Loaded as a whole is when the flight has grown no more while some frames were drawn."""
         deadline = time.monotonic() + DEADLINE_S
         while not self._connects(endpoint):
             if self._viewer.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not start: {self._said()}")
             time.sleep(0.1)
         before, now = None, self.last_revolution()
-        while now is None or now != before:
+        while now is None or (whole and now != before):
             if time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not load the recording: {self._said()}")
             self._settle()
