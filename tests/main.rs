@@ -1,6 +1,7 @@
 //! The whole program at its process boundary: what is typed, what comes out, and how it ends.
 
 mod configuration;
+mod corridors;
 mod evaluation;
 mod flight;
 mod input;
