@@ -1,5 +1,6 @@
 //! The whole program at its process boundary: what is typed, what comes out, and how it ends.
 
+mod comparison;
 mod configuration;
 mod corridors;
 mod evaluation;

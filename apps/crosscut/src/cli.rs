@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Compare the results of one configuration or several with the truth in recordings.
     Evaluate(EvaluateArgs),
+    /// Show where two configurations or more answer differently, stage by stage or setting by setting; needs no truth.
+    Compare(CompareArgs),
     /// Repeat the paper's evaluation on scenes of its kind: figures, and the zero tolerance against what is right.
     Paper(PaperArgs),
     /// Show what is in a recording.
@@ -43,20 +45,32 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// MCAP recordings, or folders of them: the parts of one flight, in this order.
-    #[arg(required = true)]
-    pub(crate) input: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) flight: FlightArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
-    /// Scan topic; found by itself when there is only one.
-    #[arg(long)]
-    pub(crate) topic: Option<String>,
     /// Write one JSON object per scan message; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
     /// No progress, no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
+    /// Play at this multiple of the sensor's pace (1 = as it was recorded).
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
+}
+
+/// A recorded flight, or a part of it.
+#[derive(Debug, Args)]
+pub(crate) struct FlightArgs {
+    /// MCAP recordings, or folders of them: the parts of one flight, in this order.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Scan topic; found by itself when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
     /// Start this many seconds after the first scan.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) from: Option<f64>,
@@ -66,11 +80,6 @@ pub(crate) struct RunArgs {
     /// Take every N-th scan.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every: NonZeroU64,
-    /// Play at this multiple of the sensor's pace (1 = as it was recorded).
-    #[arg(long, value_name = "X", value_parser = positive)]
-    pub(crate) rate: Option<f64>,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
 }
 
 #[derive(Debug, Args)]
@@ -141,9 +150,9 @@ pub(crate) struct EvaluateArgs {
     /// MCAP recordings with /truth, or folders of them; each file is a family of scenes, named after it.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// A configuration to evaluate: a preset, or a file of settings over the preset `default`. May be given again, to
-    /// see them side by side.
-    #[arg(long, value_name = "PRESET|FILE.toml")]
+    /// A configuration to evaluate: a preset, or a file of settings over the preset `default`, and single settings over
+    /// that: `paper,affinity.sigma_per_m2=3`. May be given again, to see them side by side.
+    #[arg(long, value_name = "PRESET|FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
     /// A single setting, over every configuration. May be given again.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
@@ -160,6 +169,28 @@ pub(crate) struct EvaluateArgs {
     /// Write the tables as Markdown; `-` is standard output.
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
+    /// No progress, no tables on the terminal.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) flight: FlightArgs,
+    /// A configuration: a preset, or a file of settings over the preset `default`, and single settings over that:
+    /// `paper,affinity.sigma_per_m2=3`. Given twice or more; the first is what the others are compared with.
+    #[arg(long, required = true, value_name = "PRESET|FILE.toml[,SETTING]...")]
+    pub(crate) with: Vec<String>,
+    /// A single setting, over every configuration. May be given again.
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Show every stretch of the flight where the walls differ, not the longest ones only.
+    #[arg(long)]
+    pub(crate) all: bool,
+    /// Write every figure and every stretch as JSON; `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) json: Option<PathBuf>,
     /// No progress, no tables on the terminal.
     #[arg(long)]
     pub(crate) quiet: bool,

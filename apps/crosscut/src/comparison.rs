@@ -48,7 +48,7 @@ fn drawn(table: &Table, style: TableStyle) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
     drawn.load_style(style).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
-        let is_name = matches!(table.header[place].as_str(), "family" | "configuration");
+        let is_name = matches!(table.header[place].as_str(), "family" | "configuration" | "setting" | "stage");
         column.set_cell_alignment(if is_name { CellAlignment::Left } else { CellAlignment::Right });
     }
     drawn

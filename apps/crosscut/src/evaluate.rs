@@ -1,30 +1,26 @@
 //! `crosscut evaluate`: configurations side by side, against the truth in recordings.
 
-use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_evaluate::{Comparison, tables};
 use crosscut_ingest::{Truths, recordings_in};
-use crosscut_pipeline::{Config, End, PRESETS, Registry, StopFlag};
+use crosscut_pipeline::{End, Registry, StopFlag};
 
-use crate::cli::{ConfigArgs, EvaluateArgs};
+use crate::cli::EvaluateArgs;
+use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
 use crate::run::stop_on_interrupt;
 use crate::scoring::{self, Scored};
-use crate::{comparison, config, overwriting, progress};
-
-/// One column of the tables.
-struct Column {
-    name: String,
-    config: Config,
-}
+use crate::{comparison, overwriting, progress};
 
 /// Runs every configuration over every recording, and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
-    let columns = columns(args, &registry)?;
+    let default = ["default".to_owned()];
+    let with = if args.with.is_empty() { &default[..] } else { &args.with };
+    let columns = configurations::named(with, &args.set, &registry)?;
     let recordings = recordings_in(&args.input)?;
     let revolutions = revolutions_in(&recordings, args, &columns)?;
     let mut outputs = Outputs::open(args, &recordings)?;
@@ -54,32 +50,13 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     Ok(if stop.is_set() { Outcome::Interrupted } else { problems.outcome() })
 }
 
-/// What `--with` names, each with `--set` on top.
-fn columns(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Vec<Column>> {
-    let default = ["default".to_owned()];
-    let with = if args.with.is_empty() { &default[..] } else { &args.with };
-    let column = |text: &String| {
-        let is_preset = PRESETS.iter().any(|(preset, _)| preset == text);
-        let path = Path::new(text);
-        if !is_preset && !path.exists() {
-            let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
-            let presets = presets.join(", ");
-            return Err(UsageError(format!("--with {text}: no preset (there are: {presets}) and no such file")).into());
-        }
-        let layers = ConfigArgs {
-            preset: if is_preset { text.clone() } else { "default".to_owned() },
-            config: (!is_preset).then(|| path.to_owned()),
-            set: args.set.clone(),
-        };
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Column { name, config: config::resolve(&layers, registry)? })
-    };
-    with.iter().map(column).collect()
-}
-
 /// How many revolutions there are to go through, if that is known. Refuses what cannot be evaluated, before hours are
 /// spent on the rest.
-fn revolutions_in(recordings: &[PathBuf], args: &EvaluateArgs, columns: &[Column]) -> anyhow::Result<Option<u64>> {
+fn revolutions_in(
+    recordings: &[PathBuf],
+    args: &EvaluateArgs,
+    columns: &[Configuration],
+) -> anyhow::Result<Option<u64>> {
     let mut sum = Some(0);
     for path in recordings {
         let messages = scoring::open(path, args.topic.as_deref(), &columns[0].config)?.total_messages();
@@ -143,12 +120,12 @@ impl<'a> Outputs<'a> {
         if args.json.is_some() && args.json == args.markdown {
             return Err(UsageError("--json and --markdown name the same place".to_owned()).into());
         }
-        let open = |path: &PathBuf| open_output(path, recordings);
+        let open = |path: &PathBuf| overwriting::create(path, recordings);
         let (json, markdown) = (args.json.as_ref().map(open), args.markdown.as_ref().map(open));
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
 
-    fn write(&mut self, comparison: &Comparison, columns: &[Column], problems: &[String]) -> anyhow::Result<()> {
+    fn write(&mut self, comparison: &Comparison, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
         let failed = "the outcome cannot be written";
         let mut shown = tables::overview(comparison);
         if self.args.details {
@@ -167,13 +144,4 @@ impl<'a> Outputs<'a> {
         }
         Ok(())
     }
-}
-
-/// A file that is not one of the recordings, or standard output for `-`.
-fn open_output(path: &Path, recordings: &[PathBuf]) -> anyhow::Result<Box<dyn Write>> {
-    if path == Path::new("-") {
-        return Ok(Box::new(std::io::stdout()));
-    }
-    overwriting::refuse(&[path], recordings)?;
-    Ok(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?))
 }

@@ -3,11 +3,14 @@
 //! One file per command. Results go to files or standard output, words for people to standard error.
 
 mod cli;
+mod compare;
 mod comparison;
 mod config;
+mod configurations;
 mod evaluate;
 mod exit;
 mod figure;
+mod flight;
 mod info;
 mod overwriting;
 mod paper;
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Command::View(args) => view(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Evaluate(args) => evaluate::evaluate(&args),
+        Command::Compare(args) => compare::compare(&args),
         Command::Paper(args) => paper::paper(&args),
         Command::Info(args) => info::info(&args),
         Command::Rrd(command) => rrd(&command),

@@ -7,26 +7,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use crosscut_ingest::{ReadOptions, Recording, Sensor, recordings_in};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_ingest::recordings_in;
+use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::Frame;
 
 use crate::cli::RunArgs;
-use crate::exit::{INTERRUPTED, Outcome, UsageError};
-use crate::{config, overwriting, progress, record, summary};
+use crate::exit::{INTERRUPTED, Outcome};
+use crate::{config, flight, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
 pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let config = config::resolve(&args.config, &registry)?;
     let outputs: Vec<&Path> = args.record.save.iter().chain(&args.results).map(PathBuf::as_path).collect();
-    overwriting::refuse(&outputs, &recordings_in(&args.input)?)?;
-    let mut recording = open(args, &config)?;
+    overwriting::refuse(&outputs, &recordings_in(&args.flight.input)?)?;
+    let mut recording = flight::open(&args.flight, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut lost = Vec::new();
     let (mut observers, served) =
-        record::observers(&args.record, &args.input[0], &config, args.rate.is_some(), &mut lost)?;
+        record::observers(&args.record, &args.flight.input[0], &config, args.rate.is_some(), &mut lost)?;
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
@@ -64,16 +64,6 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         }
     }
     Ok(outcome)
-}
-
-fn open(args: &RunArgs, config: &Config) -> anyhow::Result<Recording> {
-    if let (Some(from), Some(to)) = (args.from, args.to)
-        && from > to
-    {
-        return Err(UsageError(format!("--from {from} lies after --to {to}")).into());
-    }
-    let options = ReadOptions { topic: args.topic.clone(), from_s: args.from, to_s: args.to, every: args.every };
-    Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
 }
 
 /// A file, standard output for `-`, or nothing.

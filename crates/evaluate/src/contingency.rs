@@ -7,6 +7,8 @@ use crate::assignment::best_matching;
 /// How many beams each true wall shares with each reported one. Islands are walls here.
 #[derive(Debug)]
 pub(crate) struct Contingency {
+    /// Ids of the true walls that have beams, ascending.
+    pub(crate) true_walls: Vec<i64>,
     /// Ids of the reported walls that have beams, ascending.
     pub(crate) reported_walls: Vec<i64>,
     /// |T_a ∩ R_b|, a row per true wall that has beams, a column per reported one.
@@ -23,9 +25,11 @@ pub(crate) struct Contingency {
 
 impl Contingency {
     /// Of labels per beam, as many on both sides: walls at 0 and above, [`Truth::NO_RETURN`], or no wall.
-    pub(crate) fn of(truth: &[i32], reported: &[i64]) -> Self {
-        let true_walls = walls(truth.iter().copied(), 0);
-        let reported_walls = walls(reported.iter().copied(), 0);
+    pub(crate) fn of<L: Into<i64> + Copy>(truth: &[L], reported: &[i64]) -> Self {
+        let no_return = i64::from(Truth::NO_RETURN);
+        let truth = || truth.iter().map(|&label| label.into());
+        let true_walls = walls(truth());
+        let reported_walls = walls(reported.iter().copied());
         let (rows, columns) = (true_walls.len(), reported_walls.len());
         let mut table = Self {
             shared: vec![vec![0; columns]; rows],
@@ -33,10 +37,11 @@ impl Contingency {
             reported_size: vec![0; columns],
             beams: 0,
             left_out: 0,
+            true_walls,
             reported_walls,
         };
-        for (&t, &r) in truth.iter().zip(reported) {
-            let row = true_walls.binary_search(&t).ok();
+        for (t, &r) in truth().zip(reported) {
+            let row = table.true_walls.binary_search(&t).ok();
             let column = table.reported_walls.binary_search(&r).ok();
             if let Some(a) = row {
                 table.true_size[a] += 1;
@@ -47,15 +52,10 @@ impl Contingency {
             if let (Some(a), Some(b)) = (row, column) {
                 table.shared[a][b] += 1;
             }
-            table.beams += usize::from(t != Truth::NO_RETURN || column.is_some());
-            table.left_out += usize::from(t != Truth::NO_RETURN && row.is_none() && column.is_none());
+            table.beams += usize::from(t != no_return || column.is_some());
+            table.left_out += usize::from(t != no_return && row.is_none() && column.is_none());
         }
         table
-    }
-
-    /// Number of true walls that have beams.
-    pub(crate) fn true_walls(&self) -> usize {
-        self.true_size.len()
     }
 
     /// Pairs of a true and a reported wall with |T ∩ R| / |T ∪ R| >= `least`. Above 1/2 no wall is in two of them,
@@ -82,10 +82,10 @@ impl Contingency {
         let pairs = |n: usize| (n * n.saturating_sub(1) / 2) as f64;
         let left_out = |a: usize| self.true_size[a] - self.shared[a].iter().sum::<usize>();
         let columns = |b: usize| self.shared.iter().map(|row| row[b]).sum::<usize>();
-        let all_left_out = (0..self.true_walls()).map(left_out).sum::<usize>();
+        let all_left_out = (0..self.true_size.len()).map(left_out).sum::<usize>();
 
         let together: f64 = self.shared.iter().flatten().map(|&n| pairs(n)).sum::<f64>()
-            + (0..self.true_walls()).map(|a| pairs(left_out(a))).sum::<f64>();
+            + (0..self.true_size.len()).map(|a| pairs(left_out(a))).sum::<f64>();
         let in_truth: f64 = self.true_size.iter().map(|&n| pairs(n)).sum();
         let in_report: f64 =
             (0..self.reported_size.len()).map(|b| pairs(columns(b))).sum::<f64>() + pairs(all_left_out);
@@ -97,10 +97,10 @@ impl Contingency {
     }
 }
 
-/// The distinct labels at `first` and above, ascending.
-fn walls<T: Ord + Copy>(labels: impl Iterator<Item = T>, first: T) -> Vec<T> {
-    let mut ids: Vec<T> = Vec::new();
-    for label in labels.filter(|label| *label >= first) {
+/// The distinct labels at 0 and above, ascending.
+fn walls(labels: impl Iterator<Item = i64>) -> Vec<i64> {
+    let mut ids = Vec::new();
+    for label in labels.filter(|label| *label >= 0) {
         if let Err(place) = ids.binary_search(&label) {
             ids.insert(place, label);
         }

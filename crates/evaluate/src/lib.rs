@@ -46,6 +46,10 @@
 //!
 //! Percentiles are of the nearest rank. Families together count revolution by revolution, not family by family.
 //!
+//! **Two configurations without a truth**: [`Agreement`] holds two answers for the same scan against each other by the same
+//! measures, the first in the place of the truth, and [`Differences`] sums a flight up and lists the stretches where the walls
+//! are not the same.
+//!
 //! # Example
 //!
 //! ```
@@ -73,10 +77,12 @@
 //! To add a figure: a field of [`Score`] for one revolution, of [`Evaluation`] for the sum, of [`Figures`] for the
 //! outcome, and a column in [`tables`].
 
+mod agreement;
 mod assignment;
 mod comparison;
 mod confidence;
 mod contingency;
+mod differences;
 mod evaluation;
 mod openings;
 mod percentiles;
@@ -84,8 +90,10 @@ mod score;
 mod share;
 pub mod tables;
 
+pub use agreement::Agreement;
 pub use comparison::{Comparison, Family};
 pub use confidence::{BINS, Confidence, ReliabilityBin, SURE};
+pub use differences::{Differences, Stretch};
 pub use evaluation::{Confusion, Evaluation, Figures, Labels, Openings};
 pub use openings::{MatchedOpening, OpeningsScore, SAME_OPENING_RAD};
 pub use percentiles::Percentiles;

@@ -34,8 +34,8 @@ pub struct Score {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    /// Truth and answer are not of the same scan.
-    #[error("revolution {seq}: the truth has {truth} labels, the result {reported}; they are not of the same scan")]
+    /// Truth (or another answer) and answer are not of the same scan.
+    #[error("revolution {seq}: {truth} labels against {reported}; they are not of the same scan")]
     Beams {
         /// The revolution.
         seq: u64,
@@ -58,7 +58,7 @@ impl Score {
         }
         let table = Contingency::of(&truth.labels, &line.labels);
         let true_walls = truth.walls as usize;
-        let two_walls = true_walls >= 2 && table.true_walls() >= 2;
+        let two_walls = true_walls >= 2 && table.true_walls.len() >= 2;
         Ok(Self {
             true_walls,
             reported_walls: line.junctions,

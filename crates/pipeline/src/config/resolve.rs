@@ -61,6 +61,15 @@ impl Config {
         &self.section(section).params
     }
 
+    /// Every setting, as `section.key` and its value in TOML.
+    pub fn settings(&self) -> impl Iterator<Item = (String, String)> {
+        self.sections.iter().flat_map(|section| {
+            let setting = |key: &str, value: String| (format!("{}.{key}", section.name), value);
+            let kind = section.kind.as_ref().map(|kind| setting("kind", format!("{:?}", kind.name)));
+            kind.into_iter().chain(section.params.iter().map(move |(key, value)| setting(key, value.to_string())))
+        })
+    }
+
     /// How many lanes to run.
     pub fn workers(&self) -> usize {
         match self.params("pipeline").count("workers") {

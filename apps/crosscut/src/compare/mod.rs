@@ -1,0 +1,134 @@
+//! `crosscut compare`: what a stage or a setting changes on a flight, without a truth.
+
+mod shown;
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::thread::{Builder, ScopedJoinHandle};
+
+use anyhow::Context;
+use crossbeam_channel::{Receiver, bounded};
+use crosscut_evaluate::{Agreement, Differences};
+use crosscut_ingest::{Recording, recordings_in};
+use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_report::ResultsLine;
+use crosscut_stage::Frame;
+use indicatif::ProgressBar;
+
+use crate::cli::CompareArgs;
+use crate::configurations::{self, Configuration};
+use crate::exit::{Outcome, UsageError};
+use crate::run::stop_on_interrupt;
+use crate::{comparison, flight, overwriting, progress};
+
+/// Answers that a configuration may be ahead of the slowest.
+const AHEAD: usize = 64;
+
+/// What came of it.
+struct Compared {
+    /// Of every configuration but the first, against the first.
+    differences: Vec<Differences>,
+    /// Of every configuration.
+    summaries: Vec<Summary>,
+    /// Of the first scan that was compared.
+    first_stamp_ns: u64,
+}
+
+/// Runs every configuration over the flight at the same time, and compares the answers scan by scan.
+pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
+    let registry = Registry::standard();
+    let configurations = configurations::named(&args.with, &args.set, &registry)?;
+    if configurations.len() < 2 {
+        let usage = "--with names one configuration; name the other as well: --with default --with paper";
+        return Err(UsageError(usage.to_owned()).into());
+    }
+    let recordings = configurations.iter().map(|of| flight::open(&args.flight, &of.config));
+    let mut recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
+    let inputs = recordings_in(&args.flight.input)?;
+    let mut json = args.json.as_ref().map(|path| overwriting::create(path, &inputs)).transpose()?;
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+
+    let bar = progress::bar(recordings[0].total_messages(), args.quiet);
+    let compared = side_by_side(&configurations, &mut recordings, &registry, &stop, &bar)?;
+    bar.finish_and_clear();
+
+    let (problems, outcome) = problems(&configurations, &recordings, &compared.summaries);
+    for problem in &problems {
+        eprintln!("{problem}");
+    }
+    let failed = "the outcome cannot be written";
+    if let Some(out) = &mut json {
+        let document = shown::json(&configurations, &compared, &problems);
+        out.write_all(document.as_bytes()).context(failed)?;
+    }
+    if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
+        let from_s = args.flight.from.unwrap_or(0.0);
+        let tables = shown::tables(&configurations, &compared, from_s, args.all);
+        io::stdout().write_all(comparison::text(&tables).as_bytes()).context(failed)?;
+    }
+    Ok(outcome)
+}
+
+/// Each configuration streams the flight on its own; answers for the same scan meet here. Where one stops, all do.
+fn side_by_side(
+    configurations: &[Configuration],
+    recordings: &mut [Recording],
+    registry: &Registry,
+    stop: &StopFlag,
+    bar: &ProgressBar,
+) -> anyhow::Result<Compared> {
+    std::thread::scope(|scope| {
+        let (mut answers, mut streams) = (Vec::new(), Vec::new());
+        for (Configuration { name, config }, recording) in configurations.iter().zip(recordings) {
+            let (answer, of_configuration) = bounded(AHEAD);
+            let options = StreamOptions { rate: None, stop: stop.clone() };
+            let run = move || {
+                let mut results = |frame: &Frame| answer.send(ResultsLine::of(frame)).map_err(io::Error::other);
+                stream(recording, config, registry, &mut results, &mut [], &options)
+            };
+            streams.push(Builder::new().name(format!("compare {name}")).spawn_scoped(scope, run)?);
+            answers.push(of_configuration);
+        }
+        let (differences, first_stamp_ns) = meet(answers, bar)?;
+        let joined = |stream: ScopedJoinHandle<'_, io::Result<Summary>>| stream.join().expect("streams catch panics");
+        let summaries = streams.into_iter().map(joined).collect::<io::Result<_>>();
+        Ok(Compared { differences, summaries: summaries.context("a thread could not be started")?, first_stamp_ns })
+    })
+}
+
+/// The differences of every configuration from the first, and the stamp of the first scan.
+fn meet(answers: Vec<Receiver<ResultsLine>>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
+    let mut differences = vec![Differences::default(); answers.len() - 1];
+    let mut first_stamp_ns = None;
+    while let Some(lines) = answers.iter().map(|of| of.recv().ok()).collect::<Option<Vec<_>>>() {
+        let (first, others) = lines.split_first().expect("there are two configurations at least");
+        first_stamp_ns.get_or_insert(first.stamp_ns);
+        for (other, differences) in others.iter().zip(&mut differences) {
+            differences.add(&Agreement::of(first, other)?);
+        }
+        bar.inc(1);
+    }
+    Ok((differences, first_stamp_ns.unwrap_or(0)))
+}
+
+/// What went wrong, and how the command ends for it.
+fn problems(
+    configurations: &[Configuration],
+    recordings: &[Recording],
+    summaries: &[Summary],
+) -> (Vec<String>, Outcome) {
+    let mut problems: Vec<_> = recordings[0].losses().iter().map(|loss| format!("lost: {loss}")).collect();
+    let mut outcome = if problems.is_empty() { Outcome::Done } else { Outcome::SomethingLost };
+    if summaries.iter().any(|summary| matches!(summary.end, End::Interrupted)) {
+        outcome = Outcome::Interrupted;
+    }
+    for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
+        // `ResultsLost` is how a stream is told that another one stopped.
+        if let End::Failed(failure) = &summary.end {
+            problems.push(format!("error: {name}: {failure}; the revolutions before it are compared"));
+            outcome = Outcome::Failed;
+        }
+    }
+    (problems, outcome)
+}

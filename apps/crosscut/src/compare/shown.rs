@@ -1,0 +1,155 @@
+//! What is shown of a comparison: tables for people, JSON for programs.
+
+use std::collections::BTreeMap;
+
+use crosscut_evaluate::tables::Table;
+use crosscut_evaluate::{Differences, Share, Stretch};
+use crosscut_stage::Step;
+use serde_json::json;
+
+use super::Compared;
+use crate::configurations::Configuration;
+
+/// The longest stretches that are shown unless all are asked for.
+const STRETCHES: usize = 15;
+
+/// Settings, agreement, counts, times, and where the walls differ. Times on the flight are seconds after its first scan;
+/// the first one compared is at `from_s`.
+pub(super) fn tables(configurations: &[Configuration], compared: &Compared, from_s: f64, all: bool) -> Vec<Table> {
+    let first = &configurations[0].name;
+    let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);
+    let mut tables = vec![settings(configurations), agreement(first, others())];
+    tables.extend(others().map(|(other, differences)| counts(first, other, differences)));
+    tables.push(times(configurations, compared));
+    let since_start_s = |stamp_ns: u64| from_s + (stamp_ns as f64 - compared.first_stamp_ns as f64) / 1e9;
+    tables.extend(others().map(|(other, differences)| stretches(first, other, differences, since_start_s, all)));
+    tables
+}
+
+/// Settings that are not the same wherever they are; those of one kind only stay unsaid, as the kind says it.
+fn settings(configurations: &[Configuration]) -> Table {
+    let mut values: BTreeMap<String, Vec<Option<String>>> = BTreeMap::new();
+    for (place, configuration) in configurations.iter().enumerate() {
+        for (name, value) in configuration.config.settings() {
+            values.entry(name).or_insert_with(|| vec![None; configurations.len()])[place] = Some(value);
+        }
+    }
+    let differ = |cells: &[Option<String>]| {
+        let mut there = cells.iter().flatten();
+        there.next().is_some_and(|first| there.any(|other| other != first))
+    };
+    let row = |(name, cells): (String, Vec<Option<String>>)| {
+        [name].into_iter().chain(cells.into_iter().map(|cell| cell.unwrap_or_else(|| "-".to_owned()))).collect()
+    };
+    let rows = values.into_iter().filter(|(_, cells)| differ(cells)).map(row).collect();
+    Table { title: "settings that differ".to_owned(), header: header("setting", configurations), rows }
+}
+
+fn agreement<'a>(first: &str, others: impl Iterator<Item = (&'a str, &'a Differences)>) -> Table {
+    let columns =
+        ["revolutions", "same count", "same k", "same walls", "returns alike", "openings lacking", "openings more"];
+    let row = |(other, of): (&str, &Differences)| {
+        let shares = [of.same_count, of.same_k, of.same_walls, of.returns_alike, of.openings_lacking, of.openings_more];
+        [other.to_owned(), of.same_count.of.to_string()].into_iter().chain(shares.map(percent)).collect()
+    };
+    Table {
+        title: format!("against {first}, %"),
+        header: ["configuration"].into_iter().chain(columns).map(str::to_owned).collect(),
+        rows: others.map(row).collect(),
+    }
+}
+
+fn counts(first: &str, other: &str, differences: &Differences) -> Table {
+    let distinct = |side: usize| {
+        let mut counts: Vec<_> = differences.counts.keys().map(|pair| pair[side]).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        counts
+    };
+    let (rows, columns) = (distinct(0), distinct(1));
+    let row = |&a: &usize| {
+        let cells = columns.iter().map(|&b| differences.counts.get(&[a, b]).copied().unwrap_or(0).to_string());
+        [a.to_string()].into_iter().chain(cells).collect()
+    };
+    Table {
+        title: format!("walls by {first} (rows) and by {other} (columns), revolutions"),
+        header: ["walls".to_owned()].into_iter().chain(columns.iter().map(ToString::to_string)).collect(),
+        rows: rows.iter().map(row).collect(),
+    }
+}
+
+fn times(configurations: &[Configuration], compared: &Compared) -> Table {
+    let row = |step: Step| {
+        let medians = compared.summaries.iter().map(|summary| summary.times.median_and_p99_ns(step));
+        let ms = medians.map(|of| of.map_or_else(|| "-".to_owned(), |(ns, _)| format!("{:.3}", ns as f64 / 1e6)));
+        [step.name().to_owned()].into_iter().chain(ms).collect()
+    };
+    Table {
+        title: "median time of a revolution, ms, while all run at once".to_owned(),
+        header: header("stage", configurations),
+        rows: Step::ALL.map(row).to_vec(),
+    }
+}
+
+fn stretches(
+    first: &str,
+    other: &str,
+    differences: &Differences,
+    since_start_s: impl Fn(u64) -> f64,
+    all: bool,
+) -> Table {
+    let mut shown: Vec<&Stretch> = differences.stretches.iter().collect();
+    if !all && shown.len() > STRETCHES {
+        shown.sort_by_key(|stretch| std::cmp::Reverse(stretch.revolutions));
+        shown.truncate(STRETCHES);
+        shown.sort_by_key(|stretch| stretch.seq[0]);
+    }
+    let mut title = format!("where the walls of {first} and {other} differ");
+    if shown.len() < differences.stretches.len() {
+        title += &format!(": the {STRETCHES} longest of {} stretches (--all shows them)", differences.stretches.len());
+    }
+    let row = |of: &&Stretch| {
+        let [from_s, to_s] = of.stamp_ns.map(|stamp_ns| format!("{:.2}", since_start_s(stamp_ns)));
+        let [confidence, of_other] = of.confidence.map(|confidence| format!("{confidence:.2}"));
+        let [walls, walls_of_other] = of.junctions.map(|walls| walls.to_string());
+        let [from, to] = of.seq.map(|seq| seq.to_string());
+        vec![from, to, from_s, to_s, walls, walls_of_other, confidence, of_other]
+    };
+    let names = [
+        format!("walls {first}"),
+        format!("walls {other}"),
+        format!("confidence {first}"),
+        format!("confidence {other}"),
+    ];
+    Table {
+        title,
+        header: ["from seq", "to seq", "from s", "to s"].map(str::to_owned).into_iter().chain(names).collect(),
+        rows: shown.iter().map(row).collect(),
+    }
+}
+
+/// Every figure and every stretch, with the settings of each configuration in full and what went wrong.
+pub(super) fn json(configurations: &[Configuration], compared: &Compared, problems: &[String]) -> String {
+    let named = |of: &Configuration| json!({"name": of.name, "settings": of.config.to_string()});
+    let comparison = |(other, differences): (&Configuration, &Differences)| {
+        let counts = differences.counts.iter();
+        let counts: Vec<_> = counts.map(|(walls, n)| json!({"junctions": walls, "revolutions": n})).collect();
+        json!({"configuration": other.name, "figures": differences, "counts": counts})
+    };
+    let comparisons = configurations[1..].iter().zip(&compared.differences).map(comparison);
+    let document = json!({
+        "configurations": configurations.iter().map(named).collect::<Vec<_>>(),
+        "against": configurations[0].name,
+        "comparisons": comparisons.collect::<Vec<_>>(),
+        "problems": problems,
+    });
+    format!("{document:#}\n")
+}
+
+fn header(first: &str, configurations: &[Configuration]) -> Vec<String> {
+    [first.to_owned()].into_iter().chain(configurations.iter().map(|of| of.name.clone())).collect()
+}
+
+fn percent(share: Share) -> String {
+    share.value().map_or_else(|| "-".to_owned(), |share| format!("{:.1}", 100.0 * share))
+}

@@ -1,0 +1,95 @@
+//! `crosscut compare`: what a setting changes on a flight that has no truth.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::flight::file;
+use crate::program::{Ran, column, results_of, run, shipped_flight};
+
+fn compare(input: &Path, with: &[&str], more: &[&str]) -> Ran {
+    let with = with.iter().flat_map(|name| ["--with", name]);
+    run(["compare", input.to_str().expect("a path in UTF-8")].into_iter().chain(with).chain(more.iter().copied()))
+}
+
+fn json(input: &Path, with: &[&str]) -> Value {
+    let ran = compare(input, with, &["--json", "-"]).expect_code(0);
+    serde_json::from_str(&ran.stdout).expect("the output is JSON")
+}
+
+#[test]
+fn counts_and_stretches_are_those_of_two_runs_held_against_each_other() {
+    let flight = shipped_flight();
+    let junctions = |preset: &str| column(&results_of(&flight, &["--preset", preset]).1, "junctions");
+    let (default, paper) = (junctions("default"), junctions("paper"));
+    let same = default.iter().zip(&paper).filter(|(a, b)| a == b).count();
+    assert!(same > 0 && same < default.len(), "the flight tells nothing: {same} of {}", default.len());
+
+    let found = &json(&flight, &["default", "paper"])["comparisons"][0];
+    assert_eq!(found["figures"]["same_count"]["hits"], same);
+    assert_eq!(found["figures"]["same_count"]["of"], default.len());
+    // Every revolution whose counts differ lies in a stretch that says so.
+    let stretches = found["figures"]["stretches"].as_array().expect("a list");
+    for (seq, pair) in default.iter().zip(&paper).enumerate().filter(|(_, (a, b))| a != b) {
+        let covers = |s: &&Value| (s["seq"][0].as_u64()..=s["seq"][1].as_u64()).contains(&Some(seq as u64));
+        let stretch = stretches.iter().find(covers).unwrap_or_else(|| panic!("no stretch has revolution {seq}"));
+        assert_eq!(stretch["junctions"], serde_json::json!([pair.0, pair.1]), "at revolution {seq}");
+    }
+    let in_stretches: u64 = stretches.iter().map(|s| s["revolutions"].as_u64().expect("a number")).sum();
+    let alike = &found["figures"]["same_walls"];
+    assert_eq!(alike["hits"].as_u64().expect("a number") + in_stretches, default.len() as u64);
+}
+
+#[test]
+fn a_configuration_against_itself_differs_nowhere() {
+    let found = json(&shipped_flight(), &["default", "default"]);
+    let figures = &found["comparisons"][0]["figures"];
+    for measure in ["same_count", "same_k", "same_walls", "returns_alike"] {
+        assert_eq!(figures[measure]["share"], 1.0, "{measure}");
+    }
+    assert_eq!(figures["stretches"], serde_json::json!([]));
+}
+
+#[test]
+fn single_settings_make_a_configuration_and_the_table_shows_them() {
+    let ran = compare(&shipped_flight(), &["paper", "paper,affinity.sigma_per_m2=3,kmeans.seed=7"], &[]).expect_code(0);
+    let rows: Vec<Vec<_>> = ran.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(rows.contains(&vec!["affinity.sigma_per_m2", "1.5", "3.0"]), "{}", ran.stdout);
+    assert!(rows.contains(&vec!["kmeans.seed", "0", "7"]), "{}", ran.stdout);
+    let settings = rows.iter().skip(2).take_while(|row| !row.is_empty()).count();
+    assert_eq!(settings, 2, "settings that are the same must not be shown: {}", ran.stdout);
+}
+
+#[test]
+fn what_fails_in_one_configuration_ends_the_comparison_and_keeps_what_came_before() {
+    // A dense W of 342 returns with all that belongs to it does not fit into 2 MB.
+    let small = ["default", "paper,pipeline.memory_mb=2"];
+    let ran = compare(&shipped_flight(), &small, &["--json", "-"]).expect_code(1);
+    assert!(
+        ran.stderr.contains("error: paper,pipeline.memory_mb=2: affinity failed on revolution 0"),
+        "{}",
+        ran.stderr
+    );
+    let found: Value = serde_json::from_str(&ran.stdout).expect("the output is JSON");
+    assert_eq!(found["comparisons"][0]["figures"]["same_count"]["of"], 0);
+}
+
+#[test]
+fn a_recording_cut_off_is_compared_as_far_as_it_goes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let whole = std::fs::read(shipped_flight()).expect("it ships");
+    let input = file(folder.path(), "cut.mcap", &whole[..whole.len() * 2 / 3]);
+    let ran = compare(&input, &["default", "threshold"], &[]).expect_code(3);
+    assert_eq!(ran.stderr.matches("lost: ").count(), 1, "once for both: {}", ran.stderr);
+}
+
+#[test]
+fn one_configuration_or_an_unknown_one_is_wrong_usage() {
+    let flight = shipped_flight();
+    let refused = |with: &[&str], more: &[&str]| compare(&flight, with, more).expect_code(2).stderr;
+    assert!(refused(&["default"], &[]).contains("name the other as well"));
+    assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
+    assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
+    let input = flight.to_str().expect("a path in UTF-8");
+    assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
+}
