@@ -30,6 +30,8 @@ def main(crosscut: str):
         for page in ("overview", "stages", "speed"):
             take(crosscut, [default, "--layout", page], seq, f"{page}-{name}")
         take(crosscut, [paper, "--beside", default], seq, f"beside-{name}")
+        if name == "tee":
+            take(crosscut, [paper, "--layout", "stages"], seq, "stages-light", light=True)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
     take(crosscut, [run(crosscut, robot, "default", "robot"), "--with", robot], 20, "sensors-robot")
@@ -67,10 +69,12 @@ def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around
     return saved
 
 
-def take(crosscut: str, what: list, seq: int, name: str):
+def take(crosscut: str, what: list, seq: int, name: str, light: bool = False):
     path = IMAGES / f"{name}.png"
     with Viewer.started_by([crosscut, "view", *map(str, what)], SIZE) as viewer:
         viewer.show(seq)
+        if light:
+            viewer.light()
         viewer.save(path)
     # 256 colours are enough for lines and letters, and a third of the size.
     Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)

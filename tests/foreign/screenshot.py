@@ -1,7 +1,7 @@
 """A picture of a recording in the real Rerun viewer, drawn without a screen. Needs a Vulkan driver
 (apt-get install libvulkan1 mesa-vulkan-drivers) and rerun-sdk.
 
-    screenshot.py FILE.rrd OUT.png [--seq N] [--size WxH]
+    screenshot.py FILE.rrd OUT.png [--seq N] [--size WxH] [--light]
 
 The README's picture is revolution 81 of the shipped flight, with the paper's settings:
 
@@ -103,6 +103,14 @@ class Viewer:
         self._call("set_time", timeline="revolution", time=revolution)
         self._settle()
 
+    def light(self):
+        """From the dark theme, which a viewer without a desktop starts with, to the light one."""
+        for target in ({"role": "Button", "label_contains": "Menu"}, {"content_contains": "Settings"}, {"content_contains": "Light"}):
+            self._call("click", **target)
+            self._settle()
+        self._call("press_key", key="Escape")
+        self._settle()
+
     def views(self) -> dict[str, dict]:
         """The views on the screen by name, with their place: x, y, w, h in pixels, without the title."""
         panes = self._call("query_tree", role="Pane")["nodes"]
@@ -170,10 +178,13 @@ def main():
     parser.add_argument("picture", type=Path)
     parser.add_argument("--seq", type=int, help="revolution to show; the last one if not given")
     parser.add_argument("--size", default="1400x900", help="WxH in pixels (default: %(default)s)")
+    parser.add_argument("--light", action="store_true", help="with the light theme")
     args = parser.parse_args()
     args.picture.parent.mkdir(parents=True, exist_ok=True)
     with Viewer.of(args.recording, size=args.size) as viewer:
         viewer.show(viewer.last_revolution() if args.seq is None else args.seq)
+        if args.light:
+            viewer.light()
         viewer.save(args.picture)
 
 

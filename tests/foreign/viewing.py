@@ -27,7 +27,7 @@ SIZE = "1400x900"
 PAGES = {
     "overview": ("Here", "Junctions", "Place", "Margin", "Confidence"),
     "stages": ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "Walls"),
-    "speed": ("Time per stage", "period"),
+    "speed": ("Time per stage", "All stages"),
 }
 # Two of the colours of walls.
 WALLS_RGB = ((0x56, 0xB4, 0xE9), (0xE6, 0x9F, 0x00))
@@ -49,20 +49,36 @@ def check(flights: Flights, verdicts: Verdicts):
     check_browser(flight.path, flights, verdicts)
 
 
-def check_view(command: list[str], what: str, words, flights: Flights, verdicts: Verdicts, at: int | None = None) -> np.ndarray:
+def check_view(command: list[str], what: str, words, flights: Flights, verdicts: Verdicts, at: int | None = None):
+    """In the dark and in the light theme: which views there are, that something is drawn in each, and on a ground of the
+    theme."""
     path = flights.work.parent / f"{re.sub('[^a-z]+', '-', what)}.png"
+    light = path.with_stem(f"{path.stem}-light")
     with Viewer.started_by(command, SIZE) as viewer:
         viewer.show(viewer.last_revolution() if at is None else at)
         views = {name: place for name, place in viewer.views().items() if not name.startswith("_")}
         viewer.save(path)
-    pixels = np.array(Image.open(path).convert("RGB")).astype(int)
+        viewer.light()
+        viewer.save(light)
     missing = [word for word in words if not any(re.search(rf"\b{word}\b", name) for name in views)]
-    shares = {name: drawn_share(pixels, place) for name, place in views.items() if place["w"] > 0}
-    blank = [name for name, share in shares.items() if share < DRAWN_SHARE]
-    verdicts.that(
-        not missing and not blank, what, f"{len(views)} views, missing: {missing or 'none'}, blank: {blank or 'none'}; {path.name}"
-    )
-    return pixels
+    shown = {name: place for name, place in views.items() if place["w"] > 0}
+    failing = []
+    for theme, is_ground in ((path, lambda level: level < 60), (light, lambda level: level > 195)):
+        pixels = np.array(Image.open(theme).convert("RGB")).astype(int)
+        for name, place in shown.items():
+            if drawn_share(pixels, place) < DRAWN_SHARE:
+                failing.append(f"{theme.stem}: {name} is blank")
+            if not is_ground(ground_level(pixels, place)):
+                failing.append(f"{theme.stem}: {name} is on another ground")
+    figures = f"{len(views)} views, missing: {missing or 'none'}, {failing or 'two themes'}; {path.name}, {light.name}"
+    verdicts.that(not missing and not failing, what, figures)
+
+
+def ground_level(pixels: np.ndarray, place: dict) -> float:
+    """How bright a view is in its corners (above its lower edge, where plots have their numbers)."""
+    left, top = int(place["x"]) + 3, int(place["y"]) + 3
+    right, bottom = int(place["x"] + place["w"]) - 4, int(place["y"] + place["h"]) - 4
+    return float(np.median([pixels[top, left].mean(), pixels[top, right].mean(), pixels[bottom, right].mean()]))
 
 
 def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
@@ -70,7 +86,11 @@ def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
     other = flights.work / "other.rrd"
     flights.crosscut("run", flights.shipped()[0].path, "--preset", "default", "--save", other, "--quiet").expect(0)
     command = flights.crosscut.command("view", saved, "--beside", other)
-    check_view(command, "view --beside", ("Left: walls", "Right: walls", "Left: W", "Right: W"), flights, verdicts)
+    names = (saved.stem, other.stem)
+    both = [f"{name}: {view}" for name in names for view in ("Walls", "W by beam", "Eigenvalues", "Junctions")]
+    check_view(command, "view --beside", both, flights, verdicts)
+    stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (3, "L"), (7, "Walls"))]
+    check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)
 
 
 def check_sensors(flights: Flights, verdicts: Verdicts):
@@ -80,6 +100,8 @@ def check_sensors(flights: Flights, verdicts: Verdicts):
     flights.crosscut("run", path, "--save", saved, "--quiet", "--set", "ingest.yaw_rad=0.5").expect(0)
     command = flights.crosscut.command("view", saved, "--with", path)
     check_view(command, "view --with", ("point clouds", "camera"), flights, verdicts, at=sensors.SCENES // 2)
+    command += ["--layout", "overview"]
+    check_view(command, "view --with --layout overview", PAGES["overview"], flights, verdicts, at=sensors.SCENES // 2)
 
 
 def check_late(path: Path, flights: Flights, verdicts: Verdicts):

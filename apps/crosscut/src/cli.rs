@@ -87,8 +87,9 @@ pub(crate) struct ViewArgs {
     /// The recording that `run --save` made; its other parts (FLIGHT-2.rrd...) come with it.
     #[arg(required = true, value_name = "FLIGHT.rrd")]
     pub(crate) flight: Vec<PathBuf>,
-    /// Which page the viewer opens with; the one that the recording was made for, if not given.
-    #[arg(long, value_enum, conflicts_with_all = ["beside", "with"])]
+    /// Which page the viewer opens with. [default: with --beside or --with their own page, else the one that the
+    /// recording was made for]
+    #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
     /// Another recording, side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]

@@ -1,7 +1,8 @@
 //! Colours of walls, the same in every view.
 //!
 //! Points and lines carry class ids; one annotation context at the root of the recording says what colour a class has.
-//! The colours are those of Okabe and Ito that stand out on black as well as on white.
+//! The colours are those of Okabe and Ito that stand out on black as well as on white: views have the ground of the viewer's
+//! theme, dark or light.
 
 use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
@@ -27,10 +28,16 @@ pub(crate) const NO_WALL: u16 = u16::MAX;
 
 /// Returns of no wall, and what is only there to measure by.
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
+/// Words in a view. The viewer puts them on 0x161616 or on 0xEFEFEF, and this contrasts nearly as much with both.
+pub(crate) const WORDS: u32 = 0x7C7C_7CFF;
+/// Lines to measure by.
+pub(crate) const GRID: u32 = 0x8080_80FF;
 /// The weakest link inside a wall: Okabe and Ito's yellow.
 pub(crate) const WEAKEST: u32 = 0xF0E4_42FF;
 /// The strongest link between two walls.
 pub(crate) const STRONGEST: u32 = 0xFFFF_FFFF;
+/// Around both of them, as white and yellow are lost on white.
+pub(crate) const LINK_EDGE: u32 = 0x0000_00FF;
 /// Links of a sparse W: a strong one, a weak one.
 pub(crate) const LINK: u32 = 0x8C8C_8C80;
 pub(crate) const WEAK_LINK: u32 = 0xF0E4_4280;

@@ -4,17 +4,20 @@ use crosscut_stage::{Frame, Sweep};
 use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
-use crate::colors::{GREY, color};
+use crate::colors::{GRID, WORDS, color};
 use crate::partition::runs;
 use crate::polyline::simplified;
+use crate::scan::step_m;
 use crate::tracks::Classes;
 
 /// The chart is as wide as this whatever the number of beams, and as high as this whatever the range.
 const WIDTH: f32 = 100.0;
-const HEIGHT: f32 = 95.0;
+const HEIGHT: f32 = 85.0;
 /// Where the clusters and the walls stand: 2D views have y downwards, so above the ranges.
-const CLUSTERS_Y: f32 = -HEIGHT - 12.0;
-const WALLS_Y: f32 = -HEIGHT - 6.0;
+const CLUSTERS_Y: f32 = -HEIGHT - 20.0;
+const WALLS_Y: f32 = -HEIGHT - 10.0;
+/// A label hangs below its point; so much higher, its middle is level with what it names.
+const LABEL_RISE: f32 = 5.0;
 /// A line passes the ranges within this distance.
 const LINE: f32 = 0.25;
 /// Ranges of neighbouring beams that differ by more are not joined.
@@ -25,22 +28,27 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let names = [("clusters", CLUSTERS_Y), ("walls", WALLS_Y)];
     rec.log_static(
         "kmeans/profile/names",
-        &marks(names.into_iter().map(|(name, y)| ([-9.0, y - 3.0], name.to_owned()))),
+        &marks(names.into_iter().map(|(name, y)| ([-10.0, y - LABEL_RISE], name.to_owned()))),
     )
 }
 
 /// The axes: ranges to `reach_m`, and the bearings of some beams.
 pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> RecordingStreamResult<()> {
-    let shares = [0.0f32, 0.25, 0.5, 0.75, 1.0];
-    let grid = LineStrips2D::new(shares.map(|share| [[0.0, -HEIGHT * share], [WIDTH, -HEIGHT * share]]))
+    let step_m = step_m(reach_m);
+    let ticks_m: Vec<f64> = (0..).map(|i| f64::from(i) * step_m).take_while(|&tick_m| tick_m <= reach_m).collect();
+    let y = |tick_m: f64| -HEIGHT * (tick_m / reach_m) as f32;
+    let grid = LineStrips2D::new(ticks_m.iter().map(|&tick_m| [[0.0, y(tick_m)], [WIDTH, y(tick_m)]]))
         .with_radii([Radius::new_ui_points(0.5)])
-        .with_colors([color(0x8C8C_8C60)]);
-    let ranges =
-        shares.iter().map(|&share| ([-9.0, -HEIGHT * share - 3.0], format!("{:.1} m", f64::from(share) * reach_m)));
+        .with_colors([color(GRID)]);
+    let ranges = ticks_m.iter().map(|&tick_m| ([-10.0, y(tick_m) - LABEL_RISE], format!("{tick_m} m")));
     let last = sweep.len().saturating_sub(1);
-    let bearings = shares.iter().filter_map(|&share| {
+    let bearings = [0.0f32, 0.25, 0.5, 0.75, 1.0].into_iter().filter_map(|share| {
         let bearing = sweep.bearings_rad.get((share * last as f32).round() as usize)?;
-        Some(([WIDTH * share, 1.0], format!("{:+.0}°", bearing.to_degrees())))
+        let label = match bearing.to_degrees().round() as i32 {
+            0 => "0°".to_owned(),
+            degrees => format!("{degrees:+}°"),
+        };
+        Some(([WIDTH * share, 1.0], label))
     });
     rec.log("kmeans/profile/axes", &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))])
 }
@@ -91,7 +99,7 @@ fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {
     let (at, labels): (Vec<_>, Vec<_>) = marks.unzip();
     Points2D::new(at)
         .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(GREY)])
+        .with_colors([color(WORDS)])
         .with_labels(labels)
         .with_show_labels(true)
 }

@@ -203,7 +203,7 @@ impl Recorder {
         {
             profile::log_axes(rec, reach_m, sweep)?;
         }
-        scan::log(rec, frame, &classes)?;
+        scan::log(rec, frame, &classes, reach_m)?;
         let scale = spectrum::embedding_scale(&frame.spectrum.u);
         spectrum::log(rec, frame)?;
         if share.matrices {
@@ -239,7 +239,7 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
-        layout::send(&self.rec, &Shown::Flight(self.options.layout, extent))?;
+        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())

@@ -1,12 +1,13 @@
 //! What the sensor saw, in the body frame (metres, x forward, y left): 3D archetypes, seen from above in the layout.
 
 use crosscut_stage::{Beam, Frame, Junction, Opening, Point, Revolution, Sweep};
+use nalgebra::Vector3;
 use rerun::{
     Arrows3D, AsComponents, LineStrip3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult,
     Scalars,
 };
 
-use crate::colors::{GREY, OPENING, color, series};
+use crate::colors::{GREY, GRID, OPENING, color, series};
 use crate::polyline::simplified;
 use crate::tensors::{f32_vector, f64_matrix, f64_vector, u8_vector};
 use crate::tracks::Classes;
@@ -15,8 +16,12 @@ use crate::tracks::Classes;
 const GAP_M: f64 = 2.5;
 /// A line along a wall passes its returns within this distance.
 const LINE_M: f32 = 0.03;
-/// Length of the arrows through the openings.
-const ARROW_M: f64 = 1.5;
+/// Length of the arrows through the openings, as a share of what the view reaches.
+const ARROW: f64 = 0.1;
+/// How far behind an opening its width is written, likewise.
+const WIDTH_BEYOND: f64 = 0.14;
+/// A label hangs below its point; raised by so much, its middle is where it belongs.
+const LABEL_RISE: f64 = 0.08;
 
 /// Look of the entities, and what never changes.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
@@ -25,14 +30,15 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("scan/count", &series("returns", GREY, 1.5))?;
     rec.log_static("scan/walls", &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
     let arrows = Arrows3D::update_fields().with_radii([ui(2.0)]).with_colors([color(OPENING)]);
-    let widths = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
-    rec.log_static("scan/openings", &[&arrows as &dyn AsComponents, &widths])?;
+    let bars = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
+    let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]);
+    rec.log_static("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths])?;
     let sensor = [[0.6f32, 0.0, 0.0], [-0.4, 0.35, 0.0], [-0.2, 0.0, 0.0], [-0.4, -0.35, 0.0], [0.6, 0.0, 0.0]];
     rec.log_static("scan/sensor", &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
 }
 
-/// Returns, walls and openings of one revolution; raw ranges where there is a sweep.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> RecordingStreamResult<()> {
+/// Returns, walls and openings of one revolution, seen as far as `reach_m`; raw ranges where there is a sweep.
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach_m: f64) -> RecordingStreamResult<()> {
     let (revolution, junction) = (&frame.revolution, &frame.junction);
     let wall_of = |i: usize| junction.wall_of_return.get(i).copied().flatten();
     let points = revolution.points_m.iter().map(xyz);
@@ -44,7 +50,7 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> Re
         rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
     }
     log_walls(rec, revolution, junction, classes)?;
-    log_openings(rec, &junction.openings)
+    log_openings(rec, &junction.openings, reach_m)
 }
 
 /// 2: a return; 1: nothing in range; 0: nothing known.
@@ -94,25 +100,32 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
     strips
 }
 
-/// An arrow through each opening, a bar across it with its width; bearing and width exactly as a tensor.
-fn log_openings(rec: &RecordingStream, openings: &[Opening]) -> RecordingStreamResult<()> {
-    let (origins, vectors): (Vec<_>, Vec<_>) = openings.iter().map(arrow).unzip();
-    let arrows = Arrows3D::from_vectors(vectors).with_origins(origins);
-    let bars = LineStrips3D::new(openings.iter().map(|o| [xyz(&o.edge_m[0]), xyz(&o.edge_m[1])]))
+/// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor.
+fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> RecordingStreamResult<()> {
+    let arrow_m = |o: &Opening| ARROW * reach_m * inwards(o);
+    let beyond = |o: &Opening| xyz(&(middle(o) + reach_m * (WIDTH_BEYOND * inwards(o) + LABEL_RISE * Vector3::x())));
+    let widths = Points3D::new(openings.iter().map(beyond))
         .with_labels(openings.iter().map(|o| format!("{}{:.1} m", if o.cut_by_view { "≥ " } else { "" }, o.width_m)))
         .with_show_labels(true);
+    let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
+        .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.5 * arrow_m(o)))));
+    let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
-    rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &table])
+    rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths, &table])
 }
 
-/// From the middle of the opening into the branch: towards the point 8 m from the sensor that its bearing names.
-fn arrow(opening: &Opening) -> ([f32; 3], [f32; 3]) {
-    let middle = nalgebra::center(&opening.edge_m[0], &opening.edge_m[1]);
-    let ahead = nalgebra::Vector3::new(opening.bearing_rad.cos(), opening.bearing_rad.sin(), 0.0);
-    let inwards = (8.0 * ahead - middle.coords).try_normalize(1.0).unwrap_or(ahead);
-    let inwards = if inwards.dot(&ahead) > 0.0 { inwards } else { ahead };
-    (xyz(&middle), xyz(&Point::from(ARROW_M * inwards)))
+fn middle(opening: &Opening) -> Point {
+    nalgebra::center(&opening.edge_m[0], &opening.edge_m[1])
+}
+
+/// Into the branch, with length 1: across the opening's edge, whose clockwise end comes first, so that the other one is to
+/// the left of who goes in.
+fn inwards(opening: &Opening) -> Vector3<f64> {
+    let [right, left] = opening.edge_m;
+    let across = Vector3::new(left.y - right.y, right.x - left.x, 0.0);
+    let ahead = Vector3::new(opening.bearing_rad.cos(), opening.bearing_rad.sin(), 0.0);
+    across.try_normalize(0.0).unwrap_or(ahead)
 }
 
 /// The beams' geometry, logged when it changes.
@@ -139,9 +152,14 @@ impl BeamGeometry {
     }
 }
 
-/// Circles to read distances by, out to `reach_m`.
+/// A round number of metres that goes into `reach_m` four times at most.
+pub(crate) fn step_m(reach_m: f64) -> f64 {
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(100.0)
+}
+
+/// Circles to read distances by, every [`step_m`] out to `reach_m`. The titles of the views say how far apart they are.
 pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamResult<()> {
-    let step_m = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(100.0);
+    let step_m = step_m(reach_m);
     let radii_m: Vec<f64> = (1..=4).map(|ring| f64::from(ring) * step_m).filter(|&r| r <= reach_m).collect();
     let at = |radius_m: f64, degrees: f64| {
         let angle = degrees.to_radians();
@@ -150,13 +168,8 @@ pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamR
     let circle = |&r: &f64| (0..=72).map(|i| at(r, 5.0 * f64::from(i))).collect::<Vec<_>>();
     let rings = LineStrips3D::new(radii_m.iter().map(circle))
         .with_radii([Radius::new_ui_points(0.5)])
-        .with_colors([color(0x8C8C_8C60)]);
-    let marks = Points3D::new(radii_m.iter().map(|&r| at(r, -135.0)))
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(GREY)])
-        .with_labels(radii_m.iter().map(|r| format!("{r} m")))
-        .with_show_labels(true);
-    rec.log_static("scan/rings", &[&rings as &dyn AsComponents, &marks])
+        .with_colors([color(GRID)]);
+    rec.log_static("scan/rings", &rings)
 }
 
 /// A point as it is drawn.
@@ -180,19 +193,16 @@ mod tests {
     }
 
     #[test]
-    fn an_arrow_leads_into_the_branch_even_if_the_opening_lies_beyond_it() {
-        let opening = |x: f64, bearing_rad| Opening {
-            bearing_rad,
-            width_m: 2.0,
-            walls: [0, 1],
-            evidence: crosscut_stage::Evidence::NoReturn,
-            edge_m: [Point::new(x, -1.0, 0.0), Point::new(x, 1.0, 0.0)],
-            cut_by_view: false,
+    fn an_arrow_leads_across_the_opening_into_the_branch_also_where_it_lies_in_the_line_of_sight() {
+        let inwards_of = |edge_m: [(f64, f64); 2], bearing_rad| {
+            let edge_m = edge_m.map(|(x, y)| Point::new(x, y, 0.0));
+            let evidence = crosscut_stage::Evidence::SeenThrough;
+            inwards(&Opening { bearing_rad, width_m: 2.0, walls: [0, 1], evidence, edge_m, cut_by_view: false })
         };
-        for x in [3.0, 8.0, 12.0] {
-            let (origin, vector) = arrow(&opening(x, 0.0));
-            assert_eq!((origin, vector), ([x as f32, 0.0, 0.0], [1.5, 0.0, 0.0]));
-        }
+        assert_eq!(inwards_of([(3.0, -1.0), (3.0, 1.0)], 0.0), Vector3::x());
+        let seen_past_a_corner_to_the_left = inwards_of([(6.0, 6.0), (2.0, 2.0)], 1.2);
+        assert!(seen_past_a_corner_to_the_left.dot(&Vector3::new(-1.0, 1.0, 0.0)) > 1.4);
+        assert_eq!(inwards_of([(2.0, 0.0); 2], 0.0), Vector3::x(), "without a width");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use rerun::{
     RecordingStreamResult, Scalars, TensorBuffer, TensorData,
 };
 
-use crate::colors::{GREY, TOLERANCE, ZEROS, color, series};
+use crate::colors::{GREY, GRID, TOLERANCE, WORDS, ZEROS, color, series};
 use crate::tensors::{entries, f16_matrix, rows_of};
 use crate::tracks::Classes;
 
@@ -35,12 +35,12 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
     let grid = LineStrips2D::new(decades.iter().map(|&d| [[0.0, -d as f32], [RIGHT, -d as f32]]))
         .with_radii([ui(0.5)])
-        .with_colors([color(0x8C8C_8C60)]);
+        .with_colors([color(GRID)]);
     let numbered = [0, 3, 7, 11, 15];
     let places = decades.iter().map(|&d| [-1.8, -d as f32 - 1.0]);
     let marks = Points2D::new(places.chain(numbered.iter().map(|&i| [column_x(i), -FLOOR_DECADE])))
         .with_radii([ui(0.0)])
-        .with_colors([color(GREY)])
+        .with_colors([color(WORDS)])
         .with_labels(decades.iter().map(|d| format!("1e{d}")).chain(numbered.iter().map(|i| format!("λ{}", i + 1))))
         .with_show_labels(true);
     rec.log_static("spectral/chart/axis", &[&grid as &dyn AsComponents, &marks])
@@ -97,7 +97,7 @@ fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors([color(GREY)]);
     let names = Points3D::new(tips)
         .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(GREY)])
+        .with_colors([color(WORDS)])
         .with_labels(["u1", "u2", "u3"])
         .with_show_labels(true);
     rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])

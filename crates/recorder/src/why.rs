@@ -8,21 +8,25 @@ use rerun::{
 };
 
 use crate::beam_order::LARGEST_SIDE;
-use crate::colors::{LINK, STRONGEST, WEAK_LINK, WEAKEST, color, name_of};
+use crate::colors::{LINK, LINK_EDGE, STRONGEST, WEAK_LINK, WEAKEST, WORDS, color, name_of};
 use crate::scan::xyz;
 use crate::tracks::Classes;
 
 /// Links of a sparse W drawn for each return at most; where there are more, every m-th is.
 const DRAWN_A_RETURN: usize = 4;
+/// Wider lines below those that decide the count make edges, for an eye above them.
+const EDGE_BELOW_M: f32 = 0.05;
 /// A weaker link of a sparse W stands out.
 const WEAK: f64 = 0.1;
 
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(STRONGEST)]);
+    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(WORDS)]);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
-    rec.log_static("scan/links", &[&lines as &dyn AsComponents, &marks])
+    rec.log_static("scan/links", &[&lines as &dyn AsComponents, &marks])?;
+    let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(LINK_EDGE)]);
+    rec.log_static("scan/links/edges", &edges)
 }
 
 /// The explanation of one revolution, and whether it is worth a look.
@@ -58,6 +62,8 @@ fn log_decisive_links(
         links.map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
     let (at, labels): (Vec<_>, Vec<_>) =
         explanation.changes.iter().filter_map(|change| mark(revolution, change, change.link?)).unzip();
+    let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - EDGE_BELOW_M]);
+    rec.log("scan/links/edges", &LineStrips3D::new(lines.iter().map(below)))?;
     let lines = LineStrips3D::new(lines).with_colors(colors);
     let marks = Points3D::new(at).with_labels(labels).with_show_labels(true);
     rec.log("scan/links", &[&lines as &dyn AsComponents, &marks])

@@ -33,11 +33,24 @@ impl Layout {
     /// The pages of a flight, in the order of their tabs.
     const ALL: [Self; 3] = [Self::Overview, Self::Stages, Self::Speed];
 
+    /// All pages, this one first.
+    fn all_from(first: Option<Self>) -> impl Iterator<Item = Self> {
+        first.into_iter().chain(Self::ALL.into_iter().filter(move |page| Some(*page) != first))
+    }
+
     fn page(self, views: &mut Views) -> ContainerLike {
         match self {
             Self::Overview => pages::overview(views),
             Self::Stages => pages::stages(views),
             Self::Speed => pages::speed(views),
+        }
+    }
+
+    fn page_of_both(self, left: &mut Views, right: &mut Views) -> ContainerLike {
+        match self {
+            Self::Overview => together::halves("Overview", [left, right].map(pages::overview)),
+            Self::Stages => together::stages(left, right),
+            Self::Speed => together::halves("Speed", [left, right].map(pages::speed)),
         }
     }
 }
@@ -91,34 +104,44 @@ impl Extent {
     }
 }
 
-/// What a layout shows.
+/// What a layout shows. Its pages are tabs; `first` opens, or else the page that only this layout has.
 pub(crate) enum Shown<'a> {
-    /// A flight, with its pages as tabs; this one first.
-    Flight(Layout, Extent),
-    /// Two flights, each below an entity.
-    Beside([(&'a str, Extent); 2]),
+    /// A flight.
+    Flight { first: Layout, extent: Extent },
+    /// Two flights.
+    Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
     /// A flight with what else its MCAP recording holds: below `root`, and the entities there that are pictures.
-    Sensors { extent: Extent, root: &'a str, pictures: &'a [String] },
+    Sensors { first: Option<Layout>, extent: Extent, root: &'a str, pictures: &'a [String] },
+}
+
+/// One of two flights.
+pub(crate) struct Side<'a> {
+    /// The entity that it stands below.
+    pub(crate) below: &'a str,
+    /// What it is called in titles.
+    pub(crate) name: &'a str,
+    pub(crate) extent: Extent,
 }
 
 /// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
 pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
     let (tabs, properties) = match shown {
-        Shown::Flight(first, extent) => {
-            let mut views = Views::new("", *extent);
-            let others = Layout::ALL.into_iter().filter(|page| page != first);
-            let tabs = std::iter::once(*first).chain(others).map(|page| page.page(&mut views)).collect();
+        Shown::Flight { first, extent } => {
+            let mut views = Views::new(*extent);
+            let tabs = Layout::all_from(Some(*first)).map(|page| page.page(&mut views)).collect();
             (tabs, views.into_properties())
         }
-        Shown::Beside(flights) => {
-            let [mut left, mut right] = flights.map(|(below, extent)| Views::new(&format!("/{below}"), extent));
-            let tabs = vec![together::beside(&mut left, &mut right)];
+        Shown::Beside { first, sides } => {
+            let [mut left, mut right] = sides.each_ref().map(Views::of);
+            let mut tabs: Vec<_> =
+                Layout::all_from(*first).map(|page| page.page_of_both(&mut left, &mut right)).collect();
+            tabs.insert(usize::from(first.is_some()), together::beside(&mut left, &mut right));
             (tabs, left.into_properties().and(right.into_properties()))
         }
-        Shown::Sensors { extent, root, pictures } => {
-            let mut views = Views::new("", *extent);
-            let mut tabs = vec![together::sensors(&mut views, root, pictures)];
-            tabs.extend(Layout::ALL.map(|page| page.page(&mut views)));
+        Shown::Sensors { first, extent, root, pictures } => {
+            let mut views = Views::new(*extent);
+            let mut tabs: Vec<_> = Layout::all_from(*first).map(|page| page.page(&mut views)).collect();
+            tabs.insert(usize::from(first.is_some()), together::sensors(&mut views, root, pictures));
             (tabs, views.into_properties())
         }
     };

@@ -7,7 +7,7 @@ use super::views::Views;
 /// A flight: where it was at the chosen revolution, and what was counted all along.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.answer(), views.why(), views.config(), views.about()]);
-    let here = Vertical::new([views.scan("Here [m]: x up, y left"), words.into()]).with_row_shares([1.5, 1.0]);
+    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.5, 1.0]);
     let flight = [views.counts(), views.places(), views.margin(), views.confidence(), views.log()];
     let flight = Vertical::new(flight).with_row_shares([1.2, 0.55, 0.9, 0.75, 1.2]);
     let page = Horizontal::new([here.into(), flight.into()]).with_column_shares([0.72, 1.0]);
@@ -16,19 +16,23 @@ pub(super) fn overview(views: &mut Views) -> ContainerLike {
 
 /// One revolution in the order of the stages, and why its count is what it is.
 pub(super) fn stages(views: &mut Views) -> ContainerLike {
+    Grid::new(steps(views)).with_grid_columns(4).with_name("Stages: one revolution").into()
+}
+
+/// What stands on that page, in its order.
+pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
     let embedding = Tabs::new([views.embedding(), views.embedding_plane()]);
     let words = Tabs::new([views.why(), views.answer(), views.log(), views.config(), views.about()]);
-    let steps = [
-        views.returns("1 Returns [m]: x up, y left"),
-        views.picture("2 W by beam: log10, dark 1e-16, yellow 1", "affinity/W"),
-        views.picture("3 L by beam: same scale", "spectral/L"),
+    [
+        views.returns("1 Returns: x up, y left"),
+        views.picture("2 W by beam: log10, 1e-16 to 1", "affinity/W"),
+        views.picture("3 L by beam: likewise", "spectral/L"),
         views.chart("4 Eigenvalues of L: zeros blue, τ pink"),
         embedding.into(),
-        views.labels("6 Labels by beam: clusters, walls, range"),
-        views.scan("7 Walls and openings [m]"),
+        views.labels("6 Labels and ranges by beam"),
+        views.scan("7 Walls and openings"),
         words.into(),
-    ];
-    Grid::new(steps).with_grid_columns(4).with_name("Stages: one revolution").into()
+    ]
 }
 
 /// What each stage took, and whether it keeps up with the sensor.

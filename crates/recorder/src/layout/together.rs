@@ -1,22 +1,30 @@
 //! Pages for what is seen together: two flights side by side; a flight with what else its MCAP recording holds.
 
-use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
+use rerun::blueprint::{ContainerLike, Grid, Horizontal, Tabs, Vertical};
 
+use super::pages;
 use super::views::Views;
 
 /// Two flights, each with the same views: what was answered, and the matrix and spectrum that it follows from.
 pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
-    let halves = [half(left, "Left"), half(right, "Right")];
-    Horizontal::new(halves).with_name("Side by side").into()
+    halves("Side by side", [left, right].map(half))
 }
 
-fn half(views: &mut Views, side: &str) -> ContainerLike {
+/// A page on the left, one on the right.
+pub(super) fn halves(name: &str, pages: [ContainerLike; 2]) -> ContainerLike {
+    Horizontal::new(pages).with_name(name).into()
+}
+
+/// One revolution stage by stage, each stage of the one flight next to that of the other.
+pub(super) fn stages(left: &mut Views, right: &mut Views) -> ContainerLike {
+    let pairs = pages::steps(left).into_iter().zip(pages::steps(right));
+    Grid::new(pairs.flat_map(|(left, right)| [left, right])).with_grid_columns(4).with_name("Stages").into()
+}
+
+fn half(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.answer(), views.why(), views.config()]);
-    let answer = Horizontal::new([views.scan(&format!("{side}: walls and openings [m]")), words.into()]);
-    let numbers = Horizontal::new([
-        views.picture(&format!("{side}: W by beam, log10"), "affinity/W"),
-        views.chart(&format!("{side}: eigenvalues of L, zeros blue, τ pink")),
-    ]);
+    let answer = Horizontal::new([views.scan("Walls and openings"), words.into()]);
+    let numbers = Horizontal::new([views.picture("W by beam: log10", "affinity/W"), views.chart("Eigenvalues of L")]);
     let flight = Horizontal::new([views.counts(), views.margin()]);
     Vertical::new([answer.into(), numbers.into(), flight.into()]).with_row_shares([1.25, 1.0, 0.7]).into()
 }

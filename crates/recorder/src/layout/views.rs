@@ -11,23 +11,41 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
     VisualBounds2D,
 };
 
-use super::Extent;
 use super::properties::Properties;
-use crate::colors::color;
+use super::{Extent, Side};
 use crate::profile::profile_bounds;
+use crate::scan::step_m;
 use crate::spectrum::chart_bounds;
 
-/// Makes views of the entities below `root`.
+/// Makes views of one recording.
 pub(super) struct Views {
+    /// What its entities stand below: nothing, or a name that starts with `/`.
     root: String,
+    /// What every title begins with, where there is another recording beside it.
+    title: String,
     extent: Extent,
     properties: Properties,
 }
 
 impl Views {
-    /// Of a recording whose entities stand below `root`: nothing, or a name that starts with `/`.
-    pub(super) fn new(root: &str, extent: Extent) -> Self {
-        Self { root: root.to_owned(), extent, properties: Properties::default() }
+    /// Of the only recording.
+    pub(super) fn new(extent: Extent) -> Self {
+        Self { root: String::new(), title: String::new(), extent, properties: Properties::default() }
+    }
+
+    /// Of one of two.
+    pub(super) fn of(side: &Side) -> Self {
+        Self {
+            root: format!("/{}", side.below),
+            title: format!("{}: ", side.name),
+            extent: side.extent,
+            properties: Properties::default(),
+        }
+    }
+
+    /// A view's name, with that of the recording where there are two.
+    fn titled(&self, name: &str) -> String {
+        format!("{}{name}", self.title)
     }
 
     pub(super) fn into_properties(self) -> Properties {
@@ -46,7 +64,7 @@ impl Views {
 
     /// The returns coloured by wall, and the links that decide the count.
     pub(super) fn returns(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities(["scan/returns", "scan/links", "affinity/links", "scan/rings", "scan/sensor"]);
+        let contents = self.entities(["scan/returns", "scan/links/**", "affinity/links", "scan/rings", "scan/sensor"]);
         self.above(name, contents)
     }
 
@@ -61,7 +79,7 @@ impl Views {
         let ours = self.entities(["scan/returns", "scan/walls", "scan/openings", "scan/sensor"]);
         let flat = pictures.iter().map(|entity| format!("- {entity}"));
         let contents = ours.into_iter().chain([format!("+ /{root}/**")]).chain(flat);
-        let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let reach = self.extent.range_m as f32;
         self.seen_from(view, [-0.8 * reach, 0.0, 0.7 * reach], [0.0, 0.0, 1.0])
     }
@@ -73,8 +91,9 @@ impl Views {
 
     /// The scan from above, x up and y left.
     fn above<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
+        let name = self.titled(&format!("{name}, rings {} m", step_m(self.extent.range_m)));
         let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
-        let height = (2.1 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
+        let height = (2.35 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
         self.seen_from(view, [0.0, 0.0, height], [1.0, 0.0, 0.0])
     }
 
@@ -86,38 +105,37 @@ impl Views {
             .with_eye_up(up);
         let view = self.properties.with(view, "EyeControls3D", eye);
         let view = self.properties.with(view, "LineGrid3D", LineGrid3D::new().with_visible(false));
-        self.properties.with(view, "Background", backdrop())
+        self.properties.with(view, "Background", Background::new(BackgroundKind::SolidColor)) // of the theme
     }
 
     /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
     pub(super) fn picture(&mut self, name: &str, entity: &str) -> ContainerLike {
         let contents = self.entities([entity, "kmeans/labels", "kmeans/blocks"]);
-        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
         self.flat(view, [-0.06 * n, -0.06 * n, 1.02 * n, 1.02 * n])
     }
 
     pub(super) fn chart(&mut self, name: &str) -> ContainerLike {
         let contents = self.entities(["spectral/chart/**"]);
-        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         self.flat(view, chart_bounds())
     }
 
     /// What each beam saw and where it was put.
     pub(super) fn labels(&mut self, name: &str) -> ContainerLike {
         let contents = self.entities(["kmeans/profile/**"]);
-        let view = Spatial2DView::new(name).with_origin(self.origin()).with_contents(contents);
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         self.flat(view, profile_bounds())
     }
 
     fn flat(&mut self, view: Spatial2DView, visible: [f64; 4]) -> ContainerLike {
-        let view = self.properties.with(view, "Background", backdrop());
         self.properties.with(view, "VisualBounds2D", bounds(visible))
     }
 
     /// The rows of U, from a corner.
     pub(super) fn embedding(&mut self) -> ContainerLike {
-        let view = self.rows_of_u("5 Embedding: rows of U, scaled");
+        let view = self.rows_of_u("5 Embedding: rows of U");
         self.seen_from(view, [1.75, 2.2, 1.45], [0.0, 0.0, 1.0])
     }
 
@@ -129,7 +147,7 @@ impl Views {
 
     fn rows_of_u(&self, name: &str) -> Spatial3DView {
         let contents = self.entities(["spectral/embedding", "spectral/axes", "kmeans/centroids"]);
-        Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents)
+        Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents)
     }
 
     pub(super) fn answer(&self) -> ContainerLike {
@@ -154,12 +172,13 @@ impl Views {
     }
 
     fn document(&self, name: &str, entity: &str) -> TextDocumentView {
-        TextDocumentView::new(name).with_origin(format!("{}/{entity}", self.root))
+        TextDocumentView::new(self.titled(name)).with_origin(format!("{}/{entity}", self.root))
     }
 
     /// Revolutions worth a look; a click on one goes there.
     pub(super) fn log(&mut self) -> ContainerLike {
-        let view = TextLogView::new("Worth a look: click a revolution").with_origin(format!("{}/log", self.root));
+        let view =
+            TextLogView::new(self.titled("Worth a look: click a revolution")).with_origin(format!("{}/log", self.root));
         let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
         let columns = [datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body].map(column);
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
@@ -167,12 +186,12 @@ impl Views {
 
     pub(super) fn counts(&mut self) -> ContainerLike {
         let contents = self.entities(["report/junctions", "spectral/k"]);
-        self.lines("Junctions and k over revolutions", contents, Some([0.0, 5.5]))
+        self.lines("Junctions (orange), k (blue)", contents, Some([0.0, 5.5]))
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
         let contents = self.entities(["spectral/margin"]);
-        self.lines("Margin [decades]: how far τ could move before k changes", contents, None)
+        self.lines("Margin of k: how far τ could move [decades]", contents, None)
     }
 
     pub(super) fn confidence(&mut self) -> ContainerLike {
@@ -182,7 +201,7 @@ impl Views {
 
     pub(super) fn places(&mut self) -> ContainerLike {
         let origin = format!("{}/report/place", self.root);
-        let view = StateTimelineView::new("Place over revolutions: click to go there").with_origin(origin);
+        let view = StateTimelineView::new(self.titled("Place over revolutions: click to go there")).with_origin(origin);
         self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 
@@ -194,7 +213,7 @@ impl Views {
 
     pub(super) fn total(&mut self) -> ContainerLike {
         let contents = self.entities(["timing/total"]);
-        self.lines("All stages together and the sensor's period [ms]", contents, None)
+        self.lines("All stages together (orange), from scan to scan (pink) [ms]", contents, None)
     }
 
     pub(super) fn returns_count(&mut self) -> ContainerLike {
@@ -203,8 +222,10 @@ impl Views {
     }
 
     fn lines<const N: usize>(&mut self, name: &str, contents: [String; N], range: Option<[f64; 2]>) -> ContainerLike {
-        let view = TimeSeriesView::new(name).with_origin(self.origin()).with_contents(contents);
-        let view = self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
+        let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+        // It hides what lies under it; of one or two lines the title says which is which.
+        let legend = PlotLegend::new().with_corner(Corner2D::LeftTop).with_visible(N > 2);
+        let view = self.properties.with(view, "PlotLegend", legend);
         let view = self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
         match range {
             Some([from, to]) => {
@@ -213,11 +234,6 @@ impl Views {
             None => view,
         }
     }
-}
-
-/// The same in a dark and in a light viewer, so that the colours always stand out.
-fn backdrop() -> Background {
-    Background::new(BackgroundKind::SolidColor).with_color(color(0x0D10_11FF))
 }
 
 /// Left, top, right and bottom of a 2D view.

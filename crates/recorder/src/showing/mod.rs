@@ -8,7 +8,7 @@ mod flight;
 mod sensors;
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rerun::log::LogMsg;
@@ -16,7 +16,7 @@ use rerun::sink::LogSink as _;
 
 use self::flight::{Facts, Flight, Place};
 use crate::RecorderError;
-use crate::layout::{self, Layout, Shown};
+use crate::layout::{self, Layout, Shown, Side};
 use crate::reading::ReadError;
 use crate::serving::{self, Served};
 use crate::viewer::Viewer;
@@ -34,7 +34,7 @@ pub struct Show {
     pub beside: Vec<PathBuf>,
     /// MCAP recordings of the same time: point clouds, cameras and transforms.
     pub sensors: Vec<PathBuf>,
-    /// The page to open with; the one that the recording was made for, if none.
+    /// The page to open with. If none: the page that only this combination has, or the one that the recording was made for.
     pub layout: Option<Layout>,
 }
 
@@ -113,12 +113,15 @@ impl Opened<'_> {
         let store = self.flight.store();
         let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
         let at = |below: Option<&str>| Place { store: store.clone(), below: below.map(Into::into), own_layout };
-        let (mut facts, mut pictures) = (Facts::default(), Vec::new());
+        let (first, mut facts, mut pictures) = (self.show.layout, Facts::default(), Vec::new());
         if let Some(beside) = &self.beside {
             let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
             let mut other = Facts::default();
             damages.extend(beside.send(&at(Some(RIGHT)), &mut other, take)?);
-            lay_out(&Shown::Beside([(LEFT, facts.extent), (RIGHT, other.extent)]), take)?;
+            let [left, right] = names([&self.show.flight[0], &self.show.beside[0]]);
+            let left = Side { below: LEFT, name: &left, extent: facts.extent };
+            let right = Side { below: RIGHT, name: &right, extent: other.extent };
+            lay_out(&Shown::Beside { first, sides: [left, right] }, take)?;
             return Ok(damages);
         }
         let damages = self.flight.send(&at(None), &mut facts, take)?;
@@ -127,9 +130,10 @@ impl Opened<'_> {
         }
         if !self.show.sensors.is_empty() {
             sensors::tie(store, &facts)?.into_iter().all(&mut *take);
-            lay_out(&Shown::Sensors { extent: facts.extent, root: sensors::ROOT, pictures: &pictures }, take)?;
-        } else if let Some(first) = self.show.layout {
-            lay_out(&Shown::Flight(first, facts.extent), take)?;
+            let (extent, root, pictures) = (facts.extent, sensors::ROOT, &pictures[..]);
+            lay_out(&Shown::Sensors { first, extent, root, pictures }, take)?;
+        } else if let Some(first) = first {
+            lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
         }
         Ok(damages)
     }
@@ -139,4 +143,28 @@ fn lay_out(shown: &Shown, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), Sh
     let messages = layout::messages(shown).map_err(RecorderError::from)?;
     messages.into_iter().all(take);
     Ok(())
+}
+
+/// What two files are called in titles: their names without the ending, with as many of their folders as tell them apart.
+fn names(paths: [&Path; 2]) -> [String; 2] {
+    let parts = |path: &Path| -> Vec<String> {
+        path.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect()
+    };
+    let [a, b] = paths.map(parts);
+    let alike = a.iter().rev().zip(b.iter().rev()).take_while(|(a, b)| a == b).count();
+    [a, b].map(|parts| parts[parts.len().saturating_sub(alike + 1)..].join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_files_are_told_apart_by_their_names_or_else_by_their_folders() {
+        let names = |a: &str, b: &str| names([Path::new(a), Path::new(b)]);
+        assert_eq!(names("out/paper.rrd", "default.rrd"), ["paper", "default"]);
+        assert_eq!(names("old/out/tee.rrd", "new/out/tee.rrd"), ["old/out/tee", "new/out/tee"]);
+        assert_eq!(names("tee.rrd", "new/tee.rrd"), ["tee", "new/tee"]);
+        assert_eq!(names("tee.rrd", "tee.rrd"), ["tee", "tee"]);
+    }
 }

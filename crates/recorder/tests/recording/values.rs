@@ -169,7 +169,7 @@ fn walls_pass_their_returns_and_openings_keep_bearing_and_width() {
     assert_eq!(f64s(&recording, "/scan/openings", seq), (vec![3, 2], expected));
     let arrows: Vec<components::Vector3D> =
         recording.at("/scan/openings", Arrows3D::descriptor_vectors(), seq).unwrap();
-    let labels: Vec<components::Text> = recording.at("/scan/openings", LineStrips3D::descriptor_labels(), seq).unwrap();
+    let labels: Vec<components::Text> = recording.at("/scan/openings", Points3D::descriptor_labels(), seq).unwrap();
     assert_eq!((arrows.len(), labels.iter().map(rerun::Text::as_str).collect()), (3, vec!["3.5 m"; 3]));
 }
 
