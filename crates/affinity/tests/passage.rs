@@ -104,6 +104,25 @@ fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
 }
 
 #[test]
+fn a_branch_seen_from_straight_in_front_is_a_way_on_and_a_patch_of_lost_beams_is_none() {
+    let front = [[[-30.0, 2.0], [-2.0, 2.0]], [[2.0, 2.0], [30.0, 2.0]], TUNNEL[1]];
+    assert_eq!(components(&scan(&front, all), &[]).len(), 3);
+    let patch = |beam, range_m: Option<f64>| range_m.filter(|_| !(258..283).contains(&beam));
+    assert_eq!(components(&scan(&TUNNEL, patch), &[]).len(), 2);
+}
+
+#[test]
+fn a_piece_too_small_for_a_wall_is_one_if_the_end_of_the_view_cuts_it() {
+    let in_view_from_behind = |stub: Segment| {
+        let mut revolution = scan(&[[[3.0, -2.0], [3.0, 2.0]], stub], all);
+        revolution.sweep.as_mut().expect("a sweep").full_turn = false;
+        components(&revolution, &[("wall_deg", Value::Number(10.0))])
+    };
+    assert_eq!(in_view_from_behind([[-3.0, -0.26], [-3.0, 0.0]]), [68, 5]);
+    assert_eq!(in_view_from_behind([[-3.0, -0.76], [-3.0, -0.5]])[1], 1, "seen whole");
+}
+
+#[test]
 fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
     let walls = |width_m| components(&scan(&with_branch(width_m), all), &[]).len();
     assert_eq!((walls(0.8), walls(4.0)), (2, 3));

@@ -16,6 +16,10 @@ const DARK_RAD: f64 = 3.5 * PI / 180.0;
 const FAR_SHARE: f64 = 0.7;
 /// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
+/// A gap that no patch of lost beams explains: nothing is seen over more than this angle. Its width is then that between its
+/// ends, and it is a way on from this share of the place's size.
+const BLANK_RAD: f64 = 30.0 * PI / 180.0;
+const BLANK_SHARE: f64 = 0.9;
 /// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
@@ -120,6 +124,13 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// How many times the room that a way on needs there is between two walls with directions, if that is enough for one.
+    pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let [before, after] = self.directions(a, b);
+        let bend = self.bend(a, b, [before?, after?]);
+        Some(self.room(&bend, (a[a.len() - 1], b[0]), bend.turn_rad())).filter(|&room| room >= 1.0)
+    }
+
     /// Whether there is room between the two walls, and the wall turns enough for that to be a way on.
     fn is_way(&self, bend: &Bend, ends: (usize, usize)) -> bool {
         self.room(bend, ends, bend.turn_rad()) >= 1.0
@@ -128,12 +139,16 @@ impl<'a> Judge<'a> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
-    /// at a corner of which only the returns are missing; at a branch it is the width of the branch.
+    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But for a branch seen
+    /// from straight in front: its corners are on one line, and between them nothing is seen.
     fn room(&self, bend: &Bend, (p, q): (usize, usize), turn_rad: f64) -> f64 {
         let nearer_is_p = self.ring.range_m(p) < self.ring.range_m(q);
         let [of_q, of_p] = bend.aside_m;
         let (clear_m, farther_aside_m) = if nearer_is_p { (of_p.abs(), of_q) } else { (of_q.abs(), of_p) };
         let turns = turn_rad >= self.limits.straight_rad;
+        if !turns && turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
+            return self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m);
+        }
         let share = if turn_rad >= self.limits.way_rad {
             WAY_SHARE
         } else if turn_rad >= DARK_TURN_RAD && self.is_dark(p, q) {
@@ -163,6 +178,11 @@ impl<'a> Judge<'a> {
         let far = self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m;
         let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
         wide && (far || dark > LOST_TIMES * self.lost_beams)
+    }
+
+    /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
+    fn is_blank(&self, p: usize, q: usize) -> bool {
+        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad > BLANK_RAD
     }
 
     /// Whether half of the beams into the gap, or more, end at islands.

@@ -32,7 +32,8 @@ pub(super) fn pieces(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: 
 }
 
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
-/// wall is taken out, smallest first, and what is beside it is looked at again. Returns what was taken out.
+/// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the view
+/// cuts is not known, so it counts from [`LEAST_RETURNS`] on. Returns what was taken out.
 pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>, least_returns: usize) -> Vec<usize> {
     let gap = |pieces: &[Vec<usize>], at: usize| {
         let next = (at + 1) % pieces.len();
@@ -53,7 +54,8 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>,
             costs.remove(next);
             if next < at { at - 1 } else { at }
         } else {
-            let smallest = (0..n).filter(|&at| pieces[at].len() < least_returns).min_by(|&a, &b| {
+            let least = |at: usize| if ring.ends_with_view(&pieces[at]) { LEAST_RETURNS } else { least_returns };
+            let smallest = (0..n).filter(|&at| pieces[at].len() < least(at)).min_by(|&a, &b| {
                 let farther_first = || ring.range_m(pieces[b][0]).total_cmp(&ring.range_m(pieces[a][0]));
                 pieces[a].len().cmp(&pieces[b].len()).then_with(farther_first)
             });
@@ -71,9 +73,22 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>,
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
 /// a stray return in it suggests.
 pub(super) fn cut_at_peaks(ring: &Ring, walls: &mut Vec<Vec<usize>>, passage_m: f64) {
+    cut(walls, |wall| sharpest_peak(ring, wall, passage_m));
+}
+
+/// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed while
+/// one side of it was too short to have a direction, or to have the right one. Whether any was cut.
+pub(super) fn cut_at_ways(ring: &Ring, judge: &Judge<'_>, walls: &mut Vec<Vec<usize>>, passage_m: f64) -> bool {
+    let before = walls.len();
+    cut(walls, |wall| widest_way(ring, judge, wall, passage_m));
+    walls.len() > before
+}
+
+/// Cuts walls where `place` says, until it finds no more.
+fn cut(walls: &mut Vec<Vec<usize>>, place: impl Fn(&[usize]) -> Option<usize>) {
     let mut at = 0;
     while at < walls.len() {
-        match sharpest_peak(ring, &walls[at], passage_m) {
+        match place(&walls[at]) {
             Some(cut) => {
                 let rest = walls[at].split_off(cut);
                 walls.insert(at + 1, rest);
@@ -81,6 +96,13 @@ pub(super) fn cut_at_peaks(ring: &Ring, walls: &mut Vec<Vec<usize>>, passage_m: 
             None => at += 1,
         }
     }
+}
+
+fn widest_way(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) -> Option<usize> {
+    let gaps = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
+    let wide = gaps.filter(|&at| ring.distance_m(wall[at - 1], wall[at]) >= passage_m);
+    let ways = wide.filter_map(|at| Some((judge.way_room(&wall[..at], &wall[at..])?, at)));
+    ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 
 fn sharpest_peak(ring: &Ring, wall: &[usize], passage_m: f64) -> Option<usize> {

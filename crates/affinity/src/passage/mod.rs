@@ -112,11 +112,13 @@ pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mi
 /// 3. Short pieces that stand free in front of what is on both sides of them are islands.
 /// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
 ///    the wall turns by T = ∠(t, c) + ∠(c, t'), and its clear width is the distance of the nearer end from the line of
-///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams), or if the clear width is small beside the
+///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams) unless nothing is seen over a wide angle, or if the clear width is small beside the
 ///    place, whose size is the median range: less than `clear_share` of it, less than that if the gap is dark or
 ///    T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a tunnel recede. Pieces join at the least
 ///    |T| first, so that directions come from ever longer walls.
-/// 5. A wall that still turns around somewhere is cut there.
+/// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small, or
+///    alone, joins anew.
+/// 6. A wall that still turns around somewhere is cut there.
 ///
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
 /// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so the
@@ -205,7 +207,10 @@ impl Passage {
         let mut walls = joining::pieces(ring, kept, limits.passage_m);
         let islands = islands::take(ring, &mut walls, self.island_m, limits.stretch_m);
         let judge = Judge::new(ring, &walls, &islands, *limits);
-        let left_over = joining::join(ring, &judge, &mut walls, least_returns);
+        let mut left_over = joining::join(ring, &judge, &mut walls, least_returns);
+        if joining::cut_at_ways(ring, &judge, &mut walls, limits.passage_m) {
+            left_over.extend(joining::join(ring, &judge, &mut walls, least_returns));
+        }
         joining::cut_at_peaks(ring, &mut walls, limits.passage_m);
 
         let dropped = dust.iter().filter(|dust| **dust).count();

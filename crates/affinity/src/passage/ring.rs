@@ -104,6 +104,12 @@ impl Ring {
         around + self.dark_before[to] - self.dark_before[from]
     }
 
+    /// Whether a piece goes on to an end of a limited view: no beam between the two came back with nothing.
+    pub(super) fn ends_with_view(&self, piece: &[usize]) -> bool {
+        let [first, last] = [piece[0], piece[piece.len() - 1]].map(|i| self.dark_before[self.returns[i].beam]);
+        !self.full_turn && (first == 0 || last == self.dark_before[self.beams])
+    }
+
     fn count_dark(&mut self, sweep: &Sweep) {
         // The direction is summed over all beams.
         let (mut dark, clockwise) = (0, sweep.is_clockwise());
