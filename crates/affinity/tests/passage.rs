@@ -129,6 +129,18 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
 }
 
 #[test]
+fn the_end_of_a_fork_is_a_wall_of_its_own_though_its_branches_do_not_turn_back() {
+    // Seen from the stem, 3.3 m before it: branches lead off 10° more ahead than at a T, so walls turn by 100° only.
+    let rise = (10.0_f64).to_radians().tan();
+    let branch = |side: f64| {
+        let (near, far) = (side * 2.5, side * 30.0);
+        [[[near, -30.0], [near, 3.3]], [[near, 3.3], [far, 3.3 + rise * 27.5]], [[0.0, 5.9], [far, 5.9 + rise * 30.0]]]
+    };
+    let fork = scan(&[branch(-1.0), branch(1.0)].concat(), all);
+    assert_eq!(components(&fork, &[]).len(), 3);
+}
+
+#[test]
 fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
     let sizes = components(&scan(&TUNNEL, dusty), &[]);

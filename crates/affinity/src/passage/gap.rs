@@ -23,6 +23,9 @@ const BLANK_SHARE: f64 = 0.9;
 /// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
+/// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between them, or
+/// if both are at least this share of the place's size.
+const SEEN_INSIDE_SHARE: f64 = 0.6;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -158,7 +161,12 @@ impl<'a> Judge<'a> {
         } else {
             return 0.0;
         };
-        let seen_inside = if turns && turn_rad < self.limits.way_rad { -farther_aside_m / clear_m } else { 0.0 };
+        let seen_inside = if turns && turn_rad < self.limits.way_rad {
+            let deep_m = -farther_aside_m;
+            (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m))
+        } else {
+            0.0
+        };
         (clear_m / (share * self.size_m)).max(seen_inside)
     }
 
