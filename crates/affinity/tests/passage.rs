@@ -160,6 +160,33 @@ fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
     assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");
 }
 
+/// A wall through `corners` that zigzags by `bump_m` to either side.
+fn zigzag(corners: &[[f64; 2]], bump_m: f64) -> Vec<Segment> {
+    let mut points = Vec::new();
+    for pair in corners.windows(2) {
+        let [dx, dy] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+        let length_m = dx.hypot(dy);
+        let steps = (length_m / 0.4).ceil();
+        points.extend((0..=steps as usize).map(|k| {
+            let (along, aside_m) = (k as f64 / steps, if k % 2 == 0 { bump_m } else { -bump_m });
+            [pair[0][0] + along * dx - aside_m * dy / length_m, pair[0][1] + along * dy + aside_m * dx / length_m]
+        }));
+    }
+    points.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+#[test]
+fn what_stands_between_two_branches_is_their_tip_if_the_walls_are_as_rough_as_it_stands_out() {
+    let fork = |bump_m: f64| {
+        let around = [[12.0, 12.0], [0.0, 3.0], [-8.0, 3.0], [-8.0, -3.0], [0.0, -3.0], [12.0, -12.0]];
+        let behind = [[14.0, 8.1], [5.5, 1.3], [5.5, -1.3], [14.0, -8.1]];
+        let in_front = [[[4.0, -0.9], [4.0, 0.9]]];
+        let scene = [zigzag(&around, bump_m), zigzag(&behind, bump_m), in_front.to_vec()].concat();
+        components(&scan(&scene, all), &[]).iter().filter(|size| **size > 3).count()
+    };
+    assert_eq!((fork(0.0), fork(0.1)), (3, 2), "of smooth walls it is a pillar");
+}
+
 #[test]
 fn a_door_narrower_than_the_vehicle_ends_no_wall() {
     let side_door = [TUNNEL[0], [[-30.0, -2.0], [0.0, -2.0]], [[0.5, -2.0], [30.0, -2.0]], [[-2.0, -9.0], [2.0, -9.0]]];

@@ -10,28 +10,44 @@ const STEEP_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 const STEP_BEAMS: usize = 3;
 /// And so many times farther than the island's own spacing.
 const SPACINGS: f64 = 2.0;
-/// An island is not on the line of a wall beside it, by this much.
-const OFF_LINE_M: f64 = 1.0;
-/// That line is taken over at most so many returns, none farther from the next than this.
+/// Between a wall and an island a vehicle can pass, so the island is as far off the line of the wall, and so many times the
+/// roughness of the walls more, by which bumps may stand out.
+const BUMPS: f64 = 8.0;
+/// The tip between two branches hides its own walls, and the more so the rougher they are: both run towards it, and miss
+/// it by so many times their roughness, or less, together.
+const TIP_BUMPS: f64 = 120.0;
+/// Lines of walls are taken over at most so many returns, none farther from the next than this.
 const LINE_RETURNS: usize = 14;
 const LINE_STEP_M: f64 = 2.5;
 /// Fewer returns are no island.
 const LEAST_RETURNS: usize = 3;
 
+/// What is asked of an island.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// It is shorter.
+    pub(super) island_m: f64,
+    pub(super) passage_m: f64,
+    /// Length over which the direction of a wall is taken.
+    pub(super) stretch_m: f64,
+    /// See [`roughness_m`](super::roughness::roughness_m).
+    pub(super) roughness_m: f64,
+}
+
 /// Takes the islands out of `pieces`, nearest first, so that one that is partly hidden by another is found after it.
-pub(super) fn take(ring: &Ring, pieces: &mut Vec<Vec<usize>>, island_m: f64, stretch_m: f64) -> Vec<Vec<usize>> {
+pub(super) fn take(ring: &Ring, pieces: &mut Vec<Vec<usize>>, limits: &Limits) -> Vec<Vec<usize>> {
     let mut islands = Vec::new();
     loop {
         let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
         let nearest = (0..pieces.len())
-            .filter(|&at| stands_free(ring, pieces, at, island_m, stretch_m))
+            .filter(|&at| stands_free(ring, pieces, at, limits))
             .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])));
         let Some(at) = nearest else { return islands };
         islands.push(pieces.remove(at));
     }
 }
 
-fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, stretch_m: f64) -> bool {
+fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -> bool {
     let (n, piece) = (pieces.len(), &pieces[at]);
     let at_the_end = !ring.full_turn && (at == 0 || at + 1 == n);
     if n < 3 || piece.len() < LEAST_RETURNS || at_the_end {
@@ -40,11 +56,21 @@ fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, island_m: f64, str
     let (first, last) = (piece[0], piece[piece.len() - 1]);
     let length_m = piece.iter().map(|&i| ring.distance_m(first, i)).fold(0.0, f64::max);
     let (before, after) = (&pieces[(at + n - 1) % n], &pieces[(at + 1) % n]);
-    length_m < island_m
+    length_m < limits.island_m
         && hides(ring, first, piece[1], before[before.len() - 1])
         && hides(ring, last, piece[piece.len() - 2], after[0])
-        && !is_on_line(ring, pieces, at, End::First, stretch_m)
-        && !is_on_line(ring, pieces, at, End::Last, stretch_m)
+        && !is_of_wall_beside(ring, pieces, at, limits)
+}
+
+/// Whether the piece is the end of a wall beside it, or the tip between two.
+fn is_of_wall_beside(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -> bool {
+    let offs_m = [End::First, End::Last].map(|end| off_line_m(ring, pieces, at, end, limits.stretch_m));
+    let near_m = limits.passage_m + BUMPS * limits.roughness_m;
+    let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
+    match offs_m {
+        [Some(before_m), Some(after_m)] => before_m.min(after_m) < near_m || is_tip([before_m, after_m]),
+        [one, other] => one.or(other).is_some_and(|off_m| off_m < near_m),
+    }
 }
 
 /// Whether the end of a piece stands in front of the next return beyond it.
@@ -58,8 +84,8 @@ fn hides(ring: &Ring, end: usize, inner: usize, outer: usize) -> bool {
         && ring.distance_m(end, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
 }
 
-/// Whether the wall beside that end of the piece, before or after it, runs towards the piece.
-fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m: f64) -> bool {
+/// How far that end of the piece lies off the line of the wall beside it, before or after, if this runs towards the piece.
+fn off_line_m(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m: f64) -> Option<f64> {
     let piece = &pieces[at];
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
     for i in beside(ring, pieces, at, end).take(LINE_RETURNS) {
@@ -69,13 +95,13 @@ fn is_on_line(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m
         wall.push(i);
     }
     if wall.len() < LEAST_RETURNS {
-        return false;
+        return None;
     }
     let (tip, target) = (wall[0], piece[if end == End::First { 0 } else { piece.len() - 1 }]);
     wall.reverse();
     let onward = tangent(ring, &wall, End::Last, stretch_m);
     let towards = ring.place_m(target) - ring.place_m(tip);
-    onward.dot(&towards) > 0.0 && onward.perp(&towards).abs() < OFF_LINE_M
+    (onward.dot(&towards) > 0.0).then(|| onward.perp(&towards).abs())
 }
 
 /// The returns of the other pieces, walking away from one end of a piece.

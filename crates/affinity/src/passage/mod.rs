@@ -6,6 +6,7 @@ mod gap;
 mod islands;
 mod joining;
 mod ring;
+mod roughness;
 mod tangent;
 mod walls;
 
@@ -205,7 +206,13 @@ impl Passage {
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
         let mut walls = joining::pieces(ring, kept, limits.passage_m);
-        let islands = islands::take(ring, &mut walls, self.island_m, limits.stretch_m);
+        let of_island = islands::Limits {
+            island_m: self.island_m,
+            passage_m: limits.passage_m,
+            stretch_m: limits.stretch_m,
+            roughness_m: roughness::roughness_m(ring, &walls),
+        };
+        let islands = islands::take(ring, &mut walls, &of_island);
         let judge = Judge::new(ring, &walls, &islands, *limits);
         let mut left_over = joining::join(ring, &judge, &mut walls, least_returns);
         if joining::cut_at_ways(ring, &judge, &mut walls, limits.passage_m) {

@@ -1,0 +1,37 @@
+//! How rough the walls are.
+
+use super::ring::{Place, Ring};
+
+/// Roughness is taken over stretches of so much wall, of so many returns or more.
+const STRETCH_M: f64 = 2.0;
+const LEAST_RETURNS: usize = 4;
+
+/// How far the returns of a wall lie off its line, in metres: the root of their mean square over a stretch, and of all
+/// stretches the median, so that corners do not count. 0 if no piece is so long.
+pub(super) fn roughness_m(ring: &Ring, pieces: &[Vec<usize>]) -> f64 {
+    let mut offs_m: Vec<f64> = Vec::new();
+    for piece in pieces {
+        let mut rest = piece.as_slice();
+        while let Some(&first) = rest.first() {
+            let end = rest.iter().position(|&i| ring.distance_m(first, i) >= STRETCH_M);
+            // What does not fill a stretch may be anything.
+            let Some(end) = end else { break };
+            if end >= LEAST_RETURNS {
+                offs_m.push(off_line_m(ring, &rest[..end]));
+            }
+            rest = &rest[end..];
+        }
+    }
+    let middle = offs_m.len() / 2;
+    if offs_m.is_empty() { 0.0 } else { *offs_m.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// Root of the mean square distance of returns from their principal axis, whose square is the lesser eigenvalue of their
+/// covariance.
+fn off_line_m(ring: &Ring, stretch: &[usize]) -> f64 {
+    let n = stretch.len() as f64;
+    let mean = stretch.iter().fold(Place::zeros(), |sum, &i| sum + ring.place_m(i)) / n;
+    let offsets = || stretch.iter().map(|&i| ring.place_m(i) - mean);
+    let [xx, xy, yy] = offsets().fold([0.0; 3], |[xx, xy, yy], o| [xx + o.x * o.x, xy + o.x * o.y, yy + o.y * o.y]);
+    ((0.5 * (xx + yy) - (0.5 * (xx - yy)).hypot(xy)) / n).max(0.0).sqrt()
+}
