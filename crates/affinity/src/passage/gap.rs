@@ -7,8 +7,10 @@ use super::tangent::{End, has_direction, tangent};
 
 /// A gap whose walls recede from each other is a way on if it is at least so wide, as a share of the place's size.
 const WAY_SHARE: f64 = 0.3;
-/// A gap in which the view ends with nothing seen, likewise.
+/// A gap in which the view ends with nothing seen, likewise: at the end of the range, and nearer, where a dark surface is as
+/// likely.
 const DARK_SHARE: f64 = 0.45;
+const DARK_NEAR_SHARE: f64 = 0.7;
 /// Beams without return over so many beams and so wide an angle are such a view;
 const DARK_BEAMS: u32 = 4;
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
@@ -154,8 +156,10 @@ impl<'a> Judge<'a> {
         }
         let share = if turn_rad >= self.limits.way_rad {
             WAY_SHARE
-        } else if turn_rad >= DARK_TURN_RAD && self.is_dark(p, q) {
-            DARK_SHARE
+        } else if turn_rad >= DARK_TURN_RAD
+            && let Some(share) = self.dark_share(p, q)
+        {
+            share
         } else if turns {
             if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }
         } else {
@@ -180,12 +184,15 @@ impl<'a> Judge<'a> {
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
-    /// Whether beams into the gap came back with nothing because there is nothing, rather than being lost.
-    fn is_dark(&self, p: usize, q: usize) -> bool {
+    /// How wide a way on is as a share of the place's size, where beams into the gap came back with nothing because there is
+    /// nothing, rather than being lost.
+    fn dark_share(&self, p: usize, q: usize) -> Option<f64> {
         let dark = self.ring.dark_between(p, q);
-        let far = self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m;
         let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
-        wide && (far || dark > LOST_TIMES * self.lost_beams)
+        if wide && self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m {
+            return Some(DARK_SHARE);
+        }
+        (wide && dark > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
     }
 
     /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.

@@ -33,7 +33,7 @@ const PASSAGE_M: ParamSpec = ParamSpec {
 const STRETCH_M: ParamSpec = ParamSpec {
     name: "stretch_m",
     unit: "m",
-    shape: Shape::Number { default: 1.0, range: Interval::above(0.0, 100.0) },
+    shape: Shape::Number { default: 0.9, range: Interval::above(0.0, 100.0) },
     doc: "length of wall over which the direction of its end is taken",
 };
 
@@ -54,7 +54,7 @@ const WAY_DEG: ParamSpec = ParamSpec {
 const CLEAR_SHARE: ParamSpec = ParamSpec {
     name: "clear_share",
     unit: "",
-    shape: Shape::Number { default: 1.05, range: Interval::closed(0.0, 100.0) },
+    shape: Shape::Number { default: 1.15, range: Interval::closed(0.0, 100.0) },
     doc: "at turns between the two a wall ends if the gap's clear width is at least this share of the median range",
 };
 
@@ -68,7 +68,7 @@ const ISLAND_M: ParamSpec = ParamSpec {
 const WALL_DEG: ParamSpec = ParamSpec {
     name: "wall_deg",
     unit: "°",
-    shape: Shape::Number { default: 2.5, range: Interval::closed(0.0, 90.0) },
+    shape: Shape::Number { default: 3.0, range: Interval::closed(0.0, 90.0) },
     doc: "a piece with fewer returns than there are beams in this angle, or than three, is no wall",
 };
 
