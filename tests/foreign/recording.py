@@ -39,7 +39,7 @@ PICTURE_SIZE = "1400x900"
 DRAWN_SHARE = 0.003
 
 KILLED_AFTER_S = 7.4
-LARGEST_LOSS_S = 3.0
+LARGEST_LOSS_S = 1.5
 
 
 def check(flights: Flights, verdicts: Verdicts):
@@ -177,7 +177,7 @@ def wall_colours(pixels: np.ndarray, place: dict) -> int:
 
 
 def check_killed(candidates: list[Flight], flights: Flights, verdicts: Verdicts):
-    """kill -9 in the middle of a flight at the sensor's pace: the recording opens and lacks 3 s at most."""
+    """kill -9 in the middle of a flight at the sensor's pace: the recording opens and lacks the last second (and what is on its way)."""
     span_s = {flight: (read[-1].stamp_ns - read[0].stamp_ns) / 1e9 for flight in candidates if (read := scans.read(flight.path))}
     flight = max(span_s, key=span_s.get)
     saved, results = flights.work / "killed.rrd", flights.work / "killed.jsonl"

@@ -104,6 +104,9 @@ pub(crate) fn observers(
 ) -> anyhow::Result<Observers> {
     use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
 
+    if args.save.is_none() && !args.view && args.serve.is_none() {
+        return Ok(Observers::default());
+    }
     let ingest = config.params("ingest");
     let options = RecorderOptions {
         path: args.save.clone(),
@@ -116,9 +119,6 @@ pub(crate) fn observers(
         layout: args.layout.into(),
         scope: args.scope(),
     };
-    if args.save.is_none() && !args.view && args.serve.is_none() {
-        return Ok(Observers::default());
-    }
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
         && args.save.is_some()

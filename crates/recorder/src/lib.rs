@@ -44,7 +44,7 @@
 //! there is dark.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
-//! behind lacks at most the last 2.5 s of the flight, and opens. Row ids hold the time of writing, so the bytes of two
+//! behind lacks at most the last 2.5 s of the flight, of a live one the last second, and opens. Row ids hold the time of writing, so the bytes of two
 //! recordings differ. A write that fails (full disk) is an error of the next call, and the file ends with its last whole
 //! message. After so many revolutions the file is ended and another begins, which opens alone and together with it: the
 //! footer grows in memory with the file, and so memory stays flat.

@@ -26,8 +26,11 @@ use crate::timing::Times;
 use crate::tracks::Tracks;
 use crate::{exact, layout, mounting, partition, profile, report, scan, spectrum, timing, viewer, why};
 
-/// What is on the disk never lags behind by more than this much sensor time: each flush costs 2 KB an entity...
+/// What is on the disk never lags behind by more than this much sensor time: each flush costs the description of every
+/// entity's columns...
 const FLUSH_AFTER_NS: u64 = 2_500_000_000;
+/// ...and less in a live flight, which cannot be flown again...
+const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
 /// ...nor by more revolutions than this, whatever the stamps say.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 /// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
@@ -152,7 +155,8 @@ impl Recorder {
         }
         self.unflushed += 1;
         let unflushed_ns = revolution.stamp_ns.abs_diff(self.flushed_stamp_ns);
-        let is_due = unflushed_ns >= FLUSH_AFTER_NS || self.unflushed >= FLUSH_AFTER_REVOLUTIONS;
+        let flush_after_ns = if self.options.live { FLUSH_LIVE_AFTER_NS } else { FLUSH_AFTER_NS };
+        let is_due = unflushed_ns >= flush_after_ns || self.unflushed >= FLUSH_AFTER_REVOLUTIONS;
         if is_due || self.backlog.as_ref().is_some_and(Backlog::wants_flush) {
             self.flush()?;
             self.flushed_stamp_ns = revolution.stamp_ns;

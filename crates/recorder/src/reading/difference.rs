@@ -1,7 +1,8 @@
 //! Two recordings compared row by row, whatever the chunks that they were written in.
 //!
 //! Compared is what was made of each revolution. Left out are the time that it took (`/timing`), what holds for the
-//! whole flight (configuration, colours, explanations), and the layout.
+//! whole flight (configuration, colours, explanations), and the layout. U is compared by its span, and what is drawn from
+//! it is left out.
 
 use std::iter::Peekable;
 
@@ -10,10 +11,14 @@ use crosscut_stage::Step;
 use super::recording::is_drawing;
 use super::rows::{Cell, Rows};
 use super::value::Array;
-use super::{ReadError, Recording, Row, Value};
+use super::{ReadError, Recording, Row, Value, span};
 
 /// Entities of ingest that lie beside those of the report.
 const SCANNED: [&str; 3] = ["/scan/ranges", "/scan/seen", "/scan/beams"];
+
+/// Drawings of what stands in the coordinates of U, which other eigenvectors of the same span draw otherwise.
+const DRAWN_FROM_U: [(&str, &str); 2] =
+    [("/spectral/embedding", "Points3D:positions"), ("/kmeans/centroids", "Points3D:positions")];
 
 /// How two recordings differ.
 #[derive(Debug, Default)]
@@ -43,7 +48,8 @@ pub struct Difference {
     pub how: String,
 }
 
-/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. Of a damaged
+/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U is the
+/// same when it spans the same, and centroids when their inner products are the same: see [`super::span`]. Of a damaged
 /// recording an entity is compared up to its last row.
 ///
 /// # Errors
@@ -107,6 +113,7 @@ impl EntityComparison<'_> {
         let mut names: Vec<&str> = a.components().chain(b.components()).collect();
         names.sort_unstable();
         names.dedup();
+        names.retain(|name| !DRAWN_FROM_U.contains(&(self.entity, name)));
         for name in names {
             if let Some(how) = difference([a, b], name, self.tolerance) {
                 self.note(name, a.revolution, how);
@@ -200,6 +207,9 @@ fn value_difference(a: &Value, b: &Value, tolerance: f64) -> Option<String> {
 fn array_difference(a: &Array, b: &Array, tolerance: f64) -> Option<String> {
     if a.shape != b.shape {
         return Some(format!("shapes {:?} and {:?}", a.shape, b.shape));
+    }
+    if let Some(compared) = span::difference(a, b, tolerance) {
+        return compared.err();
     }
     let off = |(a, b): (f64, f64)| match (a - b).abs() {
         _ if a == b || (a.is_nan() && b.is_nan()) => 0.0,

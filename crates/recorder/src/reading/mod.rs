@@ -28,6 +28,7 @@ pub(crate) mod messages;
 mod picture;
 mod recording;
 mod rows;
+mod span;
 mod value;
 
 use std::path::PathBuf;

@@ -76,6 +76,38 @@ fn each_step_is_told_by_what_it_makes() {
     }
 }
 
+/// `m` times a matrix that turns its first two columns by 0.7 rad, with the first one mirrored.
+fn turned(m: &Embedding) -> Embedding {
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let entry = |i: usize, j: usize| match j {
+        0 => -(cos * m[(i, 0)] - sin * m[(i, 1)]),
+        1 => sin * m[(i, 0)] + cos * m[(i, 1)],
+        j => m[(i, j)],
+    };
+    faer::Mat::from_fn(m.nrows(), m.ncols(), entry).into()
+}
+
+#[test]
+fn other_eigenvectors_of_the_same_span_are_no_difference_rounded_as_well_as_exact() {
+    let found = compared(1e-12, |frames| {
+        for frame in frames {
+            frame.spectrum.u = turned(&frame.spectrum.u);
+            frame.partition.centroids = turned(&frame.partition.centroids);
+        }
+    });
+    assert_eq!(found.components, []);
+    assert!(found.compared > 8 * 20);
+}
+
+#[test]
+fn another_span_is_a_difference_that_says_so_in_every_precision() {
+    let found = compared(1e-12, |frames| perturb(&mut frames[0].spectrum.u));
+    let how: Vec<_> = found.components.iter().map(|found| (found.entity.as_str(), found.how.as_str())).collect();
+    let entities: Vec<_> = how.iter().map(|(entity, _)| *entity).collect();
+    assert_eq!(entities, ["/spectral/U", "/spectral/U/exact"]);
+    assert!(how.iter().all(|(_, how)| how.starts_with("the span by ")), "{how:?}");
+}
+
 #[test]
 fn numbers_within_the_tolerance_are_the_same_and_words_never_are() {
     let disturb = |frames: &mut [Frame]| frames[2].junction.confidence += 1e-6;

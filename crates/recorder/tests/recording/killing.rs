@@ -1,8 +1,9 @@
 //! A process killed at any moment leaves a recording that opens, with every revolution up to some point.
 
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use crosscut_recorder::{Damage, Recorder, Recording};
 use crosscut_stage::Observer as _;
@@ -12,11 +13,16 @@ use crate::reading::options;
 
 /// Where the child process records to.
 const CHILD_PATH: &str = "CROSSCUT_TEST_KILLED";
-/// How often it is killed, and how long it runs at most.
+/// How often it is killed, after how many revolutions at most, and how long after such a revolution.
 const KILLS: u64 = 16;
-const LONGEST: Duration = Duration::from_millis(1500);
+const MOST_REVOLUTIONS: u64 = 120;
+const LONGEST: Duration = Duration::from_millis(100);
 /// Ten minutes at 10 Hz: more than it gets to.
 const REVOLUTIONS: u64 = 6000;
+/// Those of 2.5 s, which may not be on the disk yet.
+const ON_THEIR_WAY: u64 = 25;
+/// What the child says of each revolution, with its number.
+const RECORDED: &str = "recorded ";
 
 const EVERY_REVOLUTION: [&str; 6] =
     ["/scan/ranges", "/scan/returns", "/affinity/W", "/spectral/eigenvalues", "/kmeans/labels", "/report/junctions"];
@@ -31,41 +37,51 @@ fn child_that_records_until_it_is_killed() {
         let frame = &mut frames[(seq % 4) as usize];
         (frame.revolution.seq, frame.revolution.stamp_ns) = (seq, frames::stamp_ns(seq));
         recorder.observe(frame).unwrap();
+        println!("\n{RECORDED}{seq}");
     }
 }
 
-/// Lets a child record to `path` for a while after the file is there, and kills it.
-fn record_and_kill(path: &Path, after: Duration) {
+/// Lets a child record to `path` up to this revolution and for a while longer, and kills it.
+fn record_and_kill(path: &Path, revolution: u64, after: Duration) {
     let mut program = Command::new(std::env::current_exe().expect("the path of this program"));
-    program.args(["--exact", "killing::child_that_records_until_it_is_killed"]).env(CHILD_PATH, path);
-    let mut child = program.stdout(std::process::Stdio::null()).spawn().expect("this program starts");
-    let patience = Instant::now();
-    while !path.exists() && patience.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    program.args(["--exact", "killing::child_that_records_until_it_is_killed", "--nocapture"]).env(CHILD_PATH, path);
+    let mut child = program.stdout(Stdio::piped()).spawn().expect("this program starts");
+    let mut said = BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok);
+    let reached = format!("{RECORDED}{revolution}");
+    assert!(said.any(|line| line == reached), "the child ended before revolution {revolution}");
     std::thread::sleep(after);
     child.kill().expect("it was running");
     child.wait().expect("it ends");
 }
 
 #[test]
-fn killed_at_any_moment_a_recording_opens_and_has_every_revolution_up_to_some_point() {
+fn killed_at_any_moment_a_recording_opens_and_has_every_revolution_up_to_the_last_seconds() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = 7_u64;
-    let mut longest = 0;
-    for kill in 0..KILLS {
+    let mut next_random = |below: u64| {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let after = LONGEST.mul_f64((random >> 11) as f64 / (1_u64 << 53) as f64);
+        (random >> 33) % below
+    };
+    for kill in 0..KILLS {
+        let (reached, after) = (next_random(MOST_REVOLUTIONS), LONGEST.mul_f64(next_random(1000) as f64 / 1000.0));
         let path = folder.path().join(format!("{kill}.rrd"));
-        record_and_kill(&path, after);
+        record_and_kill(&path, reached, after);
         let recording = Recording::open(&path).unwrap();
         let damages = recording.damages();
-        assert!(matches!(damages, [Damage::Unfinished { .. } | Damage::CutOff { .. }]), "{after:?}: {damages:?}");
-        for entity in EVERY_REVOLUTION.into_iter().filter(|entity| recording.entities().contains_key(*entity)) {
-            let revolutions: Vec<i64> = recording.rows(entity).unwrap().map(|row| row.unwrap().revolution).collect();
-            assert!(revolutions.iter().copied().eq(0..revolutions.len() as i64), "{entity}, killed after {after:?}");
-            longest = longest.max(revolutions.len());
+        assert!(matches!(damages, [Damage::Unfinished { .. } | Damage::CutOff { .. }]), "{reached}: {damages:?}");
+        for entity in EVERY_REVOLUTION {
+            let there = recording.entities().contains_key(entity);
+            let rows = if there {
+                recording.rows(entity).unwrap().map(|row| row.unwrap().revolution).collect()
+            } else {
+                vec![]
+            };
+            assert!(rows.iter().copied().eq(0..rows.len() as i64), "{entity}, killed {after:?} after {reached}");
+            assert!(
+                rows.len() as u64 + ON_THEIR_WAY > reached,
+                "{entity}: {} rows at revolution {reached}",
+                rows.len()
+            );
         }
     }
-    assert!(longest > 0, "no child got beyond revolution {longest}: nothing was tested");
 }
