@@ -145,6 +145,25 @@ pub(crate) fn laplacian(affinity: &Affinity) -> Mat<f64> {
     l
 }
 
+/// W with both triangles.
+pub(crate) fn dense(affinity: &Affinity) -> Mat<f64> {
+    let mut w = Mat::zeros(affinity.weights.n(), affinity.weights.n());
+    affinity.weights.for_each(|i, j, value| w[(i, j)] = value);
+    w
+}
+
+/// Leaves the weak links out.
+pub(crate) fn make_sparse(affinity: &mut Affinity) {
+    let full = dense(affinity);
+    let sparse = affinity.weights.make_sparse();
+    for i in 0..full.nrows() {
+        for j in (0..full.ncols()).filter(|&j| full[(i, j)] > 1e-6) {
+            sparse.push(j as u32, full[(i, j)]);
+        }
+        sparse.end_row();
+    }
+}
+
 fn fill_spectrum(affinity: &Affinity, out: &mut Spectrum) {
     let n = affinity.weights.n();
     let eigen = laplacian(affinity).self_adjoint_eigen(Side::Lower).expect("a small symmetric matrix");

@@ -1,7 +1,10 @@
 //! Recordings, written and read back.
 
+mod contents;
 mod difference;
+mod drawings;
 mod emptiness;
+mod every_entity;
 mod file;
 mod frames;
 mod killing;

@@ -112,6 +112,20 @@ impl Recording {
         tensors.into_iter().next().map(|tensor| (tensor.0.shape.to_vec(), tensor.0.buffer))
     }
 
+    pub(crate) fn f64s(&self, entity: &str, seq: i64) -> (Vec<u64>, Vec<f64>) {
+        match self.tensor(entity, seq) {
+            Some((shape, TensorBuffer::F64(values))) => (shape, values.to_vec()),
+            other => panic!("{entity} at {seq}: {other:?}"),
+        }
+    }
+
+    pub(crate) fn f32s(&self, entity: &str, seq: i64) -> (Vec<u64>, Vec<f32>) {
+        match self.tensor(entity, seq) {
+            Some((shape, TensorBuffer::F32(values))) => (shape, values.to_vec()),
+            other => panic!("{entity} at {seq}: {other:?}"),
+        }
+    }
+
     pub(crate) fn picture(&self, entity: &str, seq: i64) -> Option<GrayImage> {
         let blobs: Vec<components::Blob> = self.at(entity, EncodedDepthImage::descriptor_blob(), seq)?;
         blobs.first().map(|blob| image::load_from_memory(&blob.0.0).expect("a picture").to_luma8())

@@ -1,122 +1,20 @@
-//! Every entity of the contract, read back with the values that the frame held.
+//! Values read back with Rerun's own types, and what they are in special cases; `every_entity` goes through all of them.
 
 use std::collections::BTreeSet;
 
 use crosscut_explain::Explanation;
-use crosscut_recorder::{Detail, Recorder, Scope};
-use crosscut_stage::{Affinity, Beam, Frame, Observer as _, Step, Weights};
+use crosscut_stage::{Beam, Frame, Step, Weights};
 use faer::Mat;
 use rerun::external::image::GrayImage;
-use rerun::{
-    AnnotationContext, Arrows3D, BarChart, LineStrips3D, Points3D, RecordingInfo, StateChange, TensorBuffer,
-    TextDocument, TextLog, components,
-};
+use rerun::{Arrows3D, BarChart, LineStrips3D, Points3D, StateChange, TensorBuffer, TextDocument, TextLog, components};
 
 use crate::frames;
-use crate::reading::{Recording, options, record_of, recorded, times};
-
-const EVERY_REVOLUTION: [&str; 34] = [
-    "/scan/returns",
-    "/scan/ranges",
-    "/scan/seen",
-    "/scan/count",
-    "/scan/links",
-    "/scan/walls",
-    "/scan/openings",
-    "/affinity/W",
-    "/affinity/degrees",
-    "/spectral/L",
-    "/spectral/eigenvalues",
-    "/spectral/tolerance",
-    "/spectral/k",
-    "/spectral/margin",
-    "/spectral/chart/values",
-    "/spectral/U",
-    "/spectral/embedding",
-    "/kmeans/labels",
-    "/kmeans/centroids",
-    "/kmeans/blocks",
-    "/kmeans/profile/lines",
-    "/report/junctions",
-    "/report/confidence",
-    "/report/place",
-    "/report/summary",
-    "/report/why",
-    "/report/labels",
-    "/report/walls",
-    "/timing/total",
-    "/timing/ingest",
-    "/timing/affinity",
-    "/timing/spectral",
-    "/timing/kmeans",
-    "/timing/report",
-];
+use crate::reading::{Recording, recorded};
 
 fn flight() -> (Vec<Frame>, Recording) {
     let frames: Vec<Frame> = (7..10).map(frames::frame).collect();
     let recording = recorded(&frames);
     (frames, recording)
-}
-
-fn f64s(recording: &Recording, entity: &str, seq: i64) -> (Vec<u64>, Vec<f64>) {
-    match recording.tensor(entity, seq) {
-        Some((shape, TensorBuffer::F64(values))) => (shape, values.to_vec()),
-        other => panic!("{entity} at {seq}: {other:?}"),
-    }
-}
-
-fn f32s(recording: &Recording, entity: &str, seq: i64) -> (Vec<u64>, Vec<f32>) {
-    match recording.tensor(entity, seq) {
-        Some((shape, TensorBuffer::F32(values))) => (shape, values.to_vec()),
-        other => panic!("{entity} at {seq}: {other:?}"),
-    }
-}
-
-#[test]
-fn every_entity_is_there_at_every_revolution_on_both_timelines_and_on_no_other() {
-    let (frames, recording) = flight();
-    let seqs: BTreeSet<i64> = frames.iter().map(|f| f.revolution.seq as i64).collect();
-    let stamps: BTreeSet<i64> = frames.iter().map(|f| f.revolution.stamp_ns as i64).collect();
-    for entity in EVERY_REVOLUTION {
-        assert_eq!(recording.revolutions(entity), seqs, "{entity}");
-        let found: BTreeSet<i64> = recording.of(entity).flat_map(|chunk| times(chunk, "stamp")).collect();
-        assert_eq!(found, stamps, "{entity}");
-    }
-    for chunk in &recording.chunks {
-        let names: BTreeSet<&str> = chunk.timelines().keys().map(rerun::TimelineName::as_str).collect();
-        assert!(chunk.is_static() || names == BTreeSet::from(["revolution", "stamp"]), "{}", chunk.entity_path());
-    }
-}
-
-#[test]
-fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
-    let (_, recording) = flight();
-    let text = |entity: &str| -> String {
-        let chunk = recording.of(entity).find(|chunk| chunk.is_static()).unwrap();
-        let text: Vec<components::Text> =
-            chunk.component_batch(TextDocument::descriptor_text().component, 0).unwrap().unwrap();
-        text[0].to_string()
-    };
-    assert_eq!(text("/config"), "[affinity]\nkind = \"rbf\"\n");
-    assert!(text("/about").contains("Quantised"));
-    let root = recording.of("/").find(|chunk| chunk.is_static()).unwrap();
-    let classes: Vec<components::AnnotationContext> =
-        root.component_batch(AnnotationContext::descriptor_context().component, 0).unwrap().unwrap();
-    assert!(classes[0].0.iter().any(|class| class.class_id.0 == u16::MAX), "returns of no wall have a colour");
-    assert!(recording.layout_messages > 20);
-}
-
-#[test]
-fn a_recording_starts_at_the_first_stamp_and_not_when_it_was_made() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("flight.rrd");
-    let mut recorder = Recorder::new(options(&path)).unwrap();
-    recorder.observe(&frames::frame(5)).unwrap();
-    recorder.finish().unwrap();
-    let recording = Recording::read(&path);
-    let start = RecordingInfo::descriptor_start_time().component;
-    let starts = recording.chunks.iter().filter_map(|chunk| chunk.component_batch::<components::Timestamp>(start, 0));
-    assert_eq!(starts.last().unwrap().unwrap()[0].0.0, frames::stamp_ns(5) as i64);
 }
 
 #[test]
@@ -125,7 +23,7 @@ fn the_scan_reads_back() {
     for frame in &frames {
         let (seq, revolution) = (frame.revolution.seq as i64, &frame.revolution);
         let sweep = revolution.sweep.as_ref().unwrap();
-        assert_eq!(f32s(&recording, "/scan/ranges", seq), (vec![360], sweep.ranges_m.clone()));
+        assert_eq!(recording.f32s("/scan/ranges", seq), (vec![360], sweep.ranges_m.clone()));
         let positions: Vec<components::Position3D> =
             recording.at("/scan/returns", Points3D::descriptor_positions(), seq).unwrap();
         let expected = revolution.points_m.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]);
@@ -137,18 +35,6 @@ fn the_scan_reads_back() {
         let expected = sweep.beams.iter().map(|beam| if matches!(beam, Beam::Return(_)) { 2 } else { 1 });
         assert!(seen.iter().copied().eq(expected));
     }
-}
-
-#[test]
-fn the_beams_are_logged_once_and_again_only_when_they_change() {
-    let mut frames: Vec<Frame> = (0..4).map(frames::frame).collect();
-    frames[2].revolution.sweep.as_mut().unwrap().wire_geometry[3] = 20.0;
-    frames[3].revolution.sweep.as_mut().unwrap().wire_geometry[3] = 20.0;
-    let recording = recorded(&frames);
-    assert_eq!(recording.revolutions("/scan/beams"), BTreeSet::from([0, 2]));
-    let bearings = &frames[0].revolution.sweep.as_ref().unwrap().bearings_rad;
-    assert_eq!(f64s(&recording, "/scan/beams", 0), (vec![360], bearings.clone()));
-    assert_eq!(f32s(&recording, "/scan/beams/wire", 2).1[3], 20.0);
 }
 
 #[test]
@@ -166,7 +52,7 @@ fn walls_pass_their_returns_and_openings_keep_bearing_and_width() {
         assert!(frame.revolution.points_m.iter().any(is_a_return));
     }
     let expected = frame.junction.openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
-    assert_eq!(f64s(&recording, "/scan/openings", seq), (vec![3, 2], expected));
+    assert_eq!(recording.f64s("/scan/openings", seq), (vec![3, 2], expected));
     let arrows: Vec<components::Vector3D> =
         recording.at("/scan/openings", Arrows3D::descriptor_vectors(), seq).unwrap();
     let labels: Vec<components::Text> = recording.at("/scan/openings", Points3D::descriptor_labels(), seq).unwrap();
@@ -190,28 +76,22 @@ fn assert_draws(picture: &GrayImage, m: &Mat<f64>, frame: &Frame, name: &str) {
     }
 }
 
-fn dense(affinity: &Affinity) -> Mat<f64> {
-    let mut w = Mat::zeros(affinity.weights.n(), affinity.weights.n());
-    affinity.weights.for_each(|i, j, value| w[(i, j)] = value);
-    w
-}
-
 #[test]
 fn pictures_of_w_and_l_are_right_to_half_a_decade() {
     let (frames, recording) = flight();
     for frame in &frames {
         let seq = frame.revolution.seq as i64;
-        assert_draws(&recording.picture("/affinity/W", seq).unwrap(), &dense(&frame.affinity), frame, "W");
+        assert_draws(&recording.picture("/affinity/W", seq).unwrap(), &frames::dense(&frame.affinity), frame, "W");
         assert_draws(&recording.picture("/spectral/L", seq).unwrap(), &frames::laplacian(&frame.affinity), frame, "L");
         let degrees: Vec<f32> = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
-        assert_eq!(f32s(&recording, "/affinity/degrees", seq).1, degrees);
+        assert_eq!(recording.f32s("/affinity/degrees", seq).1, degrees);
     }
 }
 
 #[test]
 fn a_return_that_is_nearly_alone_shows_its_leak_on_the_diagonal_of_l() {
     let mut frame = frames::frame(0);
-    let mut w = dense(&frame.affinity);
+    let mut w = frames::dense(&frame.affinity);
     for j in 1..w.ncols() {
         let leak = if j == 1 { 1e-9 } else { 0.0 };
         (w[(0, j)], w[(j, 0)]) = (leak, leak);
@@ -225,17 +105,10 @@ fn a_return_that_is_nearly_alone_shows_its_leak_on_the_diagonal_of_l() {
 #[test]
 fn a_sparse_w_is_drawn_like_the_dense_matrix_that_it_stands_for() {
     let mut frame = frames::frame(3);
-    let full = dense(&frame.affinity);
-    let sparse = frame.affinity.weights.make_sparse();
-    for i in 0..full.nrows() {
-        for j in (0..full.ncols()).filter(|&j| full[(i, j)] > 1e-6) {
-            sparse.push(j as u32, full[(i, j)]);
-        }
-        sparse.end_row();
-    }
+    frames::make_sparse(&mut frame.affinity);
     assert!(matches!(frame.affinity.weights, Weights::Sparse(_)));
     let recording = recorded(std::slice::from_ref(&frame));
-    assert_draws(&recording.picture("/affinity/W", 3).unwrap(), &dense(&frame.affinity), &frame, "sparse W");
+    assert_draws(&recording.picture("/affinity/W", 3).unwrap(), &frames::dense(&frame.affinity), &frame, "sparse W");
     assert_draws(
         &recording.picture("/spectral/L", 3).unwrap(),
         &frames::laplacian(&frame.affinity),
@@ -304,20 +177,6 @@ fn an_embedding_of_one_column_lies_on_the_first_axis() {
 }
 
 #[test]
-fn of_many_eigenvalues_the_smallest_are_kept_and_always_the_zeros_and_the_next() {
-    let stored = |k: usize| -> usize {
-        let mut frame = frames::frame(0);
-        frame.spectrum.eigenvalues = (0..300).map(f64::from).collect();
-        frame.spectrum.k = k;
-        let recording = recorded(&[frame]);
-        let values: Vec<components::TensorData> =
-            recording.at("/spectral/eigenvalues", BarChart::descriptor_values(), 0).unwrap();
-        values[0].0.shape[0] as usize
-    };
-    assert_eq!([3, 100, 299, 300].map(stored), [32, 101, 300, 300]);
-}
-
-#[test]
 fn the_partition_reads_back() {
     let mut frame = frames::frame(1);
     frame.partition.labels[4] = None;
@@ -328,7 +187,7 @@ fn the_partition_reads_back() {
     let centroids = &frame.partition.centroids;
     let rows = (0..centroids.nrows()).flat_map(|c| (0..centroids.ncols()).map(move |j| centroids[(c, j)])).collect();
     let shape = vec![centroids.nrows() as u64, centroids.ncols() as u64];
-    assert_eq!(f64s(&recording, "/kmeans/centroids", 1), (shape, rows));
+    assert_eq!(recording.f64s("/kmeans/centroids", 1), (shape, rows));
 }
 
 #[test]
@@ -351,41 +210,6 @@ fn the_answer_notes_and_timings_read_back() {
 }
 
 #[test]
-fn exact_matrices_read_back_to_the_last_bit_at_every_nth_revolution_and_where_the_count_changes() {
-    let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
-    frames[4].junction.junctions = 4;
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("flight.rrd");
-    let scope = Scope { exact_every: std::num::NonZeroU64::new(3), ..Scope::default() };
-    record_of(&path, &frames, scope);
-    let recording = Recording::read(&path);
-    assert_eq!(recording.revolutions("/affinity/W/exact"), BTreeSet::from([0, 3, 4, 5]));
-    for seq in [0, 3, 4, 5] {
-        let frame = &frames[seq as usize];
-        let (w, n) = (dense(&frame.affinity), frame.revolution.len());
-        let upper: Vec<f64> = (0..n * n).map(|at| if at / n <= at % n { w[(at / n, at % n)] } else { 0.0 }).collect();
-        assert_eq!(f64s(&recording, "/affinity/W/exact", seq), (vec![n as u64; 2], upper));
-        let (u, k) = (&frame.spectrum.u, frame.spectrum.k);
-        let rows: Vec<f64> = (0..n * k).map(|at| u[(at / k, at % k)]).collect();
-        assert_eq!(f64s(&recording, "/spectral/U/exact", seq), (vec![n as u64, k as u64], rows));
-    }
-}
-
-#[test]
-fn a_light_recording_has_no_matrix_and_everything_else() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("flight.rrd");
-    let scope = Scope { detail: Detail::Light, ..Scope::default() };
-    record_of(&path, &(0..3).map(frames::frame).collect::<Vec<_>>(), scope);
-    let recording = Recording::read(&path);
-    let matrices = ["/affinity/W", "/affinity/degrees", "/spectral/L", "/spectral/U", "/spectral/embedding"];
-    for entity in EVERY_REVOLUTION {
-        let expected = if matrices.contains(&entity) { 0 } else { 3 };
-        assert_eq!(recording.revolutions(entity).len(), expected, "{entity}");
-    }
-}
-
-#[test]
 fn labels_and_walls_read_back_as_in_results_and_walls_name_their_class() {
     let mut frame = frames::frame(2);
     frame.junction.wall_of_return[7] = None;
@@ -397,7 +221,7 @@ fn labels_and_walls_read_back_as_in_results_and_walls_name_their_class() {
         _ => -1,
     });
     assert!(labels.iter().copied().eq(expected));
-    let (shape, walls) = f64s(&recording, "/report/walls", 2);
+    let (shape, walls) = recording.f64s("/report/walls", 2);
     assert_eq!(shape, [frame.junction.walls.len() as u64, 6]);
     for (row, wall) in walls.chunks_exact(6).zip(&frame.junction.walls) {
         let [from, to] = wall.bearing_rad;
@@ -420,24 +244,5 @@ fn the_explanation_is_the_one_of_its_crate_and_the_links_join_the_returns_that_i
     for (strip, link) in strips.iter().zip(links) {
         let ends = link.returns.map(|i| frame.revolution.points_m[i]).map(|p| [p.x as f32, p.y as f32, 0.0]);
         assert_eq!([strip.0[0].0, strip.0[1].0], ends);
-    }
-}
-
-#[test]
-fn a_wall_keeps_its_colour_when_results_number_it_otherwise() {
-    let mut frames: Vec<Frame> = (0..2).map(frames::frame).collect();
-    for wall in frames[1].junction.wall_of_return.iter_mut().flatten() {
-        *wall = 2 - *wall;
-    }
-    let recording = recorded(&frames);
-    let classes = |seq: i64| -> Vec<u16> {
-        let classes: Vec<components::ClassId> =
-            recording.at("/scan/returns", Points3D::descriptor_class_ids(), seq).unwrap();
-        classes.iter().map(|class| class.0.0).collect()
-    };
-    for (seq, number) in [(0, 0), (1, 2)] {
-        let wall_of = &frames[seq as usize].junction.wall_of_return;
-        let first = wall_of.iter().position(|wall| *wall == Some(number)).unwrap();
-        assert_eq!(classes(seq)[first], 0, "the wall to the right at revolution {seq}");
     }
 }

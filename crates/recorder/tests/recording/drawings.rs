@@ -1,0 +1,220 @@
+//! What is drawn of a frame, compared with the frame: each drawing read back as a person would read it.
+
+use crosscut_explain::Explanation;
+use crosscut_recorder::{Numbers, Value};
+use crosscut_stage::{Beam, Embedding, Frame};
+
+use crate::every_entity::sweep;
+
+/// What the charts span.
+const REACH_M: f64 = 15.0;
+const PROFILE: [f64; 2] = [100.0, 85.0];
+const SMALLEST_DECADE: f64 = -17.3;
+/// Rounding of drawn rows of U.
+const STEP: f64 = 0.5 / 128.0 + 1e-6;
+
+/// What a drawn component is compared with.
+pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
+    Some(match (entity, component) {
+        ("/scan/returns", "Points3D:positions") => {
+            |value, frame| points(value) == frame.revolution.points_m.iter().map(|p| drawn(p)).collect::<Vec<_>>()
+        }
+        ("/scan/returns" | "/spectral/embedding", "Points3D:class_ids") => |value, frame| {
+            wholes(value).into_iter().eq(frame
+                .junction
+                .wall_of_return
+                .iter()
+                .map(|wall| wall.map_or(65_535, i64::from)))
+        },
+        ("/scan/walls", "LineStrips3D:strips") => |value, frame| {
+            let returns: Vec<_> = frame.revolution.points_m.iter().map(|p| drawn(p)).collect();
+            lines(value).iter().flatten().all(|vertex| returns.contains(vertex))
+                && lines(value).len() >= frame.junction.walls.len()
+        },
+        ("/scan/walls", "LineStrips3D:class_ids") => |value, frame| {
+            let mut classes = wholes(value);
+            classes.sort_unstable();
+            classes.dedup();
+            classes.into_iter().eq(frame.junction.walls.iter().map(|wall| i64::from(wall.id)))
+        },
+        ("/scan/openings", "Arrows3D:origins") => |value, frame| points(value).len() == frame.junction.openings.len(),
+        ("/scan/openings", "Arrows3D:vectors") => |value, frame| {
+            let across = |(vector, o): (&Vec<f64>, &crosscut_stage::Opening)| {
+                let along = o.edge_m[1] - o.edge_m[0];
+                (vector[0] * along.x + vector[1] * along.y).abs() < 1e-5 && vector[0].hypot(vector[1]) > 1.0
+            };
+            points(value).iter().zip(&frame.junction.openings).all(across)
+        },
+        ("/scan/openings", "LineStrips3D:strips") => |value, frame| {
+            lines(value).into_iter().eq(frame
+                .junction
+                .openings
+                .iter()
+                .map(|o| o.edge_m.iter().map(|p| drawn(p)).collect::<Vec<_>>()))
+        },
+        ("/scan/openings", "Points3D:positions") => |value, frame| points(value).len() == frame.junction.openings.len(),
+        ("/scan/openings", "Points3D:labels") => |value, frame| {
+            texts(value).iter().eq(frame
+                .junction
+                .openings
+                .iter()
+                .map(|o| format!("{:.1} m", o.width_m))
+                .collect::<Vec<_>>()
+                .iter())
+        },
+        ("/scan/links", "LineStrips3D:strips") => |value, frame| lines(value) == links(frame),
+        ("/scan/links/edges", "LineStrips3D:strips") => |value, frame| {
+            let flat = |line: &Vec<Vec<f64>>| line.iter().map(|p| p[..2].to_vec()).collect::<Vec<_>>();
+            lines(value).iter().map(flat).eq(links(frame).iter().map(flat))
+        },
+        ("/scan/links", "LineStrips3D:colors") => |value, frame| wholes(value).len() == links(frame).len(),
+        ("/scan/links", "Points3D:positions") => |value, frame| points(value).len() == decisive(frame).len(),
+        ("/scan/links", "Points3D:labels") => |value, frame| {
+            texts(value).iter().zip(decisive(frame)).all(|(label, k)| label.starts_with(&format!("k = {k} if ")))
+        },
+        ("/affinity/links", "LineStrips3D:strips") => |value, frame| {
+            let is_link = |line: &Vec<Vec<f64>>| {
+                let mut found = false;
+                frame.affinity.weights.for_each(|i, j, w| {
+                    found |= w > 0.0 && [i, j].map(|i| drawn(&frame.revolution.points_m[i]))[..] == line[..];
+                });
+                found
+            };
+            !lines(value).is_empty() && lines(value).iter().step_by(20).all(is_link)
+        },
+        ("/affinity/links", "LineStrips3D:colors") => |value, _| !wholes(value).is_empty(),
+        ("/spectral/chart/values", "LineStrips2D:strips") => |value, frame| {
+            let (lines, values) = (lines(value), &frame.spectrum.eigenvalues);
+            let columns = values.len().min(16);
+            let height = |value: f64| -value.abs().log10().clamp(SMALLEST_DECADE, 2.0);
+            let column = |(line, value): (&Vec<Vec<f64>>, &f64)| (line[1][1] - height(*value)).abs() < 1e-4;
+            let tolerance_is_right = (lines[columns][0][1] - height(frame.spectrum.tolerance)).abs() < 1e-4;
+            lines.len() == columns + 2 && lines[..columns].iter().zip(values).all(column) && tolerance_is_right
+        },
+        ("/spectral/chart/values", "LineStrips2D:colors") => |value, frame| {
+            let (colors, k) = (wholes(value), frame.spectrum.k);
+            colors[..k]
+                .iter()
+                .all(|color| color == &colors[0] && color != &colors[frame.spectrum.eigenvalues.len().min(16)])
+        },
+        ("/spectral/chart/values", "Points2D:labels") => {
+            |value, frame| texts(value)[0].ends_with(&format!("k = {}", frame.spectrum.k))
+        }
+        ("/spectral/chart/values", "Points2D:positions" | "Points2D:colors") => |_, _| true,
+        ("/spectral/embedding", "Points3D:positions") => |value, frame| is_drawn(value, &frame.spectrum.u, frame),
+        ("/kmeans/centroids", "Points3D:positions") => {
+            |value, frame| is_drawn(value, &frame.partition.centroids, frame)
+        }
+        ("/kmeans/centroids", "Points3D:class_ids") => {
+            |value, frame| wholes(value).into_iter().eq(0..frame.partition.clusters as i64)
+        }
+        ("/kmeans/labels", "LineStrips2D:strips") => |value, frame| {
+            let bars: Vec<_> = lines(value).into_iter().step_by(2).map(|bar| bar[0][0]..bar[1][0]).collect();
+            let returns = sweep(frame).beams.iter().enumerate().filter(|(_, beam)| matches!(beam, Beam::Return(_)));
+            returns.into_iter().all(|(place, _)| bars.iter().any(|bar| bar.contains(&(place as f64))))
+        },
+        ("/kmeans/labels", "LineStrips2D:class_ids") => {
+            |value, frame| wholes(value).iter().all(|class| *class < frame.partition.clusters as i64)
+        }
+        ("/kmeans/blocks", "LineStrips2D:strips") => {
+            |value, frame| lines(value).iter().all(|block| walls_between(frame, block[0][0], block[2][0]).len() == 1)
+        }
+        ("/kmeans/blocks", "LineStrips2D:class_ids") => {
+            |value, frame| wholes(value).iter().all(|class| *class < frame.junction.walls.len() as i64)
+        }
+        ("/kmeans/profile/axes", "LineStrips2D:strips") => |value, _| {
+            lines(value)
+                .iter()
+                .map(|line| line[0][1])
+                .eq([0.0, 5.0, 10.0, 15.0].map(|m| f64::from(-85.0 * (m / 15.0) as f32)))
+        },
+        ("/kmeans/profile/axes", "Points2D:labels") => |value, _| texts(value)[..4] == ["0 m", "5 m", "10 m", "15 m"],
+        ("/kmeans/profile/axes", _) => |_, _| true,
+        ("/kmeans/profile/lines", "LineStrips2D:strips") => {
+            |value, frame| lines(value).iter().all(|line| is_of_ranges(line, frame))
+        }
+        ("/kmeans/profile/lines", "LineStrips2D:class_ids") => {
+            |value, frame| wholes(value).iter().all(|class| *class < frame.junction.walls.len() as i64)
+        }
+        _ => return None,
+    })
+}
+
+/// The weakest link of each wall and the strongest between two, as lines.
+fn links(frame: &Frame) -> Vec<Vec<Vec<f64>>> {
+    let explanation = Explanation::of(frame);
+    let weakest = explanation.walls.iter().filter_map(|wall| wall.weakest);
+    let links = weakest.chain(explanation.strongest().map(|(_, link)| link));
+    links.map(|link| link.returns.iter().map(|&i| drawn(&frame.revolution.points_m[i])).collect()).collect()
+}
+
+/// The counts that there would be if a link were another.
+fn decisive(frame: &Frame) -> Vec<usize> {
+    Explanation::of(frame).changes.iter().filter(|change| change.link.is_some()).map(|change| change.k).collect()
+}
+
+/// Whether points are the first three columns of `rows`, with the scale that brings the farthest row of U to 1.
+fn is_drawn(value: &Value, rows: &Embedding, frame: &Frame) -> bool {
+    let row = |m: &Embedding, i: usize| [0, 1, 2].map(|j| if j < m.ncols() { m[(i, j)] } else { 0.0 });
+    let norm = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let u = &frame.spectrum.u;
+    let reach = (0..u.nrows()).map(|i| norm(row(u, i))).fold(0.0, f64::max);
+    let drawn = points(value);
+    let is_near =
+        |(i, point): (usize, &Vec<f64>)| point.iter().zip(row(rows, i)).all(|(p, x)| (p - x / reach).abs() <= STEP);
+    drawn.len() == rows.nrows() && drawn.iter().enumerate().all(is_near)
+}
+
+/// The walls of the returns at these places along the beams.
+fn walls_between(frame: &Frame, from: f64, to: f64) -> std::collections::BTreeSet<u32> {
+    let beams = &sweep(frame).beams[from as usize..to as usize];
+    let wall_of = |beam: &Beam| match beam {
+        Beam::Return(i) => frame.junction.wall_of_return[*i as usize],
+        _ => None,
+    };
+    beams.iter().filter_map(wall_of).collect()
+}
+
+/// Whether a line of the profile is a bar above it, or passes ranges of the scan.
+fn is_of_ranges(line: &[Vec<f64>], frame: &Frame) -> bool {
+    let [width, height] = PROFILE;
+    let along = width / sweep(frame).len() as f64;
+    line.iter().all(|vertex| {
+        let near = [-1.0, 0.0, 1.0].map(|side| ((vertex[0] + 0.1 * side * along) / along).floor());
+        let range = |place: f64| sweep(frame).ranges_m.get(place as usize).map_or(f64::NAN, |m| f64::from(*m));
+        vertex[1] < -height - 1.0
+            || near.iter().any(|&place| (vertex[1] + height * range(place) / REACH_M).abs() < 1e-3)
+    })
+}
+
+/// A point with the precision that it is drawn with.
+fn drawn(p: &crosscut_stage::Point) -> Vec<f64> {
+    p.iter().map(|&x| f64::from(x as f32)).collect()
+}
+
+fn points(value: &Value) -> Vec<Vec<f64>> {
+    let Value::Numbers(array) = value else { return Vec::new() };
+    array.to_f64().chunks(array.shape[1].max(1)).map(<[f64]>::to_vec).collect()
+}
+
+fn lines(value: &Value) -> Vec<Vec<Vec<f64>>> {
+    let Value::Lists(lists) = value else { return Vec::new() };
+    lists.iter().map(|list| points(&Value::Numbers(list.clone()))).collect()
+}
+
+fn wholes(value: &Value) -> Vec<i64> {
+    match value {
+        Value::Numbers(array) => match &array.numbers {
+            Numbers::I64(numbers) => numbers.clone(),
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
+}
+
+fn texts(value: &Value) -> &[String] {
+    match value {
+        Value::Texts(texts) => texts,
+        _ => &[],
+    }
+}

@@ -1,0 +1,262 @@
+//! Nothing is recorded that is not compared with what the pipeline made: an entity or a component that is new fails here until
+//! it is.
+
+use std::collections::BTreeSet;
+
+use crosscut_explain::{Explanation, Watch};
+use crosscut_recorder::{Array, Numbers, Recording, Value};
+use crosscut_stage::{Beam, Embedding, Frame, Step};
+use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
+
+use crate::reading::record;
+use crate::{drawings, frames};
+
+type F16 = <Float16Type as ArrowPrimitiveType>::Native;
+
+/// What only says how something looks, and type names of texts and pictures.
+const LOOK: [&str; 6] = [":show_labels", ":radii", ":media_type", ":colormap", ":depth_range", "BarChart:color"];
+/// Entities that hold for the whole flight, and depend on nothing that the pipeline makes of a revolution.
+const WHOLE_FLIGHT: [&str; 11] = [
+    "/",
+    "/__properties",
+    "/about",
+    "/config",
+    "/kmeans/profile/names",
+    "/layout/extent",
+    "/scan/mounting",
+    "/scan/rings",
+    "/scan/sensor",
+    "/spectral/axes",
+    "/spectral/chart/axis",
+];
+/// Colours of the walls by their class, which here is the number of the wall.
+const COLOURS: [&str; 3] = ["blue", "orange", "green"];
+
+/// A flight with everything that can be recorded: an empty revolution, notes, a sparse W.
+fn flight() -> Vec<Frame> {
+    let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
+    frames[2] = frames::empty_frame(2);
+    frames[3].notes.add("3 beams masked");
+    frames::make_sparse(&mut frames[4].affinity);
+    frames
+}
+
+/// Whether a value is the one that the frame holds.
+type Compare<'a> = Box<dyn Fn(&Value, &Frame) -> bool + 'a>;
+
+/// What a component is compared with.
+fn comparison<'a>(entity: &str, component: &str, frames: &'a [Frame]) -> Option<Compare<'a>> {
+    if let Some(step) = Step::ALL.into_iter().find(|step| entity == format!("/timing/{step}")) {
+        return Some(Box::new(move |value, frame| is_number(value, frame.timings.ns(step) as f64 * 1e-6)));
+    }
+    match (entity, component) {
+        ("/log", "TextLog:text") => {
+            let mut watch = Watch::default();
+            let events: Vec<_> = frames.iter().map(|frame| watch.events(frame)).collect();
+            let of_index = |frame: &Frame| (frame.revolution.seq - frames[0].revolution.seq) as usize;
+            let said = move |frame: &Frame| -> Vec<String> {
+                let events = events[of_index(frame)].iter().map(ToString::to_string);
+                events.chain(frame.notes.iter().map(str::to_owned)).collect()
+            };
+            Some(Box::new(move |value, frame| matches!(value, Value::Texts(texts) if said(frame).contains(&texts[0]))))
+        }
+        ("/log", "TextLog:level") => Some(Box::new(|value, _| is_text(value, "INFO"))),
+        ("/timing/total", _) => Some(Box::new(|value, frame| {
+            let total_ms = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum::<u64>() as f64 * 1e-6;
+            let Value::Numbers(array) = value else { return false };
+            let period_is_right = array.to_f64()[1] == 100.0 || frame.revolution.seq == frames[0].revolution.seq;
+            array.shape == [2] && array.to_f64()[0] == total_ms && period_is_right
+        })),
+        _ => number_comparison(entity, component)
+            .or_else(|| text_comparison(entity, component))
+            .or_else(|| drawings::comparison(entity, component))
+            .map(|compare| Box::new(compare) as Compare),
+    }
+}
+
+/// Numbers to the last bit, or rounded as it is stated.
+fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
+    Some(match (entity, component) {
+        ("/scan/ranges", _) => |value, frame| {
+            let ranges_m = &sweep(frame).ranges_m;
+            is(value, &[ranges_m.len()], Numbers::F32(ranges_m.clone()))
+        },
+        ("/scan/seen", _) => |value, frame| {
+            let seen = sweep(frame).beams.iter().map(|beam| match beam {
+                Beam::Return(_) => 2,
+                Beam::NoReturn => 1,
+                Beam::Unknown => 0,
+            });
+            is(value, &[sweep(frame).len()], Numbers::I64(seen.collect()))
+        },
+        ("/scan/beams", _) => |value, frame| is_f64s(value, &[sweep(frame).len()], sweep(frame).bearings_rad.clone()),
+        ("/scan/beams/wire", _) => |value, frame| is(value, &[4], Numbers::F32(sweep(frame).wire_geometry.to_vec())),
+        ("/scan/count", _) => |value, frame| is_number(value, frame.revolution.len() as f64),
+        ("/scan/openings", "Tensor:data") => |value, frame| {
+            let openings = &frame.junction.openings;
+            is_f64s(value, &[openings.len(), 2], openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect())
+        },
+        ("/affinity/degrees", _) => |value, frame| {
+            let degrees: Vec<f32> = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
+            is(value, &[degrees.len()], Numbers::F32(degrees))
+        },
+        ("/affinity/W", "EncodedDepthImage:blob") => {
+            |value, frame| is_picture(value, frame, &frames::dense(&frame.affinity))
+        }
+        ("/spectral/L", "EncodedDepthImage:blob") => {
+            |value, frame| is_picture(value, frame, &frames::laplacian(&frame.affinity))
+        }
+        ("/affinity/W/exact", _) => |value, frame| {
+            let (w, n) = (frames::dense(&frame.affinity), frame.revolution.len());
+            is_f64s(
+                value,
+                &[n, n],
+                (0..n * n).map(|at| if at / n <= at % n { w[(at / n, at % n)] } else { 0.0 }).collect(),
+            )
+        },
+        ("/spectral/eigenvalues", _) => |value, frame| {
+            let eigenvalues = &frame.spectrum.eigenvalues;
+            is_f64s(value, &[eigenvalues.len()], eigenvalues.clone())
+        },
+        ("/spectral/tolerance", _) => |value, frame| is_number(value, frame.spectrum.tolerance),
+        ("/spectral/k", _) => |value, frame| is_number(value, frame.spectrum.k as f64),
+        ("/spectral/margin", _) => |value, frame| match frame.spectrum.margin_decades {
+            Some(decades) => is_number(value, decades),
+            None => is_f64s(value, &[0], vec![]),
+        },
+        ("/spectral/U", _) => |value, frame| {
+            let u = &frame.spectrum.u;
+            let rounded = rows(u).into_iter().map(|x| f32::from(F16::from_f64(x)));
+            is(value, &[u.nrows(), u.ncols()], Numbers::F32(rounded.collect()))
+        },
+        ("/spectral/U/exact", _) => |value, frame| {
+            let u = &frame.spectrum.u;
+            is_f64s(value, &[u.nrows(), u.ncols()], rows(u))
+        },
+        ("/kmeans/labels", "Tensor:data") => |value, frame| {
+            let labels = frame.partition.labels.iter().map(|label| label.map_or(-1, i64::from));
+            is(value, &[frame.revolution.len()], Numbers::I64(labels.collect()))
+        },
+        ("/kmeans/centroids", "Tensor:data") => |value, frame| {
+            let centroids = &frame.partition.centroids;
+            is_f64s(value, &[centroids.nrows(), centroids.ncols()], rows(centroids))
+        },
+        ("/report/junctions", _) => |value, frame| is_number(value, frame.junction.junctions as f64),
+        ("/report/confidence", _) => |value, frame| is_number(value, frame.junction.confidence),
+        ("/report/labels", _) => |value, frame| {
+            let wall_of = |beam: &Beam| match beam {
+                Beam::Return(i) => frame.junction.wall_of_return[*i as usize].map_or(-2, i64::from),
+                Beam::NoReturn | Beam::Unknown => -1,
+            };
+            is(value, &[sweep(frame).len()], Numbers::I64(sweep(frame).beams.iter().map(wall_of).collect()))
+        },
+        ("/report/walls", _) => |value, frame| {
+            let walls = frame.junction.walls.iter().flat_map(|wall| {
+                let [from, to] = wall.bearing_rad;
+                [
+                    f64::from(wall.id),
+                    wall.returns as f64,
+                    from,
+                    to,
+                    f64::from(u8::from(wall.island)),
+                    f64::from(wall.id),
+                ]
+            });
+            is_f64s(value, &[frame.junction.walls.len(), 6], walls.collect())
+        },
+        _ => return None,
+    })
+}
+
+fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
+    Some(match (entity, component) {
+        ("/report/place", "StateChange:state") => |value, frame| is_text(value, &frame.junction.place.to_string()),
+        ("/report/why", _) => {
+            |value, frame| is_text(value, &Explanation::of(frame).to_markdown(frame, &|wall| COLOURS[wall as usize]))
+        }
+        ("/report/summary", _) => |value, frame| {
+            let openings = frame
+                .junction
+                .openings
+                .iter()
+                .map(|o| format!("| {:+.0}° | {:.1} m |", o.bearing_rad.to_degrees(), o.width_m));
+            let walls = frame
+                .junction
+                .walls
+                .iter()
+                .map(|wall| format!("| {} | {} | {} |", wall.id, COLOURS[wall.id as usize], wall.returns));
+            let count = format!("# {} junctions · ", frame.junction.junctions);
+            let Value::Texts(texts) = value else { return false };
+            texts[0].starts_with(&count) && openings.chain(walls).all(|row| texts[0].contains(&row))
+        },
+        ("/timing/summary", _) => |value, frame| {
+            let now = Step::ALL.map(|step| format!("| {step} | {:.2} |", frame.timings.ns(step) as f64 * 1e-6));
+            matches!(value, Value::Texts(texts) if now.iter().all(|row| texts[0].contains(row)))
+        },
+        _ => return None,
+    })
+}
+
+/// Whether a picture holds both triangles of `m` to half a decade, and nothing where there is no return.
+fn is_picture(value: &Value, frame: &Frame, m: &faer::Mat<f64>) -> bool {
+    let Value::Numbers(Array { shape, numbers: Numbers::F64(read), .. }) = value else { return false };
+    let return_at = |place: usize| match sweep(frame).beams.get(place) {
+        Some(Beam::Return(i)) => Some(*i as usize),
+        _ => None,
+    };
+    read.iter().enumerate().all(|(at, &value)| match return_at(at / shape[1]).zip(return_at(at % shape[1])) {
+        None => value == 0.0,
+        Some((i, j)) if value == 0.0 => m[(i, j)].abs() < 1e-15,
+        Some((i, j)) => (m[(i, j)].abs() / value).log10().abs() <= 0.502,
+    })
+}
+
+pub(crate) fn sweep(frame: &Frame) -> &crosscut_stage::Sweep {
+    frame.revolution.sweep.as_ref().expect("a sweep")
+}
+
+fn rows(m: &Embedding) -> Vec<f64> {
+    (0..m.nrows() * m.ncols()).map(|at| m[(at / m.ncols(), at % m.ncols())]).collect()
+}
+
+fn is(value: &Value, shape: &[usize], numbers: Numbers) -> bool {
+    matches!(value, Value::Numbers(array) if array.shape == shape && array.numbers == numbers)
+}
+
+fn is_f64s(value: &Value, shape: &[usize], numbers: Vec<f64>) -> bool {
+    is(value, shape, Numbers::F64(numbers))
+}
+
+fn is_number(value: &Value, number: f64) -> bool {
+    is_f64s(value, &[], vec![number])
+}
+
+fn is_text(value: &Value, text: &str) -> bool {
+    matches!(value, Value::Texts(texts) if texts[..] == [text])
+}
+
+#[test]
+fn every_component_of_every_entity_holds_what_the_pipeline_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let (frames, path) = (flight(), folder.path().join("flight.rrd"));
+    record(&path, &frames);
+    let recording = Recording::open(&path).unwrap();
+    let mut compared = BTreeSet::new();
+    for (entity, holds) in recording.entities().iter().filter(|(entity, _)| !WHOLE_FLIGHT.contains(&entity.as_str())) {
+        assert!(holds.revolutions.is_some(), "{entity} is compared with nothing");
+        for row in recording.rows(entity).unwrap().map(Result::unwrap) {
+            let frame = &frames[row.revolution as usize];
+            assert_eq!(row.stamp_ns, Some(frame.revolution.stamp_ns as i64), "{entity}");
+            let is_look = |component: &&str| LOOK.iter().any(|look| component.ends_with(look));
+            for component in row.components().filter(|component| !is_look(component)) {
+                let compare = comparison(entity, component, &frames)
+                    .unwrap_or_else(|| panic!("{entity}, {component} is compared with nothing"));
+                for value in row.values(component).map(Result::unwrap) {
+                    assert!(compare(&value, frame), "{entity}, {component} at {}: {value:?}", row.revolution);
+                }
+                compared.insert((entity.clone(), component.to_owned()));
+            }
+        }
+    }
+    assert!(compared.len() >= 50, "{} components", compared.len());
+}
