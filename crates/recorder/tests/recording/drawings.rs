@@ -17,7 +17,7 @@ const STEP: f64 = 0.5 / 128.0 + 1e-6;
 pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
     Some(match (entity, component) {
         ("/scan/returns", "Points3D:positions") => {
-            |value, frame| points(value) == frame.revolution.points_m.iter().map(|p| drawn(p)).collect::<Vec<_>>()
+            |value, frame| points(value) == frame.revolution.points_m.iter().map(drawn).collect::<Vec<_>>()
         }
         ("/scan/returns" | "/spectral/embedding", "Points3D:class_ids") => |value, frame| {
             wholes(value).into_iter().eq(frame
@@ -27,7 +27,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 .map(|wall| wall.map_or(65_535, i64::from)))
         },
         ("/scan/walls", "LineStrips3D:strips") => |value, frame| {
-            let returns: Vec<_> = frame.revolution.points_m.iter().map(|p| drawn(p)).collect();
+            let returns: Vec<_> = frame.revolution.points_m.iter().map(drawn).collect();
             lines(value).iter().flatten().all(|vertex| returns.contains(vertex))
                 && lines(value).len() >= frame.junction.walls.len()
         },
@@ -50,7 +50,7 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 .junction
                 .openings
                 .iter()
-                .map(|o| o.edge_m.iter().map(|p| drawn(p)).collect::<Vec<_>>()))
+                .map(|o| o.edge_m.iter().map(drawn).collect::<Vec<_>>()))
         },
         ("/scan/openings", "Points3D:positions") => |value, frame| points(value).len() == frame.junction.openings.len(),
         ("/scan/openings", "Points3D:labels") => |value, frame| {
