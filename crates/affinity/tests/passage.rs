@@ -150,11 +150,28 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
 }
 
+/// With twelve corners.
+fn pillar(centre_m: [f64; 2], radius_m: f64) -> Vec<Segment> {
+    let corner = |k: u32| {
+        let (sin, cos) = (f64::from(k) * TAU / 12.0).sin_cos();
+        [centre_m[0] + radius_m * cos, centre_m[1] + radius_m * sin]
+    };
+    (0..12).map(|k| [corner(k), corner(k + 1)]).collect()
+}
+
+#[test]
+fn a_dead_end_is_one_wall_also_behind_a_pillar() {
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    for y_m in [-0.9, 0.0, 0.9] {
+        let scene = [&dead_end[..], &pillar([3.0, y_m], 0.7)].concat();
+        let sizes = components(&scan(&scene, all), &[]);
+        assert_eq!(sizes.len(), 2, "the wall and the pillar, which is {y_m} m to the left: {sizes:?}");
+    }
+}
+
 #[test]
 fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
-    let round = |k: f64| [5.0 + 0.5 * (k * TAU / 12.0).cos(), 0.3 + 0.5 * (k * TAU / 12.0).sin()];
-    let pillar: Vec<Segment> = (0..12).map(|k| [round(f64::from(k)), round(f64::from(k + 1))]).collect();
-    let scene = [&TUNNEL[..], &pillar].concat();
+    let scene = [&TUNNEL[..], &pillar([5.0, 0.3], 0.5)].concat();
     let sizes = components(&scan(&scene, all), &[]);
     assert_eq!(sizes.len(), 3, "{sizes:?}");
     assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");

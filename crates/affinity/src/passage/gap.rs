@@ -200,6 +200,12 @@ impl<'a> Judge<'a> {
         f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad > BLANK_RAD
     }
 
+    /// Whether what is in the gap cannot be seen: half of the beams into it, or more, end at islands, or were lost.
+    pub(super) fn is_hidden(&self, p: usize, q: usize) -> bool {
+        let dark = self.ring.dark_between(p, q) as usize;
+        self.is_shaded(p, q) || (2 * dark >= self.ring.beams_from(p, q) && self.dark_share(p, q).is_none())
+    }
+
     /// Whether half of the beams into the gap, or more, end at islands.
     fn is_shaded(&self, p: usize, q: usize) -> bool {
         let shaded = self.islands.iter().flatten().filter(|&&i| self.ring.is_between(i, p, q)).count();

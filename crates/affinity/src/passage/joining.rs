@@ -71,9 +71,9 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>,
 }
 
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
-/// a stray return in it suggests.
-pub(super) fn cut_at_peaks(ring: &Ring, walls: &mut Vec<Vec<usize>>, passage_m: f64) {
-    cut(walls, |wall| sharpest_peak(ring, wall, passage_m));
+/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not cut.
+pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Vec<Vec<usize>>, passage_m: f64) {
+    cut(walls, |wall| sharpest_peak(ring, judge, wall, passage_m));
 }
 
 /// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed while
@@ -105,13 +105,13 @@ fn widest_way(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) ->
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 
-fn sharpest_peak(ring: &Ring, wall: &[usize], passage_m: f64) -> Option<usize> {
+fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) -> Option<usize> {
     let mut sharpest = None;
     let mut least_rad = PEAK_RAD.start;
     for cut in LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1) {
         let (a, b) = wall.split_at(cut);
         let chord = ring.place_m(b[0]) - ring.place_m(a[cut - 1]);
-        if chord.norm() < passage_m {
+        if chord.norm() < passage_m || judge.is_hidden(a[cut - 1], b[0]) {
             continue;
         }
         let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);

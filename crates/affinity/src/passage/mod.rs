@@ -218,7 +218,7 @@ impl Passage {
         if joining::cut_at_ways(ring, &judge, &mut walls, limits.passage_m) {
             left_over.extend(joining::join(ring, &judge, &mut walls, least_returns));
         }
-        joining::cut_at_peaks(ring, &mut walls, limits.passage_m);
+        joining::cut_at_peaks(ring, &judge, &mut walls, limits.passage_m);
 
         let dropped = dust.iter().filter(|dust| **dust).count();
         if dropped > 0 {
