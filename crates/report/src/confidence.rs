@@ -16,7 +16,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use crosscut_stage::{Junction, Revolution, wrap_angle_rad};
 
-use crate::openings::{Sides, clearance_m, depth_m, sides};
+use crate::openings::{clearance_m, depth_m, sides};
 use crate::ring::{Position, Ring};
 
 /// Clearances count between these multiples of the vehicle's width.
@@ -54,18 +54,20 @@ impl Grounds {
 
     /// Of an answer that has walls; `None` without one, or without beams.
     pub fn of(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
-        let wall_beside_openings =
-            answer.wall_of_return.iter().map(|wall| wall.filter(|&id| !answer.walls[id as usize].island));
+        let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
+        let wall_beside_openings: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
         let mut ring = Ring::default();
-        let sweep = revolution.as_sweep()?;
-        ring.fill(revolution, sweep, &wall_beside_openings.collect::<Vec<_>>());
+        ring.fill(revolution, revolution.as_sweep()?, &wall_beside_openings);
+        Self::on(&ring, revolution, vehicle_width_m, answer)
+    }
+
+    /// The same, `ring` holding the walls that are no islands; `None` without one.
+    fn on(ring: &Ring, revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
         if ring.entries.is_empty() {
             return None;
         }
-        let is_opening = |sides: &Sides<'_>| {
-            let edge_m = sides.edge_m();
-            let is_edge = |ends_m: [Position; 2]| ends_m == edge_m;
-            answer.openings.iter().any(|opening| is_edge(opening.edge_m.map(|end_m| end_m.coords.xy())))
+        let is_opening = |edge_m: [Position; 2]| {
+            answer.openings.iter().any(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()) == edge_m)
         };
         let mut grounds = Self {
             least_at_openings_m: f64::INFINITY,
@@ -75,12 +77,16 @@ impl Grounds {
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
         };
-        for sides in sides(&ring) {
-            let edge_m = sides.edge_m();
-            if is_opening(&sides) {
+        for sides in sides(ring) {
+            let (edge_m, walls) = (sides.edge_m(), sides.walls());
+            // No opening within a wall is narrower than the vehicle.
+            if walls[0] == walls[1] && (edge_m[1] - edge_m[0]).norm() < vehicle_width_m {
+                continue;
+            }
+            if is_opening(edge_m) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
-            } else if sides.walls()[0] == sides.walls()[1] && (edge_m[1] - edge_m[0]).norm() >= vehicle_width_m {
-                let unseen_rad = (1 + sides.between().count()) as f64 * sweep.step_rad;
+            } else if walls[0] == walls[1] {
+                let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
                 grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
                 let clearance_m = clearance_m(&sides);
                 if clearance_m > grounds.most_within_walls_m {
@@ -117,9 +123,9 @@ fn apart_rad(answer: &Junction) -> f64 {
     if answer.openings.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
 }
 
-/// The share of right answers among those on such grounds; 0 without any.
-pub(crate) fn of_scene(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> f64 {
-    let Some(grounds) = Grounds::of(revolution, vehicle_width_m, answer) else { return 0.0 };
+/// The share of right answers among those on such grounds; 0 without any. `ring` holds the walls that are no islands.
+pub(crate) fn of_scene(revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, answer: &Junction) -> f64 {
+    let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, answer) else { return 0.0 };
     let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
     1.0 / (1.0 + (-logit).exp())
 }
@@ -162,7 +168,7 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(of_scene(&Revolution::default(), 0.6, &Junction::default()), 0.0);
-        assert_eq!(of_scene(&cloud, 0.6, &Junction { wall_of_return: vec![None], ..Junction::default() }), 0.0);
+        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.6, &Junction::default()), 0.0);
+        assert_eq!(Grounds::of(&cloud, 0.6, &Junction { wall_of_return: vec![None], ..Junction::default() }), None);
     }
 }

@@ -1,57 +1,57 @@
 //! Walls that stand free in front of others: pillars.
 
-use crosscut_stage::{Junction, Point, Revolution};
+use crosscut_stage::{Junction, Point, Revolution, Wall};
 
 use crate::ring::{Entry, Ring};
 
 /// What is seen past either end of an island lies at least this much farther.
 const BEHIND_M: f64 = 0.5;
 
-/// Sets `island` of the walls that are shorter than `island_m` and on both sides of which the next wall, going around
-/// the sensor, is farther away. Nearest first: one that is partly hidden by another is judged by what is beside both.
-/// Without beams nothing is in front of anything.
-pub fn mark(revolution: &Revolution, island_m: f64, out: &mut Junction) {
-    let Some(sweep) = &revolution.sweep else { return };
-    let mut ring = Ring::default();
-    ring.fill(revolution, sweep, &out.wall_of_return);
-    let mut candidates: Vec<(f64, u32)> = Vec::new();
-    for wall in &out.walls {
-        let (nearest_m, length_m) = extent_m(revolution, &out.wall_of_return, wall.id);
-        if length_m < island_m {
-            candidates.push((nearest_m, wall.id));
-        }
-    }
+/// Sets `island` of the walls of `out` that are shorter than `island_m` and on both sides of which the next wall, going
+/// around the sensor, is farther away, and takes them out of `ring`. Nearest first: one that is partly hidden by another
+/// is judged by what is beside both.
+pub fn mark(revolution: &Revolution, island_m: f64, ring: &mut Ring, out: &mut Junction) {
+    let length_m = lengths_m(revolution, out);
+    let short = |wall: &&Wall| length_m[wall.id as usize] < island_m;
+    let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
+    let mut candidates: Vec<(f64, u32)> =
+        out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, id) in candidates {
         let others = out.walls.iter().filter(|wall| !wall.island).count();
-        if others > 1 && stands_free(&ring, id) {
+        if others > 1 && stands_free(ring, id) {
             out.walls[id as usize].island = true;
-            ring.entries.retain(|entry| entry.wall != id);
+            ring.remove(id);
         }
     }
 }
 
-/// Range of the nearest return of a wall, and the largest distance of one of its returns from the first.
-fn extent_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -> (f64, f64) {
-    let mut first: Option<Point> = None;
-    let (mut nearest_m, mut length_m) = (f64::INFINITY, 0.0f64);
-    for (i, _) in wall_of_return.iter().enumerate().filter(|(_, wall)| **wall == Some(id)) {
-        let point = revolution.points_m[i];
-        let first = *first.get_or_insert(point);
-        nearest_m = nearest_m.min(revolution.range_m(i));
-        length_m = length_m.max((point - first).norm());
+/// The largest distance of a return of each wall from its first.
+fn lengths_m(revolution: &Revolution, out: &Junction) -> Vec<f64> {
+    let mut first: Vec<Option<Point>> = vec![None; out.walls.len()];
+    let mut squared = vec![0.0f64; out.walls.len()];
+    for (point, wall) in revolution.points_m.iter().zip(&out.wall_of_return) {
+        let Some(wall) = wall.map(|id| id as usize) else { continue };
+        let first = *first[wall].get_or_insert(*point);
+        squared[wall] = squared[wall].max((point - first).norm_squared());
     }
-    (nearest_m, length_m)
+    squared.iter_mut().for_each(|squared| *squared = squared.sqrt());
+    squared
+}
+
+/// Range of the nearest return of a wall.
+fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -> f64 {
+    let of_wall = (0..wall_of_return.len()).filter(|&i| wall_of_return[i] == Some(id));
+    of_wall.map(|i| revolution.range_m(i)).fold(f64::INFINITY, f64::min)
 }
 
 fn stands_free(ring: &Ring, id: u32) -> bool {
-    let n = ring.len();
     let at_an_end = |entry: Option<&Entry>| !ring.full_turn && entry.is_some_and(|entry| entry.wall == id);
     if at_an_end(ring.entries.first()) || at_an_end(ring.entries.last()) {
         return false;
     }
     (0..ring.edges()).all(|at| {
-        let [a, b] = [ring.entries[at], ring.entries[(at + 1) % n]];
+        let [a, b] = [ring.entries[at], ring.entries[ring.after(at)]];
         let (inner, outer) = match (a.wall == id, b.wall == id) {
             (true, false) => (a, b),
             (false, true) => (b, a),
@@ -64,22 +64,19 @@ fn stands_free(ring: &Ring, id: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crosscut_stage::{Beam, Sweep, Wall};
+    use crosscut_stage::{Beam, Sweep};
 
     /// Eight beams all around, one wall label for each.
     fn marked(ranges_m: [f64; 8], labels: [u32; 8], island_m: f64) -> Vec<bool> {
         let bearings_rad: Vec<f64> = (0..8).map(|beam| f64::from(beam) * std::f64::consts::FRAC_PI_4).collect();
         let points = ranges_m.iter().zip(&bearings_rad).map(|(r, b)| Point::new(r * b.cos(), r * b.sin(), 0.0));
-        let revolution = Revolution {
-            points_m: points.collect(),
-            sweep: Some(Sweep {
-                beams: (0..8).map(Beam::Return).collect(),
-                step_rad: std::f64::consts::FRAC_PI_4,
-                full_turn: true,
-                bearings_rad,
-                ..Sweep::default()
-            }),
-            ..Revolution::default()
+        let revolution = Revolution { points_m: points.collect(), ..Revolution::default() };
+        let sweep = Sweep {
+            beams: (0..8).map(Beam::Return).collect(),
+            step_rad: std::f64::consts::FRAC_PI_4,
+            full_turn: true,
+            bearings_rad,
+            ..Sweep::default()
         };
         let walls = 1 + *labels.iter().max().expect("eight");
         let wall = |id| Wall { id, returns: 1, bearing_rad: [0.0; 2], island: false };
@@ -88,7 +85,10 @@ mod tests {
             wall_of_return: labels.map(Some).to_vec(),
             ..Junction::default()
         };
-        mark(&revolution, island_m, &mut junction);
+        let mut ring = Ring::default();
+        ring.fill(&revolution, &sweep, &junction.wall_of_return);
+        mark(&revolution, island_m, &mut ring, &mut junction);
+        assert!(ring.entries.iter().all(|entry| !junction.walls[entry.wall as usize].island), "islands are taken out");
         junction.walls.iter().map(|wall| wall.island).collect()
     }
 

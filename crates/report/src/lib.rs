@@ -21,7 +21,7 @@ pub mod openings;
 pub mod place;
 mod reporter;
 mod results;
-mod ring;
+pub mod ring;
 pub mod walls;
 
 pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};

@@ -2,10 +2,11 @@
 
 use crosscut_stage::{
     Interval, Junction, LevelView, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum,
-    StageError,
+    StageError, Sweep,
 };
 
-use crate::openings::{Finder, Rule};
+use crate::openings::{self, Rule};
+use crate::ring::Ring;
 use crate::{confidence, islands, place, walls};
 
 /// Section `report` of the configuration.
@@ -61,9 +62,8 @@ pub struct Reporter {
     vehicle_width_m: f64,
     vehicle_height_m: f64,
     view: LevelView,
-    finder: Finder,
-    /// Wall of each return, those of islands left out.
-    wall_beside_openings: Vec<Option<u32>>,
+    openings: Rule,
+    ring: Ring,
 }
 
 impl Reporter {
@@ -76,27 +76,26 @@ impl Reporter {
             vehicle_width_m: vehicle.number("width_m"),
             vehicle_height_m: vehicle.number("height_m"),
             view: LevelView::default(),
-            finder: Finder::new(match report.text("openings") {
+            openings: match report.text("openings") {
                 "between_walls" => Rule::BetweenWalls,
                 _ => Rule::FreeSpace,
-            }),
-            wall_beside_openings: Vec::new(),
+            },
+            ring: Ring::default(),
         }
     }
 }
 
 impl Reporter {
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
-    fn look_around(&mut self, revolution: &Revolution, spectrum: &Spectrum, out: &mut Junction) {
-        islands::mark(revolution, self.island_m, out);
-        let without_islands = |wall: &Option<u32>| wall.filter(|&id| !out.walls[id as usize].island);
-        self.wall_beside_openings.clear();
-        self.wall_beside_openings.extend(out.wall_of_return.iter().map(without_islands));
-        self.finder.find(revolution, self.vehicle_width_m, &self.wall_beside_openings, &mut out.openings);
+    fn look_around(&mut self, revolution: &Revolution, sweep: &Sweep, spectrum: &Spectrum, out: &mut Junction) {
+        let Self { ring, vehicle_width_m, .. } = self;
+        ring.fill(revolution, sweep, &out.wall_of_return);
+        islands::mark(revolution, self.island_m, ring, out);
+        openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        out.place = place::name(revolution.sweep.as_ref().is_none_or(|sweep| sweep.full_turn), &out.openings);
+        out.place = place::name(sweep.full_turn, &out.openings);
         out.confidence = if self.confidence_of_scene {
-            confidence::of_scene(revolution, self.vehicle_width_m, out)
+            confidence::of_scene(revolution, ring, *vehicle_width_m, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };
@@ -114,7 +113,8 @@ impl Reporter {
         };
         seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
         seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
-        self.look_around(view.seen(), spectrum, &mut seen);
+        let sweep = view.seen().sweep.as_ref().expect("a view has beams");
+        self.look_around(view.seen(), sweep, spectrum, &mut seen);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
         }
@@ -138,10 +138,9 @@ impl ReportStage for Reporter {
             return Err(StageError::Unsupported(format!("{labelled} labels for {n} returns")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        if revolution.as_sweep().is_some() {
-            self.look_around(revolution, spectrum, out);
-        } else {
-            self.look_around_in_cloud(revolution, spectrum, out);
+        match revolution.as_sweep() {
+            Some(sweep) => self.look_around(revolution, sweep, spectrum, out),
+            None => self.look_around_in_cloud(revolution, spectrum, out),
         }
         Ok(())
     }

@@ -8,10 +8,12 @@ pub(crate) type Position = Vector2<f64>;
 
 /// Returns that belong to a wall, in the order in which an anticlockwise look around the sensor meets them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ring {
+pub struct Ring {
     pub(crate) entries: Vec<Entry>,
     /// What each beam saw, anticlockwise.
     pub(crate) beams: Vec<Beam>,
+    /// Angle from one beam to the next.
+    pub(crate) step_rad: f64,
     /// The last entry is followed by the first.
     pub(crate) full_turn: bool,
 }
@@ -27,11 +29,12 @@ pub(crate) struct Entry {
 }
 
 impl Ring {
-    /// Takes in the returns of walls; the others are passed over.
-    pub(crate) fn fill(&mut self, revolution: &Revolution, sweep: &Sweep, wall_of_return: &[Option<u32>]) {
-        self.full_turn = sweep.full_turn;
+    /// Takes in the returns of walls, whatever was there before; those that `wall_of_return` (n entries) gives no wall are
+    /// passed over.
+    pub fn fill(&mut self, revolution: &Revolution, sweep: &Sweep, wall_of_return: &[Option<u32>]) {
+        (self.step_rad, self.full_turn) = (sweep.step_rad, sweep.full_turn);
         self.beams.clear();
-        self.beams.extend(&sweep.beams);
+        self.beams.extend_from_slice(&sweep.beams);
         if sweep.is_clockwise() {
             self.beams.reverse();
         }
@@ -46,6 +49,11 @@ impl Ring {
         }
     }
 
+    /// Takes a wall out.
+    pub(crate) fn remove(&mut self, wall: u32) {
+        self.entries.retain(|entry| entry.wall != wall);
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
@@ -55,10 +63,22 @@ impl Ring {
         if self.full_turn { self.len() } else { self.len().saturating_sub(1) }
     }
 
+    /// The entry after one, anticlockwise.
+    pub(crate) fn after(&self, at: usize) -> usize {
+        if at + 1 == self.len() { 0 } else { at + 1 }
+    }
+
+    /// The entry before one.
+    pub(crate) fn before(&self, at: usize) -> usize {
+        if at == 0 { self.len() - 1 } else { at - 1 }
+    }
+
     /// What the beams saw between an entry and a later one.
     pub(crate) fn between(&self, from: usize, to: usize) -> impl Iterator<Item = Beam> + Clone {
-        let (from, to, beams) = (self.entries[from].beam, self.entries[to].beam, self.beams.len());
-        let count = (to + beams - from - 1) % beams;
-        (1..=count).map(move |step| self.beams[(from + step) % beams])
+        let (from, to, beams) = (self.entries[from].beam, self.entries[to].beam, &self.beams[..]);
+        // From the one to the other, or on to the last beam and from the first.
+        let (ahead, around) =
+            if from < to { (&beams[from + 1..to], &[][..]) } else { (&beams[from + 1..], &beams[..to]) };
+        ahead.iter().chain(around).copied()
     }
 }

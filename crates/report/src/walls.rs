@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall};
 
+use crate::ring::Position;
+
 /// Writes `out.walls` and `out.wall_of_return`: one wall per cluster of at least `min_returns` returns, numbered by
 /// its first return.
 pub fn from_partition(
@@ -39,27 +41,65 @@ pub fn from_partition(
     set_bearings(revolution, out);
 }
 
-/// The smallest arc that holds all returns of a wall, anticlockwise.
+/// Gives each wall the smallest arc that holds all its returns, anticlockwise.
 fn set_bearings(revolution: &Revolution, out: &mut Junction) {
-    let mut bearings_of_wall = vec![Vec::new(); out.walls.len()];
-    for (i, wall) in out.wall_of_return.iter().enumerate() {
+    // All returns, wall by wall.
+    let mut next = Vec::with_capacity(out.walls.len());
+    let mut count = 0;
+    for wall in &out.walls {
+        next.push(count);
+        count += wall.returns;
+    }
+    let mut directions = vec![Direction::default(); count];
+    for (point, wall) in revolution.points_m.iter().zip(&out.wall_of_return) {
         if let Some(wall) = wall {
-            bearings_of_wall[*wall as usize].push(revolution.bearing_rad(i));
+            directions[next[*wall as usize]] = Direction::of(point.coords.xy());
+            next[*wall as usize] += 1;
         }
     }
-    for (wall, bearings) in out.walls.iter_mut().zip(&mut bearings_of_wall) {
-        wall.bearing_rad = arc(bearings);
+    // Where the next wall would start, each has ended.
+    for (wall, end) in out.walls.iter_mut().zip(next) {
+        wall.bearing_rad = arc(&mut directions[end - wall.returns..end]);
+    }
+}
+
+/// Where a return lies, seen from the sensor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Direction {
+    position_m: Position,
+    /// y / (|x| + |y|), carried on around the turn: it grows with the bearing, half as fast at least and as fast at most,
+    /// from -2 to 2, and takes no arc tangent.
+    key: f64,
+}
+
+impl Direction {
+    fn of(position_m: Position) -> Self {
+        let (x, y) = (position_m.x, position_m.y);
+        let rise = y / (x.abs() + y.abs()).max(f64::MIN_POSITIVE);
+        let key = if x >= 0.0 { rise } else { 2.0f64.copysign(y) - rise };
+        Self { position_m, key }
+    }
+
+    fn bearing_rad(&self) -> f64 {
+        self.position_m.y.atan2(self.position_m.x)
     }
 }
 
 /// The arc is what remains of the circle when the widest gap between neighbouring bearings is left out.
-fn arc(bearings_rad: &mut [f64]) -> [f64; 2] {
-    bearings_rad.sort_by(f64::total_cmp);
-    let (Some(&first), Some(&last)) = (bearings_rad.first(), bearings_rad.last()) else { return [0.0; 2] };
-    let mut widest = (first + TAU - last, [first, last]);
-    for pair in bearings_rad.windows(2) {
-        if pair[1] - pair[0] > widest.0 {
-            widest = (pair[1] - pair[0], [pair[1], pair[0]]);
+fn arc(directions: &mut [Direction]) -> [f64; 2] {
+    directions.sort_by(|a, b| a.key.total_cmp(&b.key));
+    let (Some(first), Some(last)) = (directions.first(), directions.last()) else { return [0.0; 2] };
+    let across = first.key + 4.0 - last.key;
+    let pairs = || directions.windows(2).map(|pair| (pair[1].key - pair[0].key, pair));
+    let widest_key = pairs().map(|(gap, _)| gap).fold(across, f64::max);
+    // A gap of less than half of that key is narrower for certain.
+    let is_wide = |gap: f64| gap >= 0.499 * widest_key;
+    let (first_rad, last_rad) = (first.bearing_rad(), last.bearing_rad());
+    let mut widest = (first_rad + TAU - last_rad, [first_rad, last_rad]);
+    for (_, pair) in pairs().filter(|&(gap, _)| is_wide(gap)) {
+        let [from_rad, to_rad] = [pair[0].bearing_rad(), pair[1].bearing_rad()];
+        if to_rad - from_rad > widest.0 {
+            widest = (to_rad - from_rad, [to_rad, from_rad]);
         }
     }
     widest.1

@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
-use crosscut_report::openings::Finder;
+use crosscut_report::openings::{Rule, find};
+use crosscut_report::ring::Ring;
 use crosscut_stage::{Beam, Evidence, Opening, Revolution};
 use scenes::{Segment, scan, tee, tunnel};
 
@@ -14,8 +15,11 @@ fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
 }
 
 fn openings_of((revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
-    let mut found = Vec::new();
-    Finder::default().find(revolution, 0.6, walls, &mut found);
+    let (mut ring, mut found) = (Ring::default(), Vec::new());
+    if let Some(sweep) = &revolution.sweep {
+        ring.fill(revolution, sweep, walls);
+    }
+    find(Rule::FreeSpace, revolution, &ring, 0.6, &mut found);
     found
 }
 

@@ -105,8 +105,13 @@ impl Sweep {
 
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
     pub fn is_clockwise(&self) -> bool {
-        let turn_rad = |pair: &[f64]| wrap_angle_rad(pair[1] - pair[0]);
-        self.bearings_rad.windows(2).map(turn_rad).sum::<f64>() < 0.0
+        // Bearings are in (-π, π], so a turn is off by one full turn at most.
+        let wrapped = |turn_rad: f64| match turn_rad {
+            ahead if ahead > PI => ahead - TAU,
+            back if back <= -PI => back + TAU,
+            within => within,
+        };
+        self.bearings_rad.windows(2).map(|pair| wrapped(pair[1] - pair[0])).sum::<f64>() < 0.0
     }
 
     /// Removes all beams, keeping the buffers.

@@ -28,8 +28,8 @@ fn distance_from_line_m(ring: &Ring, side: Side, point_m: Position) -> f64 {
 fn stretch_start_m(ring: &Ring, side: Side) -> Position {
     let end_m = ring.entries[side.at].position_m;
     let mut start_m = end_m;
-    for at in side.along(ring) {
-        start_m = ring.entries[at].position_m;
+    for entry in side.along(ring) {
+        start_m = entry.position_m;
         if (start_m - end_m).norm() >= LINE_M {
             break;
         }

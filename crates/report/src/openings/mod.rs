@@ -39,7 +39,7 @@ mod sides;
 
 use std::f64::consts::FRAC_PI_2;
 
-use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Sweep};
+use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution};
 
 pub(crate) use self::edge::{clearance_m, depth_m};
 use self::sides::Side;
@@ -62,51 +62,27 @@ pub enum Rule {
     BetweenWalls,
 }
 
-/// Finds openings; holds its buffers from one revolution to the next.
-#[derive(Clone, Debug, Default)]
-pub struct Finder {
-    rule: Rule,
-    ring: Ring,
-}
-
-impl Finder {
-    /// By a rule.
-    pub fn new(rule: Rule) -> Self {
-        Self { rule, ring: Ring::default() }
+/// Writes the openings between the walls of `ring`, which is filled from `revolution`, by bearing ascending.
+pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, out: &mut Vec<Opening>) {
+    let view = View { revolution, vehicle_width_m, ring };
+    let one_wall = ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
+    let branches = match rule {
+        Rule::FreeSpace => view.in_free_space(),
+        Rule::BetweenWalls if !one_wall => view.between_walls(),
+        Rule::BetweenWalls if ring.full_turn => widest(view.in_free_space()),
+        Rule::BetweenWalls => Vec::new(),
+    };
+    out.clear();
+    out.extend(branches.into_iter().map(|branch| branch.opening));
+    if !ring.full_turn {
+        out.extend(view.cut_by_its_ends());
     }
-
-    /// Writes the openings between the walls of `revolution`, by bearing ascending.
-    ///
-    /// `wall_of_return` has n entries. Without beam geometry (a cloud) there is no free space to see: no openings.
-    pub fn find(
-        &mut self,
-        revolution: &Revolution,
-        vehicle_width_m: f64,
-        wall_of_return: &[Option<u32>],
-        out: &mut Vec<Opening>,
-    ) {
-        out.clear();
-        let Some(sweep) = &revolution.sweep else { return };
-        self.ring.fill(revolution, sweep, wall_of_return);
-        let view = View { revolution, sweep, vehicle_width_m, ring: &self.ring };
-        let one_wall = self.ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
-        let branches = match self.rule {
-            Rule::FreeSpace => view.in_free_space(),
-            Rule::BetweenWalls if !one_wall => view.between_walls(),
-            Rule::BetweenWalls if sweep.full_turn => widest(view.in_free_space()),
-            Rule::BetweenWalls => Vec::new(),
-        };
-        out.extend(branches.into_iter().map(|branch| branch.opening));
-        if !sweep.full_turn {
-            out.extend(view.cut_by_its_ends());
-        }
-        out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
-    }
+    out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
 /// The sides of every two returns that follow each other.
 pub(crate) fn sides(ring: &Ring) -> impl Iterator<Item = Sides<'_>> {
-    (0..ring.edges()).map(|at| Sides::of(ring, at, (at + 1) % ring.len()))
+    (0..ring.edges()).map(|at| Sides::of(ring, at, ring.after(at)))
 }
 
 fn widest(branches: Vec<Branch>) -> Vec<Branch> {
@@ -144,7 +120,6 @@ impl Branch {
 /// One revolution seen as a ring of wall returns.
 struct View<'a> {
     revolution: &'a Revolution,
-    sweep: &'a Sweep,
     vehicle_width_m: f64,
     ring: &'a Ring,
 }
@@ -197,9 +172,10 @@ impl View<'_> {
     }
 
     fn branch(&self, sides: &Sides<'_>) -> Branch {
-        let [a, b] = sides.mouth_m();
+        let anchors_m = sides.anchors_m();
+        let [a, b] = sides.mouth_m(anchors_m);
         let (middle_m, width_m) = (0.5 * (a + b), (a - b).norm());
-        let lookout_m = sides.lookout_m(width_m).unwrap_or(middle_m);
+        let lookout_m = sides.lookout_m(anchors_m, width_m).unwrap_or(middle_m);
         let opening = Opening {
             bearing_rad: bearing_rad(lookout_m),
             width_m,
@@ -225,9 +201,9 @@ impl View<'_> {
         let beams = if side.clockwise { &self.ring.beams[end.beam + 1..] } else { &self.ring.beams[..end.beam] };
         let count = |kind: Beam| beams.iter().filter(|beam| **beam == kind).count();
         let free = count(Beam::Unknown) == 0 && 2 * count(Beam::NoReturn) > beams.len();
-        let turn_rad = beams.len() as f64 * self.sweep.step_rad;
+        let turn_rad = beams.len() as f64 * self.ring.step_rad;
         // What is free is known from the first to the last of the beams.
-        let room_m = end.range_m * (turn_rad - self.sweep.step_rad).min(FRAC_PI_2).sin();
+        let room_m = end.range_m * (turn_rad - self.ring.step_rad).min(FRAC_PI_2).sin();
         if !free || room_m < self.vehicle_width_m {
             return None;
         }

@@ -3,7 +3,7 @@
 use crosscut_stage::Beam;
 
 use super::LOOKOUT_M;
-use crate::ring::{Position, Ring};
+use crate::ring::{Entry, Position, Ring};
 
 /// Bisections of a way of at most 8 m or a half turn: to 1 cm and 0.2° at worst.
 const BISECTIONS: usize = 10;
@@ -26,32 +26,47 @@ pub(crate) struct Sides<'a> {
 
 impl Side {
     /// The returns of the wall, from the edge onward, half way round the ring at most.
-    pub(super) fn along(self, ring: &Ring) -> impl Iterator<Item = usize> {
-        let (n, wall) = (ring.len(), ring.entries[self.at].wall);
-        let step = if self.clockwise { n - 1 } else { 1 };
-        (0..n.div_ceil(2)).map(move |s| (self.at + s * step) % n).take_while(move |&at| ring.entries[at].wall == wall)
+    pub(super) fn along(self, ring: &Ring) -> impl Iterator<Item = &Entry> {
+        let wall = ring.entries[self.at].wall;
+        let onward = move |&at: &usize| Some(if self.clockwise { ring.before(at) } else { ring.after(at) });
+        let returns = std::iter::successors(Some(self.at), onward).map(|at| &ring.entries[at]);
+        returns.take(ring.len().div_ceil(2)).take_while(move |entry| entry.wall == wall)
     }
 
     /// The wall as a line from return to return: each return from the edge onward with the one before it.
+    fn line(self, ring: &Ring) -> impl Iterator<Item = [&Entry; 2]> {
+        let mut before = &ring.entries[self.at];
+        self.along(ring).map(move |after| [std::mem::replace(&mut before, after), after])
+    }
+
+    /// The same, in positions.
     fn line_m(self, ring: &Ring) -> impl Iterator<Item = [Position; 2]> {
-        let positions_m = move || self.along(ring).map(|at| ring.entries[at].position_m);
-        let end_m = ring.entries[self.at].position_m;
-        std::iter::once(end_m).chain(positions_m()).zip(positions_m()).map(|(before_m, after_m)| [before_m, after_m])
+        self.line(ring).map(|piece| piece.map(|entry| entry.position_m))
     }
 
     /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does not.
     pub(super) fn anchor_m(self, ring: &Ring) -> Position {
-        let within = self.line_m(ring).find(|[_, after_m]| after_m.norm() <= LOOKOUT_M);
-        within.map_or(ring.entries[self.at].position_m, |[before_m, after_m]| {
-            if before_m.norm() <= LOOKOUT_M { after_m } else { on_circle_m(before_m, after_m) }
+        let within = self.line(ring).find(|[_, after]| after.range_m <= LOOKOUT_M);
+        within.map_or(ring.entries[self.at].position_m, |[before, after]| {
+            if before.range_m <= LOOKOUT_M {
+                after.position_m
+            } else {
+                on_circle_m(before.position_m, after.position_m)
+            }
         })
     }
 
     /// The place of the wall that is nearest to a point.
     fn nearest_m(self, ring: &Ring, point_m: Position) -> Position {
-        let nearest = self.line_m(ring).map(|piece_m| nearest_on_m(piece_m, point_m));
-        let nearest = nearest.min_by(|a, b| (a - point_m).norm_squared().total_cmp(&(b - point_m).norm_squared()));
-        nearest.unwrap_or(ring.entries[self.at].position_m)
+        let (mut nearest_m, mut least) = (ring.entries[self.at].position_m, f64::INFINITY);
+        for piece_m in self.line_m(ring) {
+            let on_piece_m = nearest_on_m(piece_m, point_m);
+            let squared = (on_piece_m - point_m).norm_squared();
+            if squared < least {
+                (nearest_m, least) = (on_piece_m, squared);
+            }
+        }
+        nearest_m
     }
 }
 
@@ -90,13 +105,20 @@ impl<'a> Sides<'a> {
         if clockwise_first { [self.clockwise, self.anticlockwise] } else { [self.anticlockwise, self.clockwise] }
     }
 
+    /// Where the wall on each side, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; clockwise side first.
+    pub(super) fn anchors_m(&self) -> [Position; 2] {
+        [self.clockwise, self.anticlockwise].map(|side| side.anchor_m(self.ring))
+    }
+
     /// The two ends of the shortest line across the branch, at most [`LOOKOUT_M`] from the sensor.
     ///
     /// From the anchor of each side to the nearest return of the other side; the shorter of the two.
-    pub(super) fn mouth_m(&self) -> [Position; 2] {
-        let across =
-            |from: Side, to: Side| [from.anchor_m(self.ring), to.nearest_m(self.ring, from.anchor_m(self.ring))];
-        let lines = [across(self.clockwise, self.anticlockwise), across(self.anticlockwise, self.clockwise)];
+    pub(super) fn mouth_m(&self, anchors_m: [Position; 2]) -> [Position; 2] {
+        let [clockwise_m, anticlockwise_m] = anchors_m;
+        let lines = [
+            [clockwise_m, self.anticlockwise.nearest_m(self.ring, clockwise_m)],
+            [anticlockwise_m, self.clockwise.nearest_m(self.ring, anticlockwise_m)],
+        ];
         let length_m = |[a, b]: [Position; 2]| (a - b).norm();
         if length_m(lines[0]) <= length_m(lines[1]) { lines[0] } else { lines[1] }
     }
@@ -106,28 +128,35 @@ impl<'a> Sides<'a> {
     /// The centreline runs half the width away from the wall on the far side. What is seen of the branch ends at the
     /// beam past the end of the near wall, and here at a circle of that radius around the sensor. From where the near
     /// wall ends along the beam, then along the circle, the far wall comes nearer and nearer.
-    pub(super) fn lookout_m(&self, width_m: f64) -> Option<Position> {
+    pub(super) fn lookout_m(&self, anchors_m: [Position; 2], width_m: f64) -> Option<Position> {
         let [near, far] = self.by_range();
-        let (corner_m, opposite_m) = (near.anchor_m(self.ring), far.anchor_m(self.ring));
+        let [corner_m, opposite_m] = if near.clockwise { anchors_m } else { [anchors_m[1], anchors_m[0]] };
         let at_lookout_m = corner_m * (LOOKOUT_M / corner_m.norm()).max(1.0);
         let turn_rad = corner_m.perp(&opposite_m).atan2(corner_m.dot(&opposite_m));
         let on_beam = |share: f64| corner_m + (at_lookout_m - corner_m) * share;
         let on_circle = |share: f64| nalgebra::Rotation2::new(share * turn_rad) * at_lookout_m;
         let far_wall_m: Vec<[Position; 2]> = far.line_m(self.ring).collect();
-        let reached = |point_m: Position| {
-            let near_enough = |piece_m: &[Position; 2]| {
-                (nearest_on_m(*piece_m, point_m) - point_m).norm_squared() <= (0.5 * width_m).powi(2)
-            };
-            far_wall_m.iter().any(near_enough)
-        };
-        if reached(at_lookout_m) {
-            Some(bisect(on_beam, reached))
-        } else if reached(on_circle(1.0)) {
-            Some(bisect(on_circle, reached))
-        } else {
-            None
-        }
+        first_within_m(on_beam, &far_wall_m, 0.5 * width_m)
+            .or_else(|| first_within_m(on_circle, &far_wall_m, 0.5 * width_m))
     }
+}
+
+/// The first point of a way that is within this distance of a wall, if its end is. The way is a line, or at most half a
+/// circle.
+fn first_within_m(way: impl Fn(f64) -> Position, wall_m: &[[Position; 2]], distance_m: f64) -> Option<Position> {
+    let is_within = |squared: f64, piece_m: &[Position; 2], point_m: Position| {
+        (nearest_on_m(*piece_m, point_m) - point_m).norm_squared() <= squared
+    };
+    let end_m = way(1.0);
+    if !wall_m.iter().any(|piece_m| is_within(distance_m.powi(2), piece_m, end_m)) {
+        return None;
+    }
+    // Only what is near the circle around the way, with room for rounding, can be near a point of it.
+    let middle_m = way(0.5);
+    let reach_m = 1.001 * (distance_m + (end_m - middle_m).norm());
+    let near_m: Vec<_> = wall_m.iter().filter(|piece_m| is_within(reach_m.powi(2), piece_m, middle_m)).collect();
+    let is_reached = |point_m| near_m.iter().any(|piece_m| is_within(distance_m.powi(2), piece_m, point_m));
+    Some(bisect(way, is_reached))
 }
 
 /// Where a line from outside to inside meets the circle of [`LOOKOUT_M`] around the sensor.
