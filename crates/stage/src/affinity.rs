@@ -113,6 +113,7 @@ impl Csr {
     }
 
     /// Columns and values of row `i`.
+    #[inline]
     pub fn row(&self, i: usize) -> (&[u32], &[f64]) {
         let span = self.row_start[i]..self.row_start[i + 1];
         (&self.columns[span.clone()], &self.values[span])
@@ -126,6 +127,7 @@ impl Csr {
     }
 
     /// Adds an entry to the row being built. Columns of a row must ascend.
+    #[inline]
     pub fn push(&mut self, column: u32, value: f64) {
         debug_assert!(
             self.columns.len() == self.row_start[self.n()] || self.columns.last() < Some(&column),
@@ -136,6 +138,7 @@ impl Csr {
     }
 
     /// Ends the row being built.
+    #[inline]
     pub fn end_row(&mut self) {
         self.row_start.push(self.values.len());
     }

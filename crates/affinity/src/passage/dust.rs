@@ -22,16 +22,25 @@ pub(super) fn mark(ring: &Ring, dust: &mut Vec<bool>) {
 }
 
 fn is_dust(ring: &Ring, i: usize) -> bool {
-    let (mut seen, mut touching, mut farther, mut farther_aside) = (0, 0, 0, [false; 2]);
-    for step in (1..=REACH).flat_map(|step| [-step, step]) {
-        let Some(j) = ring.after(i, step).filter(|&j| j != i) else { continue };
-        let spacing_m = ring.range_m(i).min(ring.range_m(j)) * ring.step_rad * ring.beams_apart(i, j) as f64;
+    // Nearest first: along a wall these touch, and no more needs to be known.
+    let around = || (1..=REACH).flat_map(|step| [-step, step]);
+    let neighbours = || around().filter_map(|step| Some((step, ring.after(i, step).filter(|&j| j != i)?)));
+    let mut touching = neighbours().filter(|&(_, j)| in_touch(ring, i, j));
+    if touching.nth(COMPANY - 1).is_some() {
+        return false;
+    }
+    let (mut seen, mut farther, mut farther_aside) = (0, 0, [false; 2]);
+    for (step, j) in neighbours() {
         seen += 1;
-        touching += usize::from(ring.distance_m(i, j) < SPACINGS * spacing_m.max(SLACK_M) + SLACK_M);
         if ring.range_m(j) > ring.range_m(i) + NEARER_M {
             farther += 1;
             farther_aside[usize::from(step > 0)] |= step.abs() < REACH;
         }
     }
-    touching < COMPANY && f64::from(farther) >= FARTHER_SHARE * f64::from(seen) && farther_aside == [true; 2]
+    f64::from(farther) >= FARTHER_SHARE * f64::from(seen) && farther_aside == [true; 2]
+}
+
+fn in_touch(ring: &Ring, i: usize, j: usize) -> bool {
+    let spacing_m = ring.range_m(i).min(ring.range_m(j)) * ring.step_rad * ring.beams_apart(i, j) as f64;
+    ring.distance_m(i, j) < SPACINGS * spacing_m.max(SLACK_M) + SLACK_M
 }

@@ -54,9 +54,8 @@ fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -
         return false;
     }
     let (first, last) = (piece[0], piece[piece.len() - 1]);
-    let length_m = piece.iter().map(|&i| ring.distance_m(first, i)).fold(0.0, f64::max);
     let (before, after) = (&pieces[(at + n - 1) % n], &pieces[(at + 1) % n]);
-    length_m < limits.island_m
+    piece.iter().all(|&i| ring.distance_m(first, i) < limits.island_m)
         && hides(ring, first, piece[1], before[before.len() - 1])
         && hides(ring, last, piece[piece.len() - 2], after[0])
         && !is_of_wall_beside(ring, pieces, at, limits)

@@ -78,7 +78,11 @@ impl Ring {
     /// The return `steps` after `i` (before it, if negative), if the view goes so far.
     pub(super) fn after(&self, i: usize, steps: isize) -> Option<usize> {
         let (n, at) = (self.len() as isize, i as isize + steps);
-        if self.full_turn { Some(at.rem_euclid(n) as usize) } else { (0..n).contains(&at).then_some(at as usize) }
+        match at {
+            _ if (0..n).contains(&at) => Some(at as usize),
+            _ if self.full_turn => Some(at.rem_euclid(n) as usize),
+            _ => None,
+        }
     }
 
     /// How many beams it is from one return to the other, the shorter way round.

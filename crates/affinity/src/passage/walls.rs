@@ -12,16 +12,27 @@ const WEAK: f64 = 0.1;
 /// A verdict twice as decided is further from the zero tolerance by this power of 2.
 const DECIDED_POWER: i32 = 4;
 
-/// Writes W; holds its buffers.
+/// Writes W; holds its buffers. Walls and islands are chains of returns.
 #[derive(Clone, Debug)]
 pub(super) struct Chains {
     pub(super) neighbours: usize,
-    rows: Vec<Vec<(u32, f64)>>,
+    /// The numbers of their returns, one chain after the other.
+    numbers: Vec<u32>,
+    /// Of each of those, the weights of its edges to the next `neighbours` of its chain; 0 beyond the end.
+    weights: Vec<f64>,
+    /// The weights of one chain's edges from each return to the next.
+    links: Vec<f64>,
+    /// The place of each return in `numbers`.
+    places: Vec<Option<u32>>,
+    /// Edges from one chain to another, and of returns that are left over: in both directions.
+    others: Vec<(u32, u32, f64)>,
+    row: Vec<(u32, f64)>,
 }
 
 impl Chains {
     pub(super) fn new(neighbours: usize) -> Self {
-        Self { neighbours, rows: Vec::new() }
+        let (numbers, weights, links) = (Vec::new(), Vec::new(), Vec::new());
+        Self { neighbours, numbers, weights, links, places: Vec::new(), others: Vec::new(), row: Vec::new() }
     }
 
     /// W and D of `walls` and `islands`, each a list of returns in order; walls as they follow each other around the
@@ -35,42 +46,41 @@ impl Chains {
         leak: f64,
         out: &mut Affinity,
     ) {
-        let n = ring.len();
-        self.rows.iter_mut().for_each(Vec::clear);
-        self.rows.resize_with(n.max(self.rows.len()), Vec::new);
-        for i in 0..n {
-            self.tie(ring, i, i, 1.0);
-        }
-        for wall in walls.iter().chain(islands) {
-            self.tie_along(ring, judge, wall);
+        self.numbers.clear();
+        self.weights.clear();
+        self.others.clear();
+        for chain in walls.iter().chain(islands) {
+            self.tie_along(ring, judge, chain);
         }
         if leak > 0.0 {
             self.tie_across(ring, judge, walls, leak);
         }
         let on_walls = || walls.iter().chain(islands).flatten();
         for &i in left_over {
-            let nearest = on_walls().map(|&j| (ring.distance_m(i, j), j));
-            if let Some((distance_m, j)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))
-                && distance_m < NEAR_M
+            let squared = on_walls().map(|&j| ((ring.place_m(j) - ring.place_m(i)).norm_squared(), j));
+            if let Some((_, j)) = squared.min_by(|a, b| a.0.total_cmp(&b.0))
+                && ring.distance_m(i, j) < NEAR_M
             {
                 self.tie(ring, i, j, WEAK);
-                self.tie(ring, j, i, WEAK);
             }
         }
-        self.write_rows(n, out);
+        self.write_rows(ring.len(), out);
     }
 
-    /// Edges along a wall, as strong as its gaps were cheap to close.
-    fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, wall: &[usize]) {
-        let link = |at: usize| judge.cost(&wall[..at], &wall[at..]).map_or(WEAK, |cost| (-cost).exp());
-        let links: Vec<f64> = (1..wall.len()).map(link).collect();
-        for (at, &i) in wall.iter().enumerate() {
+    /// Edges along a chain, as strong as its gaps were cheap to close.
+    fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, chain: &[usize]) {
+        let link = |at: usize| judge.cost(&chain[..at], &chain[at..]).map_or(WEAK, |cost| (-cost).exp());
+        self.links.clear();
+        self.links.extend((1..chain.len()).map(link));
+        for (at, &i) in chain.iter().enumerate() {
+            self.numbers.push(ring.returns[i].number);
+            let row_end = self.weights.len() + self.neighbours;
             let mut weight = 1.0;
-            for (&j, link) in wall[at + 1..].iter().zip(&links[at..]).take(self.neighbours) {
+            self.weights.extend(self.links[at..].iter().take(self.neighbours).map(|link| {
                 weight *= link;
-                self.tie(ring, i, j, weight);
-                self.tie(ring, j, i, weight);
-            }
+                weight
+            }));
+            self.weights.resize(row_end, 0.0);
         }
     }
 
@@ -83,40 +93,76 @@ impl Chains {
             n if ring.full_turn => n,
             n => n - 1,
         };
-        let volumes: Vec<f64> = walls.iter().map(|wall| self.volume(ring, wall)).collect();
+        let mut start = 0;
+        let volume = |wall: &Vec<usize>| {
+            let chain = start..start + wall.len();
+            start = chain.end;
+            self.volume(chain)
+        };
+        let volumes: Vec<f64> = walls.iter().map(volume).collect();
         for at in 0..gaps {
             let next = (at + 1) % walls.len();
             let (a, b) = (&walls[at], &walls[next]);
             let eigenvalue = 0.5 * leak / judge.decidedness(a, b).powi(DECIDED_POWER);
             let weight = eigenvalue / (1.0 / volumes[at] + 1.0 / volumes[next]);
-            let (p, q) = (a[a.len() - 1], b[0]);
-            self.tie(ring, p, q, weight);
-            self.tie(ring, q, p, weight);
+            self.tie(ring, a[a.len() - 1], b[0], weight);
         }
     }
 
-    /// Σ D_ii over a wall, as far as it is tied.
-    fn volume(&self, ring: &Ring, wall: &[usize]) -> f64 {
-        let rows = wall.iter().map(|&i| &self.rows[ring.returns[i].number as usize]);
-        rows.flatten().map(|(_, weight)| weight).sum()
+    /// Σ D_ii over a chain, by its places, as far as it is tied to itself.
+    fn volume(&self, chain: std::ops::Range<usize>) -> f64 {
+        chain
+            .flat_map(|at| {
+                std::iter::once(1.0).chain(self.before(at).map(|(_, w)| w)).chain(self.after(at).map(|(_, w)| w))
+            })
+            .sum()
+    }
+
+    /// The numbers of the returns before a place in its chain, nearest last, with the weights of their edges.
+    fn before(&self, at: usize) -> impl Iterator<Item = (u32, f64)> {
+        let steps = (1..=self.neighbours.min(at)).rev();
+        let edge = move |step: usize| (self.numbers[at - step], self.weights[(at - step) * self.neighbours + step - 1]);
+        steps.map(edge).filter(|&(_, weight)| weight > 0.0)
+    }
+
+    /// The same of those after it, nearest first.
+    fn after(&self, at: usize) -> impl Iterator<Item = (u32, f64)> {
+        let weights = &self.weights[at * self.neighbours..][..self.neighbours];
+        let present = weights.iter().copied().take_while(|&weight| weight > 0.0);
+        self.numbers[at + 1..].iter().copied().zip(present)
     }
 
     fn tie(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
-        self.rows[ring.returns[i].number as usize].push((ring.returns[j].number, weight));
+        let [i, j] = [i, j].map(|i| ring.returns[i].number);
+        self.others.extend([(i, j, weight), (j, i, weight)]);
     }
 
     fn write_rows(&mut self, n: usize, out: &mut Affinity) {
+        self.places.clear();
+        self.places.resize(n, None);
+        for (at, &number) in self.numbers.iter().enumerate() {
+            self.places[number as usize] = Some(at as u32);
+        }
+        self.others.sort_unstable_by_key(|&(from, to, _)| (from, to));
+        let mut others = self.others.iter().peekable();
         let csr = out.weights.make_sparse();
         out.degrees.clear();
-        for row in &mut self.rows[..n] {
-            row.sort_unstable_by_key(|&(column, _)| column);
-            let mut degree = 0.0;
-            for &(column, weight) in row.iter() {
-                csr.push(column, weight);
-                degree += weight;
+        let mut row = std::mem::take(&mut self.row);
+        for number in 0..n as u32 {
+            row.clear();
+            let place = self.places[number as usize].map(|at| at as usize);
+            row.extend(place.into_iter().flat_map(|at| self.before(at)));
+            row.push((number, 1.0));
+            row.extend(place.into_iter().flat_map(|at| self.after(at)));
+            while let Some(&(_, to, weight)) = others.next_if(|&&(from, ..)| from == number) {
+                row.push((to, weight));
             }
+            // It is sorted unless a chain runs clockwise, or over the first beam, or there are other edges.
+            row.sort_unstable_by_key(|&(column, _)| column);
+            row.iter().for_each(|&(column, weight)| csr.push(column, weight));
             csr.end_row();
-            out.degrees.push(degree);
+            out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
         }
+        self.row = row;
     }
 }
