@@ -2,7 +2,7 @@
 
 use crate::graph::Graph;
 use crate::order::Order;
-use crate::second::Factorise;
+use crate::second::ShiftInvert;
 
 /// Strides that the kernels are compiled for: 4 neighbours on either side, as along a wall, and 8.
 const USUAL_STRIDES: [usize; 2] = [5, 9];
@@ -15,7 +15,7 @@ pub(crate) struct Band {
     /// Entries of a column: the diagonal and what is below it.
     stride: usize,
     entries: Vec<f64>,
-    /// L - shift·I = M Δ Mᵀ: 1/Δ on the diagonal, M below its unit diagonal.
+    /// L - shift·I = M Δ Mᵀ: M below its unit diagonal.
     factor: Vec<f64>,
 }
 
@@ -31,44 +31,41 @@ impl Band {
         // Columns of zeros at the end, so that every column has `stride` rows below it.
         self.entries.resize((self.n + self.stride) * self.stride, 0.0);
         let scale = graph.inverse_sqrt_degrees;
-        for (at, (&i, column)) in members.iter().zip(self.entries.chunks_exact_mut(self.stride)).enumerate() {
+        for (at, &i) in members.iter().enumerate() {
             let i = i as usize;
-            let (others, weights) = graph.edges.row(i);
-            column[0] = 1.0 - leaks[i] * (scale[i] * scale[i]);
-            for (&j, weight) in others.iter().zip(weights) {
-                let j = j as usize;
-                if order.block(j) == block && order.rank(j) >= at {
-                    column[order.rank(j) - at] -= weight * (scale[i] * scale[j]);
+            self.entries[at * self.stride] += 1.0 - leaks[i] * (scale[i] * scale[i]);
+            // W is symmetric: half of it is enough.
+            for (j, weight) in graph.edges_from(i) {
+                if order.block(j) == block {
+                    let rank = order.rank(j);
+                    let entry = at.min(rank) * self.stride + at.abs_diff(rank);
+                    self.entries[entry] -= weight * (scale[i] * scale[j]);
                 }
             }
         }
     }
 }
 
-impl Factorise for Band {
-    fn factorise(&mut self, shift: f64) -> usize {
-        self.factor.clone_from(&self.entries);
-        match self.stride {
-            5 => factorise(&mut self.factor, self.n, 5, shift),
-            9 => factorise(&mut self.factor, self.n, 9, shift),
-            stride => factorise(&mut self.factor, self.n, stride, shift),
-        }
-    }
-
-    fn solve(&mut self, x: &mut Vec<f64>) {
-        x.resize(self.n + self.stride, 0.0);
-        match self.stride {
-            5 => solve(&self.factor, x, self.n, 5),
-            9 => solve(&self.factor, x, self.n, 9),
-            stride => solve(&self.factor, x, self.n, stride),
-        }
-        x.truncate(self.n);
+impl ShiftInvert for Band {
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
+        let Self { n, stride, ref entries, ref mut factor } = *self;
+        factor.clone_from(entries);
+        x.resize(n + stride, 0.0);
+        let negative = match stride {
+            5 => solve(factor, x, n, 5, shift),
+            9 => solve(factor, x, n, 9, shift),
+            stride => solve(factor, x, n, stride, shift),
+        };
+        x.truncate(n);
+        negative
     }
 }
 
-/// LDLᵀ in place, column by column.
+/// LDLᵀ of `columns` - shift·I in place, column by column, and the solution of that with `x` in place, which goes on beyond
+/// its n entries. Returns the number of negative pivots. Elimination takes `x` along: a pivot has to wait for a division,
+/// and meanwhile there is time for it.
 #[inline(always)]
-fn factorise(columns: &mut [f64], n: usize, stride: usize, shift: f64) -> usize {
+fn solve(columns: &mut [f64], x: &mut [f64], n: usize, stride: usize, shift: f64) -> usize {
     let mut negative = 0;
     for i in 0..n {
         let (pivot_column, rest) = columns[i * stride..].split_at_mut(stride);
@@ -78,33 +75,24 @@ fn factorise(columns: &mut [f64], n: usize, stride: usize, shift: f64) -> usize 
         }
         negative += usize::from(pivot < 0.0);
         let inverse = pivot.recip();
+        let window = &mut x[i..i + stride];
+        let top = window[0];
         for (a, column) in (1..stride).zip(rest.chunks_exact_mut(stride)) {
             let factor = pivot_column[a] * inverse;
             for (entry, below) in column.iter_mut().zip(&pivot_column[a..]) {
                 *entry -= factor * below;
             }
+            window[a] -= factor * top;
         }
-        pivot_column[0] = inverse;
         pivot_column[1..].iter_mut().for_each(|entry| *entry *= inverse);
-    }
-    negative
-}
-
-/// M Δ Mᵀ x = `x` in place; `x` goes on beyond its n entries.
-#[inline(always)]
-fn solve(columns: &[f64], x: &mut [f64], n: usize, stride: usize) {
-    for (i, column) in columns.chunks_exact(stride).take(n).enumerate() {
-        let window = &mut x[i..i + stride];
-        let top = window[0];
-        for (below, entry) in window[1..].iter_mut().zip(&column[1..]) {
-            *below -= entry * top;
-        }
-        window[0] = top * column[0];
+        window[0] = top * inverse;
     }
     x[n..].fill(0.0);
     for (i, column) in columns.chunks_exact(stride).take(n).enumerate().rev() {
         let window = &mut x[i..i + stride];
-        let below: f64 = window[1..].iter().zip(&column[1..]).map(|(x, entry)| x * entry).sum();
-        window[0] -= below;
+        // The nearest, which was found last, is taken last.
+        let below = window[1..].iter().zip(&column[1..]).rev();
+        window[0] = below.fold(window[0], |top, (x, entry)| top - x * entry);
     }
+    negative
 }

@@ -127,7 +127,7 @@ struct Solver {
 impl Solver {
     fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
-        self.order.form(graph.edges, self.split.block_of_return(), self.split.len());
+        self.order.form(graph, self.split.block_of_return(), self.split.len());
         self.next = None;
         self.several.clear();
         for block in 0..self.split.len() {

@@ -36,6 +36,9 @@ impl Forest {
     }
 
     pub(crate) fn join(&mut self, i: usize, j: usize) {
+        if self.parent[i] == self.parent[j] {
+            return;
+        }
         let (a, b) = (self.root(i as u32), self.root(j as u32));
         self.parent[a.max(b) as usize] = a.min(b);
     }

@@ -12,6 +12,15 @@ pub(crate) struct Graph<'a> {
     pub(crate) inverse_sqrt_degrees: &'a [f64],
 }
 
+impl Graph<'_> {
+    /// The edges of return `i` to itself and to later ones.
+    pub(crate) fn edges_from(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let (others, weights) = self.edges.row(i);
+        let edges = others.iter().map(|&j| j as usize).zip(weights.iter().copied());
+        edges.rev().take_while(move |&(j, _)| j >= i)
+    }
+}
+
 /// W by its nonzero entries: `weights` itself if it is sparse, else copied into `buffer`.
 ///
 /// # Errors
@@ -24,11 +33,12 @@ pub(crate) fn edges<'a>(weights: &'a Weights, buffer: &'a mut Csr) -> Result<&'a
             buffer
         }
     };
-    let finite = |&i: &usize| edges.row(i).1.iter().all(|weight| weight.is_finite());
-    match (0..edges.n()).find(|i| !finite(i)) {
-        Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
-        None => Ok(edges),
+    let finite = |weights: &[f64]| weights.iter().fold(true, |finite, weight| finite & weight.is_finite());
+    if finite(edges.values()) {
+        return Ok(edges);
     }
+    let index = (0..edges.n()).find(|&i| !finite(edges.row(i).1)).unwrap_or_default();
+    Err(StageError::NotFinite { what: "the affinity", index })
 }
 
 /// W is symmetric: its columns, in which a dense one is stored, are its rows.

@@ -1,6 +1,6 @@
 //! The order of the returns of each block in which their edges are short.
 
-use crosscut_stage::Csr;
+use crate::graph::Graph;
 
 /// A block whose edges are longer than this is ordered by search along them.
 const LONG: usize = 16;
@@ -24,7 +24,7 @@ impl Order {
     /// Orders the returns of each of `blocks` blocks: in the order of the returns, which is that along a wall, starting after
     /// the largest hole, as a wall may reach over the first beam; or, where that leaves long edges, breadth first from a far
     /// end, if it is better.
-    pub(crate) fn form(&mut self, edges: &Csr, block_of_return: &[u32], blocks: usize) {
+    pub(crate) fn form(&mut self, graph: &Graph<'_>, block_of_return: &[u32], blocks: usize) {
         self.block_of_return.clear();
         self.block_of_return.extend_from_slice(block_of_return);
         self.sort_by_block(blocks);
@@ -33,16 +33,16 @@ impl Order {
         self.widths.clear();
         for block in 0..blocks {
             self.start_after_largest_hole(block);
-            let mut width = self.measure(edges, block);
+            let mut width = self.measure(graph, block);
             if width > LONG {
                 self.found.clear();
                 self.found.extend_from_slice(&self.members[self.span(block)]);
-                self.search(edges, block);
-                let narrower = self.measure(edges, block);
+                self.search(graph, block);
+                let narrower = self.measure(graph, block);
                 if narrower > width {
                     let span = self.span(block);
                     self.members[span].copy_from_slice(&self.found);
-                    self.measure(edges, block);
+                    self.measure(graph, block);
                 }
                 width = width.min(narrower);
             }
@@ -105,16 +105,16 @@ impl Order {
     }
 
     /// Writes the ranks of a block's members, and measures its longest edge.
-    fn measure(&mut self, edges: &Csr, block: usize) -> usize {
+    fn measure(&mut self, graph: &Graph<'_>, block: usize) -> usize {
         let members = &self.members[self.span(block)];
         for (at, &i) in members.iter().enumerate() {
             self.rank[i as usize] = at as u32;
         }
         let mut width = 0;
         for (at, &i) in members.iter().enumerate() {
-            for &j in edges.row(i as usize).0 {
-                if self.block_of_return[j as usize] as usize == block {
-                    width = width.max(self.rank[j as usize].saturating_sub(at as u32));
+            for (j, _) in graph.edges_from(i as usize) {
+                if self.block_of_return[j] as usize == block {
+                    width = width.max(self.rank[j].abs_diff(at as u32));
                 }
             }
         }
@@ -122,7 +122,7 @@ impl Order {
     }
 
     /// Puts a block's members into breadth-first order from the far end of such an order.
-    fn search(&mut self, edges: &Csr, block: usize) {
+    fn search(&mut self, graph: &Graph<'_>, block: usize) {
         let span = self.span(block);
         let mut start = self.members[span.start];
         for _ in 0..2 {
@@ -133,7 +133,7 @@ impl Order {
             members[0] = start;
             let mut seen = 1;
             for at in 0..members.len() {
-                for &j in edges.row(members[at] as usize).0 {
+                for &j in graph.edges.row(members[at] as usize).0 {
                     if self.block_of_return[j as usize] as usize == block && self.rank[j as usize] == u32::MAX {
                         self.rank[j as usize] = 0;
                         members[seen] = j;

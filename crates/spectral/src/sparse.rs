@@ -13,7 +13,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::graph::Graph;
 use crate::order::Order;
-use crate::second::Factorise;
+use crate::second::ShiftInvert;
 
 /// Larger factors are refused.
 const MOST_BYTES: u64 = 1 << 30;
@@ -127,8 +127,8 @@ impl Sparse {
     }
 }
 
-impl Factorise for Sparse {
-    fn factorise(&mut self, shift: f64) -> usize {
+impl ShiftInvert for Sparse {
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
         let n = self.column_starts.len() - 1;
         let Some(symbolic) = &self.symbolic else { return 0 };
         for nudge in 0..NUDGES {
@@ -150,15 +150,10 @@ impl Factorise for Sparse {
                 break;
             }
         }
-        negative_pivots(symbolic, &self.factor)
-    }
-
-    fn solve(&mut self, x: &mut Vec<f64>) {
-        let Some(symbolic) = &self.symbolic else { return };
-        let n = x.len();
         let x = MatMut::from_column_major_slice_mut(x, n, 1);
         let stack = MemStack::new(&mut self.scratch);
         LdltRef::new(symbolic, &self.factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+        negative_pivots(symbolic, &self.factor)
     }
 }
 

@@ -119,6 +119,11 @@ impl Csr {
         (&self.columns[span.clone()], &self.values[span])
     }
 
+    /// The stored entries, row by row.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// Removes all rows, keeping the buffers.
     pub fn clear(&mut self) {
         self.row_start.truncate(1);

@@ -81,12 +81,14 @@ impl Embedding {
 
     /// Column and value of each entry of row `i` that is stored, columns ascending. All others are 0.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let (dense, (columns, values)) = match self {
-            Self::Dense(matrix) => (Some(matrix), (&[][..], &[][..])),
-            Self::Sparse { rows, .. } => (None, rows.row(i)),
+        let stored = match self {
+            Self::Dense(matrix) => matrix.ncols(),
+            Self::Sparse { rows, .. } => rows.row(i).0.len(),
         };
-        let dense = dense.into_iter().flat_map(move |matrix| (0..matrix.ncols()).map(move |j| (j, matrix[(i, j)])));
-        dense.chain(columns.iter().map(|&j| j as usize).zip(values.iter().copied()))
+        (0..stored).map(move |at| match self {
+            Self::Dense(matrix) => (at, matrix[(i, at)]),
+            Self::Sparse { rows, .. } => (rows.row(i).0[at] as usize, rows.row(i).1[at]),
+        })
     }
 
     /// The dense matrix in `self`, made so (and resized, its old content unspecified) if it is not.

@@ -2,7 +2,9 @@
 
 use super::ring::Ring;
 
-/// How many returns to each side are looked at.
+/// The returns that are looked at, nearest first.
+const STEPS: [isize; 8] = [-1, 1, -2, 2, -3, 3, -4, 4];
+/// The outermost say nothing of both sides.
 const REACH: isize = 4;
 /// Two returns this many beam spacings apart, plus [`SLACK_M`], are in touch.
 const SPACINGS: f64 = 4.0;
@@ -23,8 +25,7 @@ pub(super) fn mark(ring: &Ring, dust: &mut Vec<bool>) {
 
 fn is_dust(ring: &Ring, i: usize) -> bool {
     // Nearest first: along a wall these touch, and no more needs to be known.
-    let around = || (1..=REACH).flat_map(|step| [-step, step]);
-    let neighbours = || around().filter_map(|step| Some((step, ring.after(i, step).filter(|&j| j != i)?)));
+    let neighbours = || STEPS.into_iter().filter_map(|step| Some((step, ring.after(i, step).filter(|&j| j != i)?)));
     let mut touching = neighbours().filter(|&(_, j)| in_touch(ring, i, j));
     if touching.nth(COMPANY - 1).is_some() {
         return false;

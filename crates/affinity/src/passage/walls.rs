@@ -111,25 +111,26 @@ impl Chains {
 
     /// Σ D_ii over a chain, by its places, as far as it is tied to itself.
     fn volume(&self, chain: std::ops::Range<usize>) -> f64 {
-        chain
-            .flat_map(|at| {
-                std::iter::once(1.0).chain(self.before(at).map(|(_, w)| w)).chain(self.after(at).map(|(_, w)| w))
-            })
-            .sum()
+        let mut sum = 0.0;
+        for at in chain {
+            sum += 1.0;
+            self.before(at).chain(self.after(at)).for_each(|(_, weight)| sum += weight);
+        }
+        sum
     }
 
     /// The numbers of the returns before a place in its chain, nearest last, with the weights of their edges.
     fn before(&self, at: usize) -> impl Iterator<Item = (u32, f64)> {
-        let steps = (1..=self.neighbours.min(at)).rev();
-        let edge = move |step: usize| (self.numbers[at - step], self.weights[(at - step) * self.neighbours + step - 1]);
-        steps.map(edge).filter(|&(_, weight)| weight > 0.0)
+        let first = at.saturating_sub(self.neighbours);
+        let edge = move |from: usize| (self.numbers[from], self.weights[from * self.neighbours + (at - from - 1)]);
+        (first..at).map(edge).filter(|&(_, weight)| weight > 0.0)
     }
 
     /// The same of those after it, nearest first.
     fn after(&self, at: usize) -> impl Iterator<Item = (u32, f64)> {
         let weights = &self.weights[at * self.neighbours..][..self.neighbours];
-        let present = weights.iter().copied().take_while(|&weight| weight > 0.0);
-        self.numbers[at + 1..].iter().copied().zip(present)
+        let edges = self.numbers[at + 1..].iter().copied().zip(weights.iter().copied());
+        edges.filter(|&(_, weight)| weight > 0.0)
     }
 
     fn tie(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
@@ -150,10 +151,14 @@ impl Chains {
         let mut row = std::mem::take(&mut self.row);
         for number in 0..n as u32 {
             row.clear();
-            let place = self.places[number as usize].map(|at| at as usize);
-            row.extend(place.into_iter().flat_map(|at| self.before(at)));
-            row.push((number, 1.0));
-            row.extend(place.into_iter().flat_map(|at| self.after(at)));
+            match self.places[number as usize].map(|at| at as usize) {
+                Some(at) => {
+                    self.before(at).for_each(|edge| row.push(edge));
+                    row.push((number, 1.0));
+                    self.after(at).for_each(|edge| row.push(edge));
+                }
+                None => row.push((number, 1.0)),
+            }
             while let Some(&(_, to, weight)) = others.next_if(|&&(from, ..)| from == number) {
                 row.push((to, weight));
             }
