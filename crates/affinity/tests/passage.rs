@@ -129,6 +129,20 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
 }
 
 #[test]
+fn a_way_on_is_one_in_a_hall_as_well() {
+    // A hall of 19 m; beside its corners passages 4 m wide lead off, of which one side is seen and then nothing: the range ends.
+    let half = |side: f64| {
+        let (wall, far) = (side * 9.5, side * 40.0);
+        let passage = [[[wall, side * 3.0], [far, side * 3.0]], [[wall, side * 7.0], [far, side * 7.0]]];
+        let hall =
+            [[[-wall, wall], [wall, wall]], [[wall, -wall], [wall, side * 3.0]], [[wall, side * 7.0], [wall, wall]]];
+        [&passage[..], &hall].concat()
+    };
+    let hall = [half(-1.0), half(1.0)].concat();
+    assert_eq!(components(&scan(&hall, all), &[]).len(), 2);
+}
+
+#[test]
 fn the_end_of_a_fork_is_a_wall_of_its_own_though_its_branches_do_not_turn_back() {
     // Seen from the stem, 3.3 m before it: branches lead off 10° more ahead than at a T, so walls turn by 100° only.
     let rise = (10.0_f64).to_radians().tan();

@@ -5,6 +5,8 @@ use std::f64::consts::{PI, TAU};
 use super::ring::{Place, Ring, turn_rad};
 use super::tangent::{End, has_direction, tangent};
 
+/// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for that.
+const HALL_M: f64 = 6.0;
 /// A gap whose walls recede from each other is a way on if it is at least so wide, as a share of the place's size.
 const WAY_SHARE: f64 = 0.3;
 /// A gap in which the view ends with nothing seen, likewise: at the end of the range, and nearer, where a dark surface is as
@@ -61,7 +63,7 @@ pub(super) struct Judge<'a> {
     ring: &'a Ring,
     islands: &'a [Vec<usize>],
     limits: Limits,
-    /// The size of the place: the median range.
+    /// The size of the place: the median range, or [`HALL_M`] if that is less.
     size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
     lost_beams: u32,
@@ -80,7 +82,9 @@ impl<'a> Judge<'a> {
     pub(super) fn new(ring: &'a Ring, pieces: &[Vec<usize>], islands: &'a [Vec<usize>], limits: Limits) -> Self {
         let mut ranges_m: Vec<f64> = pieces.iter().flatten().map(|&i| ring.range_m(i)).collect();
         let middle = ranges_m.len() / 2;
-        let size_m = if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let median_m =
+            if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let size_m = median_m.min(HALL_M);
         let mut judge = Self { ring, islands, limits, size_m, lost_beams: 0 };
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
         let beside = |at: usize| (pieces[at].as_slice(), pieces[(at + 1) % pieces.len()].as_slice());
