@@ -222,7 +222,7 @@ pub(crate) struct InfoArgs {
 pub(crate) enum RrdCommand {
     /// Show entities, components, revolutions and sizes of a recording.
     Ls(RrdLsArgs),
-    /// Write values of an entity to a file: arrays for NumPy, CSV, or JSON lines.
+    /// Write values of an entity to a file: arrays for NumPy, CSV, Parquet, or JSON lines.
     Get(RrdGetArgs),
     /// Compare two recordings row by row: which revolution and step differ first. Exit codes as of diff(1): 0 the same,
     /// 1 different, 2 trouble; 3 the same as far as a damaged recording goes.
@@ -264,7 +264,7 @@ pub(crate) struct RrdGetArgs {
     /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
     #[arg(long)]
     pub(crate) exact: bool,
-    /// Where to write: .npy, .csv or .jsonl.
+    /// Where to write: .npy, .csv, .parquet or .jsonl.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

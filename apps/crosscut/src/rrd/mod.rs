@@ -6,7 +6,10 @@ mod get;
 mod ls;
 mod npy;
 mod output;
+mod parquet;
 mod selection;
+mod table;
+mod thrift;
 
 use crosscut_recorder::Recording;
 

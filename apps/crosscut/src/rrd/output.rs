@@ -1,4 +1,4 @@
-//! Values as files: NumPy arrays, CSV, JSON lines.
+//! Values as files: NumPy arrays, CSV, Parquet, JSON lines.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -8,6 +8,8 @@ use anyhow::{Context, bail};
 use crosscut_recorder::{Array, Numbers, Value};
 
 use super::npy::NpyFile;
+use super::parquet::ParquetFile;
+use super::table::{self, Item};
 use crate::exit::UsageError;
 
 /// The file that values go to, by its ending.
@@ -16,6 +18,8 @@ pub(super) enum Output {
     Npy(NpyFile),
     /// One number or text a line, with revolution, stamp and indices before it.
     Csv { file: Box<csv::Writer<File>>, columns: usize },
+    /// The same as a table with types.
+    Parquet(ParquetFile),
     /// One object a revolution.
     JsonLines(BufWriter<File>),
 }
@@ -27,9 +31,11 @@ impl Output {
         Ok(match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Self::Npy(NpyFile::new(create()?, one)?),
             Some("csv") => Self::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
+            Some("parquet") => Self::Parquet(ParquetFile::new(create()?)?),
             Some("jsonl") => Self::JsonLines(BufWriter::new(create()?)),
             _ => {
-                let text = format!("{}: --out takes a file that ends in .npy, .csv or .jsonl", path.display());
+                let text =
+                    format!("{}: --out takes a file that ends in .npy, .csv, .parquet or .jsonl", path.display());
                 return Err(UsageError(text).into());
             }
         })
@@ -44,9 +50,10 @@ impl Output {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
-                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv or .jsonl"))),
+                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv, .parquet or .jsonl"))),
             },
             Self::Csv { file, columns } => add_lines(file, columns, revolution, stamp_ns, value),
+            Self::Parquet(file) => file.add(revolution, stamp_ns, value),
             Self::JsonLines(file) => {
                 let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
                 Ok(writeln!(file, "{line}")?)
@@ -59,6 +66,7 @@ impl Output {
         match self {
             Self::Npy(file) => file.finish(),
             Self::Csv { mut file, .. } => Ok(file.flush()?),
+            Self::Parquet(file) => file.finish(),
             Self::JsonLines(mut file) => Ok(file.flush()?),
         }
     }
@@ -72,48 +80,26 @@ fn add_lines(
     stamp_ns: Option<i64>,
     value: &Value,
 ) -> anyhow::Result<()> {
-    let dims: Vec<&str> = match value {
-        Value::Numbers(array) => array.dims.iter().map(String::as_str).collect(),
-        Value::Lists(_) => vec!["list", "item", "axis"],
-        _ => vec!["item"],
-    };
     if *columns == 0 {
+        let dims = table::dims(value);
         file.write_record(["revolution", "stamp_ns"].into_iter().chain(dims.iter().copied()).chain(["value"]))?;
         *columns = dims.len() + 3;
     }
     let [revolution, stamp_ns] = [revolution.to_string(), stamp_ns.map_or_else(String::new, |ns| ns.to_string())];
-    let mut line = |indices: &[usize], text: &str| -> anyhow::Result<()> {
+    table::for_each(value, |indices, item| {
         let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
-        let start = [revolution.as_str(), &stamp_ns].into_iter();
-        Ok(file.write_record(start.chain(indices.iter().map(String::as_str)).chain([text]))?)
-    };
-    match value {
-        Value::Numbers(array) => (0..array.numbers.len())
-            .try_for_each(|at| line(&indices(&array.shape, at), &number_text(&array.numbers, at))),
-        Value::Lists(lists) => lists.iter().enumerate().try_for_each(|(list, array)| {
-            (0..array.numbers.len()).try_for_each(|at| {
-                let indices: Vec<usize> = [list].into_iter().chain(indices(&array.shape, at)).collect();
-                line(&indices, &number_text(&array.numbers, at))
-            })
-        }),
-        Value::Texts(texts) => texts.iter().enumerate().try_for_each(|(item, text)| line(&[item], text)),
-        other => bail!("{other} cannot be written as CSV"),
-    }
-}
-
-/// Where number `at` of an array stands: one index a dimension.
-fn indices(shape: &[usize], mut at: usize) -> Vec<usize> {
-    let mut indices: Vec<usize> = shape.iter().rev().map(|&size| (at % size, at /= size).0).collect();
-    indices.reverse();
-    indices
+        let start = [revolution.as_str(), &stamp_ns].into_iter().chain(indices.iter().map(String::as_str));
+        Ok(file.write_record(start.chain([text_of(item).as_str()]))?)
+    })
 }
 
 /// The shortest text that reads back as the same number.
-fn number_text(numbers: &Numbers, at: usize) -> String {
-    match numbers {
-        Numbers::F64(values) => format!("{:?}", values[at]),
-        Numbers::F32(values) => format!("{:?}", values[at]),
-        Numbers::I64(values) => values[at].to_string(),
+fn text_of(item: Item) -> String {
+    match item {
+        Item::F64(x) => format!("{x:?}"),
+        Item::F32(x) => format!("{x:?}"),
+        Item::I64(i) => i.to_string(),
+        Item::Text(text) => text.to_owned(),
     }
 }
 
@@ -145,13 +131,6 @@ fn json_array(array: &Array) -> serde_json::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn indices_run_fastest_along_the_last_dimension() {
-        let all: Vec<Vec<usize>> = (0..6).map(|at| indices(&[2, 3], at)).collect();
-        assert_eq!(all, [[0, 0], [0, 1], [0, 2], [1, 0], [1, 1], [1, 2]]);
-        assert_eq!(indices(&[], 0), [0; 0]);
-    }
 
     #[test]
     fn nested_lists_have_the_shape_of_the_array() {
