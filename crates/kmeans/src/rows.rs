@@ -80,10 +80,11 @@ pub(crate) fn check(spectrum: &Spectrum) -> Result<(), StageError> {
     if u.ncols() != k {
         return Err(StageError::Unsupported(format!("U has {} columns, but k is {k}", u.ncols())));
     }
-    match (0..u.nrows()).find(|&i| u.row(i).any(|(_, value)| !value.is_finite())) {
-        Some(index) => Err(StageError::NotFinite { what: "the embedding U", index }),
-        None => Ok(()),
+    if u.is_finite() {
+        return Ok(());
     }
+    let index = (0..u.nrows()).find(|&i| u.row(i).any(|(_, value)| !value.is_finite())).unwrap_or_default();
+    Err(StageError::NotFinite { what: "the embedding U", index })
 }
 
 /// ‖a - b‖².

@@ -38,8 +38,8 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 
 /// Weak links aside, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector
 /// D^1/2 1_B / ‖D^1/2 1_B‖, and no other below τ if L_B - τI has one negative pivot (Sylvester). Its next eigenvalue is
-/// found by inverse iteration, and believed if one eigenvalue lies below it and two lie at or below it, by the pivots
-/// again.
+/// found by inverse iteration: at most a Rayleigh quotient, and at least the last shift that has one eigenvalue below it, by
+/// the pivots again, which must not be below τ.
 ///
 /// Weak links lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
 /// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k = m is
@@ -146,7 +146,9 @@ impl Solver {
                 self.second.find(&mut self.sparse, &self.zero)
             };
             match next {
-                Some(next) if next >= tolerance => self.next = Some(self.next.map_or(next, |least| least.min(next))),
+                Some(next) if next.lower >= tolerance => {
+                    self.next = Some(self.next.map_or(next.upper, |least| least.min(next.upper)));
+                }
                 _ => self.several.push(block),
             }
         }

@@ -29,6 +29,15 @@ pub(crate) struct Second {
     solution: Vec<f64>,
 }
 
+/// An eigenvalue between two numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Between {
+    /// By the pivots at this shift.
+    pub(crate) lower: f64,
+    /// A Rayleigh quotient: the eigenvalue itself, as near as rounding lets it come.
+    pub(crate) upper: f64,
+}
+
 /// The Rayleigh quotient of a vector, and how far it may be from the eigenvalue.
 struct Estimate {
     quotient: f64,
@@ -41,9 +50,9 @@ impl Second {
     /// Inverse iteration, orthogonal to `zero`. The Rayleigh quotient of the vector is at least λ, and λ is above every
     /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to, and
     /// with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns out to be
-    /// above λ, the next one halves what is between. What comes out is the upper bound, once it has converged and four
+    /// above λ, the next one halves what is between. What comes out are both, once the upper one has converged and four
     /// digits of it are proved, or once the two differ by rounding alone; `None` if they do not come so near.
-    pub(crate) fn find(&mut self, matrix: &mut impl ShiftInvert, zero: &[f64]) -> Option<f64> {
+    pub(crate) fn find(&mut self, matrix: &mut impl ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
         matrix.solve(below, &mut self.solution);
@@ -54,7 +63,7 @@ impl Second {
             let is_of_lambda = estimate.quotient <= above;
             let converged = is_of_lambda && estimate.error <= rounding && upper - below <= PROVED * upper;
             if converged || upper - below <= 2.0 * rounding {
-                return Some(upper);
+                return Some(Between { lower: below, upper });
             }
             let guess = upper - 2.0 * estimate.error - rounding;
             let shift = if is_of_lambda && guess > below { guess } else { 0.5 * (below + upper) };

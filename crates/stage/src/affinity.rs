@@ -142,6 +142,14 @@ impl Csr {
         self.values.push(value);
     }
 
+    /// Adds a row, columns ascending.
+    pub fn push_row(&mut self, entries: &[(u32, f64)]) {
+        debug_assert!(entries.is_sorted_by(|a, b| a.0 < b.0), "columns of a row must ascend");
+        self.columns.extend(entries.iter().map(|&(column, _)| column));
+        self.values.extend(entries.iter().map(|&(_, value)| value));
+        self.end_row();
+    }
+
     /// Ends the row being built.
     #[inline]
     pub fn end_row(&mut self) {

@@ -79,6 +79,15 @@ impl Embedding {
         }
     }
 
+    /// Whether all entries are finite.
+    pub fn is_finite(&self) -> bool {
+        let all_finite = |values: &[f64]| values.iter().fold(true, |finite, value| finite & value.is_finite());
+        match self {
+            Self::Dense(matrix) => (0..matrix.ncols()).all(|j| all_finite(matrix.col_as_slice(j))),
+            Self::Sparse { rows, .. } => all_finite(rows.values()),
+        }
+    }
+
     /// Column and value of each entry of row `i` that is stored, columns ascending. All others are 0.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let stored = match self {

@@ -1,9 +1,10 @@
 //! Whether a wall goes on across a gap, or a vehicle can pass.
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use super::ring::{Place, Ring, turn_rad};
-use super::tangent::{End, has_direction, tangent};
+use super::tangent::{End, Tangents, has_direction};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for that.
 const HALL_M: f64 = 6.0;
@@ -61,6 +62,8 @@ pub(super) struct Limits {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge<'a> {
     ring: &'a Ring,
+    /// Those of the same ring.
+    tangents: &'a RefCell<Tangents>,
     islands: &'a [Vec<usize>],
     limits: Limits,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
@@ -79,13 +82,20 @@ struct Bend {
 
 impl<'a> Judge<'a> {
     /// Learns the size of the place, and how many beams get lost, from the pieces of its walls.
-    pub(super) fn new(ring: &'a Ring, pieces: &[Vec<usize>], islands: &'a [Vec<usize>], limits: Limits) -> Self {
+    pub(super) fn new(
+        ring: &'a Ring,
+        tangents: &'a RefCell<Tangents>,
+        pieces: &[Vec<usize>],
+        islands: &'a [Vec<usize>],
+        limits: Limits,
+    ) -> Self {
+        tangents.borrow_mut().start(ring, limits.stretch_m);
         let mut ranges_m: Vec<f64> = pieces.iter().flatten().map(|&i| ring.range_m(i)).collect();
         let middle = ranges_m.len() / 2;
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
-        let mut judge = Self { ring, islands, limits, size_m, lost_beams: 0 };
+        let mut judge = Self { ring, tangents, islands, limits, size_m, lost_beams: 0 };
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
         let beside = |at: usize| (pieces[at].as_slice(), pieces[(at + 1) % pieces.len()].as_slice());
         let across = (0..gaps).map(beside).filter(|(a, b)| judge.clearly_goes_on(a, b));
@@ -218,7 +228,7 @@ impl<'a> Judge<'a> {
 
     fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Place>; 2] {
         let of = |piece: &[usize], end| {
-            has_direction(self.ring, piece).then(|| tangent(self.ring, piece, end, self.limits.stretch_m))
+            has_direction(self.ring, piece).then(|| self.tangents.borrow_mut().of(self.ring, piece, end))
         };
         [of(a, End::Last), of(b, End::First)]
     }

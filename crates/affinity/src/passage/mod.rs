@@ -10,6 +10,8 @@ mod roughness;
 mod tangent;
 mod walls;
 
+use std::cell::RefCell;
+
 use crosscut_stage::{
     Affinity, AffinityStage, Interval, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point, Revolution, Shape,
     StageError, Sweep, Value,
@@ -21,6 +23,7 @@ use crate::finite::check_finite;
 use carrying::Carrying;
 use gap::{Judge, Limits};
 use ring::Ring;
+use tangent::Tangents;
 use walls::Chains;
 
 const PASSAGE_M: ParamSpec = ParamSpec {
@@ -138,6 +141,7 @@ pub struct Passage {
     cloud: Cloud,
     ring: Ring,
     dust: Vec<bool>,
+    tangents: RefCell<Tangents>,
     chains: Chains,
 }
 
@@ -185,6 +189,7 @@ impl Passage {
             leak: params.number(LEAK.name),
             ring: Ring::default(),
             dust: Vec::new(),
+            tangents: RefCell::default(),
             chains: Chains::new(params.count(NEIGHBOURS.name)),
         }
     }
@@ -197,7 +202,7 @@ impl Passage {
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        let Self { limits, ring, dust, .. } = self;
+        let Self { limits, ring, dust, tangents, .. } = self;
         ring.fill(sweep, points_m)?;
         dust::mark(ring, dust);
 
@@ -213,7 +218,7 @@ impl Passage {
             roughness_m: roughness::roughness_m(ring, &walls),
         };
         let islands = islands::take(ring, &mut walls, &of_island);
-        let judge = Judge::new(ring, &walls, &islands, *limits);
+        let judge = Judge::new(ring, tangents, &walls, &islands, *limits);
         let mut left_over = joining::join(ring, &judge, &mut walls, least_returns);
         if joining::cut_at_ways(ring, &judge, &mut walls, limits.passage_m) {
             left_over.extend(joining::join(ring, &judge, &mut walls, least_returns));

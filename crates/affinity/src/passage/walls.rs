@@ -111,12 +111,8 @@ impl Chains {
 
     /// Σ D_ii over a chain, by its places, as far as it is tied to itself.
     fn volume(&self, chain: std::ops::Range<usize>) -> f64 {
-        let mut sum = 0.0;
-        for at in chain {
-            sum += 1.0;
-            self.before(at).chain(self.after(at)).for_each(|(_, weight)| sum += weight);
-        }
-        sum
+        let degree = |at: usize| 1.0 + self.before(at).chain(self.after(at)).map(|(_, weight)| weight).sum::<f64>();
+        chain.map(degree).sum()
     }
 
     /// The numbers of the returns before a place in its chain, nearest last, with the weights of their edges.
@@ -162,10 +158,11 @@ impl Chains {
             while let Some(&(_, to, weight)) = others.next_if(|&&(from, ..)| from == number) {
                 row.push((to, weight));
             }
-            // It is sorted unless a chain runs clockwise, or over the first beam, or there are other edges.
-            row.sort_unstable_by_key(|&(column, _)| column);
-            row.iter().for_each(|&(column, weight)| csr.push(column, weight));
-            csr.end_row();
+            // Not so where a chain runs clockwise or over the first beam, and with other edges.
+            if !row.is_sorted_by_key(|&(column, _)| column) {
+                row.sort_unstable_by_key(|&(column, _)| column);
+            }
+            csr.push_row(&row);
             out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
         }
         self.row = row;

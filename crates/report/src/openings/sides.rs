@@ -135,27 +135,31 @@ impl<'a> Sides<'a> {
         let turn_rad = corner_m.perp(&opposite_m).atan2(corner_m.dot(&opposite_m));
         let on_beam = |share: f64| corner_m + (at_lookout_m - corner_m) * share;
         let on_circle = |share: f64| nalgebra::Rotation2::new(share * turn_rad) * at_lookout_m;
-        let far_wall_m: Vec<[Position; 2]> = far.line_m(self.ring).collect();
-        first_within_m(on_beam, &far_wall_m, 0.5 * width_m)
-            .or_else(|| first_within_m(on_circle, &far_wall_m, 0.5 * width_m))
+        let far_wall_m = || far.line_m(self.ring);
+        first_within_m(on_beam, far_wall_m, 0.5 * width_m)
+            .or_else(|| first_within_m(on_circle, far_wall_m, 0.5 * width_m))
     }
 }
 
 /// The first point of a way that is within this distance of a wall, if its end is. The way is a line, or at most half a
 /// circle.
-fn first_within_m(way: impl Fn(f64) -> Position, wall_m: &[[Position; 2]], distance_m: f64) -> Option<Position> {
-    let is_within = |squared: f64, piece_m: &[Position; 2], point_m: Position| {
-        (nearest_on_m(*piece_m, point_m) - point_m).norm_squared() <= squared
+fn first_within_m<W: Iterator<Item = [Position; 2]>>(
+    way: impl Fn(f64) -> Position,
+    wall_m: impl Fn() -> W,
+    distance_m: f64,
+) -> Option<Position> {
+    let is_within = |squared: f64, piece_m: [Position; 2], point_m: Position| {
+        (nearest_on_m(piece_m, point_m) - point_m).norm_squared() <= squared
     };
     let end_m = way(1.0);
-    if !wall_m.iter().any(|piece_m| is_within(distance_m.powi(2), piece_m, end_m)) {
+    if !wall_m().any(|piece_m| is_within(distance_m.powi(2), piece_m, end_m)) {
         return None;
     }
     // Only what is near the circle around the way, with room for rounding, can be near a point of it.
     let middle_m = way(0.5);
     let reach_m = 1.001 * (distance_m + (end_m - middle_m).norm());
-    let near_m: Vec<_> = wall_m.iter().filter(|piece_m| is_within(reach_m.powi(2), piece_m, middle_m)).collect();
-    let is_reached = |point_m| near_m.iter().any(|piece_m| is_within(distance_m.powi(2), piece_m, point_m));
+    let near_m: Vec<_> = wall_m().filter(|&piece_m| is_within(reach_m.powi(2), piece_m, middle_m)).collect();
+    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(distance_m.powi(2), piece_m, point_m));
     Some(bisect(way, is_reached))
 }
 
