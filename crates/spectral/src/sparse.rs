@@ -3,6 +3,7 @@
 use crosscut_stage::StageError;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::amd::Control;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -20,6 +21,9 @@ const MOST_BYTES: u64 = 1 << 30;
 /// A shift that meets an eigenvalue of a leading part exactly is moved by this, so often.
 const NUDGE: f64 = f64::EPSILON;
 const NUDGES: usize = 8;
+/// With more entries in a column of the factor, on average, columns are worked on in blocks. A return of a cloud is tied to three
+/// others, and its column has little in common with the next.
+const FULL: usize = 64;
 
 /// The Laplacian of one block, the links to others set aside, by the columns of its upper triangle; and its LDLᵀ with rows
 /// in an order of little fill (approximate minimum degree).
@@ -104,9 +108,19 @@ impl Sparse {
     fn plan(&mut self) -> Result<(), StageError> {
         let n = self.column_starts.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows);
-        let params = CholeskySymbolicParams { amd_params: self.ordering(), ..CholeskySymbolicParams::default() };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
-            .map_err(|error| StageError::Unsupported(format!("the factor of a block of {n} returns: {error}")))?;
+        let plan = |supernodal_flop_ratio_threshold| {
+            let params = CholeskySymbolicParams {
+                amd_params: self.ordering(),
+                supernodal_flop_ratio_threshold,
+                ..CholeskySymbolicParams::default()
+            };
+            factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
+                .map_err(|error| StageError::Unsupported(format!("the factor of a block of {n} returns: {error}")))
+        };
+        let mut symbolic = plan(SupernodalThreshold::FORCE_SIMPLICIAL)?;
+        if symbolic.len_val() > FULL * n {
+            symbolic = plan(SupernodalThreshold::FORCE_SUPERNODAL)?;
+        }
         let bytes = 8 * symbolic.len_val() as u64;
         if bytes > MOST_BYTES {
             return Err(StageError::Unsupported(format!(

@@ -1,6 +1,8 @@
 //! What `blocks` does beyond the shared tests: it needs no full decomposition for the graphs that it is made for,
 //! and proves what it says of weak links.
 
+mod solving;
+
 use std::cell::Cell;
 
 use crosscut_spectral::{Blocks, NalgebraEvd, ZeroRule};
@@ -9,6 +11,7 @@ use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
+use solving::spectrum;
 
 /// Chains of the given lengths, each node tied to the `reach` next ones; nodes of all chains in one shuffled order.
 fn chains(lengths: &[usize], reach: usize) -> Affinity {
@@ -29,12 +32,6 @@ fn chains(lengths: &[usize], reach: usize) -> Affinity {
     let degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
     affinity.degrees = degrees;
     affinity
-}
-
-fn spectrum(stage: &mut dyn SpectralStage, affinity: &Affinity) -> (Spectrum, usize) {
-    let (mut out, mut notes) = (Spectrum::default(), Notes::default());
-    stage.spectrum(affinity, &mut out, &mut notes).expect("a sound affinity");
-    (out, notes.iter().len())
 }
 
 #[test]
@@ -171,6 +168,18 @@ fn a_block_whose_edges_are_long_in_every_order_has_the_second_eigenvalue_of_a_fu
         let (next, expected) = (found.eigenvalues[1], all.eigenvalues[1]);
         assert!((next - expected).abs() < 1e-12, "{count} hubs: {next} is {expected} by full decomposition");
     }
+}
+
+#[test]
+fn a_block_in_which_all_are_tied_to_all_has_the_second_eigenvalue_of_a_complete_graph() {
+    // Its factor is full: worked on in blocks of columns.
+    let (n, weight) = (700, 0.25);
+    let mut affinity = Affinity { degrees: vec![1.0 + weight * (n - 1) as f64; n], ..Affinity::default() };
+    affinity.weights.make_dense(n).copy_from(Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { weight }));
+    let (found, notes) = spectrum(&mut Blocks::new(ZeroRule::Tolerance(1e-8), 1e-6).expect("allowed"), &affinity);
+    assert_eq!((found.k, notes), (1, 0));
+    let (next, expected) = (found.eigenvalues[1], 1.0 - (1.0 - weight) / affinity.degrees[0]);
+    assert!((next - expected).abs() < 1e-12, "{next} is {expected}");
 }
 
 #[test]

@@ -46,11 +46,19 @@ fn main() -> anyhow::Result<()> {
         println!("{name:<10} grow as n^{:.2}\n", curve.exponent());
         curves.push(curve);
     }
+    println!("sweeps, then 2D clouds of more points, grow as n^{:.2}", one_line(&curves[0], &curves[1]).exponent());
     println!("most memory: {} MB", peak_memory_mb()?);
     if let Some(figure) = std::env::args().nth(1) {
         std::fs::write(&figure, plot::svg(&curves)).with_context(|| format!("cannot write {figure}"))?;
     }
     Ok(())
+}
+
+/// The sweeps, and those of the clouds that have more points than any sweep.
+fn one_line(sweeps: &Curve, clouds: &Curve) -> Curve {
+    let most = sweeps.points.iter().fold(0.0f64, |most, &[points, _]| most.max(points));
+    let beyond = clouds.points.iter().filter(|&&[points, _]| points > most);
+    Curve { name: "one line", points: sweeps.points.iter().chain(beyond).copied().collect() }
 }
 
 /// What was measured at one size.

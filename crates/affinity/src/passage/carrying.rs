@@ -22,6 +22,8 @@ pub(super) struct Carrying {
     /// The level return from which a wall was carried on to a representative that is not seen.
     carried_from: Vec<Option<u32>>,
     open: Vec<u32>,
+    /// Of what each representative is tied to the two nearest, and their weights.
+    nearest: Vec<[Option<(u32, f64)>; 2]>,
     rows: Vec<Vec<(u32, f64)>>,
 }
 
@@ -92,7 +94,8 @@ impl Carrying {
     /// Fills `carried_from`, breadth first from the seen returns that have an edge.
     fn carry(&mut self, seen: &Affinity, passage_m: f64) {
         let Self { level_m, columns, near, representative, carried_from, open, .. } = self;
-        columns.fill(level_m, passage_m);
+        let representatives = (0..level_m.len() as u32).filter(|&j| representative[j as usize] == j);
+        columns.fill_with(level_m, representatives, passage_m);
         carried_from.clear();
         carried_from.resize(level_m.len(), None);
         let is_of_wall = |i: usize| seen.degrees.get(i).is_some_and(|degree| *degree > 1.0);
@@ -104,7 +107,7 @@ impl Carrying {
             columns.near(level_m, &level_m[from as usize], passage_m, near);
             for &j in near.iter() {
                 let at = j as usize;
-                if representative[at] == j && !is_of_wall(at) && carried_from[at].is_none() {
+                if !is_of_wall(at) && carried_from[at].is_none() {
                     carried_from[at] = Some(from);
                     open.push(j);
                 }
@@ -114,34 +117,36 @@ impl Carrying {
 
     /// Fills `rows`, by numbers of the cloud.
     fn tie_all(&mut self, n: usize, seen: &Affinity) {
-        let Self { level_m, numbers, representative, carried_from, rows, .. } = self;
+        let Self { level_m, numbers, representative, carried_from, nearest, rows, .. } = self;
         rows.iter_mut().for_each(Vec::clear);
         rows.resize_with(n.max(rows.len()), Vec::new);
         (0..n).for_each(|i| rows[i].push((i as u32, 1.0)));
-        let mut nearest: Vec<(u32, f64)> = Vec::new();
+        // What a representative is tied to.
+        let ties_of = |at: u32| {
+            let along = row(seen, at as usize).filter(move |&(j, _)| j != at);
+            along.chain(carried_from[at as usize].map(|from| (from, 1.0)))
+        };
+        nearest.clear();
+        nearest.extend((0..).zip(&*representative).map(|(i, &at)| match at == i {
+            true => nearest_two(level_m, at, ties_of(at)),
+            false => [None; 2],
+        }));
         let mut tie = |i: usize, j: u32, weight: f64| {
             let (i, j) = (numbers[i], numbers[j as usize]);
             rows[i as usize].push((j, weight));
             rows[j as usize].push((i, weight));
         };
         for (i, &at) in representative.iter().enumerate() {
-            // What the representative is tied to.
-            let along = row(seen, at as usize).filter(|&(j, _)| j != at);
-            let ties = along.chain(carried_from[at as usize].map(|from| (from, 1.0)));
             if at as usize == i {
                 let once = |j: u32| j > at || carried_from[i].is_some();
-                ties.filter(|&(j, _)| once(j)).for_each(|(j, weight)| tie(i, j, weight));
+                ties_of(at).filter(|&(j, _)| once(j)).for_each(|(j, weight)| tie(i, j, weight));
                 continue;
             }
-            let distance_m = |j: u32| distance(&level_m[j as usize], &level_m[at as usize]);
-            nearest.clear();
-            nearest.extend(ties);
-            nearest.sort_by(|a, b| distance_m(a.0).total_cmp(&distance_m(b.0)));
-            nearest.truncate(2);
-            if !nearest.is_empty() {
+            let nearest = nearest[at as usize];
+            if nearest[0].is_some() {
                 tie(i, at, 1.0);
             }
-            nearest.iter().for_each(|&(j, weight)| tie(i, j, weight));
+            nearest.into_iter().flatten().for_each(|(j, weight)| tie(i, j, weight));
         }
     }
 
@@ -164,4 +169,18 @@ fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = (u32, f64)> {
         _ => (&[][..], &[][..]),
     };
     columns.iter().copied().zip(weights.iter().copied())
+}
+
+/// The two of `ties` that are nearest to the return at `at`, the first of equals.
+fn nearest_two(level_m: &[Point], at: u32, ties: impl Iterator<Item = (u32, f64)>) -> [Option<(u32, f64)>; 2] {
+    let mut nearest = [(f64::INFINITY, None); 2];
+    for tie in ties {
+        let found = (distance(&level_m[tie.0 as usize], &level_m[at as usize]), Some(tie));
+        if found.0 < nearest[0].0 {
+            nearest = [found, nearest[0]];
+        } else if found.0 < nearest[1].0 {
+            nearest[1] = found;
+        }
+    }
+    nearest.map(|(_, tie)| tie)
 }

@@ -101,9 +101,11 @@ impl LevelView {
             let i = number as usize;
             Echo { beam: fan.beam(cloud.bearing_rad(i)), range_m: cloud.range_m(i), number }
         }));
-        self.echoes.sort_unstable_by(|a, b| {
-            a.beam.cmp(&b.beam).then(a.range_m.total_cmp(&b.range_m)).then(a.number.cmp(&b.number))
-        });
+        // Most clouds come beam by beam, and are sorted by beams at once.
+        self.echoes.sort_by_key(|echo| echo.beam);
+        for echoes in self.echoes.chunk_by_mut(|a, b| a.beam == b.beam) {
+            echoes.sort_unstable_by(|a, b| a.range_m.total_cmp(&b.range_m).then(a.number.cmp(&b.number)));
+        }
     }
 
     fn write_sweep(&mut self, cloud: &Revolution, first_rad: f64) {
