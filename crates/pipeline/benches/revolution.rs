@@ -6,14 +6,13 @@
 //! medians over the revolutions, of each the least of several passes, as another program's turn only ever adds. The methods
 //! take turns, so that what else the machine does hits all of them alike.
 
-use std::path::PathBuf;
+mod scans;
 
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
 use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
-use crosscut_simulator::{Split, suites};
-use crosscut_stage::{Frame, Notes, Params, Revolution, Source, Step};
+use crosscut_stage::{Frame, Revolution, Step};
+use scans::{Fallible, Scans, median};
 
-/// Revolutions of each family or recording, evenly over it.
+/// Revolutions of each family or recording.
 const REVOLUTIONS: usize = 100;
 const PASSES: usize = 5;
 /// Name, preset, and settings on top of it. `floor` is the default with its eigenvalues left out.
@@ -25,14 +24,6 @@ const METHODS: &[(&str, &str, &[&str])] = &[
     ("slicing16", "paper", &["spectral.kind=slicing", "spectral.eigenvalues=16"]),
 ];
 const STEPS: [Step; 4] = [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report];
-
-type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
-
-/// A family of scenes, or a recording.
-struct Scans {
-    name: String,
-    revolutions: Vec<Revolution>,
-}
 
 fn main() -> Fallible<()> {
     let registry = Registry::standard();
@@ -51,7 +42,7 @@ fn main() -> Fallible<()> {
 
     print!("{:<16},{:>10},{:>12},{:>8}", "scans", "method", "revolutions", "returns");
     println!("{}", STEPS.map(|step| format!(",{:>12}", format!("{step}_us"))).concat() + ",    total_us");
-    for Scans { name, revolutions } in inputs(&recordings)? {
+    for Scans { name, revolutions } in scans::of(&recordings, REVOLUTIONS)? {
         let times_ns = time(&mut engines, &revolutions)?;
         let mut returns: Vec<usize> = revolutions.iter().map(Revolution::len).collect();
         for ((method, ..), times_ns) in methods.iter().zip(times_ns) {
@@ -64,47 +55,6 @@ fn main() -> Fallible<()> {
         }
     }
     Ok(())
-}
-
-/// The recordings, or all families if there are none.
-fn inputs(recordings: &[String]) -> Fallible<Vec<Scans>> {
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
-    let paths: Vec<PathBuf> =
-        std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).map(PathBuf::from).collect();
-    if paths.is_empty() {
-        let revolution = |scan: &_| {
-            let mut revolution = Revolution::default();
-            sensor.revolution(scan, &mut revolution, &mut Notes::default());
-            revolution
-        };
-        let of_suite = |suite: &crosscut_simulator::Suite| {
-            let all = suite.scenes(Split::Dev).map(|scene| revolution(&scene.scan)).collect();
-            Scans { name: suite.name.to_owned(), revolutions: spread(all) }
-        };
-        return Ok(suites().iter().map(of_suite).collect());
-    }
-    recordings
-        .iter()
-        .map(|path| {
-            let path = PathBuf::from(path);
-            let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-            let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor.clone())?;
-            let mut all = Vec::new();
-            loop {
-                let mut revolution = Revolution::default();
-                if !recording.next(&mut revolution, &mut Notes::default())? {
-                    return Ok(Scans { name, revolutions: spread(all) });
-                }
-                all.push(revolution);
-            }
-        })
-        .collect()
-}
-
-/// At most [`REVOLUTIONS`] of them, evenly.
-fn spread(all: Vec<Revolution>) -> Vec<Revolution> {
-    let step = all.len().div_ceil(REVOLUTIONS).max(1);
-    all.into_iter().step_by(step).collect()
 }
 
 /// For each engine and revolution, the nanoseconds of each of [`STEPS`] and their sum, the least of the passes.
@@ -127,9 +77,4 @@ fn time(
         }
     }
     Ok(least)
-}
-
-fn median<T: Ord + Copy + Default>(values: &mut [T]) -> T {
-    values.sort_unstable();
-    values.get(values.len() / 2).copied().unwrap_or_default()
 }

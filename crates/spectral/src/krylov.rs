@@ -1,21 +1,30 @@
-//! The lowest eigenvalues of a dense block and their eigenvectors, by shift-and-invert.
+//! The lowest eigenvalues of a part and their eigenvectors, by shift-and-invert.
 
 use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 
 use crate::decomposition::Decomposition;
 use crate::dot::dot;
-use crate::ldlt::Ldlt;
+use crate::envelope::Envelope;
 
-/// Blocks of columns at most.
-const MOST_STEPS: usize = 16;
-/// Residuals of eigenvalues that are not zeros: their errors are the squares, over the gap.
+/// Columns of a block at least, and how many more than there are eigenvalues below the shift.
+const COLUMNS: usize = 4;
+const SPARE: usize = 2;
+/// Before so many blocks, and so many columns for each eigenvalue, it is not looked whether they suffice.
+const LEAST_BLOCKS: usize = 3;
+const LEAST_SHARE: usize = 3;
+/// Columns at most, for each eigenvalue and beside.
+const MOST_SHARE: usize = 6;
+const MOST_BESIDE: usize = 48;
+/// Small enough for a residual, whatever else is near.
 const RESIDUAL: f64 = 1e-8;
+/// What may be left of a column, of what it was, before it is made orthogonal once more.
+const CANCELLED: f64 = 0.1;
 /// What is left of a column that depends on those before it.
 const DEPENDENT: f64 = 1e-10;
 
-/// Block Krylov spaces of (L - τI)⁻¹; holds its buffers.
+/// Block Krylov spaces of X = (L - shift·I)⁻¹; holds its buffers.
 #[derive(Default)]
 pub(crate) struct Krylov {
     space: Space,
@@ -29,155 +38,203 @@ pub(crate) struct Lowest {
     pub(crate) vectors: Mat<f64>,
 }
 
-/// The basis so far, and (L - τI)⁻¹ in it.
+/// The basis V so far, and X in it: X V = V H + (the next block) R.
 struct Space {
-    /// n×dimension, orthonormal columns.
+    /// V, n×dimension, orthonormal columns.
     basis: Mat<f64>,
-    dimension: usize,
-    /// VᵀXV, X = (L - τI)⁻¹, of all columns but those of the last block.
+    /// H, of all columns but those of the last block.
     projected: Mat<f64>,
+    /// R, of the last block.
+    remainder: Mat<f64>,
+    columns: usize,
+    dimension: usize,
     noise: u64,
 }
 
 impl Krylov {
-    /// The `wanted` lowest eigenvalues of `laplacian` and their eigenvectors; `None` if they do not settle, or do not agree
-    /// with the number of eigenvalues below τ that `factor`, that of L - τI, counts.
+    /// The `wanted` lowest eigenvalues of the part that `envelope` has factorised at a shift above all zeros, and their
+    /// eigenvectors; `None` if they do not settle, or do not agree with the number of eigenvalues below the shift.
     ///
-    /// Random columns, `start` among them, are multiplied by (L - τI)⁻¹ again and again, each time made orthonormal against all
-    /// before (so an eigenvalue may be repeated as often as there are columns in a block). In their span the eigenvectors are
-    /// approximated, first of (L - τI)⁻¹, until the residuals are small, then of L itself (Rayleigh, Ritz).
+    /// Random columns, `start` among them, are multiplied by X again and again, each time made orthonormal against all before (so
+    /// an eigenvalue may be repeated as often as there are columns in a block). In their span V the eigenvectors y of X are
+    /// approximated: H y = ν y, λ = shift + 1/ν. One more step of inverse iteration needs no solution,
+    ///
+    /// z = X V y / ν = V y + (the next block) R y / ν, with (L - λ) z = (V y - z) / ν,
+    ///
+    /// so the residual of z is known before z is: ‖R y‖ / ν². If all are small, L in the span of these vectors (Rayleigh, Ritz)
+    /// gives the eigenvalues, with the residuals that count.
     ///
     /// # Errors
     /// When a small decomposition does not converge.
     pub(crate) fn lowest(
         &mut self,
-        laplacian: MatRef<'_, f64>,
-        factor: &Ldlt,
+        envelope: &mut Envelope,
         wanted: usize,
         start: &[f64],
     ) -> Result<Option<Lowest>, StageError> {
-        let n = laplacian.nrows();
-        let columns = wanted.div_ceil(2).max(factor.below() + 2);
-        self.space.begin(n, columns, start);
-        let rounding = 100.0 * n as f64 * f64::EPSILON;
-        while self.space.dimension + columns <= self.space.basis.ncols() {
-            let remainder = self.space.grow(factor, columns);
+        let columns = (envelope.below() + SPARE).max(COLUMNS);
+        let least = (LEAST_BLOCKS * columns).max(LEAST_SHARE * wanted);
+        self.space.begin(envelope.n(), columns, MOST_SHARE * wanted + MOST_BESIDE, start);
+        while self.space.grow(envelope) {
             let dimension = self.space.dimension - columns;
-            if dimension < wanted + 1 {
-                continue;
-            }
-            let projected = self.space.projected.submatrix(0, 0, dimension, dimension);
-            self.small.decompose(projected, &mut self.values)?;
-            // λ = τ + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
-            let negative = self.values.partition_point(|&nu| nu < 0.0);
-            let order: Vec<usize> = (0..negative).rev().chain((negative..dimension).rev()).take(wanted).collect();
-            let settled = |(rank, &j): (usize, &usize)| {
-                let last = &self.small.eigenvector(j)[dimension - columns..];
-                let residual = norm_of_product(remainder.as_ref(), last) * 2.0 / self.values[j].abs();
-                residual <= if rank < factor.below() { rounding } else { RESIDUAL }
-            };
-            if order.iter().enumerate().all(settled) {
-                return self.refine(laplacian, dimension, &order, factor);
+            if dimension >= least
+                && let Some(lowest) = self.try_at(envelope, dimension, wanted)?
+            {
+                return Ok(Some(lowest));
             }
         }
         Ok(None)
     }
 
-    /// Rayleigh and Ritz with L itself in the span of the vectors at `order`.
-    fn refine(
-        &mut self,
-        laplacian: MatRef<'_, f64>,
-        dimension: usize,
-        order: &[usize],
-        factor: &Ldlt,
-    ) -> Result<Option<Lowest>, StageError> {
-        let (n, wanted) = (laplacian.nrows(), order.len());
-        let chosen = Mat::from_fn(dimension, wanted, |i, j| self.small.eigenvector(order[j])[i]);
-        let vectors = product(self.space.basis.subcols(0, dimension), chosen.as_ref());
-        let image = product(laplacian, vectors.as_ref());
+    /// The eigenvalues in what is there of the space, if they have settled.
+    fn try_at(&mut self, envelope: &Envelope, dimension: usize, wanted: usize) -> Result<Option<Lowest>, StageError> {
+        let Self { space, small, values } = self;
+        small.decompose(space.projected.submatrix(0, 0, dimension, dimension), values)?;
+        // λ = shift + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
+        let negative = values.partition_point(|&nu| nu < 0.0);
+        let mut order = (0..negative).rev().chain((negative..dimension).rev());
+        let chosen: Vec<usize> = order.by_ref().take(wanted).collect();
+        let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
+        let needed = Needed { n: envelope.n(), below: envelope.below(), outside };
+
+        let turn = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
+        let last = turn.subrows(dimension - space.columns, space.columns);
+        let mut beyond = product(space.remainder.as_ref(), last);
+        for (j, &chosen) in chosen.iter().enumerate() {
+            let inverse = values[chosen].recip();
+            beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
+            if !needed.is_met(j, envelope.shift() + inverse, beyond.col(j).norm_l2() * inverse.abs()) {
+                return Ok(None);
+            }
+        }
+        let mut turn = Mat::from_fn(dimension + space.columns, wanted, |i, j| {
+            if i < dimension { turn[(i, j)] } else { beyond[(i - dimension, j)] }
+        });
+        make_orthonormal(&mut turn, &mut space.noise);
+        let vectors = product(space.basis.subcols(0, space.dimension), turn.as_ref());
+
+        let image = envelope.times(vectors.as_ref());
         let mut eigenvalues = Vec::new();
-        self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
-        let turn = Mat::from_fn(wanted, wanted, |i, j| self.small.eigenvector(j)[i]);
+        small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
+        let turn = Mat::from_fn(wanted, wanted, |i, j| small.eigenvector(j)[i]);
         let (vectors, image) = (product(vectors.as_ref(), turn.as_ref()), product(image.as_ref(), turn.as_ref()));
-        let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < factor.shift());
-        let rounding = 100.0 * n as f64 * f64::EPSILON;
-        let settled = eigenvalues.iter().enumerate().all(|(j, eigenvalue)| {
+        let settled = eigenvalues.iter().enumerate().all(|(j, &eigenvalue)| {
             let pairs = image.col_as_slice(j).iter().zip(vectors.col_as_slice(j));
             let residual = pairs.map(|(image, x)| (image - eigenvalue * x).powi(2)).sum::<f64>().sqrt();
-            residual <= if j < below { rounding } else { 10.0 * RESIDUAL }
+            needed.is_met(j, eigenvalue, residual)
         });
-        Ok((settled && below == factor.below().min(wanted)).then_some(Lowest { eigenvalues, vectors }))
+        let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < envelope.shift());
+        Ok((settled && below == envelope.below().min(wanted)).then_some(Lowest { eigenvalues, vectors }))
+    }
+}
+
+/// What residuals have to be.
+struct Needed {
+    n: usize,
+    /// Eigenvalues below the shift.
+    below: usize,
+    /// The next eigenvalue after those that are wanted.
+    outside: f64,
+}
+
+impl Needed {
+    /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their residuals over
+    /// the gap. The others are off by residual² over the distance of what is outside.
+    fn is_met(&self, j: usize, eigenvalue: f64, residual: f64) -> bool {
+        let rounding = 10.0 * self.n as f64 * f64::EPSILON;
+        if j < self.below {
+            return residual <= rounding;
+        }
+        residual <= RESIDUAL || residual * residual <= rounding * (self.outside - eigenvalue)
     }
 }
 
 impl Default for Space {
     fn default() -> Self {
-        Self { basis: Mat::new(), dimension: 0, projected: Mat::new(), noise: 0 }
+        Self { basis: Mat::new(), projected: Mat::new(), remainder: Mat::new(), columns: 0, dimension: 0, noise: 0 }
     }
 }
 
 impl Space {
     /// Begins anew with random columns, `start` the first of them.
-    fn begin(&mut self, n: usize, columns: usize, start: &[f64]) {
-        let most = (columns * (MOST_STEPS + 1)).min(n - n % columns);
+    fn begin(&mut self, n: usize, columns: usize, most: usize, start: &[f64]) {
+        let most = most.min(n) / columns * columns;
         self.basis.resize_with(n, most, |_, _| 0.0);
         self.projected.resize_with(most, most, |_, _| 0.0);
-        self.dimension = 0;
-        self.noise = 0x9E37_79B9_7F4A_7C15;
+        (self.columns, self.dimension, self.noise) = (columns, 0, 0x9E37_79B9_7F4A_7C15);
         let mut first = Mat::from_fn(n, columns, |_, _| random(&mut self.noise));
         first.col_as_slice_mut(0).copy_from_slice(start);
         self.append(first);
     }
 
-    /// Multiplies the last block by (L - τI)⁻¹ and adds what is new in it as the next block. Returns that part in the new
-    /// columns, which is the residual of the old ones.
-    fn grow(&mut self, factor: &Ldlt, columns: usize) -> Mat<f64> {
-        let from = self.dimension - columns;
-        let mut image = self.basis.subcols(from, columns).to_owned();
-        factor.solve(image.as_mut());
-        let known = product(self.basis.subcols(0, self.dimension).transpose(), image.as_ref());
-        for j in 0..columns {
-            for i in 0..self.dimension {
-                self.projected[(i, from + j)] = known[(i, j)];
-                self.projected[(from + j, i)] = known[(i, j)];
+    /// Multiplies the last block by X, and adds what is new in it as the next block; `false` if there is no room for that.
+    fn grow(&mut self, envelope: &mut Envelope) -> bool {
+        let Self { basis, projected, columns, dimension, .. } = self;
+        if *dimension + *columns > basis.ncols() {
+            return false;
+        }
+        let from = *dimension - *columns;
+        let mut image = basis.subcols(from, *columns).to_owned();
+        envelope.solve(image.as_mut());
+        let known = product(basis.subcols(0, *dimension).transpose(), image.as_ref());
+        for j in 0..*columns {
+            for i in 0..*dimension {
+                projected[(i, from + j)] = known[(i, j)];
+                projected[(from + j, i)] = known[(i, j)];
             }
         }
-        self.append(image)
+        self.append(image);
+        true
     }
 
-    /// Makes `block` orthonormal, against the basis too, and adds it; returns R, where the part of `block` that was new is the new
-    /// columns times R.
-    fn append(&mut self, mut block: Mat<f64>) -> Mat<f64> {
-        let remainder = self.make_orthonormal(&mut block);
-        // What was nearly dependent had little left, and rounding is large in it.
-        self.make_orthonormal(&mut block);
+    /// Makes `block` orthonormal, against the basis too, and adds it.
+    fn append(&mut self, mut block: Mat<f64>) {
+        let basis = self.basis.subcols(0, self.dimension);
+        let project = |block: &mut Mat<f64>| {
+            let along = product(basis.transpose(), block.as_ref());
+            matmul(block.as_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
+        };
+        project(&mut block);
+        // X makes what rounding leaves of the zeros large again; twice is enough.
+        project(&mut block);
+        let lengths: Vec<f64> = (0..block.ncols()).map(|j| block.col(j).norm_l2()).collect();
+        self.remainder = make_orthonormal(&mut block, &mut self.noise);
+        if (0..block.ncols()).any(|j| self.remainder[(j, j)] < CANCELLED * lengths[j]) {
+            project(&mut block);
+            make_orthonormal(&mut block, &mut self.noise);
+        }
         self.basis.subcols_mut(self.dimension, block.ncols()).copy_from(&block);
         self.dimension += block.ncols();
-        remainder
     }
+}
 
-    fn make_orthonormal(&mut self, block: &mut Mat<f64>) -> Mat<f64> {
-        let basis = self.basis.subcols(0, self.dimension);
-        let along = product(basis.transpose(), block.as_ref());
-        matmul(block.as_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
-        let mut triangle = Mat::zeros(block.ncols(), block.ncols());
-        for j in 0..block.ncols() {
-            let length = block.col(j).norm_l2();
-            for i in 0..j {
-                triangle[(i, j)] = take_out(block, i, j);
-            }
-            let left = block.col(j).norm_l2();
-            if left > DEPENDENT * length {
-                triangle[(j, j)] = left;
-            } else {
-                // Nothing new was left. The second time, what is put here is made orthogonal.
-                block.col_as_slice_mut(j).iter_mut().for_each(|x| *x = random(&mut self.noise));
-            }
-            let scale = block.col(j).norm_l2().recip();
-            block.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
+/// Makes the columns of `block` orthonormal; returns R, `block` was what it is now times R. A column in which nothing is left is
+/// random instead, and R has a 0 there.
+fn make_orthonormal(block: &mut Mat<f64>, noise: &mut u64) -> Mat<f64> {
+    let mut triangle = Mat::zeros(block.ncols(), block.ncols());
+    for j in 0..block.ncols() {
+        let length = block.col(j).norm_l2();
+        for i in 0..j {
+            triangle[(i, j)] = take_out(block, i, j);
         }
-        triangle
+        let left = block.col(j).norm_l2();
+        if left > DEPENDENT * length {
+            triangle[(j, j)] = left;
+        } else {
+            block.col_as_slice_mut(j).iter_mut().for_each(|x| *x = random(noise));
+        }
+        let scale = block.col(j).norm_l2().recip();
+        block.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
     }
+    triangle
+}
+
+/// Takes the part along the unit column `i` out of column `j`, i < j; how much it was.
+fn take_out(block: &mut Mat<f64>, i: usize, j: usize) -> f64 {
+    let along = dot(block.col_as_slice(i), block.col_as_slice(j));
+    let (units, rest) = block.as_mut().split_at_col_mut(j);
+    zip!(rest.col_mut(0), units.as_ref().col(i)).for_each(|unzip!(x, unit)| *x -= along * unit);
+    along
 }
 
 /// In -0.5..0.5.
@@ -186,24 +243,8 @@ fn random(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
 }
 
-/// Takes the part along the unit column `i` out of column `j`; how much it was.
-fn take_out(block: &mut Mat<f64>, i: usize, j: usize) -> f64 {
-    let along = dot(block.col_as_slice(i), block.col_as_slice(j));
-    for row in 0..block.nrows() {
-        let unit = block[(row, i)];
-        block[(row, j)] -= along * unit;
-    }
-    along
-}
-
 fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(a.nrows(), b.ncols());
     matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
     out
-}
-
-/// ‖Ax‖.
-fn norm_of_product(a: MatRef<'_, f64>, x: &[f64]) -> f64 {
-    let row = |i: usize| x.iter().enumerate().map(|(j, x)| a[(i, j)] * x).sum::<f64>();
-    (0..a.nrows()).map(|i| row(i).powi(2)).sum::<f64>().sqrt()
 }

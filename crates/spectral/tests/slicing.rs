@@ -1,12 +1,15 @@
 //! `slicing` against the full decomposition, on the dense W of walls that leak into each other.
 
+mod solving;
+
 use std::cell::Cell;
 
 use crosscut_spectral::{FaerEvd, Slicing, ZeroRule};
-use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
+use crosscut_stage::Affinity;
 use proptest::collection::vec;
 use proptest::prelude::Strategy;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
+use solving::spectrum;
 
 const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;
@@ -39,12 +42,6 @@ fn walls() -> impl Strategy<Value = Affinity> {
         affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
         affinity
     })
-}
-
-fn spectrum(stage: &mut dyn SpectralStage, affinity: &Affinity) -> (Spectrum, usize) {
-    let (mut out, mut notes) = (Spectrum::default(), Notes::default());
-    stage.spectrum(affinity, &mut out, &mut notes).expect("a sound affinity");
-    (out, notes.iter().len())
 }
 
 #[test]
