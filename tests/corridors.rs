@@ -48,7 +48,7 @@ fn counts_along_real_corridors_do_not_flicker_more_than_stated() {
 }
 
 /// How many counts differ from the one that more than half of their neighbours have, five on either side.
-fn flickers(counts: &[u64]) -> usize {
+pub(crate) fn flickers(counts: &[u64]) -> usize {
     let differs = |at: usize| {
         let around = at.saturating_sub(5)..(at + 6).min(counts.len());
         let neighbours: Vec<u64> = around.filter(|&other| other != at).map(|other| counts[other]).collect();

@@ -7,6 +7,7 @@ mod evaluation;
 mod flight;
 mod input;
 mod interruption;
+mod over_time;
 mod paper;
 mod program;
 #[cfg(feature = "rerun")]

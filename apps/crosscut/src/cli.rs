@@ -52,6 +52,10 @@ pub(crate) struct RunArgs {
     /// Write one JSON object per scan message; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
+    /// Draw count, margin and confidence over time, and list beside it, as FILE.md, the revolutions whose count is not
+    /// that of most around them, with what is different there.
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) over_time: Option<PathBuf>,
     /// No progress, no summary.
     #[arg(long)]
     pub(crate) quiet: bool,

@@ -12,6 +12,7 @@ mod exit;
 mod figure;
 mod flight;
 mod info;
+mod over_time;
 mod overwriting;
 mod paper;
 mod progress;

@@ -14,16 +14,20 @@ use crosscut_stage::Frame;
 
 use crate::cli::RunArgs;
 use crate::exit::{INTERRUPTED, Outcome};
+use crate::over_time::{self, OverTime};
 use crate::{config, flight, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
 pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let config = config::resolve(&args.config, &registry)?;
-    let outputs: Vec<&Path> = args.record.save.iter().chain(&args.results).map(PathBuf::as_path).collect();
+    let list = args.over_time.as_deref().map(over_time::list_beside);
+    let outputs = args.record.save.iter().chain(&args.results).chain(&args.over_time).chain(&list);
+    let outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
     overwriting::refuse(&outputs, &recordings_in(&args.flight.input)?)?;
     let mut recording = flight::open(&args.flight, &config)?;
     let mut results = open_results(args.results.as_deref())?;
+    let mut over_time = args.over_time.as_ref().map(|_| OverTime::new(config.params("vehicle").number("width_m")));
     let mut lost = Vec::new();
     let (mut observers, served) =
         record::observers(&args.record, &args.flight.input[0], &config, args.rate.is_some(), &mut lost)?;
@@ -40,6 +44,9 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
             out.write_all(&line)?;
             out.flush()?;
         }
+        if let Some(over_time) = &mut over_time {
+            over_time.take(frame);
+        }
         bar.inc(1);
         Ok(())
     };
@@ -50,6 +57,9 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
 
     if !args.quiet {
         eprint!("{}", summary::table(&summary, start.elapsed()));
+    }
+    if let (Some(over_time), Some(svg)) = (&over_time, &args.over_time) {
+        over_time.write(svg)?;
     }
     lost.extend(recording.losses().iter().map(ToString::to_string));
     lost.extend(summary.observer_errors.iter().cloned());

@@ -50,6 +50,8 @@
 //! measures, the first in the place of the truth, and [`Differences`] sums a flight up and lists the stretches where the walls
 //! are not the same.
 //!
+//! **One configuration without a truth**: [`flips`] are the revolutions whose count is not that of most around them.
+//!
 //! # Example
 //!
 //! ```
@@ -88,6 +90,7 @@ mod openings;
 mod percentiles;
 mod score;
 mod share;
+mod steadiness;
 pub mod tables;
 
 pub use agreement::Agreement;
@@ -99,3 +102,4 @@ pub use openings::{MatchedOpening, OpeningsScore, SAME_OPENING_RAD};
 pub use percentiles::Percentiles;
 pub use score::{SAME_WALL_IOU, Score, ScoreError};
 pub use share::Share;
+pub use steadiness::{AROUND, Flip, flips};

@@ -1,0 +1,38 @@
+//! A flight over time: the picture, and the list of counts that differ from those around them.
+
+use crate::corridors::flickers;
+use crate::program::{column, results_of, run, shipped_flight};
+
+#[test]
+fn every_count_that_flickers_is_listed_with_what_is_different_and_marked_in_the_picture() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let picture = folder.path().join("tee.svg");
+    let more = ["--preset", "paper", "--over-time", picture.to_str().expect("UTF-8")];
+    let (ran, lines) = results_of(&shipped_flight(), &more);
+    ran.expect_code(0);
+    let flips = flickers(&column(&lines, "junctions"));
+    assert!(flips > 0, "the paper's rule wavers on this flight");
+
+    let list = std::fs::read_to_string(folder.path().join("tee.md")).expect("written");
+    assert!(list.contains(&format!("{flips} of {} revolutions", lines.len())), "{list}");
+    let rows: Vec<&str> = list.lines().filter(|line| line.contains(" returns")).collect();
+    assert_eq!(rows.len(), flips, "{list}");
+    let drawn = std::fs::read_to_string(&picture).expect("written");
+    assert_eq!(drawn.matches("<circle").count(), flips);
+    assert!(["walls", "margin", "confidence"].iter().all(|lane| drawn.contains(lane)));
+}
+
+#[test]
+fn a_picture_that_would_overwrite_its_list_or_the_results_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let flight = shipped_flight().to_str().expect("UTF-8").to_owned();
+    run([flight_args(&flight, &path("over.md")), vec![]].concat()).expect_code(2);
+    run([flight_args(&flight, &path("over.svg")), vec!["--results".to_owned(), path("over.md")]].concat())
+        .expect_code(2);
+    assert!(std::fs::read_dir(folder.path()).expect("a folder").next().is_none(), "nothing is written");
+}
+
+fn flight_args(flight: &str, picture: &str) -> Vec<String> {
+    ["run", flight, "--over-time", picture].map(str::to_owned).to_vec()
+}
