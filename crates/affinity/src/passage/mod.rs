@@ -36,7 +36,7 @@ const PASSAGE_M: ParamSpec = ParamSpec {
 const STRETCH_M: ParamSpec = ParamSpec {
     name: "stretch_m",
     unit: "m",
-    shape: Shape::Number { default: 0.9, range: Interval::above(0.0, 100.0) },
+    shape: Shape::Number { default: 0.85, range: Interval::above(0.0, 100.0) },
     doc: "length of wall over which the direction of its end is taken",
 };
 
