@@ -16,6 +16,9 @@ const MIN_CLUSTER: ParamSpec = ParamSpec {
     doc: "components with fewer returns are left out: their returns have no cluster",
 };
 
+/// Of a return whose row is 0.
+const NO_COLUMN: (u32, f64) = (0, 0.0);
+
 pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
     name: "components",
     doc: "a cluster for each connected component, read off a U whose columns share no row",
@@ -57,22 +60,24 @@ impl Components {
 
     /// Fills `columns`, `sizes` and `means`, unless a row has not exactly one entry.
     fn read_columns(&mut self, u: &Embedding) -> bool {
-        self.columns.clear();
-        self.sizes.clear();
-        self.sizes.resize(u.ncols(), 0);
-        self.means.clear();
-        self.means.resize(u.ncols(), 0.0);
-        for i in 0..u.nrows() {
-            let mut present = u.row(i).filter(|&(_, entry)| entry != 0.0);
-            let (Some((column, entry)), None) = (present.next(), present.next()) else {
-                return false;
-            };
-            self.columns.push((column as u32, entry));
-            self.sizes[column] += 1;
-            self.means[column] += entry;
-        }
-        self.means.iter_mut().zip(&self.sizes).for_each(|(sum, &size)| *sum /= size.max(1) as f64);
-        true
+        let Self { columns, sizes, means, .. } = self;
+        columns.clear();
+        columns.resize(u.nrows(), NO_COLUMN);
+        sizes.clear();
+        sizes.resize(u.ncols(), 0);
+        means.clear();
+        means.resize(u.ncols(), 0.0);
+        let mut shared = false;
+        u.for_each(|i, j, entry| {
+            if entry != 0.0 {
+                shared |= columns[i] != NO_COLUMN;
+                columns[i] = (j as u32, entry);
+                sizes[j] += 1;
+                means[j] += entry;
+            }
+        });
+        means.iter_mut().zip(sizes).for_each(|(sum, &mut size)| *sum /= size.max(1) as f64);
+        !shared && !columns.contains(&NO_COLUMN)
     }
 
     /// Notes how much is left out.

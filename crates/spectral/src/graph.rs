@@ -16,8 +16,8 @@ impl Graph<'_> {
     /// The edges of return `i` to itself and to later ones.
     pub(crate) fn edges_from(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let (others, weights) = self.edges.row(i);
-        let edges = others.iter().map(|&j| j as usize).zip(weights.iter().copied());
-        edges.rev().take_while(move |&(j, _)| j >= i)
+        let first = others.len() - others.iter().rev().take_while(|&&j| j as usize >= i).count();
+        others[first..].iter().map(|&j| j as usize).zip(weights[first..].iter().copied())
     }
 }
 

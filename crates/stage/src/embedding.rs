@@ -100,6 +100,23 @@ impl Embedding {
         })
     }
 
+    /// Calls `entry(i, j, value)` for every stored entry: column by column for `Dense`, row by row for `Sparse`.
+    pub fn for_each(&self, mut entry: impl FnMut(usize, usize, f64)) {
+        match self {
+            Self::Dense(matrix) => {
+                for j in 0..matrix.ncols() {
+                    matrix.col_as_slice(j).iter().enumerate().for_each(|(i, &value)| entry(i, j, value));
+                }
+            }
+            Self::Sparse { rows, .. } => {
+                for i in 0..rows.n() {
+                    let (columns, values) = rows.row(i);
+                    columns.iter().zip(values).for_each(|(&j, &value)| entry(i, j as usize, value));
+                }
+            }
+        }
+    }
+
     /// The dense matrix in `self`, made so (and resized, its old content unspecified) if it is not.
     pub fn make_dense(&mut self, nrows: usize, ncols: usize) -> &mut Mat<f64> {
         if !matches!(self, Self::Dense(_)) {
@@ -159,6 +176,15 @@ mod tests {
     }
 
     #[test]
+    fn one_entry_that_is_not_finite_is_found_however_it_is_stored() {
+        let mut u = Embedding::default();
+        for rows in [3, 40] {
+            u.write_rows(rows, 2 * rows, |i, row| row.push((i as u32, if i == 2 { f64::NAN } else { 1.0 })));
+            assert!(!u.is_finite(), "{rows} rows");
+        }
+    }
+
+    #[test]
     fn few_columns_are_dense_and_many_are_not_and_both_read_the_same_also_in_a_used_buffer() {
         let mut u = Embedding::default();
         for rows in [40, 32, 33, 0, 3] {
@@ -174,6 +200,13 @@ mod tests {
                 );
                 assert!(u.row(i).all(|(j, value)| value == expected(j)));
             }
+            let mut sum = 0.0;
+            u.for_each(|i, j, value| {
+                assert_eq!(value, u[(i, j)]);
+                sum += value;
+            });
+            assert_eq!(sum, (0..rows).map(|i| 2.0 * i as f64).sum::<f64>(), "every entry once");
+            assert!(u.is_finite());
         }
     }
 }

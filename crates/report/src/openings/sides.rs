@@ -148,19 +148,30 @@ fn first_within_m<W: Iterator<Item = [Position; 2]>>(
     wall_m: impl Fn() -> W,
     distance_m: f64,
 ) -> Option<Position> {
-    let is_within = |squared: f64, piece_m: [Position; 2], point_m: Position| {
-        (nearest_on_m(piece_m, point_m) - point_m).norm_squared() <= squared
-    };
     let end_m = way(1.0);
-    if !wall_m().any(|piece_m| is_within(distance_m.powi(2), piece_m, end_m)) {
+    if !wall_m().any(|piece_m| is_within(piece_m, end_m, distance_m)) {
         return None;
     }
     // Only what is near the circle around the way, with room for rounding, can be near a point of it.
     let middle_m = way(0.5);
     let reach_m = 1.001 * (distance_m + (end_m - middle_m).norm());
-    let near_m: Vec<_> = wall_m().filter(|&piece_m| is_within(reach_m.powi(2), piece_m, middle_m)).collect();
-    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(distance_m.powi(2), piece_m, point_m));
+    let near_m: Vec<_> = wall_m().filter(|&piece_m| is_within(piece_m, middle_m, reach_m)).collect();
+    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(piece_m, point_m, distance_m));
     Some(bisect(way, is_reached))
+}
+
+/// Whether a piece of a line comes within this distance of a point.
+fn is_within([from_m, to_m]: [Position; 2], point_m: Position, distance_m: f64) -> bool {
+    let (along, offset) = (to_m - from_m, point_m - from_m);
+    let (squared, length_squared, on_line) = (distance_m * distance_m, along.norm_squared(), offset.dot(&along));
+    // Nearest is one of its ends, or the foot of the perpendicular; no root is taken, and nothing is divided.
+    if on_line <= 0.0 {
+        offset.norm_squared() <= squared
+    } else if on_line >= length_squared {
+        (point_m - to_m).norm_squared() <= squared
+    } else {
+        along.perp(&offset).powi(2) <= squared * length_squared
+    }
 }
 
 /// Where a line from outside to inside meets the circle of [`LOOKOUT_M`] around the sensor.
