@@ -14,7 +14,7 @@
 //! | `/scan/mounting` | frame of the sensor by its name, turned in the body frame | | f32 |
 //! | `/scan/walls` | lines along the walls, broken at gaps | m | within 3 cm |
 //! | `/scan/openings` | arrows and widths; bearing and width as a tensor | openings × 2, rad and m | f32; exact |
-//! | `/scan/links` | the links that decide the count | m | drawing |
+//! | `/scan/links`, `/scan/links/edges` | the links that decide the count | m | drawing |
 //! | `/affinity/W`, `/spectral/L` | pictures of log10 of the absolute value over [-16, 0], upper triangle | by beam, up to n = 1024 | a decade a level |
 //! | `/affinity/W/exact`, `/spectral/U/exact` | W (upper triangle) and U, at some revolutions | n×n, n×k | exact |
 //! | `/affinity/degrees` | D | n | f32 |

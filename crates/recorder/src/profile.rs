@@ -28,7 +28,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let names = [("clusters", CLUSTERS_Y), ("walls", WALLS_Y)];
     rec.log_static(
         "kmeans/profile/names",
-        &marks(names.into_iter().map(|(name, y)| ([-10.0, y - LABEL_RISE], name.to_owned()))),
+        &marks(names.into_iter().map(|(name, y)| ([-12.0, y - LABEL_RISE], name.to_owned()))),
     )
 }
 
@@ -106,5 +106,5 @@ fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {
 
 /// Left, top, right and bottom of the chart.
 pub(crate) fn profile_bounds() -> [f64; 4] {
-    [-22.0, f64::from(CLUSTERS_Y) - 6.0, f64::from(WIDTH) + 11.0, 10.0]
+    [-24.0, f64::from(CLUSTERS_Y) - 6.0, f64::from(WIDTH) + 11.0, 10.0]
 }

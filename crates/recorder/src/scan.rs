@@ -17,9 +17,9 @@ const GAP_M: f64 = 2.5;
 /// A line along a wall passes its returns within this distance.
 const LINE_M: f32 = 0.03;
 /// Length of the arrows through the openings, as a share of what the view reaches.
-const ARROW: f64 = 0.1;
+const ARROW: f64 = 0.12;
 /// How far behind an opening its width is written, likewise.
-const WIDTH_BEYOND: f64 = 0.14;
+const WIDTH_BEYOND: f64 = 0.18;
 /// A label hangs below its point; raised by so much, its middle is where it belongs.
 const LABEL_RISE: f64 = 0.08;
 
@@ -108,7 +108,7 @@ fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> Re
         .with_labels(openings.iter().map(|o| format!("{}{:.1} m", if o.cut_by_view { "≥ " } else { "" }, o.width_m)))
         .with_show_labels(true);
     let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
-        .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.5 * arrow_m(o)))));
+        .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
     let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
