@@ -1,14 +1,15 @@
 //! `components`: what is left out, and what it makes of a U that mixes its columns.
 
 use crosscut_kmeans::Components;
-use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum, StageError};
+use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum};
 use faer::{Mat, mat};
 
-fn run(min_cluster: u32, u: Mat<f64>) -> Result<(Partition, Vec<String>), StageError> {
+fn run(min_cluster: u32, u: Mat<f64>) -> (Partition, Vec<String>) {
     let (mut out, mut notes) = (Partition::default(), Notes::default());
     let mut stage = Components::new(min_cluster).expect("in range");
-    stage.partition(&Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() }, &mut out, &mut notes)?;
-    Ok((out, notes.iter().map(str::to_owned).collect()))
+    let spectrum = Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() };
+    stage.partition(&spectrum, &mut out, &mut notes).expect("any U will do");
+    (out, notes.iter().map(str::to_owned).collect())
 }
 
 /// Components of 1, 3 and 2 returns, degrees not all equal.
@@ -18,17 +19,17 @@ fn u() -> Mat<f64> {
 
 #[test]
 fn small_components_get_no_cluster_and_a_note() {
-    let (all, notes) = run(1, u()).expect("disjoint columns");
+    let (all, notes) = run(1, u());
     assert_eq!(all.labels, [Some(0), Some(1), Some(2), Some(1), Some(1), Some(2)]);
     assert!(notes.is_empty());
 
-    let (without_noise, notes) = run(2, u()).expect("disjoint columns");
+    let (without_noise, notes) = run(2, u());
     assert_eq!(without_noise.labels, [None, Some(0), Some(1), Some(0), Some(0), Some(1)]);
     assert_eq!((without_noise.clusters, without_noise.centroids.nrows()), (2, 2));
     assert!((without_noise.inertia - 0.101_6 / 3.0).abs() < 1e-15);
     assert_eq!(notes, ["components: 1 of fewer than 2 returns left out, 1 returns in all"]);
 
-    let (nothing, notes) = run(9, u()).expect("disjoint columns");
+    let (nothing, notes) = run(9, u());
     assert_eq!((nothing.clusters, nothing.labels), (0, vec![None; 6]));
     assert_eq!(notes, ["components: 3 of fewer than 9 returns left out, 6 returns in all"]);
 }
@@ -36,7 +37,7 @@ fn small_components_get_no_cluster_and_a_note() {
 #[test]
 fn a_u_whose_columns_share_a_row_or_leave_one_out_has_the_clusters_of_kmeans_and_a_note() {
     for mixed in [mat![[1.0, 0.0], [0.6, 0.8], [0.6, 0.8]], mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]] {
-        let (partition, notes) = run(1, mixed).expect("any U will do");
+        let (partition, notes) = run(1, mixed);
         assert_eq!(partition.labels, [Some(0), Some(1), Some(1)]);
         assert!(notes.iter().any(|note| note.contains("kmeans++")), "{notes:?}");
     }
