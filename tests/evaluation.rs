@@ -159,3 +159,20 @@ fn wrong_usage_is_refused_before_anything_runs() {
     assert!(refused(&["--with", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
     assert!(root().join("recordings/tee.mcap").metadata().expect("it is still there").len() > 1000);
 }
+
+#[test]
+fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
+    let folder = folder();
+    let drawn = folder.path().join("drawn");
+    let draw = |truth: Value| {
+        let input = recording(folder.path(), "hand.mcap", &[Some(truth)]);
+        let drawn_path = drawn.to_str().expect("a path in UTF-8");
+        evaluate(&input, &["--quiet", "--draw-wrong", drawn_path]).expect_code(0);
+        std::fs::read_to_string(drawn.join("hand-default.svg"))
+    };
+    assert!(draw(tunnel_truth()).is_err(), "all is right, so there is nothing to draw");
+    let mut other = tunnel_truth();
+    other["walls"] = 3.into();
+    let svg = draw(other).expect("a figure");
+    assert!(svg.contains("scene 0: 3 walls") && svg.contains("answer: 2 walls"), "{svg}");
+}

@@ -36,6 +36,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
             let scored = scoring::score(path, args.topic.as_deref(), &column.config, &registry, &stop, &bar)?;
             problems.note(path, &column.name, &scored);
             comparison.merge(&family, place, &scored.evaluation);
+            if let Some(folder) = &args.draw_wrong {
+                scored.wrong.write(folder, &family, &column.name)?;
+            }
             if stop.is_set() {
                 break 'all;
             }

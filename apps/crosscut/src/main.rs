@@ -25,6 +25,7 @@ mod simulate;
 mod summary;
 #[cfg(feature = "rerun")]
 mod view;
+mod wrong;
 
 use std::process::ExitCode;
 

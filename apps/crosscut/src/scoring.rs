@@ -13,10 +13,14 @@ use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError};
 use indicatif::ProgressBar;
 
+use crate::wrong::Wrong;
+
 /// What came of it.
 pub(crate) struct Scored {
     /// Every revolution that has a truth.
     pub(crate) evaluation: Evaluation,
+    /// Those that are wrong.
+    pub(crate) wrong: Wrong,
     /// How the run ended.
     pub(crate) end: End,
     /// What was lost or could not be compared.
@@ -42,11 +46,15 @@ pub(crate) fn score(
     let queue = Mutex::new(VecDeque::new());
     let mut source =
         WithTruth { recording: open(path, topic, config)?, truths: Truths::open(path)?, of_results: &queue };
-    let (mut evaluation, mut not_compared) = (Evaluation::default(), NotCompared::default());
+    let (mut evaluation, mut wrong, mut not_compared) =
+        (Evaluation::default(), Wrong::default(), NotCompared::default());
     let mut results = |frame: &Frame| {
         let truth = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
         match compare(frame, truth.unwrap_or(Ok(None))) {
-            Ok(score) => evaluation.add(&score),
+            Ok((truth, score)) => {
+                evaluation.add(&score);
+                wrong.take(frame, &truth, &score);
+            }
             Err(why) => not_compared.add(why),
         }
         bar.inc(1);
@@ -56,7 +64,7 @@ pub(crate) fn score(
     let summary = stream(&mut source, config, registry, &mut results, &mut [], &options);
     let end = summary.context("a thread could not be started")?.end;
     let lost = source.recording.losses().iter().map(ToString::to_string);
-    Ok(Scored { evaluation, end, losses: lost.chain(not_compared.in_words(path)).collect() })
+    Ok(Scored { evaluation, wrong, end, losses: lost.chain(not_compared.in_words(path)).collect() })
 }
 
 type TruthAt = Result<Option<Truth>, TruthError>;
@@ -82,9 +90,10 @@ impl Source for WithTruth<'_> {
 /// Why a result was not compared: `None` if there is no truth, else what is wrong with it.
 type WhyNot = Option<String>;
 
-fn compare(frame: &Frame, truth: TruthAt) -> Result<Score, WhyNot> {
-    let truth = truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?;
-    Score::of(&truth.ok_or(None)?, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))
+fn compare(frame: &Frame, truth: TruthAt) -> Result<(Truth, Score), WhyNot> {
+    let truth = truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?.ok_or(None)?;
+    let score = Score::of(&truth, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))?;
+    Ok((truth, score))
 }
 
 /// Revolutions that could not be compared with their truth.
