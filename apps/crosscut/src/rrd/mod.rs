@@ -9,7 +9,6 @@ mod output;
 mod parquet;
 mod selection;
 mod table;
-mod thrift;
 
 use crosscut_recorder::Recording;
 

@@ -31,7 +31,7 @@ impl Output {
         Ok(match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Self::Npy(NpyFile::new(create()?, one)?),
             Some("csv") => Self::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
-            Some("parquet") => Self::Parquet(ParquetFile::new(create()?)?),
+            Some("parquet") => Self::Parquet(ParquetFile::new(create()?)),
             Some("jsonl") => Self::JsonLines(BufWriter::new(create()?)),
             _ => {
                 let text =
