@@ -26,7 +26,7 @@ FAMILIES = [
     "pillars", "flight_tunnel", "flight_mine",
 ]  # fmt: skip
 REVOLUTIONS = 20
-PASSES = 3
+PASSES = 7
 SIGMA_PER_M2 = 1.5
 
 

@@ -14,7 +14,7 @@ use scans::{Fallible, Scans, median};
 
 /// Revolutions of each family or recording.
 const REVOLUTIONS: usize = 100;
-const PASSES: usize = 5;
+const PASSES: usize = 7;
 /// Name, preset, and settings on top of it. `floor` is the default with its eigenvalues left out.
 const METHODS: &[(&str, &str, &[&str])] = &[
     ("default", "default", &[]),

@@ -28,7 +28,7 @@ const LEAST_RATIO: f64 = 0.2;
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
 /// β.
-const BETA: [f64; Grounds::INPUTS] = [-0.18, 0.38, -0.83, -0.59, 1.13, 5.47, -0.81];
+const BETA: [f64; Grounds::INPUTS] = [-0.09, 0.46, -0.76, -0.59, 1.12, 5.36, -0.56];
 
 /// What speaks for and against an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
