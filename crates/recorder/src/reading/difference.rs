@@ -49,7 +49,7 @@ pub struct Difference {
 }
 
 /// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U is the
-/// same when it spans the same, and centroids when their inner products are the same: see [`super::span`]. Of a damaged
+/// same when it spans the same, and centroids when their inner products are the same (`span.rs`). Of a damaged
 /// recording an entity is compared up to its last row.
 ///
 /// # Errors
