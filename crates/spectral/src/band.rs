@@ -4,8 +4,8 @@ use crate::graph::Graph;
 use crate::order::Order;
 use crate::second::ShiftInvert;
 
-/// Strides that the kernels are compiled for: 4 neighbours on either side, as along a wall, and 8.
-const USUAL_STRIDES: [usize; 2] = [5, 9];
+/// The longest edges that the kernels are compiled for: to 4 neighbours on either side, as along a wall, and to 8.
+const USUAL_WIDTHS: [usize; 2] = [4, 8];
 
 /// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near the
 /// diagonal if rows stand in the order of returns along a wall.
@@ -15,32 +15,58 @@ pub(crate) struct Band {
     /// Entries of a column: the diagonal and what is below it.
     stride: usize,
     entries: Vec<f64>,
-    /// L - shift·I = M Δ Mᵀ: M below its unit diagonal.
+    /// L - shift·I = M Δ Mᵀ: the columns of M.
     factor: Vec<f64>,
+    /// What a wide band is eliminated in.
+    wide: Vec<f64>,
 }
 
 impl Band {
-    /// Takes one block of `graph`. `leaks` are the weights of each return's links to other blocks, which are set aside.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize) {
+    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns, or longer usual ones. `leaks` are
+    /// the weights of each return's links to other blocks, which are set aside. Returns the length of the block's longest edge:
+    /// only if that is no more than `width`, the matrix is whole.
+    pub(crate) fn form(
+        &mut self,
+        graph: &Graph<'_>,
+        leaks: &[f64],
+        order: &Order,
+        block: usize,
+        width: usize,
+    ) -> usize {
         let members = order.members(block);
         self.n = members.len();
-        self.stride = order.width(block) + 1;
-        let padded = USUAL_STRIDES.into_iter().find(|&usual| self.stride <= usual);
-        self.stride = padded.unwrap_or(self.stride);
+        self.stride = 1 + USUAL_WIDTHS.into_iter().find(|&usual| width <= usual).unwrap_or(width);
         self.entries.clear();
         // Columns of zeros at the end, so that every column has `stride` rows below it.
         self.entries.resize((self.n + self.stride) * self.stride, 0.0);
-        let scale = graph.inverse_sqrt_degrees;
+        let (scale, rank) = (graph.inverse_sqrt_degrees, order.ranks(block));
+        let mut longest = 0;
         for (at, &i) in members.iter().enumerate() {
             let i = i as usize;
             self.entries[at * self.stride] += 1.0 - leaks[i] * (scale[i] * scale[i]);
-            // W is symmetric: half of it is enough.
-            for (j, weight) in graph.edges_from(i) {
-                if order.block(j) == block {
-                    let rank = order.rank(j);
-                    let entry = at.min(rank) * self.stride + at.abs_diff(rank);
-                    self.entries[entry] -= weight * (scale[i] * scale[j]);
+            for (j, scaled) in graph.scaled_edges(i) {
+                let Some(rank) = rank(j) else { continue };
+                let length = at.abs_diff(rank);
+                longest = longest.max(length);
+                if length < self.stride {
+                    self.entries[at.min(rank) * self.stride + length] -= scaled;
                 }
+            }
+        }
+        longest
+    }
+}
+
+impl Band {
+    /// LDLᵀ of the matrix - shift·I, column by column: calls `pivot(i, column, inverse)` with column i of M, from its diagonal
+    /// on, and the inverse of its pivot. Returns the number of negative pivots.
+    fn eliminate(&mut self, shift: f64, pivot: impl FnMut(usize, &[f64], f64)) -> usize {
+        match self.stride {
+            5 => eliminate_narrow::<5>(&self.entries, self.n, shift, pivot),
+            9 => eliminate_narrow::<9>(&self.entries, self.n, shift, pivot),
+            stride => {
+                self.wide.clone_from(&self.entries);
+                eliminate_wide(&mut self.wide, self.n, stride, shift, pivot)
             }
         }
     }
@@ -48,16 +74,29 @@ impl Band {
 
 impl ShiftInvert for Band {
     fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
-        let Self { n, stride, ref entries, ref mut factor } = *self;
+        let (n, stride) = (self.n, self.stride);
+        let mut factor = std::mem::take(&mut self.factor);
+        factor.clear();
         x.resize(n + stride, 0.0);
-        factor.clone_from(entries);
-        let negative = match stride {
-            5 => solve_narrow::<5>(factor, x, n, shift),
-            9 => solve_narrow::<9>(factor, x, n, shift),
-            stride => solve_wide(factor, x, n, stride, shift),
-        };
+        let negative = self.eliminate(shift, |i, column, inverse| {
+            factor.extend_from_slice(column);
+            let (top, below) = x[i..i + stride].split_first_mut().expect("a column has a diagonal");
+            below.iter_mut().zip(&column[1..]).for_each(|(x, entry)| *x -= entry * *top);
+            *top *= inverse;
+        });
+        x[n..].fill(0.0);
+        for (i, column) in factor.chunks_exact(stride).enumerate().rev() {
+            let (top, below) = x[i..i + stride].split_first_mut().expect("a column has a diagonal");
+            // The nearest, which was found last, is taken last.
+            *top = below.iter().zip(&column[1..]).rev().fold(*top, |top, (x, entry)| top - x * entry);
+        }
         x.truncate(n);
+        self.factor = factor;
         negative
+    }
+
+    fn count_below(&mut self, shift: f64) -> usize {
+        self.eliminate(shift, |_, _, _| ())
     }
 }
 
@@ -67,69 +106,55 @@ fn inverse_pivot(entry: f64, shift: f64) -> f64 {
     if pivot.abs() < f64::MIN_POSITIVE { (f64::EPSILON * f64::EPSILON).recip() } else { pivot.recip() }
 }
 
-/// LDLᵀ of `columns` - shift·I in place, column by column, and the solution of that with `x` in place, which goes on beyond
-/// its n entries. Returns the number of negative pivots. Elimination takes `x` along: a pivot has to wait for a division,
-/// and meanwhile there is time for it.
-fn solve_wide(columns: &mut [f64], x: &mut [f64], n: usize, stride: usize, shift: f64) -> usize {
+/// [`Band::eliminate`] in place.
+fn eliminate_wide(
+    columns: &mut [f64],
+    n: usize,
+    stride: usize,
+    shift: f64,
+    mut pivot: impl FnMut(usize, &[f64], f64),
+) -> usize {
     let mut negative = 0;
     for i in 0..n {
-        let (pivot_column, rest) = columns[i * stride..].split_at_mut(stride);
-        let inverse = inverse_pivot(pivot_column[0], shift);
+        let (column, rest) = columns[i * stride..].split_at_mut(stride);
+        let inverse = inverse_pivot(column[0], shift);
         negative += usize::from(inverse < 0.0);
-        let window = &mut x[i..i + stride];
-        let top = window[0];
-        for (a, column) in (1..stride).zip(rest.chunks_exact_mut(stride)) {
-            let factor = pivot_column[a] * inverse;
-            for (entry, below) in column.iter_mut().zip(&pivot_column[a..]) {
+        for (a, later) in (1..stride).zip(rest.chunks_exact_mut(stride)) {
+            let factor = column[a] * inverse;
+            for (entry, below) in later.iter_mut().zip(&column[a..]) {
                 *entry -= factor * below;
             }
-            window[a] -= factor * top;
         }
-        pivot_column[1..].iter_mut().for_each(|entry| *entry *= inverse);
-        window[0] = top * inverse;
-    }
-    x[n..].fill(0.0);
-    for (i, column) in columns.chunks_exact(stride).take(n).enumerate().rev() {
-        let window = &mut x[i..i + stride];
-        // The nearest, which was found last, is taken last.
-        let below = window[1..].iter().zip(&column[1..]).rev();
-        window[0] = below.fold(window[0], |top, (x, entry)| top - x * entry);
+        column.iter_mut().for_each(|entry| *entry *= inverse);
+        pivot(i, column, inverse);
     }
     negative
 }
 
-/// The same for so few entries of a column that all columns that a pivot changes stay in registers. Products of entries do not
-/// wait for the division.
-fn solve_narrow<const STRIDE: usize>(columns: &mut [f64], x: &mut [f64], n: usize, shift: f64) -> usize {
-    let (columns, _) = columns.as_chunks_mut::<STRIDE>();
+/// The same for so few entries of a column that what a pivot changes stays in registers.
+fn eliminate_narrow<const STRIDE: usize>(
+    columns: &[f64],
+    n: usize,
+    shift: f64,
+    mut pivot: impl FnMut(usize, &[f64], f64),
+) -> usize {
+    let (columns, _) = columns.as_chunks::<STRIDE>();
     let mut negative = 0;
-    // Columns i to i + STRIDE, and those entries of x, as far as they are eliminated.
+    // Columns i to i + STRIDE, as far as the pivots before i reach down in them.
     let mut window: [[f64; STRIDE]; STRIDE] = std::array::from_fn(|a| columns[a]);
-    let mut right: [f64; STRIDE] = std::array::from_fn(|a| x[a]);
     for i in 0..n {
-        let (pivot_column, top) = (window[0], right[0]);
-        let inverse = inverse_pivot(pivot_column[0], shift);
+        let column = window[0];
+        let inverse = inverse_pivot(column[0], shift);
         negative += usize::from(inverse < 0.0);
-        columns[i] = pivot_column.map(|entry| entry * inverse);
-        x[i] = top * inverse;
-        // Each column moves up by one place in the window.
-        for a in 1..STRIDE {
+        let scaled = column.map(|entry| entry * inverse);
+        pivot(i, &scaled, inverse);
+        // Each column moves up by one place in the window, and gets the entry that the next pivot reaches.
+        let later = &columns[i + 1..][..STRIDE];
+        for a in 1..=STRIDE {
             for b in 0..STRIDE - a {
-                window[a][b] -= pivot_column[a] * pivot_column[a + b] * inverse;
+                window[a - 1][b] = window[a][b] - scaled[a] * column[a + b];
             }
-            window[a - 1] = window[a];
-            right[a - 1] = right[a] - pivot_column[a] * top * inverse;
-        }
-        (window[STRIDE - 1], right[STRIDE - 1]) = (columns[i + STRIDE], x[i + STRIDE]);
-    }
-    // Entries i to i + STRIDE of x, of which the first is not yet known.
-    let mut solved = [0.0; STRIDE];
-    for i in (0..n).rev() {
-        // The nearest, which was found last, is taken last.
-        solved[0] = (1..STRIDE).rev().fold(x[i], |top, a| top - columns[i][a] * solved[a]);
-        x[i] = solved[0];
-        for a in (1..STRIDE).rev() {
-            solved[a] = solved[a - 1];
+            window[a - 1][STRIDE - a] = later[a - 1][STRIDE - a];
         }
     }
     negative

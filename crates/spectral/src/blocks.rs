@@ -1,17 +1,17 @@
 //! `blocks`: the eigenvalues near zero, block by block, for sparse graphs.
 
 use crosscut_stage::{
-    Affinity, Csr, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
+    Affinity, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
     Value,
 };
 
 use crate::FaerEvd;
 use crate::band::Band;
 use crate::degrees::check_degrees;
-use crate::graph::{Graph, edges};
+use crate::graph::{Graph, GraphBuffers};
 use crate::laplacian::dense_bytes;
 use crate::order::Order;
-use crate::second::Second;
+use crate::second::{Second, ShiftInvert};
 use crate::sparse::Sparse;
 use crate::split::Split;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
@@ -23,6 +23,8 @@ const WEAK_LINK: ParamSpec = ParamSpec {
     doc: "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
 };
 
+/// The edges of most blocks are no longer: those of a wall to 4 neighbours on either side.
+const USUAL_WIDTH: usize = 4;
 /// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
 const WIDEST_BAND: usize = 64;
 /// More memory than this is not taken for the full decomposition of a block.
@@ -39,7 +41,8 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 /// Weak links aside, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector
 /// D^1/2 1_B / ‖D^1/2 1_B‖, and no other below τ if L_B - τI has one negative pivot (Sylvester). Its next eigenvalue is
 /// found by inverse iteration: at most a Rayleigh quotient, and at least the last shift that has one eigenvalue below it, by
-/// the pivots again, which must not be below τ.
+/// the pivots again, which must not be below τ. Only the least of all blocks is reported, so a block whose pivots say that its
+/// own is no less than one that was found before is done.
 ///
 /// Weak links lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
 /// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k = m is
@@ -51,9 +54,7 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 pub struct Blocks {
     rule: ZeroRule,
     weak_link: f64,
-    inverse_sqrt_degrees: Vec<f64>,
-    /// Those of a dense W.
-    edges: Csr,
+    graph: GraphBuffers,
     solver: Solver,
     full: FaerEvd,
 }
@@ -69,14 +70,7 @@ impl Blocks {
     }
 
     fn with(rule: ZeroRule, weak_link: f64) -> Self {
-        Self {
-            rule,
-            weak_link,
-            inverse_sqrt_degrees: Vec::new(),
-            edges: Csr::default(),
-            solver: Solver::default(),
-            full: FaerEvd::with(rule),
-        }
+        Self { rule, weak_link, graph: GraphBuffers::default(), solver: Solver::default(), full: FaerEvd::with(rule) }
     }
 
     /// A block that has more zeros than one: all of them, their eigenvectors, and the next eigenvalue.
@@ -127,31 +121,32 @@ struct Solver {
 impl Solver {
     fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
-        self.order.form(graph, self.split.block_of_return(), self.split.len());
+        self.order.form(self.split.block_of_return(), self.split.len());
         self.next = None;
         self.several.clear();
-        for block in 0..self.split.len() {
-            let members = self.order.members(block);
-            if members.len() == 1 {
+        // A large block has a small one as a rule: of the others it is then enough to know that theirs is no less.
+        let largest = (0..self.split.len()).max_by_key(|&block| self.order.members(block).len());
+        let others = (0..self.split.len()).filter(|&block| Some(block) != largest);
+        for block in largest.into_iter().chain(others) {
+            if self.order.members(block).len() == 1 {
                 continue;
             }
-            let volume = self.split.volumes()[block];
+            let Self { split, order, band, sparse, .. } = self;
+            let laplacian = laplacian((band, sparse), graph, split.leaks(), order, block)?;
+            if self.next.is_some_and(|next| laplacian.count_below(next) <= 1) {
+                continue;
+            }
+            let volume = split.volumes()[block];
             self.zero.clear();
-            self.zero.extend(members.iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
-            let next = if self.order.width(block) <= WIDEST_BAND {
-                self.band.form(graph, self.split.leaks(), &self.order, block);
-                self.second.find(&mut self.band, &self.zero)
-            } else {
-                self.sparse.form(graph, self.split.leaks(), &self.order, block)?;
-                self.second.find(&mut self.sparse, &self.zero)
-            };
-            match next {
+            self.zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
+            match self.second.find(laplacian, &self.zero) {
                 Some(next) if next.lower >= tolerance => {
                     self.next = Some(self.next.map_or(next.upper, |least| least.min(next.upper)));
                 }
                 _ => self.several.push(block),
             }
         }
+        self.several.sort_unstable();
         Ok(())
     }
 
@@ -164,16 +159,38 @@ impl Solver {
         }
         let columns = self.split.len() + decomposed.iter().map(|spectrum| spectrum.k - 1).sum::<usize>();
         u.write_rows(degrees.len(), columns, |i, row| {
-            let block = self.order.block(i);
+            let block = self.split.block_of_return()[i] as usize;
             match several().find(|&(&other, _)| other == block) {
                 Some((_, spectrum)) => {
-                    let entries = spectrum.u.row(self.order.rank(i));
-                    row.extend(entries.map(|(j, value)| (first[block] + j as u32, value)));
+                    let rank = self.order.ranks(block)(i).expect("a return is in its block");
+                    row.extend(spectrum.u.row(rank).map(|(j, value)| (first[block] + j as u32, value)));
                 }
                 None => row.push((first[block], (degrees[i] / self.split.volumes()[block]).sqrt())),
             }
         });
     }
+}
+
+/// The Laplacian of a block, the links to others set aside: a band, or sparse if the block's edges are long in every order
+/// that was found.
+fn laplacian<'a>(
+    (band, sparse): (&'a mut Band, &'a mut Sparse),
+    graph: &Graph<'_>,
+    leaks: &[f64],
+    order: &mut Order,
+    block: usize,
+) -> Result<&'a mut dyn ShiftInvert, StageError> {
+    let longest = band.form(graph, leaks, order, block, USUAL_WIDTH);
+    if longest <= USUAL_WIDTH {
+        return Ok(band);
+    }
+    let longest = order.shorten(graph, block, longest);
+    if longest <= WIDEST_BAND {
+        band.form(graph, leaks, order, block, longest);
+        return Ok(band);
+    }
+    sparse.form(graph, leaks, order, block)?;
+    Ok(sparse)
 }
 
 /// The graph of some returns alone.
@@ -196,10 +213,7 @@ impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
-        self.inverse_sqrt_degrees.clear();
-        self.inverse_sqrt_degrees.extend(degrees.iter().map(|degree| degree.sqrt().recip()));
-        let edges = edges(&affinity.weights, &mut self.edges)?;
-        let graph = Graph { edges, degrees, inverse_sqrt_degrees: &self.inverse_sqrt_degrees };
+        let graph = self.graph.graph(affinity)?;
         let ZeroRule::Tolerance(tolerance) = self.rule;
         self.solver.solve(&graph, self.weak_link, tolerance)?;
         if self.solver.split.has_links() && !self.solver.several.is_empty() {

@@ -12,42 +12,38 @@ pub(crate) struct Order {
     members: Vec<u32>,
     /// Where each block starts in `members`, and the end.
     starts: Vec<u32>,
-    block_of_return: Vec<u32>,
-    /// The place of each return in its block.
-    rank: Vec<u32>,
-    /// The longest edge of each block, in places.
-    widths: Vec<u32>,
-    found: Vec<u32>,
+    /// Where each return is in `members`.
+    places: Vec<u32>,
 }
 
 impl Order {
     /// Orders the returns of each of `blocks` blocks: in the order of the returns, which is that along a wall, starting after
-    /// the largest hole, as a wall may reach over the first beam; or, where that leaves long edges, breadth first from a far
-    /// end, if it is better.
-    pub(crate) fn form(&mut self, graph: &Graph<'_>, block_of_return: &[u32], blocks: usize) {
-        self.block_of_return.clear();
-        self.block_of_return.extend_from_slice(block_of_return);
-        self.sort_by_block(blocks);
-        self.rank.clear();
-        self.rank.resize(block_of_return.len(), 0);
-        self.widths.clear();
+    /// the largest hole, as a wall may reach over the first beam.
+    pub(crate) fn form(&mut self, block_of_return: &[u32], blocks: usize) {
+        self.sort_by_block(block_of_return, blocks);
+        self.places.clear();
+        self.places.resize(block_of_return.len(), 0);
         for block in 0..blocks {
             self.start_after_largest_hole(block);
-            let mut width = self.measure(graph, block);
-            if width > LONG {
-                self.found.clear();
-                self.found.extend_from_slice(&self.members[self.span(block)]);
-                self.search(graph, block);
-                let narrower = self.measure(graph, block);
-                if narrower > width {
-                    let span = self.span(block);
-                    self.members[span].copy_from_slice(&self.found);
-                    self.measure(graph, block);
-                }
-                width = width.min(narrower);
-            }
-            self.widths.push(width as u32);
         }
+        for (place, &i) in self.members.iter().enumerate() {
+            self.places[i as usize] = place as u32;
+        }
+    }
+
+    /// Orders a block in which that leaves edges as long as `longest` breadth first from a far end, if they are then shorter.
+    /// Returns the length of the longest edge.
+    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize, longest: usize) -> usize {
+        if longest <= LONG {
+            return longest;
+        }
+        let (before, searched) = (self.members(block).to_vec(), self.search(graph, block));
+        self.arrange(block, &searched);
+        let then_longest = self.longest(graph, block);
+        if then_longest > longest {
+            self.arrange(block, &before);
+        }
+        then_longest.min(longest)
     }
 
     /// The returns of a block.
@@ -55,19 +51,15 @@ impl Order {
         &self.members[self.span(block)]
     }
 
-    /// The longest edge of a block, in places.
-    pub(crate) fn width(&self, block: usize) -> usize {
-        self.widths[block] as usize
-    }
-
-    /// The block of a return.
-    pub(crate) fn block(&self, i: usize) -> usize {
-        self.block_of_return[i] as usize
-    }
-
-    /// The place of a return in its block.
-    pub(crate) fn rank(&self, i: usize) -> usize {
-        self.rank[i] as usize
+    /// The place in a block of each return; `None` if it is of another.
+    pub(crate) fn ranks(&self, block: usize) -> impl Fn(usize) -> Option<usize> {
+        let (start, len) = (self.starts[block], self.starts[block + 1] - self.starts[block]);
+        let places = &self.places[..];
+        move |i| {
+            // What is before the block is far behind it when wrapped.
+            let rank = places[i].wrapping_sub(start);
+            (rank < len).then_some(rank as usize)
+        }
     }
 
     fn span(&self, block: usize) -> std::ops::Range<usize> {
@@ -75,14 +67,14 @@ impl Order {
     }
 
     /// Fills `members` and `starts`.
-    fn sort_by_block(&mut self, blocks: usize) {
+    fn sort_by_block(&mut self, block_of_return: &[u32], blocks: usize) {
         self.starts.clear();
         self.starts.resize(blocks + 1, 0);
-        self.block_of_return.iter().for_each(|&block| self.starts[block as usize + 1] += 1);
+        block_of_return.iter().for_each(|&block| self.starts[block as usize + 1] += 1);
         (0..blocks).for_each(|block| self.starts[block + 1] += self.starts[block]);
         self.members.clear();
-        self.members.resize(self.block_of_return.len(), 0);
-        for (i, &block) in self.block_of_return.iter().enumerate() {
+        self.members.resize(block_of_return.len(), 0);
+        for (i, &block) in block_of_return.iter().enumerate() {
             let next = &mut self.starts[block as usize];
             self.members[*next as usize] = i as u32;
             *next += 1;
@@ -93,7 +85,7 @@ impl Order {
     }
 
     fn start_after_largest_hole(&mut self, block: usize) {
-        let (n, span) = (self.block_of_return.len() as u32, self.span(block));
+        let (n, span) = (self.members.len() as u32, self.span(block));
         let members = &mut self.members[span];
         let around = members[0] + n - members[members.len() - 1];
         let holes = members.windows(2).map(|pair| pair[1] - pair[0]).enumerate();
@@ -104,44 +96,42 @@ impl Order {
         }
     }
 
-    /// Writes the ranks of a block's members, and measures its longest edge.
-    fn measure(&mut self, graph: &Graph<'_>, block: usize) -> usize {
-        let members = &self.members[self.span(block)];
-        for (at, &i) in members.iter().enumerate() {
-            self.rank[i as usize] = at as u32;
-        }
-        let mut width = 0;
-        for (at, &i) in members.iter().enumerate() {
-            for (j, _) in graph.edges_from(i as usize) {
-                if self.block_of_return[j] as usize == block {
-                    width = width.max(self.rank[j].abs_diff(at as u32));
-                }
-            }
-        }
-        width as usize
+    /// The length of a block's longest edge, in places.
+    fn longest(&self, graph: &Graph<'_>, block: usize) -> usize {
+        let rank = self.ranks(block);
+        let members = self.members(block).iter().map(|&i| i as usize).enumerate();
+        let edges = members.flat_map(|(at, i)| graph.scaled_edges(i).map(move |(j, _)| (at, j)));
+        edges.filter_map(|(at, j)| Some(at.abs_diff(rank(j)?))).max().unwrap_or(0)
     }
 
-    /// Puts a block's members into breadth-first order from the far end of such an order.
-    fn search(&mut self, graph: &Graph<'_>, block: usize) {
-        let span = self.span(block);
-        let mut start = self.members[span.start];
+    /// The members of a block, which is connected, in breadth-first order from the far end of such an order.
+    fn search(&self, graph: &Graph<'_>, block: usize) -> Vec<u32> {
+        let rank = self.ranks(block);
+        let members = self.members(block);
+        let mut start = members[0];
+        let (mut found, mut is_seen) = (Vec::with_capacity(members.len()), vec![false; members.len()]);
         for _ in 0..2 {
-            // Ranks mark what was not yet seen.
-            let members = &mut self.members[span.clone()];
-            members.iter().for_each(|&i| self.rank[i as usize] = u32::MAX);
-            self.rank[start as usize] = 0;
-            members[0] = start;
-            let mut seen = 1;
-            for at in 0..members.len() {
-                for &j in graph.edges.row(members[at] as usize).0 {
-                    if self.block_of_return[j as usize] as usize == block && self.rank[j as usize] == u32::MAX {
-                        self.rank[j as usize] = 0;
-                        members[seen] = j;
-                        seen += 1;
-                    }
-                }
+            is_seen.fill(false);
+            let mut see = |i: u32| rank(i as usize).is_some_and(|rank| !std::mem::replace(&mut is_seen[rank], true));
+            see(start);
+            found.clear();
+            found.push(start);
+            let mut next = 0;
+            while let Some(&i) = found.get(next) {
+                found.extend(graph.edges.row(i as usize).0.iter().filter(|&&j| see(j)));
+                next += 1;
             }
-            start = members[members.len() - 1];
+            start = found[found.len() - 1];
+        }
+        found
+    }
+
+    /// Puts a block's members into this order.
+    fn arrange(&mut self, block: usize, members: &[u32]) {
+        let span = self.span(block);
+        self.members[span.clone()].copy_from_slice(members);
+        for (place, &i) in span.zip(members) {
+            self.places[i as usize] = place as u32;
         }
     }
 }

@@ -7,6 +7,9 @@ pub(crate) trait ShiftInvert {
     /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned, is
     /// that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off.
     fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize;
+
+    /// The number of eigenvalues below a shift, by the pivots alone.
+    fn count_below(&mut self, shift: f64) -> usize;
 }
 
 /// The shift of the first step: L itself is singular.
@@ -52,7 +55,7 @@ impl Second {
     /// with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns out to be
     /// above λ, the next one halves what is between. What comes out are both, once the upper one has converged and four
     /// digits of it are proved, or once the two differ by rounding alone; `None` if they do not come so near.
-    pub(crate) fn find(&mut self, matrix: &mut impl ShiftInvert, zero: &[f64]) -> Option<Between> {
+    pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
         matrix.solve(below, &mut self.solution);

@@ -64,7 +64,7 @@ impl Sparse {
         order: &Order,
         block: usize,
     ) -> Result<(), StageError> {
-        let scale = graph.inverse_sqrt_degrees;
+        let (scale, rank_of) = (graph.inverse_sqrt_degrees, order.ranks(block));
         self.rows.clear();
         self.values.clear();
         self.column_starts.clear();
@@ -73,10 +73,12 @@ impl Sparse {
             let i = i as usize;
             self.column_starts.push(self.rows.len());
             let (others, weights) = graph.edges.row(i);
-            let of_block = others.iter().map(|&j| j as usize).zip(weights).filter(|&(j, _)| order.block(j) == block);
+            let entry = |(&j, weight): (&u32, &f64)| {
+                let rank = rank_of(j as usize).filter(|&rank| rank <= at)?;
+                Some((rank, -weight * (scale[i] * scale[j as usize])))
+            };
             column.clear();
-            column.extend(of_block.map(|(j, weight)| (order.rank(j), -weight * (scale[i] * scale[j]))));
-            column.retain(|&(rank, _)| rank <= at);
+            column.extend(others.iter().zip(weights).filter_map(entry));
             column.sort_unstable_by_key(|&(rank, _)| rank);
             let leak = leaks[i] * (scale[i] * scale[i]);
             match column.last_mut() {
@@ -143,6 +145,15 @@ impl Sparse {
 
 impl ShiftInvert for Sparse {
     fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
+        let below = self.count_below(shift);
+        let Some(symbolic) = &self.symbolic else { return below };
+        let x = MatMut::from_column_major_slice_mut(x, symbolic.nrows(), 1);
+        let stack = MemStack::new(&mut self.scratch);
+        LdltRef::new(symbolic, &self.factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
+        below
+    }
+
+    fn count_below(&mut self, shift: f64) -> usize {
         let n = self.column_starts.len() - 1;
         let Some(symbolic) = &self.symbolic else { return 0 };
         for nudge in 0..NUDGES {
@@ -164,9 +175,6 @@ impl ShiftInvert for Sparse {
                 break;
             }
         }
-        let x = MatMut::from_column_major_slice_mut(x, n, 1);
-        let stack = MemStack::new(&mut self.scratch);
-        LdltRef::new(symbolic, &self.factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
         negative_pivots(symbolic, &self.factor)
     }
 }

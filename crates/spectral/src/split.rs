@@ -137,17 +137,15 @@ impl Split {
 
     /// Joins what is tied by links that are not weak, and remembers the others.
     fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
-        let scale = graph.inverse_sqrt_degrees;
-        self.forest.plant(scale.len());
+        let n = graph.degrees.len();
+        self.forest.plant(n);
         self.links.clear();
-        for i in 0..scale.len() {
-            let (others, weights) = graph.edges.row(i);
-            for (&j, &weight) in others.iter().zip(weights).take_while(|&(&j, _)| (j as usize) < i) {
-                let is_weak = weight * (scale[i] * scale[j as usize]) < weak;
-                if is_weak && weight != 0.0 {
-                    self.links.push(Link { from: j, to: i as u32, weight });
-                } else if weight != 0.0 {
-                    self.forest.join(i, j as usize);
+        for i in 0..n {
+            for (at, (j, scaled)) in graph.scaled_edges(i).enumerate() {
+                if scaled >= weak && scaled > 0.0 {
+                    self.forest.join(i, j);
+                } else if scaled > 0.0 && j < i {
+                    self.links.push(Link { from: j as u32, to: i as u32, weight: graph.edges.row(i).1[at] });
                 }
             }
         }
