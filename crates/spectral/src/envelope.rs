@@ -1,43 +1,43 @@
-//! The dense Laplacian of a connected part within its envelope, and its factorisation at a shift.
+//! The dense Laplacian of a connected part at a shift, factorised within its envelope.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor;
+use faer::linalg::cholesky::ldlt::factor::{LdltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_inverse::invert_unit_lower_triangular;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, ColRef, Mat, MatMut, MatRef, Par, Spec, unzip, zip};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+
+use crate::connected::Unseen;
+use crate::normalised::Normalised;
 
 /// Columns that are worked on together.
 const PANEL: usize = 32;
-/// Smaller entries of D^-1/2 W D^-1/2 connect nothing, and are left out where that makes the envelope smaller: all of them together
-/// move the eigenvalues of n returns by n·1e-15 at most (Gershgorin), a twentieth of what k may depend on.
-const NOTHING: f64 = 1e-15;
 
-/// L of one part, n×n, by panels of columns: from the first row of a panel to its end, below which L has nothing.
+/// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite matrices this
+/// can be inaccurate; what comes of it has to be checked.
 ///
-/// L - shift·I = M Δ Mᵀ without exchange of rows. For indefinite matrices this can be inaccurate; what comes of it has to be
-/// checked.
+/// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
     members: Vec<u32>,
+    /// The diagonal of D^1/2.
+    roots: Vec<f64>,
     panels: Vec<Panel>,
-    laplacian: Mat<f64>,
-    /// M below its unit diagonal.
+    /// M below its blocks on the diagonal.
     factor: Mat<f64>,
-    /// Δ.
-    pivots: Vec<f64>,
     /// The inverses of M's blocks on the diagonal, side by side.
     inverses: Mat<f64>,
-    /// M Δ of one panel.
+    /// Δ.
+    pivots: Vec<f64>,
+    /// The panel at work, from its first row on: it is the last to go through memory, and only once.
+    work: Mat<f64>,
+    /// A few rows or columns times Δ.
     scaled: Mat<f64>,
-    /// A few rows of a solution.
-    rows: Mat<f64>,
     scratch: MemBuffer,
     shift: f64,
     below: usize,
 }
 
-/// Columns `start..next`, and the row `end` from which on they have no entries.
+/// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the next.
 #[derive(Clone, Copy, Debug)]
 struct Panel {
     start: usize,
@@ -55,8 +55,12 @@ impl Panel {
         self.end - self.next
     }
 
-    fn lower(self, matrix: &Mat<f64>) -> MatRef<'_, f64> {
-        matrix.submatrix(self.next, self.start, self.below(), self.columns())
+    fn lower(self, factor: &Mat<f64>) -> MatRef<'_, f64> {
+        factor.submatrix(self.next, self.start, self.below(), self.columns())
+    }
+
+    fn inverse(self, inverses: &Mat<f64>) -> MatRef<'_, f64> {
+        inverses.submatrix(0, self.start, self.columns(), self.columns())
     }
 }
 
@@ -64,13 +68,13 @@ impl Default for Envelope {
     fn default() -> Self {
         Self {
             members: Vec::new(),
+            roots: Vec::new(),
             panels: Vec::new(),
-            laplacian: Mat::new(),
             factor: Mat::new(),
-            pivots: Vec::new(),
             inverses: Mat::new(),
+            pivots: Vec::new(),
+            work: Mat::new(),
             scaled: Mat::new(),
-            rows: Mat::new(),
             scratch: MemBuffer::new(StackReq::empty()),
             shift: 0.0,
             below: 0,
@@ -79,47 +83,98 @@ impl Default for Envelope {
 }
 
 impl Envelope {
-    /// Takes the returns that are connected with the first of `unseen` out of it, and forms equation (2) for them, `scale` being
-    /// the diagonal of D^-1/2 of all. `false` if a weight of theirs is not finite.
+    /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false` if a
+    /// pivot is 0 or no number, as after a weight that is not finite; the members are there all the same.
     ///
-    /// They are ordered breadth first from that one, those found from the same return as they stand in `unseen`: from the least
-    /// degree at an end of the walls to larger ones, that is the order of Cuthill and McKee.
-    pub(crate) fn take(&mut self, w: &Mat<f64>, scale: &[f64], unseen: &mut Vec<u32>) -> bool {
-        let Self { members, panels, laplacian, .. } = self;
-        members.clear();
-        panels.clear();
-        members.extend(unseen.first());
-        laplacian.resize_with(unseen.len(), unseen.len(), |_, _| 0.0);
-        unseen.retain(|&i| Some(&i) != members.first());
-        let mut ends: Vec<usize> = Vec::new();
-        let mut finite = true;
-        while let Some(&of_column) = members.get(ends.len()) {
-            let (j, start) = (ends.len(), ends.len() / PANEL * PANEL);
-            let weights = w.col_as_slice(of_column as usize);
-            let scale_j = scale[of_column as usize];
-            unseen.retain(|&i| {
-                let is_apart = (weights[i as usize] * scale[i as usize]).abs() < NOTHING / scale_j;
-                if !is_apart {
-                    members.push(i);
-                }
-                is_apart
-            });
-            let column = &mut laplacian.col_as_slice_mut(j)[start..members.len()];
-            for (l, &i) in column.iter_mut().zip(&members[start..]) {
-                *l = -weights[i as usize] * (scale[i as usize] * scale_j);
+    /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
+    pub(crate) fn take(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
+        self.begin(first, unseen.count() + 1, shift);
+        let mut sound = true;
+        let mut start = 0;
+        while start < self.members.len() {
+            let mut next = start;
+            while next < self.members.len().min(start + PANEL) {
+                unseen.take_neighbours(l, self.members[next], &mut self.members);
+                self.fill(l, start, next);
+                next += 1;
             }
-            column[j - start] += 1.0;
-            finite &= column.iter().fold(true, |finite, l| finite & l.is_finite());
-            ends.push(members.len());
+            sound = sound && self.eliminate(Panel { start, next, end: self.members.len() });
+            start = next;
         }
-        for (start, ends) in (0..).step_by(PANEL).zip(ends.chunks(PANEL)) {
-            let panel = Panel { start, next: start + ends.len(), end: ends[ends.len() - 1] };
-            for (j, &end) in (start..).zip(ends) {
-                laplacian.col_as_slice_mut(j)[end..panel.end].fill(0.0);
+        self.below = self.pivots.iter().filter(|&&pivot| pivot < 0.0).count();
+        sound && self.pivots.iter().all(|pivot| pivot.is_finite())
+    }
+
+    fn begin(&mut self, first: u32, most: usize, shift: f64) {
+        self.members.clear();
+        self.members.push(first);
+        self.roots.clear();
+        self.panels.clear();
+        self.pivots.clear();
+        self.shift = shift;
+        self.factor.resize_with(most, most, |_, _| 0.0);
+        self.inverses.resize_with(PANEL, most, |_, _| 0.0);
+        self.work.resize_with(most, PANEL, |_, _| 0.0);
+        self.scaled.resize_with(PANEL, PANEL, |_, _| 0.0);
+        let needed = cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default());
+        if self.scratch.len() < needed.unaligned_bytes_required() {
+            self.scratch = MemBuffer::new(needed);
+        }
+    }
+
+    /// Writes column `j` of the panel from `start` on, as far as members are known.
+    fn fill(&mut self, l: &Normalised<'_>, start: usize, j: usize) {
+        let return_j = self.members[j] as usize;
+        let (weights, degree) = (l.w.col_as_slice(return_j), l.degrees[return_j]);
+        let (column, rest) = self.work.col_as_slice_mut(j - start).split_at_mut(self.members.len() - start);
+        for (entry, &i) in column.iter_mut().zip(&self.members[start..]) {
+            *entry = -weights[i as usize];
+        }
+        column[j - start] += (1.0 - self.shift) * degree;
+        rest.fill(0.0);
+        self.roots.push(degree.sqrt());
+    }
+
+    /// The next panel of the factor. `false` if a pivot is 0.
+    fn eliminate(&mut self, panel: Panel) -> bool {
+        self.subtract_before(panel);
+        let Self { panels, factor, inverses, pivots, work, scaled, scratch, .. } = self;
+        let columns = panel.columns();
+        let (mut diagonal, lower) = work.get_mut(..panel.end - panel.start, ..columns).split_at_row_mut(columns);
+        let (signs, scratch) = (LdltRegularization::default(), MemStack::new(scratch));
+        if cholesky_in_place(diagonal.rb_mut(), signs, Par::Seq, scratch, Spec::default()).is_err() {
+            return false;
+        }
+        let mut inverse = inverses.submatrix_mut(0, panel.start, columns, columns);
+        inverse.fill(0.0);
+        invert_unit_lower_triangular(inverse.rb_mut(), diagonal.rb(), Par::Seq);
+        inverse.rb_mut().diagonal_mut().fill(1.0);
+        // M of this panel = (what is there) (Δ⁻¹ inverse)ᵀ.
+        let mut scaled = scaled.submatrix_mut(0, 0, columns, columns);
+        for i in 0..columns {
+            let pivot = diagonal[(i, i)];
+            pivots.push(pivot);
+            (0..columns).for_each(|j| scaled[(i, j)] = inverse[(i, j)] / pivot);
+        }
+        let out = factor.submatrix_mut(panel.next, panel.start, panel.below(), columns);
+        set(out, lower.rb(), scaled.rb().transpose());
+        panels.push(panel);
+        true
+    }
+
+    /// Takes off the panel at work what those before it say, M Δ Mᵀ.
+    fn subtract_before(&mut self, panel: Panel) {
+        let Self { panels, factor, pivots, work, scaled, .. } = self;
+        let first = panels.partition_point(|before| before.end <= panel.start);
+        for before in &panels[first..] {
+            let rows = factor.get(panel.start..before.end, before.start..before.next);
+            let columns = before.end.min(panel.next) - panel.start;
+            let mut scaled = scaled.submatrix_mut(0, 0, columns, before.columns());
+            for (j, pivot) in pivots[before.start..before.next].iter().enumerate() {
+                (0..columns).for_each(|i| scaled[(i, j)] = rows[(i, j)] * pivot);
             }
-            panels.push(panel);
+            add(work.submatrix_mut(0, 0, rows.nrows(), columns), -1.0, rows, scaled.rb().transpose());
         }
-        finite
     }
 
     /// The returns of the part, in the order of the rows.
@@ -127,101 +182,14 @@ impl Envelope {
         &self.members
     }
 
-    /// L, n×n.
-    pub(crate) fn to_dense(&self) -> Mat<f64> {
-        let mut dense = Mat::zeros(self.n(), self.n());
-        for panel in &self.panels {
-            let (rows, columns) = (panel.end - panel.start, panel.columns());
-            let block = self.laplacian.submatrix(panel.start, panel.start, rows, columns);
-            dense.submatrix_mut(panel.start, panel.start, rows, columns).copy_from(block);
-            dense.submatrix_mut(panel.start, panel.start, columns, rows).copy_from(block.transpose());
-        }
-        dense
-    }
-
     /// Number of returns.
     pub(crate) fn n(&self) -> usize {
         self.members.len()
     }
 
-    /// L x.
-    pub(crate) fn times(&self, x: MatRef<'_, f64>) -> Mat<f64> {
-        let mut out = Mat::zeros(self.n(), x.ncols());
-        for panel in &self.panels {
-            let all = self.laplacian.submatrix(panel.start, panel.start, panel.end - panel.start, panel.columns());
-            let of_panel = x.subrows(panel.start, panel.columns());
-            add(out.subrows_mut(panel.start, all.nrows()), 1.0, all, of_panel);
-            let lower = panel.lower(&self.laplacian);
-            add(
-                out.subrows_mut(panel.start, panel.columns()),
-                1.0,
-                lower.transpose(),
-                x.subrows(panel.next, panel.below()),
-            );
-        }
-        out
-    }
-
-    /// Factorises L - `shift`·I. `false` if a pivot is 0.
-    pub(crate) fn factorise(&mut self, shift: f64) -> bool {
-        self.shift = shift;
-        self.pivots.clear();
-        self.factor.resize_with(self.n(), self.n(), |_, _| 0.0);
-        self.inverses.resize_with(PANEL, self.n(), |_, _| 0.0);
-        self.scaled.resize_with(self.n(), PANEL, |_, _| 0.0);
-        let needed = factor::cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default());
-        if self.scratch.len() < needed.unaligned_bytes_required() {
-            self.scratch = MemBuffer::new(needed);
-        }
-        for panel in &self.panels {
-            for j in panel.start..panel.next {
-                let column = &mut self.factor.col_as_slice_mut(j)[j..panel.end];
-                column.copy_from_slice(&self.laplacian.col_as_slice(j)[j..panel.end]);
-                column[0] -= shift;
-            }
-        }
-        let done = (0..self.panels.len()).all(|panel| self.eliminate(self.panels[panel]));
-        self.below = self.pivots.iter().filter(|&&pivot| pivot < 0.0).count();
-        done
-    }
-
-    /// One panel of the factor, and what it takes off those to its right. `false` if a pivot is 0.
-    fn eliminate(&mut self, panel: Panel) -> bool {
-        let Self { factor, pivots, inverses, scaled, scratch, .. } = self;
-        let (mut left, mut right) = factor.as_mut().split_at_col_mut(panel.next);
-        let (top, bottom) = left.rb_mut().subcols_mut(panel.start, panel.columns()).split_at_row_mut(panel.next);
-        let mut diagonal = top.subrows_mut(panel.start, panel.columns());
-        let scratch = MemStack::new(scratch);
-        let signs = factor::LdltRegularization::default();
-        if factor::cholesky_in_place(diagonal.rb_mut(), signs, Par::Seq, scratch, Spec::default()).is_err() {
-            return false;
-        }
-        let mut inverse = inverses.submatrix_mut(0, panel.start, panel.columns(), panel.columns());
-        inverse.fill(0.0);
-        invert_unit_lower_triangular(inverse.rb_mut(), diagonal.rb(), Par::Seq);
-        inverse.rb_mut().diagonal_mut().fill(1.0);
-
-        let mut lower = bottom.subrows_mut(0, panel.below());
-        let mut scaled = scaled.submatrix_mut(0, 0, panel.below(), panel.columns());
-        set(scaled.rb_mut(), lower.rb(), inverse.rb().transpose());
-        for j in 0..panel.columns() {
-            let pivot = diagonal[(j, j)];
-            pivots.push(pivot);
-            let columns = zip!(lower.rb_mut().col_mut(j), scaled.rb().col(j));
-            columns.for_each(|unzip!(lower, scaled)| *lower = scaled / pivot);
-        }
-        triangular::matmul(
-            right.rb_mut().submatrix_mut(panel.next, 0, panel.below(), panel.below()),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            lower.rb(),
-            BlockStructure::Rectangular,
-            scaled.rb().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
-        true
+    /// The diagonal of D^1/2, which L maps to 0.
+    pub(crate) fn roots(&self) -> &[f64] {
+        &self.roots
     }
 
     /// The shift of the last factorisation.
@@ -235,30 +203,35 @@ impl Envelope {
     }
 
     /// Solves (L - shift·I) X = `x` in place.
-    pub(crate) fn solve(&mut self, mut x: MatMut<'_, f64>) {
-        let Self { panels, factor, pivots, inverses, rows, .. } = self;
-        rows.resize_with(PANEL, x.ncols(), |_, _| 0.0);
+    pub(crate) fn solve(&mut self, x: &mut Mat<f64>) {
+        for_columns(x, &self.roots, |x, root| x * root);
+        let Self { panels, factor, inverses, work, .. } = self;
+        work.resize_with(work.nrows().max(PANEL), x.ncols().max(PANEL), |_, _| 0.0);
         for panel in panels.iter() {
-            let (top, mut bottom) = x.rb_mut().split_at_row_mut(panel.next);
-            let mut of_panel = top.subrows_mut(panel.start, panel.columns());
-            let mut rows = rows.subrows_mut(0, panel.columns());
-            set(rows.rb_mut(), inverses.submatrix(0, panel.start, panel.columns(), panel.columns()), of_panel.rb());
-            add(bottom.rb_mut().subrows_mut(0, panel.below()), -1.0, panel.lower(factor), rows.rb());
-            for j in 0..rows.ncols() {
-                let pivots = &pivots[panel.start..panel.next];
-                let columns = zip!(of_panel.rb_mut().col_mut(j), rows.rb().col(j), ColRef::from_slice(pivots));
-                columns.for_each(|unzip!(x, row, pivot)| *x = row / pivot);
-            }
+            let (top, bottom) = x.as_mut().split_at_row_mut(panel.next);
+            let mut of_panel = top.get_mut(panel.start.., ..);
+            let mut solved = work.submatrix_mut(0, 0, panel.columns(), of_panel.ncols());
+            set(solved.rb_mut(), panel.inverse(inverses), of_panel.rb());
+            add(bottom.get_mut(..panel.below(), ..), -1.0, panel.lower(factor), solved.rb());
+            of_panel.copy_from(solved);
         }
+        for_columns(x, &self.pivots, |x, pivot| x / pivot);
         for panel in panels.iter().rev() {
-            let (top, bottom) = x.rb_mut().split_at_row_mut(panel.next);
-            let mut of_panel = top.subrows_mut(panel.start, panel.columns());
-            add(of_panel.rb_mut(), -1.0, panel.lower(factor).transpose(), bottom.rb().subrows(0, panel.below()));
-            let mut rows = rows.subrows_mut(0, panel.columns());
-            let inverse = inverses.submatrix(0, panel.start, panel.columns(), panel.columns());
-            set(rows.rb_mut(), inverse.transpose(), of_panel.rb());
-            of_panel.copy_from(rows);
+            let (top, bottom) = x.as_mut().split_at_row_mut(panel.next);
+            let mut of_panel = top.get_mut(panel.start.., ..);
+            let mut solved = work.submatrix_mut(0, 0, panel.columns(), of_panel.ncols());
+            add(of_panel.rb_mut(), -1.0, panel.lower(factor).transpose(), bottom.rb().get(..panel.below(), ..));
+            set(solved.rb_mut(), panel.inverse(inverses).transpose(), of_panel.rb());
+            of_panel.copy_from(solved);
         }
+        for_columns(x, &self.roots, |x, root| x * root);
+    }
+}
+
+/// Each column entry by entry with `diagonal`.
+fn for_columns(x: &mut Mat<f64>, diagonal: &[f64], of: impl Fn(f64, f64) -> f64) {
+    for j in 0..x.ncols() {
+        x.col_as_slice_mut(j).iter_mut().zip(diagonal).for_each(|(x, &entry)| *x = of(*x, entry));
     }
 }
 

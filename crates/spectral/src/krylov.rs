@@ -2,11 +2,12 @@
 
 use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, unzip, zip};
+use faer::{Accum, Mat, Par, unzip, zip};
 
 use crate::decomposition::Decomposition;
 use crate::dot::dot;
 use crate::envelope::Envelope;
+use crate::normalised::{Normalised, product};
 
 /// Columns of a block at least, and how many more than there are eigenvalues below the shift.
 const COLUMNS: usize = 4;
@@ -21,6 +22,8 @@ const MOST_BESIDE: usize = 48;
 const RESIDUAL: f64 = 1e-8;
 /// What may be left of a column, of what it was, before it is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
+/// Corrections of the eigenvectors at most, after a factorisation that was inaccurate.
+const CORRECTIONS: usize = 2;
 /// What is left of a column that depends on those before it.
 const DEPENDENT: f64 = 1e-10;
 
@@ -52,10 +55,10 @@ struct Space {
 }
 
 impl Krylov {
-    /// The `wanted` lowest eigenvalues of the part that `envelope` has factorised at a shift above all zeros, and their
+    /// The `wanted` lowest eigenvalues of the part of `l` that `envelope` has factorised at a shift above all zeros, and their
     /// eigenvectors; `None` if they do not settle, or do not agree with the number of eigenvalues below the shift.
     ///
-    /// Random columns, `start` among them, are multiplied by X again and again, each time made orthonormal against all before (so
+    /// Random columns and D^1/2, which L maps to 0, are multiplied by X again and again, each time made orthonormal against all before (so
     /// an eigenvalue may be repeated as often as there are columns in a block). In their span V the eigenvectors y of X are
     /// approximated: H y = ν y, λ = shift + 1/ν. One more step of inverse iteration needs no solution,
     ///
@@ -68,17 +71,17 @@ impl Krylov {
     /// When a small decomposition does not converge.
     pub(crate) fn lowest(
         &mut self,
+        l: &Normalised<'_>,
         envelope: &mut Envelope,
         wanted: usize,
-        start: &[f64],
     ) -> Result<Option<Lowest>, StageError> {
         let columns = (envelope.below() + SPARE).max(COLUMNS);
         let least = (LEAST_BLOCKS * columns).max(LEAST_SHARE * wanted);
-        self.space.begin(envelope.n(), columns, MOST_SHARE * wanted + MOST_BESIDE, start);
+        self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
         while self.space.grow(envelope) {
             let dimension = self.space.dimension - columns;
             if dimension >= least
-                && let Some(lowest) = self.try_at(envelope, dimension, wanted)?
+                && let Some(lowest) = self.try_at(l, envelope, dimension, wanted)?
             {
                 return Ok(Some(lowest));
             }
@@ -87,7 +90,13 @@ impl Krylov {
     }
 
     /// The eigenvalues in what is there of the space, if they have settled.
-    fn try_at(&mut self, envelope: &Envelope, dimension: usize, wanted: usize) -> Result<Option<Lowest>, StageError> {
+    fn try_at(
+        &mut self,
+        l: &Normalised<'_>,
+        envelope: &mut Envelope,
+        dimension: usize,
+        wanted: usize,
+    ) -> Result<Option<Lowest>, StageError> {
         let Self { space, small, values } = self;
         small.decompose(space.projected.submatrix(0, 0, dimension, dimension), values)?;
         // λ = shift + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
@@ -112,19 +121,40 @@ impl Krylov {
         });
         make_orthonormal(&mut turn, &mut space.noise);
         let vectors = product(space.basis.subcols(0, space.dimension), turn.as_ref());
+        self.settle(l, envelope, vectors, &needed)
+    }
 
-        let image = envelope.times(vectors.as_ref());
+    /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector is
+    /// corrected first by (L - shift·I)⁻¹ r. As r is small, so is what an inaccurate factorisation makes of it.
+    fn settle(
+        &mut self,
+        l: &Normalised<'_>,
+        envelope: &mut Envelope,
+        mut vectors: Mat<f64>,
+        needed: &Needed,
+    ) -> Result<Option<Lowest>, StageError> {
+        let wanted = vectors.ncols();
         let mut eigenvalues = Vec::new();
-        small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
-        let turn = Mat::from_fn(wanted, wanted, |i, j| small.eigenvector(j)[i]);
-        let (vectors, image) = (product(vectors.as_ref(), turn.as_ref()), product(image.as_ref(), turn.as_ref()));
-        let settled = eigenvalues.iter().enumerate().all(|(j, &eigenvalue)| {
-            let pairs = image.col_as_slice(j).iter().zip(vectors.col_as_slice(j));
-            let residual = pairs.map(|(image, x)| (image - eigenvalue * x).powi(2)).sum::<f64>().sqrt();
-            needed.is_met(j, eigenvalue, residual)
-        });
-        let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < envelope.shift());
-        Ok((settled && below == envelope.below().min(wanted)).then_some(Lowest { eigenvalues, vectors }))
+        for _ in 0..=CORRECTIONS {
+            let image = l.times(envelope.members(), &vectors);
+            self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
+            let turn = Mat::from_fn(wanted, wanted, |i, j| self.small.eigenvector(j)[i]);
+            vectors = product(vectors.as_ref(), turn.as_ref());
+            let mut residuals = product(image.as_ref(), turn.as_ref());
+            let mut settled = true;
+            for (j, &eigenvalue) in eigenvalues.iter().enumerate() {
+                zip!(residuals.col_mut(j), vectors.col(j)).for_each(|unzip!(image, x)| *image -= eigenvalue * x);
+                settled &= needed.is_met(j, eigenvalue, residuals.col(j).norm_l2());
+            }
+            if settled {
+                let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < envelope.shift());
+                return Ok((below == envelope.below().min(wanted)).then_some(Lowest { eigenvalues, vectors }));
+            }
+            envelope.solve(&mut residuals);
+            vectors -= residuals;
+            make_orthonormal(&mut vectors, &mut self.space.noise);
+        }
+        Ok(None)
     }
 }
 
@@ -156,8 +186,9 @@ impl Default for Space {
 }
 
 impl Space {
-    /// Begins anew with random columns, `start` the first of them.
-    fn begin(&mut self, n: usize, columns: usize, most: usize, start: &[f64]) {
+    /// Begins anew with random columns, but `start` the first of them.
+    fn begin(&mut self, start: &[f64], columns: usize, most: usize) {
+        let n = start.len();
         let most = most.min(n) / columns * columns;
         self.basis.resize_with(n, most, |_, _| 0.0);
         self.projected.resize_with(most, most, |_, _| 0.0);
@@ -175,27 +206,28 @@ impl Space {
         }
         let from = *dimension - *columns;
         let mut image = basis.subcols(from, *columns).to_owned();
-        envelope.solve(image.as_mut());
-        let known = product(basis.subcols(0, *dimension).transpose(), image.as_ref());
+        envelope.solve(&mut image);
+        let basis = basis.subcols(0, *dimension);
+        let known = product(basis.transpose(), image.as_ref());
         for j in 0..*columns {
             for i in 0..*dimension {
                 projected[(i, from + j)] = known[(i, j)];
                 projected[(from + j, i)] = known[(i, j)];
             }
         }
+        matmul(image.as_mut(), Accum::Add, basis, known.as_ref(), -1.0, Par::Seq);
         self.append(image);
         true
     }
 
-    /// Makes `block` orthonormal, against the basis too, and adds it.
+    /// Makes `block` orthonormal, against the basis too, of which there is little left in it, and adds it.
     fn append(&mut self, mut block: Mat<f64>) {
         let basis = self.basis.subcols(0, self.dimension);
         let project = |block: &mut Mat<f64>| {
             let along = product(basis.transpose(), block.as_ref());
             matmul(block.as_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
         };
-        project(&mut block);
-        // X makes what rounding leaves of the zeros large again; twice is enough.
+        // X makes what rounding leaves of the zeros large again; once more is enough.
         project(&mut block);
         let lengths: Vec<f64> = (0..block.ncols()).map(|j| block.col(j).norm_l2()).collect();
         self.remainder = make_orthonormal(&mut block, &mut self.noise);
@@ -241,10 +273,4 @@ fn take_out(block: &mut Mat<f64>, i: usize, j: usize) -> f64 {
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-}
-
-fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
-    out
 }

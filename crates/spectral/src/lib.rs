@@ -42,6 +42,7 @@
 mod band;
 mod blocks;
 mod components;
+mod connected;
 mod decomposition;
 mod degrees;
 mod dot;
@@ -53,6 +54,7 @@ mod graph;
 mod krylov;
 mod laplacian;
 mod nalgebra_evd;
+mod normalised;
 mod order;
 mod second;
 mod slicing;

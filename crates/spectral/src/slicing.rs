@@ -5,12 +5,13 @@ use crosscut_stage::{
 };
 use faer::Mat;
 
+use crate::connected::Unseen;
 use crate::decomposition::Decomposition;
-use crate::degrees::check_degrees;
 use crate::embedding::sign_of_largest;
 use crate::envelope::Envelope;
 use crate::krylov::{Krylov, Lowest};
 use crate::laplacian::dense_bytes;
+use crate::normalised::Normalised;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
 /// Parts of fewer returns for each eigenvalue are decomposed in full, which is faster then.
@@ -32,9 +33,8 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 
 /// Entries of D^-1/2 W D^-1/2 below 1e-15 set aside, L is block diagonal. Of each block B:
 ///
-/// 1. Its returns are ordered so that L_B is narrow (Cuthill, McKee): what lies outside its envelope is neither formed nor
-///    worked on.
-/// 2. L_B - τI = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of inertia). So k is known
+/// 1. Its returns are ordered so that L_B is narrow (Cuthill, McKee): what lies outside its envelope is not worked on.
+/// 2. D^1/2 (L_B - τI) D^1/2 = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of inertia). So k is known
 ///    before any eigenvector.
 /// 3. Block Krylov spaces of (L_B - τI)⁻¹ from random columns give the lowest eigenvalues and their eigenvectors, until all
 ///    residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is decomposed in
@@ -45,8 +45,6 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 pub struct Slicing {
     rule: ZeroRule,
     eigenvalues: usize,
-    /// The diagonal of D^-1/2.
-    scale: Vec<f64>,
     envelope: Envelope,
     krylov: Krylov,
     full: Decomposition,
@@ -72,30 +70,37 @@ impl Slicing {
         Self {
             rule,
             eigenvalues,
-            scale: Vec::new(),
             envelope: Envelope::default(),
             krylov: Krylov::default(),
             full: Decomposition::default(),
         }
     }
 
-    /// The zeros of one part and the next eigenvalue, or as many as are asked for.
-    fn solve(&mut self, degrees: &[f64], notes: &mut Notes) -> Result<Part, StageError> {
+    /// The zeros and the next eigenvalue, or as many as are asked for, of the part of return `first`.
+    fn solve(
+        &mut self,
+        l: &Normalised<'_>,
+        first: u32,
+        unseen: &mut Unseen,
+        notes: &mut Notes,
+    ) -> Result<Part, StageError> {
         let Self { envelope, krylov, full, .. } = self;
         let ZeroRule::Tolerance(tolerance) = self.rule;
+        let factorised = envelope.take(l, first, unseen, tolerance);
+        if !factorised {
+            l.check_finite()?;
+        }
         let members = envelope.members().to_vec();
         let n = members.len();
-        let factorised = envelope.factorise(tolerance);
         let wanted = self.eigenvalues.max(envelope.below() + 1).min(n);
         if n >= RETURNS_PER_EIGENVALUE * wanted {
-            let zero: Vec<f64> = members.iter().map(|&i| degrees[i as usize].sqrt()).collect();
-            if factorised && let Some(lowest) = krylov.lowest(envelope, wanted, &zero)? {
+            if factorised && let Some(lowest) = krylov.lowest(l, envelope, wanted)? {
                 return Ok(Part { members, lowest });
             }
             notes.add(format!("slicing: {n} connected returns by full decomposition"));
         }
         let mut eigenvalues = Vec::new();
-        full.decompose(envelope.to_dense().as_ref(), &mut eigenvalues)?;
+        full.decompose(l.form(&members).as_ref(), &mut eigenvalues)?;
         let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
         eigenvalues.truncate(self.eigenvalues.max(below + 1));
         let vectors = Mat::from_fn(n, eigenvalues.len(), |i, j| full.eigenvector(j)[i]);
@@ -105,7 +110,6 @@ impl Slicing {
 
 impl SpectralStage for Slicing {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
-        check_degrees(affinity)?;
         let copy;
         let w = match &affinity.weights {
             Weights::Dense(w) => w,
@@ -114,24 +118,17 @@ impl SpectralStage for Slicing {
                 &copy
             }
         };
-        self.scale.clear();
-        self.scale.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
-        let mut unseen: Vec<u32> = (0..w.nrows() as u32).collect();
-        unseen.sort_by(|&i, &j| affinity.degrees[i as usize].total_cmp(&affinity.degrees[j as usize]));
+        let l = Normalised::new(affinity, w)?;
+        let mut unseen = Unseen::all(&l);
         let mut parts = Vec::new();
-        while !unseen.is_empty() {
-            if !self.envelope.take(w, &self.scale, &mut unseen) {
-                let finite = |&j: &usize| w.col_as_slice(j).iter().all(|weight| weight.is_finite());
-                let index = (0..w.ncols()).find(|j| !finite(j)).unwrap_or_default();
-                return Err(StageError::NotFinite { what: "the affinity", index });
-            }
-            parts.push(self.solve(&affinity.degrees, notes)?);
+        while let Some(first) = unseen.take_first() {
+            parts.push(self.solve(&l, first, &mut unseen, notes)?);
         }
         self.assemble(&parts, affinity.degrees.len(), out)
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // A copy of W if it is sparse, L, its factor, and at worst what a full decomposition takes; the rest is a few columns.
+        // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is a few columns.
         dense_bytes(n).saturating_mul(3).saturating_add(Decomposition::memory_bytes(n))
     }
 }
