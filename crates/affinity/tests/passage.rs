@@ -49,8 +49,13 @@ fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
 
 /// The tunnel with a side branch of that width, of which the far wall is seen and none of the near one.
 fn with_branch(width_m: f64) -> Vec<Segment> {
-    let far_m = 3.0 + width_m;
-    let left = [[[-30.0, 2.0], [3.0, 2.0]], [[3.0, 2.0], [3.0, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
+    with_branch_at(3.0, width_m)
+}
+
+/// The same, so many metres ahead.
+fn with_branch_at(near_m: f64, width_m: f64) -> Vec<Segment> {
+    let far_m = near_m + width_m;
+    let left = [[[-30.0, 2.0], [near_m, 2.0]], [[near_m, 2.0], [near_m, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
     [&left[..], &[[[far_m, 2.0], [30.0, 2.0]], TUNNEL[1]]].concat()
 }
 
@@ -120,6 +125,30 @@ fn a_piece_too_small_for_a_wall_is_one_if_the_end_of_the_view_cuts_it() {
     };
     assert_eq!(in_view_from_behind([[-3.0, -0.26], [-3.0, 0.0]]), [68, 5]);
     assert_eq!(in_view_from_behind([[-3.0, -0.76], [-3.0, -0.5]])[1], 1, "seen whole");
+}
+
+#[test]
+fn a_few_returns_amid_a_limited_view_are_no_wall_though_the_view_ends_without_a_lost_beam() {
+    let corners = [[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]];
+    let room: Vec<Segment> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let mut revolution = scan(&[&room[..], &[[[1.2, -0.04], [1.2, 0.04]]]].concat(), all);
+    revolution.sweep.as_mut().expect("a sweep").full_turn = false;
+    let settings = [("wall_deg", Value::Number(10.0)), ("island_m", Value::Number(0.0))];
+    assert_eq!(components(&revolution, &settings), [360]);
+}
+
+#[test]
+fn where_nothing_is_seen_over_a_wide_angle_a_short_wall_that_points_across_closes_no_way() {
+    // The face of the wall on the right runs towards the corner on the left, 3.9 m away.
+    let corner = [[[3.9, 1.2], [2.8, 1.2]], [[2.8, 1.2], [2.8, 3.4]]];
+    let scene = [&[[[3.2, -3.4], [3.2, -2.6]], [[-3.0, 4.0], [-3.0, -4.0]]][..], &corner].concat();
+    assert_eq!(components(&scan(&scene, all), &[]).len(), 3);
+}
+
+#[test]
+fn no_way_on_is_narrower_than_the_vehicle_however_deep_it_is_seen() {
+    let walls = |width_m| components(&scan(&with_branch_at(0.3, width_m), all), &[]).len();
+    assert_eq!((walls(0.5), walls(0.9)), (2, 3));
 }
 
 #[test]

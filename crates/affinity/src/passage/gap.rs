@@ -18,11 +18,11 @@ const DARK_NEAR_SHARE: f64 = 0.7;
 const DARK_BEAMS: u32 = 4;
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// if one of its ends lies farther than this share of the sensor's range,
-const FAR_SHARE: f64 = 0.7;
+const FAR_SHARE: f64 = 0.8;
 /// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
-/// A gap that no patch of lost beams explains: nothing is seen over more than this angle. Its width is then that between its
-/// ends, and it is a way on from this share of the place's size.
+/// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle. Its
+/// width is that between its ends, and it is a way on from this share of the place's size.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const BLANK_SHARE: f64 = 0.9;
 /// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
@@ -30,7 +30,7 @@ const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
 /// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between them, or
 /// if both are at least this share of the place's size.
-const SEEN_INSIDE_SHARE: f64 = 0.6;
+const SEEN_INSIDE_SHARE: f64 = 0.5;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -158,34 +158,36 @@ impl<'a> Judge<'a> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
-    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But for a branch seen
-    /// from straight in front: its corners are on one line, and between them nothing is seen.
+    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing is seen
+    /// over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
     fn room(&self, bend: &Bend, (p, q): (usize, usize), turn_rad: f64) -> f64 {
+        let blank = if turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
+            self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
+        } else {
+            0.0
+        };
+        let Some(share) = self.share_of_place(turn_rad, (p, q)) else { return blank };
         let nearer_is_p = self.ring.range_m(p) < self.ring.range_m(q);
         let [of_q, of_p] = bend.aside_m;
         let (clear_m, farther_aside_m) = if nearer_is_p { (of_p.abs(), of_q) } else { (of_q.abs(), of_p) };
-        let turns = turn_rad >= self.limits.straight_rad;
-        if !turns && turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
-            return self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m);
-        }
-        let share = if turn_rad >= self.limits.way_rad {
-            WAY_SHARE
-        } else if turn_rad >= DARK_TURN_RAD
-            && let Some(share) = self.dark_share(p, q)
-        {
-            share
-        } else if turns {
-            if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }
-        } else {
-            return 0.0;
-        };
-        let seen_inside = if turns && turn_rad < self.limits.way_rad {
+        let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
             let deep_m = -farther_aside_m;
             (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m))
         } else {
             0.0
         };
-        (clear_m / (share * self.size_m)).max(seen_inside)
+        let room = (clear_m / (share * self.size_m)).max(seen_inside);
+        room.min(clear_m / self.limits.passage_m).max(blank)
+    }
+
+    /// How wide a way on is as a share of the place's size, where the wall turns by `turn_rad`; none where it goes straight on.
+    fn share_of_place(&self, turn_rad: f64, (p, q): (usize, usize)) -> Option<f64> {
+        let turns = turn_rad >= self.limits.straight_rad;
+        if turn_rad >= self.limits.way_rad {
+            return Some(WAY_SHARE);
+        }
+        let dark = self.dark_share(p, q).filter(|_| turn_rad >= DARK_TURN_RAD);
+        dark.or_else(|| turns.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }))
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the wall

@@ -108,10 +108,13 @@ impl Ring {
         around + self.dark_before[to] - self.dark_before[from]
     }
 
-    /// Whether a piece goes on to an end of a limited view: no beam between the two came back with nothing.
+    /// Whether an end of a limited view cuts a piece: beyond it there is no return, and no beam that came back with nothing.
     pub(super) fn ends_with_view(&self, piece: &[usize]) -> bool {
-        let [first, last] = [piece[0], piece[piece.len() - 1]].map(|i| self.dark_before[self.returns[i].beam]);
-        !self.full_turn && (first == 0 || last == self.dark_before[self.beams])
+        let (first, last) = (piece[0], piece[piece.len() - 1]);
+        let dark_before = |i: usize| self.dark_before[self.returns[i].beam];
+        let begins = first == 0 && dark_before(first) == 0;
+        let ends = last + 1 == self.len() && dark_before(last) == self.dark_before[self.beams];
+        !self.full_turn && (begins || ends)
     }
 
     fn count_dark(&mut self, sweep: &Sweep) {
