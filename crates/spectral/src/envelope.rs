@@ -112,10 +112,10 @@ impl Envelope {
         self.panels.clear();
         self.pivots.clear();
         self.shift = shift;
-        self.factor.resize_with(most, most, |_, _| 0.0);
-        self.inverses.resize_with(PANEL, most, |_, _| 0.0);
-        self.work.resize_with(most, PANEL, |_, _| 0.0);
-        self.scaled.resize_with(PANEL, PANEL, |_, _| 0.0);
+        reserve(&mut self.factor, most, most);
+        reserve(&mut self.inverses, PANEL, most);
+        reserve(&mut self.work, most, PANEL);
+        reserve(&mut self.scaled, PANEL, most.max(PANEL));
         let needed = cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default());
         if self.scratch.len() < needed.unaligned_bytes_required() {
             self.scratch = MemBuffer::new(needed);
@@ -150,30 +150,31 @@ impl Envelope {
         invert_unit_lower_triangular(inverse.rb_mut(), diagonal.rb(), Par::Seq);
         inverse.rb_mut().diagonal_mut().fill(1.0);
         // M of this panel = (what is there) (Δ⁻¹ inverse)ᵀ.
-        let mut scaled = scaled.submatrix_mut(0, 0, columns, columns);
-        for i in 0..columns {
-            let pivot = diagonal[(i, i)];
-            pivots.push(pivot);
-            (0..columns).for_each(|j| scaled[(i, j)] = inverse[(i, j)] / pivot);
+        pivots.extend((0..columns).map(|j| diagonal[(j, j)]));
+        for j in 0..columns {
+            let quotients = inverses.col_as_slice(panel.start + j).iter().zip(&pivots[panel.start..]);
+            scaled.col_as_slice_mut(j).iter_mut().zip(quotients).for_each(|(scaled, (x, pivot))| *scaled = x / pivot);
         }
         let out = factor.submatrix_mut(panel.next, panel.start, panel.below(), columns);
-        set(out, lower.rb(), scaled.rb().transpose());
+        set(out, lower.rb(), scaled.submatrix(0, 0, columns, columns).transpose());
         panels.push(panel);
         true
     }
 
-    /// Takes off the panel at work what those before it say, M Δ Mᵀ.
+    /// Takes off the panel at work what those before it say, M Δ Mᵀ; of panels that end alike all at once.
     fn subtract_before(&mut self, panel: Panel) {
         let Self { panels, factor, pivots, work, scaled, .. } = self;
         let first = panels.partition_point(|before| before.end <= panel.start);
-        for before in &panels[first..] {
-            let rows = factor.get(panel.start..before.end, before.start..before.next);
-            let columns = before.end.min(panel.next) - panel.start;
-            let mut scaled = scaled.submatrix_mut(0, 0, columns, before.columns());
-            for (j, pivot) in pivots[before.start..before.next].iter().enumerate() {
-                (0..columns).for_each(|i| scaled[(i, j)] = rows[(i, j)] * pivot);
+        for alike in panels[first..].chunk_by(|a, b| a.end == b.end) {
+            let (start, next, end) = (alike[0].start, alike[alike.len() - 1].next, alike[0].end);
+            let rows = factor.get(panel.start..end, start..next);
+            let columns = end.min(panel.next) - panel.start;
+            for (j, pivot) in pivots[start..next].iter().enumerate() {
+                let column = &factor.col_as_slice(start + j)[panel.start..][..columns];
+                scaled.col_as_slice_mut(j).iter_mut().zip(column).for_each(|(scaled, x)| *scaled = x * pivot);
             }
-            add(work.submatrix_mut(0, 0, rows.nrows(), columns), -1.0, rows, scaled.rb().transpose());
+            let scaled = scaled.submatrix(0, 0, columns, next - start);
+            add(work.submatrix_mut(0, 0, rows.nrows(), columns), -1.0, rows, scaled.transpose());
         }
     }
 
@@ -206,7 +207,7 @@ impl Envelope {
     pub(crate) fn solve(&mut self, x: &mut Mat<f64>) {
         for_columns(x, &self.roots, |x, root| x * root);
         let Self { panels, factor, inverses, work, .. } = self;
-        work.resize_with(work.nrows().max(PANEL), x.ncols().max(PANEL), |_, _| 0.0);
+        reserve(work, PANEL, x.ncols());
         for panel in panels.iter() {
             let (top, bottom) = x.as_mut().split_at_row_mut(panel.next);
             let mut of_panel = top.get_mut(panel.start.., ..);
@@ -225,6 +226,13 @@ impl Envelope {
             of_panel.copy_from(solved);
         }
         for_columns(x, &self.roots, |x, root| x * root);
+    }
+}
+
+/// Makes room for so many rows and columns.
+fn reserve(matrix: &mut Mat<f64>, rows: usize, columns: usize) {
+    if matrix.nrows() < rows || matrix.ncols() < columns {
+        matrix.resize_with(matrix.nrows().max(rows), matrix.ncols().max(columns), |_, _| 0.0);
     }
 }
 
