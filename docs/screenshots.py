@@ -26,11 +26,12 @@ def main(crosscut: str):
         if not flight.exists():
             print(f"skipped: {flight} is not here")
             continue
-        paper, default = (run(crosscut, flight, preset, f"{name}-{preset}") for preset in ("paper", "default"))
+        paper, default = (run(crosscut, flight, preset, f"{name}/{preset}") for preset in ("paper", "default"))
         for page in ("overview", "stages", "speed"):
             take(crosscut, [default, "--layout", page], seq, f"{page}-{name}")
         take(crosscut, [paper, "--beside", default], seq, f"beside-{name}")
         if name == "tee":
+            take(crosscut, [paper, "--layout", "stages"], seq, "tee")
             take(crosscut, [paper, "--layout", "stages"], seq, "stages-light", light=True)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
@@ -62,6 +63,7 @@ def why(crosscut: str, tee: Path):
 def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around: int | None = None) -> Path:
     """The recording of a flight, or of some revolutions of it."""
     saved = WORK / f"{name}.rrd"
+    saved.parent.mkdir(parents=True, exist_ok=True)
     chosen = [] if around is None else ["--record-revolutions", f"{max(0, around - 20)}..{around + 20}"]
     changes = [part for setting in settings for part in ("--set", setting)]
     command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", *chosen]
@@ -76,8 +78,9 @@ def take(crosscut: str, what: list, seq: int, name: str, light: bool = False):
         if light:
             viewer.light()
         viewer.save(path)
-    # 256 colours are enough for lines and letters, and a third of the size.
-    Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    # 256 colours are enough for lines and letters, and a third of the size; chosen so that a wall of two returns keeps its own.
+    few = Image.open(path).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}, {path.stat().st_size / 1e3:.0f} KB")
 
 

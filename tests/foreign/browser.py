@@ -10,7 +10,9 @@ from pathlib import Path
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 # WebGL without a graphics card.
-OPTIONS = ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run")
+OPTIONS = ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+# It talks to the page alone.
+QUIET = ("--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic")
 
 
 class Browser:
@@ -20,7 +22,7 @@ class Browser:
         self._profile = tempfile.TemporaryDirectory(prefix="browser-", ignore_cleanup_errors=True)
         theirs_in, self._out = os.pipe()
         self._in, theirs_out = os.pipe()
-        options = [*OPTIONS, f"--user-data-dir={self._profile.name}", f"--window-size={size.replace('x', ',')}"]
+        options = [*OPTIONS, *QUIET, f"--user-data-dir={self._profile.name}", f"--window-size={size.replace('x', ',')}"]
         # The browser talks on descriptors 3 and 4.
         pipes = f'exec 3<&{theirs_in} 4>&{theirs_out}; exec "$@"'
         self._process = subprocess.Popen(

@@ -13,6 +13,7 @@ import reading
 import recording
 import spectrum
 import viewing
+import web_viewer
 from flights import Flights
 from program import Crosscut
 from verdicts import Verdicts
@@ -26,16 +27,19 @@ CHECKS = {
     "mcap_io": mcap_io,
     "determinism": determinism,
 }
+# Needs a program with the feature `web`, and a browser.
+ON_DEMAND = {"browser": web_viewer}
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests/foreign/run", description="Cross-checks crosscut with foreign tools.")
-    parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}; all if none")
+    parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}, browser; all but browser if none")
     parser.add_argument("--crosscut", type=Path, help="the program; target/release/crosscut if not given")
     parser.add_argument("--root", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args()
-    if unknown := [name for name in args.checks if name not in CHECKS]:
-        parser.error(f"no check is called {unknown[0]}; there are {', '.join(CHECKS)}")
+    known = CHECKS | ON_DEMAND
+    if unknown := [name for name in args.checks if name not in known]:
+        parser.error(f"no check is called {unknown[0]}; there are {', '.join(known)}")
     binary = args.crosscut or args.root / "target/release/crosscut"
     if not binary.exists():
         parser.error(f"{binary} is not there: cargo build --release -p crosscut")
@@ -48,7 +52,7 @@ def main() -> int:
         start = time.monotonic()
         verdicts.begin(name)
         try:
-            CHECKS[name].check(flights, verdicts)
+            known[name].check(flights, verdicts)
         except Exception as error:
             traceback.print_exc()
             verdicts.failed("the check itself", f"ended early: {error}")

@@ -2,11 +2,6 @@
 (apt-get install libvulkan1 mesa-vulkan-drivers) and rerun-sdk.
 
     screenshot.py FILE.rrd OUT.png [--seq N] [--size WxH] [--light]
-
-The README's picture is revolution 81 of the shipped flight, with the paper's settings:
-
-    target/release/crosscut run recordings/tee.mcap --preset paper --save target/tee.rrd
-    target/foreign/venv/bin/python tests/foreign/screenshot.py target/tee.rrd docs/images/tee.png --seq 81
 """
 
 import argparse

@@ -1,9 +1,8 @@
 """What can be looked at, in the real viewer: every page, two flights side by side, the robot's own sensors beside ours,
-a viewer that comes late, one that stops reading; and in a real browser, if the program was built with the web viewer."""
+a viewer that comes late, one that stops reading."""
 
 import os
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -16,7 +15,6 @@ import rrd
 import scenes
 import sensors
 import writing
-from browser import CHROMIUM, Browser
 from flights import Flights
 from recording import DRAWN_SHARE, drawn_share
 from screenshot import Viewer
@@ -29,9 +27,6 @@ PAGES = {
     "stages": ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "Walls"),
     "speed": ("Time per stage", "All stages"),
 }
-# Two of the colours of walls.
-WALLS_RGB = ((0x56, 0xB4, 0xE9), (0xE6, 0x9F, 0x00))
-BROWSER_DEADLINE_S = 240
 # More than viewers and the queue before them take in, and more than one part.
 STALLED_SCANS = 6500
 
@@ -46,7 +41,6 @@ def check(flights: Flights, verdicts: Verdicts):
     check_sensors(flights, verdicts)
     check_late(flight.path, flights, verdicts)
     check_stalled(flights, verdicts)
-    check_browser(flight.path, flights, verdicts)
 
 
 def check_view(command: list[str], what: str, words, flights: Flights, verdicts: Verdicts, at: int | None = None):
@@ -87,7 +81,7 @@ def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
     flights.crosscut("run", flights.shipped()[0].path, "--preset", "default", "--save", other, "--quiet").expect(0)
     command = flights.crosscut.command("view", saved, "--beside", other)
     names = (saved.stem, other.stem)
-    both = [f"{name}: {view}" for name in names for view in ("Walls", "W by beam", "Eigenvalues", "Junctions")]
+    both = [f"{name}: {view}" for name in names for view in ("Walls", "W, 1e-16", "Eigenvalues", "Junctions")]
     check_view(command, "view --beside", both, flights, verdicts)
     stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (3, "L"), (7, "Walls"))]
     check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)
@@ -135,33 +129,6 @@ def check_stalled(flights: Flights, verdicts: Verdicts):
     figures = f"stopped after {before} of {STALLED_SCANS} results; then {count}, {recorded} recorded, exit code {code}"
     held = before < STALLED_SCANS / 2 and count == recorded == STALLED_SCANS and code == 0
     verdicts.that(held, "a viewer that stops reading", figures)
-
-
-def check_browser(path: Path, flights: Flights, verdicts: Verdicts):
-    """The web viewer that the program serves draws the walls in a real browser."""
-    binary = next((found for name in CHROMIUM if (found := shutil.which(name))), None)
-    with Served(flights.crosscut.command("run", path, "--serve=127.0.0.1:0")) as served:
-        served.wait_for("still served")
-        if served.page is None:
-            return verdicts.skipped("web viewer", "this program was built without the feature `web`")
-        if binary is None:
-            return verdicts.skipped("web viewer", "there is no Chromium: apt-get install chromium")
-        picture, start = flights.work.parent / "browser.png", time.monotonic()
-        found = 0
-        with Browser(binary, f"{served.page}&renderer=webgl", SIZE) as browser:
-            while found < len(WALLS_RGB) and time.monotonic() - start < BROWSER_DEADLINE_S:
-                browser.wait(3)
-                browser.save(picture)
-                found = walls_drawn(picture)
-            said = [text for text in browser.said if "panic" in text.lower()]
-        figures = f"{found} of {len(WALLS_RGB)} colours of walls after {time.monotonic() - start:.0f} s; {picture.name}"
-        verdicts.that(found == len(WALLS_RGB) and not said, "web viewer in a browser", figures + "".join(said)[:200])
-
-
-def walls_drawn(picture: Path) -> int:
-    """How many of the walls' colours fill some pixels."""
-    pixels = np.array(Image.open(picture).convert("RGB")).astype(int)
-    return sum(int(np.sum(np.abs(pixels - colour).max(axis=2) < 12) >= 200) for colour in WALLS_RGB)
 
 
 class Served:

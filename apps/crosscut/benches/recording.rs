@@ -1,8 +1,9 @@
 //! What a recording takes: file, time a revolution, memory.
 //!
-//! `cargo bench -p crosscut --bench recording` records the shipped flight again and again until 6000 revolutions are full,
-//! which is ten minutes at 10 Hz; `... -- N` takes N revolutions. One line for each preset and level, columns parted by
-//! commas. The time is that of the thread that observes: no stage waits for it until the pool of frames is empty.
+//! `cargo bench -p crosscut --bench recording` records the shipped flight again and again until 6000 revolutions are
+//! full, which is ten minutes at 10 Hz; `... -- N` takes N revolutions. One line for each preset and level, columns
+//! parted by commas. The time is that of the thread that observes: no stage waits for it until the pool of frames is
+//! empty.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

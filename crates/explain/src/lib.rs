@@ -27,3 +27,4 @@ mod words;
 pub use change::Change;
 pub use links::{Explanation, Link, WallLinks};
 pub use watch::{Event, Watch};
+pub use words::inequality;

@@ -1,6 +1,6 @@
 //! The explanation in words.
 
-use crosscut_stage::{Beam, Frame};
+use crosscut_stage::{Beam, Frame, Spectrum};
 
 use crate::{Change, Explanation, Link, WallLinks};
 
@@ -29,28 +29,24 @@ struct Words<'a> {
 impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
+        let place = junction.place.to_string().replace('_', " ");
+        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions, "junction"));
         let islands = junction.walls.iter().filter(|wall| wall.island).count();
-        let mut text = format!("## k = {k}, {}", counted(junction.junctions, "junction"));
-        if k != junction.junctions {
-            let beside = k.saturating_sub(junction.junctions + islands);
-            text += &format!(
-                "\n\nk also counts {} and {} too small to be a wall.",
-                counted(islands, "island"),
-                counted(beside, "cluster")
-            );
+        let small = k.saturating_sub(junction.junctions + islands);
+        let beside =
+            [(islands, counted(islands, "island")), (small, counted(small, "cluster") + " too small to be a wall")];
+        let beside: Vec<String> = beside.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
+        if k > junction.junctions && !beside.is_empty() {
+            text += &format!("\n\nk also counts {}.", beside.join(" and "));
         }
         text
     }
 
-    /// "λ3 7e-9 < τ 1e-7 ≤ λ4 3e-5", and the margin.
+    /// What k follows from, and the margin.
     fn inequality(&self) -> String {
         let spectrum = &self.frame.spectrum;
-        let (k, values) = (spectrum.k, &spectrum.eigenvalues);
-        let below = k.checked_sub(1).and_then(|last| Some(format!("λ{k} {} < ", power(*values.get(last)?))));
-        let above = values.get(k).map(|next| format!(" ≤ λ{} {}", k + 1, power(*next)));
         let margin = spectrum.margin_decades.map(|decades| format!(": a margin of {decades:.1} decades"));
-        let (below, above, margin) = (below.unwrap_or_default(), above.unwrap_or_default(), margin.unwrap_or_default());
-        format!("{below}τ {}{above}{margin}.", power(spectrum.tolerance))
+        format!("{}{}.", inequality(spectrum), margin.unwrap_or_default())
     }
 
     fn change(&self, change: &Change) -> String {
@@ -141,6 +137,15 @@ impl Words<'_> {
     }
 }
 
+/// The inequality that k follows from: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".
+pub fn inequality(spectrum: &Spectrum) -> String {
+    let (k, values) = (spectrum.k, &spectrum.eigenvalues);
+    let below = k.checked_sub(1).and_then(|last| Some(format!("λ{k} {} < ", power(*values.get(last)?))));
+    let above = values.get(k).map(|next| format!(" ≤ λ{} {}", k + 1, power(*next)));
+    let (below, above) = (below.unwrap_or_default(), above.unwrap_or_default());
+    format!("{below}τ {}{above}", power(spectrum.tolerance))
+}
+
 /// A value by its power of ten: 1.2e-8; 0.31.
 fn power(value: f64) -> String {
     if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
@@ -148,4 +153,20 @@ fn power(value: f64) -> String {
 
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_inequality_names_the_eigenvalues_on_both_sides_where_there_are_any() {
+        let inequality = |eigenvalues: &[f64], k| {
+            inequality(&Spectrum { eigenvalues: eigenvalues.to_vec(), tolerance: 1e-7, k, ..Spectrum::default() })
+        };
+        assert_eq!(inequality(&[1e-16, 2e-8, 0.01], 2), "λ2 2.0e-8 < τ 1.0e-7 ≤ λ3 0.01");
+        assert_eq!(inequality(&[1e-16], 1), "λ1 1.0e-16 < τ 1.0e-7");
+        assert_eq!(inequality(&[], 0), "τ 1.0e-7");
+        assert_eq!(inequality(&[], 3), "τ 1.0e-7", "a k that the eigenvalues do not reach breaks nothing");
+    }
 }

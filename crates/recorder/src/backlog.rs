@@ -74,8 +74,8 @@ impl Backlog {
         self.flushed.clone()
     }
 
-    /// What there is room for of this revolution's share; and what is to be said of it: where losses begin, and where they
-    /// have ended.
+    /// What there is room for of this revolution's share; and what is to be said of it: where losses begin, and where
+    /// they have ended.
     pub(crate) fn room_for(&mut self, frame: &Frame, share: Share) -> (Room, Option<String>) {
         self.forget_what_is_done();
         let (light, all) = estimated_bytes(frame, share);
@@ -142,8 +142,9 @@ impl Backlog {
     }
 }
 
-/// Bytes in memory of a revolution without its matrices, and of all its share. Points, ranges, labels and drawings come to
-/// about 100 bytes a return; pictures and links to half a byte for each of n²; U and its drawing to 8 a number; exact W to f64.
+/// Bytes in memory of a revolution without its matrices, and of all its share. Points, ranges, labels and drawings come
+/// to about 100 bytes a return; pictures and links to half a byte for each of n²; U and its drawing to 8 a number;
+/// exact W to f64.
 fn estimated_bytes(frame: &Frame, share: Share) -> (u64, u64) {
     let (n, k) = (frame.revolution.len() as u64, frame.spectrum.u.ncols() as u64);
     let light = (16 << 10) + 100 * n;

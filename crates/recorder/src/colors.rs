@@ -1,8 +1,8 @@
 //! Colours of walls, the same in every view.
 //!
 //! Points and lines carry class ids; one annotation context at the root of the recording says what colour a class has.
-//! The colours are those of Okabe and Ito that stand out on black as well as on white: views have the ground of the viewer's
-//! theme, dark or light.
+//! The colours are those of Okabe and Ito that stand out on black as well as on white: views have the ground of the
+//! viewer's theme, dark or light.
 
 use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
@@ -30,6 +30,8 @@ pub(crate) const NO_WALL: u16 = u16::MAX;
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
 /// Words in a view. The viewer puts them on 0x161616 or on 0xEFEFEF, and this contrasts nearly as much with both.
 pub(crate) const WORDS: u32 = 0x7C7C_7CFF;
+/// Words in a picture of a matrix, which is dark in both themes.
+pub(crate) const WORDS_ON_PICTURES: u32 = 0xFFFF_FFFF;
 /// Lines to measure by.
 pub(crate) const GRID: u32 = 0x8080_80FF;
 /// The weakest link inside a wall: Okabe and Ito's yellow.
@@ -49,8 +51,23 @@ pub(crate) const TOLERANCE: u32 = 0xE830_8CFF;
 pub(crate) const ZEROS: u32 = 0x56B4_E9FF;
 /// What is reported.
 pub(crate) const REPORTED: u32 = 0xE69F_00FF;
+/// What is there for an axis to reach it.
+pub(crate) const UNSEEN: u32 = 0;
 /// One per step, in the order of the steps.
 pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF];
+
+/// Nine colours of the map that pictures are drawn with, from 1e-16 or less to 1.
+pub(crate) const VIRIDIS: [u32; 9] = [
+    0x4401_54FF,
+    0x472D_7BFF,
+    0x3B52_8BFF,
+    0x2C72_8EFF,
+    0x2191_8CFF,
+    0x28AE_80FF,
+    0x5EC9_62FF,
+    0xADDC_30FF,
+    0xFDE7_25FF,
+];
 
 /// Places by name, the more ways on the warmer.
 pub(crate) const PLACES: [(&str, u32); 8] = [

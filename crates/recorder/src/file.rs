@@ -63,8 +63,8 @@ impl RrdFile {
         Ok(())
     }
 
-    /// Ends the file and goes on in another one, which belongs to the same recording. All messages sent before have to be
-    /// flushed.
+    /// Ends the file and goes on in another one, which belongs to the same recording. All messages sent before have to
+    /// be flushed.
     pub(crate) fn go_on_in(&self, path: &Path) -> Result<(), RecorderError> {
         self.end()?;
         let mut shared = self.lock();

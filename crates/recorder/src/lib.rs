@@ -28,30 +28,31 @@
 //! | `/report/junctions`, `/confidence`, `/place`, `/summary` | the answer | | exact; words |
 //! | `/report/labels`, `/report/walls` | wall of each beam; id, returns, bearings, island and class of each wall | beams; walls × 6 | exact |
 //! | `/report/why` | why the count is what it is, with all notes | | words |
+//! | `/affinity/scale`, `/report/axis` | what the colours of the pictures stand for; what plots of counts reach at least | | drawing |
 //! | `/timing/<stage>`, `/timing/total`, `/timing/summary` | time of each step; of all, and from scan to scan; a table | ms | exact; words |
 //! | `/log`, `/config`, `/about` | what is worth a look; configuration as TOML; what is exact | | words |
 //!
-//! In the pictures, return i stands at the pixel of its beam, so that walls stay in place and openings are dark bands; the
-//! side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024, return i stands at
-//! pixel i of 1024. A value of 1e-16 or more reads back within half a decade. Raw ranges and configuration let anybody
-//! recompute W, L and U in full precision. L is computed here, from W and the degrees: no stage builds anything for the
-//! recording alone.
+//! In the pictures, return i stands at the pixel of its beam, so that walls stay in place and openings are dark bands;
+//! the side is the number of beams rounded up to a multiple of 64. Without beams, or with more than 1024, return i
+//! stands at pixel i of 1024. A value of 1e-16 or more reads back within half a decade. Raw ranges and configuration
+//! let anybody recompute W, L and U in full precision. L is computed here, from W and the degrees: no stage builds
+//! anything for the recording alone.
 //!
 //! [`Scope`] says how much of which revolutions is recorded. A wall has the class, and so the colour, of the wall that
 //! lay in the same directions at the revolution before; results know nothing of it.
 //!
-//! An empty revolution writes empty values, so that nothing of the one before stays on the screen; a picture that is not
-//! there is dark.
+//! An empty revolution writes empty values, so that nothing of the one before stays on the screen; a picture that is
+//! not there is dark.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks; what a killed process leaves
-//! behind lacks at most the last 2.5 s of the flight, of a live one the last second, and opens. Row ids hold the time of writing, so the bytes of two
-//! recordings differ. A write that fails (full disk) is an error of the next call, and the file ends with its last whole
-//! message. After so many revolutions the file is ended and another begins, which opens alone and together with it: the
-//! footer grows in memory with the file, and so memory stays flat.
+//! behind lacks at most the last 2.5 s of the flight, of a live one the last second, and opens. Row ids hold the time
+//! of writing, so the bytes of two recordings differ. A write that fails (full disk) is an error of the next call, and
+//! the file ends with its last whole message. After so many revolutions the file is ended and another begins, which
+//! opens alone and together with it: the footer grows in memory with the file, and so memory stays flat.
 //!
-//! A disk that is slower than the flight: a recorded flight waits for it. A live one (`--rate`) does not: what the disk has
-//! not taken waits in memory, beyond 16 MB revolutions are recorded without matrices, beyond 40 MB not at all, until the disk
-//! has caught up. `/log` says where, and the end says how many; the results are complete.
+//! A disk that is slower than the flight: a recorded flight waits for it. A live one (`--rate`) does not: what the disk
+//! has not taken waits in memory, beyond 16 MB revolutions are recorded without matrices, beyond 40 MB not at all,
+//! until the disk has caught up. `/log` says where, and the end says how many; the results are complete.
 //!
 //! To log something new: a function in the file of its area, taking the stream and the frame; a line in `about.md` and
 //! in the table above; a view in `layout/views.rs`, on a page of `layout/pages.rs`.

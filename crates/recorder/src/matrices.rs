@@ -1,21 +1,41 @@
 //! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level, the upper triangle alone.
 //!
-//! Both are symmetric, and two triangles take twice the room of one.
-//! Linear levels would show nothing: the leaks that decide the count are 1e-8. Finer levels show the sensor's noise: 256
-//! of them make a picture nearly three times as large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees,
-//! for the picture alone.
+//! Both are symmetric, and two triangles take twice the room of one. Linear levels would show nothing: the leaks that
+//! decide the count are 1e-8. Finer levels show the sensor's noise: 256 of them make a picture nearly three times as
+//! large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees, for the picture alone.
 
 use crosscut_stage::{Affinity, Frame};
 use rerun::components::{Colormap, MediaType};
 use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
-use rerun::{EncodedDepthImage, RecordingStream, RecordingStreamResult};
+use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
+use crate::colors::{VIRIDIS, WORDS_ON_PICTURES, color};
 use crate::tensors::f32_vector;
 
 /// The decades that a picture spans, ending at 1: the level of a value of 1 or more. Level 0 is 1e-16 or less.
 const DECADES: f32 = 16.0;
+
+/// What the colours stand for, in the lower triangle of pictures of so many places: a bar with a colour for every other
+/// level, and every fourth named.
+pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStreamResult<()> {
+    let side = places as f32;
+    let (left, top, height) = (0.07 * side, 0.58 * side, 0.36 * side);
+    let y = |i: usize| top + height * i as f32 / (VIRIDIS.len() - 1) as f32;
+    let half = 0.5 * height / (VIRIDIS.len() - 1) as f32;
+    let from_1 = || VIRIDIS.iter().rev().enumerate();
+    let bar = LineStrips2D::new(from_1().map(|(i, _)| [[left, y(i)], [left + 0.05 * side, y(i)]]))
+        .with_colors(from_1().map(|(_, rgba)| color(*rgba)))
+        .with_radii([Radius::new_scene_units(half)]);
+    let named = (0..VIRIDIS.len()).step_by(2);
+    let names = Points2D::new(named.clone().map(|i| [left + 0.17 * side, y(i) - 0.03 * side]))
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(WORDS_ON_PICTURES)])
+        .with_labels(named.map(|i| if i == 0 { "1".to_owned() } else { format!("1e-{}", 2 * i) }))
+        .with_show_labels(true);
+    rec.log_static("affinity/scale", &[&bar as &dyn AsComponents, &names])
+}
 
 /// Buffers for the pictures, reused from one revolution to the next.
 #[derive(Default)]
@@ -78,8 +98,8 @@ impl Pictures {
         self.levels.extend(self.decades.iter().map(|&decades| level(decades)));
     }
 
-    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i with W_ii = 1, in f64:
-    /// for a return that is nearly alone it is a leak of 1e-8 and less, which f32 would round to 0.
+    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i with W_ii = 1, in
+    /// f64: for a return that is nearly alone it is a leak of 1e-8 and less, which f32 would round to 0.
     fn draw_l(&mut self, affinity: &Affinity, order: &BeamOrder) {
         let halves = &self.half_degree_decades;
         self.levels.clear();

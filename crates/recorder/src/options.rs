@@ -14,7 +14,8 @@ pub struct RecorderOptions {
     pub path: Option<PathBuf>,
     /// Shows the recording in the native viewer while it is made.
     pub view: bool,
-    /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free one.
+    /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free
+    /// one.
     pub serve: Option<SocketAddr>,
     /// The flight is live: what the disk is too slow for is left out and counted, instead of the flight waiting.
     pub live: bool,

@@ -1,4 +1,5 @@
-//! Labels by beam: how far each beam saw, in the colour of its wall, and above it the clusters that the walls come from.
+//! Labels by beam: how far each beam saw, in the colour of its wall, and above it the clusters that the walls come
+//! from.
 
 use crosscut_stage::{Frame, Sweep};
 use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};

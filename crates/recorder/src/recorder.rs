@@ -24,7 +24,7 @@ use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
 use crate::timing::Times;
 use crate::tracks::Tracks;
-use crate::{exact, layout, mounting, partition, profile, report, scan, spectrum, timing, viewer, why};
+use crate::{exact, layout, matrices, mounting, partition, profile, report, scan, spectrum, timing, viewer, why};
 
 /// What is on the disk never lags behind by more than this much sensor time: each flush costs the description of every
 /// entity's columns...
@@ -221,7 +221,7 @@ impl Recorder {
         partition::log(rec, frame, &order, &classes, scale)?;
         profile::log(rec, frame, &order, &classes, reach_m)?;
         report::log(rec, frame, &classes)?;
-        why::log(rec, frame, &classes, &mut self.watch)?;
+        why::log(rec, frame, &classes, reach_m, &mut self.watch)?;
         self.times.log(rec, frame)?;
         self.notes.log(rec, frame)?;
         if share.exact_refused {
@@ -243,14 +243,16 @@ impl Recorder {
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
+        matrices::log_scale(&self.rec, extent.places)?;
+        report::log_axis(&self.rec)?;
         layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
     }
 
-    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for, nor is the disk during a
-    /// live flight.
+    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for, nor is the disk
+    /// during a live flight.
     fn flush(&mut self) -> Result<(), RecorderError> {
         let Some(backlog) = &mut self.backlog else { return self.flush_to_the_end() };
         self.unflushed = 0;

@@ -1,9 +1,9 @@
-//! The answer: count, place, walls and openings in words; notes and timings.
+//! The answer: count, place, walls and openings, as values and in words.
 
 use crosscut_stage::{Beam, Frame, Opening, Wall};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
 
-use crate::colors::{GREY, PLACES, REPORTED, color, name_of, series};
+use crate::colors::{GREY, PLACES, REPORTED, UNSEEN, color, name_of, series};
 use crate::tensors::{f64_matrix, i32_vector};
 use crate::tracks::Classes;
 
@@ -11,16 +11,25 @@ use crate::tracks::Classes;
 const NO_RETURN: i32 = -1;
 const OF_NO_WALL: i32 = -2;
 
+/// What plots of counts reach at least, so that a steady count is no line in the middle of nowhere.
+const COUNTS: [f64; 2] = [0.0, 5.0];
+
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    rec.log_static("report/junctions", &series("junctions (walls)", REPORTED, 5.0))?; // seen behind k where both agree
+    rec.log_static("report/junctions", &series("junctions (walls)", REPORTED, 2.0))?;
     rec.log_static("report/confidence", &series("confidence", GREY, 1.5))?;
+    rec.log_static("report/axis", &series("", UNSEEN, 0.5))?;
     let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();
     let places = StateConfiguration::new()
         .with_labels(places.iter().map(spaced))
         .with_values(places)
         .with_colors(colors.into_iter().map(color));
     rec.log_static("report/place", &places)
+}
+
+/// Points that nobody sees, for the plots of counts: with a fixed axis, a larger count would leave it.
+pub(crate) fn log_axis(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    rec.log("report/axis", &Scalars::new(COUNTS))
 }
 
 /// Count, place, summary, walls and labels of one revolution.

@@ -17,9 +17,13 @@ const GAP_M: f64 = 2.5;
 /// A line along a wall passes its returns within this distance.
 const LINE_M: f32 = 0.03;
 /// Length of the arrows through the openings, as a share of what the view reaches.
-const ARROW: f64 = 0.12;
-/// How far behind an opening its width is written, likewise.
-const WIDTH_BEYOND: f64 = 0.18;
+const ARROW: f64 = 0.18;
+/// How far behind an opening its width is written, likewise: ahead or behind, and more to the side, as words are wide.
+const WIDTH_BEYOND: f64 = 0.22;
+const WIDTH_ASIDE: f64 = 0.08;
+/// A width ends within the view if its middle is no farther out than this, likewise: ahead or behind, and to either
+/// side.
+const WIDTH_ROOM: [f64; 2] = [1.2, 1.08];
 /// A label hangs below its point; raised by so much, its middle is where it belongs.
 const LABEL_RISE: f64 = 0.08;
 
@@ -29,11 +33,11 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static("scan/returns", &Points3D::update_fields().with_radii([ui(2.5)]))?;
     rec.log_static("scan/count", &series("returns", GREY, 1.5))?;
     rec.log_static("scan/walls", &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
-    let arrows = Arrows3D::update_fields().with_radii([ui(2.0)]).with_colors([color(OPENING)]);
+    let arrows = Arrows3D::update_fields().with_radii([ui(2.5)]).with_colors([color(OPENING)]);
     let bars = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
     let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]);
     rec.log_static("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths])?;
-    let sensor = [[0.6f32, 0.0, 0.0], [-0.4, 0.35, 0.0], [-0.2, 0.0, 0.0], [-0.4, -0.35, 0.0], [0.6, 0.0, 0.0]];
+    let sensor = [[0.9f32, 0.0, 0.0], [-0.5, 0.3, 0.0], [-0.2, 0.0, 0.0], [-0.5, -0.3, 0.0], [0.9, 0.0, 0.0]];
     rec.log_static("scan/sensor", &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
 }
 
@@ -103,7 +107,11 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
 /// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor.
 fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> RecordingStreamResult<()> {
     let arrow_m = |o: &Opening| ARROW * reach_m * inwards(o);
-    let beyond = |o: &Opening| xyz(&(middle(o) + reach_m * (WIDTH_BEYOND * inwards(o) + LABEL_RISE * Vector3::x())));
+    let beyond = |o: &Opening| {
+        let far_m = reach_m * (WIDTH_BEYOND + WIDTH_ASIDE * inwards(o).y.abs());
+        let at = within_view(middle(o) + far_m * inwards(o), WIDTH_ROOM, reach_m);
+        xyz(&(at + reach_m * LABEL_RISE * Vector3::x()))
+    };
     let widths = Points3D::new(openings.iter().map(beyond))
         .with_labels(openings.iter().map(|o| format!("{}{:.1} m", if o.cut_by_view { "≥ " } else { "" }, o.width_m)))
         .with_show_labels(true);
@@ -115,12 +123,19 @@ fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> Re
     rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths, &table])
 }
 
+/// Where words can be read that belong at `at`, in a view that reaches `reach_m`: they end within it if their middle is
+/// no farther out than `room` of that, ahead or behind and to either side.
+pub(crate) fn within_view(at: Point, room: [f64; 2], reach_m: f64) -> Point {
+    let [along_m, across_m] = room.map(|share| share * reach_m);
+    Point::new(at.x.clamp(-along_m, along_m), at.y.clamp(-across_m, across_m), at.z)
+}
+
 fn middle(opening: &Opening) -> Point {
     nalgebra::center(&opening.edge_m[0], &opening.edge_m[1])
 }
 
-/// Into the branch, with length 1: across the opening's edge, whose clockwise end comes first, so that the other one is to
-/// the left of who goes in.
+/// Into the branch, with length 1: across the opening's edge, whose clockwise end comes first, so that the other one is
+/// to the left of who goes in.
 fn inwards(opening: &Opening) -> Vector3<f64> {
     let [right, left] = opening.edge_m;
     let across = Vector3::new(left.y - right.y, right.x - left.x, 0.0);

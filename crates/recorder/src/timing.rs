@@ -51,15 +51,19 @@ impl Times {
             row[ROWS - 1] = ms(frame.revolution.stamp_ns.saturating_sub(before_ns));
         }
         rec.log("timing/total", &Scalars::new([row[ROWS - 2], row[ROWS - 1]]))?;
+        self.add(row);
+        if self.seen % TOLD_EVERY == 1 {
+            rec.log("timing/summary", &TextDocument::from_markdown(self.table()))?;
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, row: [f64; ROWS]) {
         if self.last.len() == WINDOW {
             self.last.pop_front();
         }
         self.last.push_back(row);
         self.seen += 1;
-        if self.seen % TOLD_EVERY == 1 {
-            rec.log("timing/summary", &TextDocument::from_markdown(self.table()))?;
-        }
-        Ok(())
     }
 
     fn table(&self) -> String {
@@ -93,12 +97,7 @@ mod tests {
     #[test]
     fn the_table_tells_the_median_and_the_largest_of_a_window_that_moves() {
         let mut times = Times::default();
-        for ms in (0..WINDOW + 50).map(|i| i as f64) {
-            if times.last.len() == WINDOW {
-                times.last.pop_front();
-            }
-            times.last.push_back([ms; ROWS]);
-        }
+        (0..WINDOW + 50).for_each(|ms| times.add([ms as f64; ROWS]));
         let table = times.table();
         assert!(table.contains("| ingest | 249.00 | 149.00 | 247.00 | 249.00 |"), "{table}");
     }

@@ -1,7 +1,7 @@
 //! The same wall has the same colour from one revolution to the next.
 //!
-//! Results number the walls of each revolution anew. Here each wall takes the colour of the wall of the revolution before
-//! that lay in the same directions. That is a matter of the recording alone: no result depends on it.
+//! Results number the walls of each revolution anew. Here each wall takes the colour of the wall of the revolution
+//! before that lay in the same directions. That is a matter of the recording alone: no result depends on it.
 
 use std::cmp::Reverse;
 

@@ -5,9 +5,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{Encoder, EncodingOptions};
-use rerun::log::LogMsg;
-
 use rerun::external::re_uri::ProxyUri;
+use rerun::log::LogMsg;
 use rerun::sink::GrpcSink;
 use rerun::{SpawnError, SpawnOptions};
 

@@ -1,45 +1,51 @@
 //! Why the count is what it is: in words, drawn on the scan, and which revolutions are worth a look.
 
 use crosscut_explain::{Change, Event, Explanation, Link, Watch};
-use crosscut_stage::{Frame, Revolution, Weights};
+use crosscut_stage::{Frame, Point, Revolution, Weights};
 use rerun::{
     AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, TextDocument, TextLog,
     TextLogLevel,
 };
 
 use crate::beam_order::LARGEST_SIDE;
-use crate::colors::{LINK, LINK_EDGE, STRONGEST, WEAK_LINK, WEAKEST, WORDS, color, name_of};
-use crate::scan::xyz;
+use crate::colors::{LINK, LINK_EDGE, STRONGEST, TOLERANCE, WEAK_LINK, WEAKEST, color, name_of};
+use crate::scan::{within_view, xyz};
 use crate::tracks::Classes;
 
 /// Links of a sparse W drawn for each return at most; where there are more, every m-th is.
 const DRAWN_A_RETURN: usize = 4;
 /// Wider lines below those that decide the count make edges, for an eye above them.
 const EDGE_BELOW_M: f32 = 0.05;
+/// A mark ends within the view if it is no farther out than this, as a share of what the view reaches: ahead or behind,
+/// and to either side; and so wide and high it is.
+const MARK_ROOM: [f64; 2] = [1.08, 0.78];
+const MARK_WIDTH: f64 = 0.85;
+const MARK_HEIGHT: f64 = 0.18;
 /// A weaker link of a sparse W stands out.
 const WEAK: f64 = 0.1;
 
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(WORDS)]);
+    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
     rec.log_static("scan/links", &[&lines as &dyn AsComponents, &marks])?;
     let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(LINK_EDGE)]);
     rec.log_static("scan/links/edges", &edges)
 }
 
-/// The explanation of one revolution, and whether it is worth a look.
+/// The explanation of one revolution, seen as far as `reach_m`, and whether it is worth a look.
 pub(crate) fn log(
     rec: &RecordingStream,
     frame: &Frame,
     classes: &Classes,
+    reach_m: f64,
     watch: &mut Watch,
 ) -> RecordingStreamResult<()> {
     let explanation = Explanation::of(frame);
     let text = explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))));
     rec.log("report/why", &TextDocument::from_markdown(text))?;
-    log_decisive_links(rec, &frame.revolution, &explanation)?;
+    log_decisive_links(rec, &frame.revolution, &explanation, reach_m)?;
     for event in watch.events(frame) {
         let level = match event {
             Event::LowMargin { .. } => TextLogLevel::WARN,
@@ -55,17 +61,19 @@ fn log_decisive_links(
     rec: &RecordingStream,
     revolution: &Revolution,
     explanation: &Explanation,
+    reach_m: f64,
 ) -> RecordingStreamResult<()> {
     let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
     let links = weakest.chain(explanation.strongest().map(|(_, link)| (link, STRONGEST)));
     let (lines, colors): (Vec<_>, Vec<_>) =
         links.map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
     let (at, labels): (Vec<_>, Vec<_>) =
-        explanation.changes.iter().filter_map(|change| mark(revolution, change, change.link?)).unzip();
+        explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.link?))).unzip();
+    let at = readable(at, reach_m);
     let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - EDGE_BELOW_M]);
     rec.log("scan/links/edges", &LineStrips3D::new(lines.iter().map(below)))?;
     let lines = LineStrips3D::new(lines).with_colors(colors);
-    let marks = Points3D::new(at).with_labels(labels).with_show_labels(true);
+    let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels).with_show_labels(true);
     rec.log("scan/links", &[&lines as &dyn AsComponents, &marks])
 }
 
@@ -74,15 +82,30 @@ fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
 }
 
 /// In the middle of the link: "k = 4 if broken: 3e-5".
-fn mark(revolution: &Revolution, change: &Change, link: Link) -> Option<([f32; 3], String)> {
-    let [a, b] = line(revolution, link.returns);
+fn mark(revolution: &Revolution, change: &Change, link: Link) -> (Point, String) {
+    let [a, b] = link.returns.map(|i| revolution.points_m[i]);
     let what = if change.walls.len() == 1 { "broken" } else { "joined" };
-    let middle = std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]));
-    Some((middle, format!("k = {} if {what}: {:.0e}", change.k, link.weight)))
+    (nalgebra::center(&a, &b), format!("k = {} if {what}: {:.0e}", change.k, link.weight))
 }
 
-/// The links of a sparse W, the weak ones standing out. Of those of weight 1, each return's to the next alone: the others
-/// lie upon them.
+/// The marks moved into the view, and down from one that they would cover.
+fn readable(marks: Vec<Point>, reach_m: f64) -> Vec<Point> {
+    let mut placed: Vec<Point> = Vec::new();
+    for mark in marks {
+        let mut at = within_view(mark, MARK_ROOM, reach_m);
+        let covers = |a: &Point, b: &Point| {
+            (a.x - b.x).abs() < MARK_HEIGHT * reach_m && (a.y - b.y).abs() < MARK_WIDTH * reach_m
+        };
+        while let Some(other) = placed.iter().find(|other| covers(&at, other)) {
+            at.x = other.x - 1.01 * MARK_HEIGHT * reach_m;
+        }
+        placed.push(at);
+    }
+    placed
+}
+
+/// The links of a sparse W, the weak ones standing out. Of those of weight 1, each return's to the next alone: the
+/// others lie upon them.
 pub(crate) fn log_graph(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
     let (weights, n) = (&frame.affinity.weights, frame.revolution.len());
     if !matches!(weights, Weights::Sparse(_)) || weights.n() != n || n > LARGEST_SIDE {
@@ -102,4 +125,24 @@ pub(crate) fn log_graph(rec: &RecordingStream, frame: &Frame) -> RecordingStream
         .unzip();
     let lines = LineStrips3D::new(lines).with_colors(colors).with_radii([Radius::new_ui_points(0.5)]);
     rec.log("affinity/links", &lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_stay_within_the_view_and_do_not_cover_each_other() {
+        let reach_m = 10.0;
+        let at = |x: f64, y: f64| Point::new(x, y, 0.0);
+        assert_eq!(readable(vec![at(3.0, 0.0), at(-3.0, 1.0)], reach_m), [at(3.0, 0.0), at(-3.0, 1.0)], "as they were");
+        for marks in [vec![at(0.0, -10.0), at(0.5, 10.0)], vec![at(2.0, 1.0); 3], vec![at(-12.0, 0.0), at(12.0, 0.0)]] {
+            let placed = readable(marks.clone(), reach_m);
+            assert!(placed.iter().all(|at| at.y.abs() < 7.9 && at.x.abs() < 10.9), "{placed:?}");
+            for (i, a) in placed.iter().enumerate() {
+                let apart = |b: &Point| (a.x - b.x).abs() >= 1.8 || (a.y - b.y).abs() >= 8.5;
+                assert!(placed[..i].iter().all(apart), "{marks:?} are placed at {placed:?}");
+            }
+        }
+    }
 }

@@ -85,7 +85,8 @@ impl Rows {
     }
 }
 
-/// A table that grows by rows. Its columns are those of the first value: `revolution`, `stamp_ns`, the indices, `value`.
+/// A table that grows by rows. Its columns are those of the first value: `revolution`, `stamp_ns`, the indices,
+/// `value`.
 pub(super) struct ParquetFile {
     /// Until the first value tells the columns.
     file: Option<File>,

@@ -1,32 +1,37 @@
 //! The pages: which views stand on them, where, and how large.
 
-use rerun::blueprint::{ContainerLike, Grid, Horizontal, Tabs, Vertical};
+use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
 use super::views::Views;
 
 /// A flight: where it was at the chosen revolution, and what was counted all along.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.answer(), views.why(), views.config(), views.about()]);
-    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.5, 1.0]);
-    let flight = [views.counts(), views.places(), views.margin(), views.confidence(), views.log()];
-    let flight = Vertical::new(flight).with_row_shares([1.2, 0.55, 0.9, 0.75, 1.2]);
+    let words = Tabs::new([views.answer(), views.why("Why this count?"), views.config(), views.about()]);
+    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.25, 1.0]);
+    let counts = [views.junctions(), views.places(), views.zeros(), views.margin(), views.confidence()];
+    let flight = counts.into_iter().chain([views.log("Worth a look: click a revolution")]);
+    let flight = Vertical::new(flight).with_row_shares([1.1, 0.5, 1.1, 0.7, 0.65, 0.95]);
     let page = Horizontal::new([here.into(), flight.into()]).with_column_shares([0.72, 1.0]);
     page.with_name("Overview: the flight").into()
 }
 
 /// One revolution in the order of the stages, and why its count is what it is.
 pub(super) fn stages(views: &mut Views) -> ContainerLike {
-    Grid::new(steps(views)).with_grid_columns(4).with_name("Stages: one revolution").into()
+    let [returns, w, l, eigenvalues, embedding, labels, openings, words] = steps(views);
+    let graph = Horizontal::new([returns, w, l, eigenvalues]).with_column_shares([1.05, 1.0, 1.0, 0.95]);
+    let answer = Horizontal::new([embedding, labels, openings, words]).with_column_shares([0.8, 0.9, 1.05, 1.25]);
+    Vertical::new([graph.into(), answer.into()]).with_name("Stages: one revolution").into()
 }
 
 /// What stands on that page, in its order.
 pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
     let embedding = Tabs::new([views.embedding(), views.embedding_plane()]);
-    let words = Tabs::new([views.why(), views.answer(), views.log(), views.config(), views.about()]);
+    let words =
+        Tabs::new([views.why("8 Why?"), views.answer(), views.log("Worth a look"), views.config(), views.about()]);
     [
         views.returns("1 Returns: x up, y left"),
-        views.picture("2 W by beam: log10, 1e-16 to 1", "affinity/W"),
-        views.picture("3 L by beam: likewise", "spectral/L"),
+        views.picture("2 W by beam, 1e-16 to 1", "affinity/W"),
+        views.picture("3 L by beam, 1e-16 to 1", "spectral/L"),
         views.chart("4 Eigenvalues of L: zeros blue, τ pink"),
         embedding.into(),
         views.labels("6 Labels and ranges by beam"),

@@ -1,5 +1,5 @@
-//! Properties of views: 2D bounds, eyes, axes, legends. The blueprint has no setters for them; each is logged beside its
-//! view, and the messages are sent together.
+//! Properties of views: 2D bounds, eyes, axes, legends. The blueprint has no setters for them; each is logged beside
+//! its view, and the messages are sent together.
 
 use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
 use rerun::external::re_log_types::BlueprintActivationCommand;

@@ -81,7 +81,7 @@ impl Views {
         let contents = ours.into_iter().chain([format!("+ /{root}/**")]).chain(flat);
         let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let reach = self.extent.range_m as f32;
-        self.seen_from(view, [-0.8 * reach, 0.0, 0.7 * reach], [0.0, 0.0, 1.0])
+        self.seen_from(view, [-0.9 * reach, 0.0, reach], [0.0, 0.0, 1.0])
     }
 
     /// A camera's picture.
@@ -93,7 +93,7 @@ impl Views {
     fn above<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
         let name = self.titled(&format!("{name}, rings {} m", step_m(self.extent.range_m)));
         let view = Spatial3DView::new(name).with_origin(self.origin()).with_contents(contents);
-        let height = (2.35 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
+        let height = (2.5 * self.extent.range_m) as f32; // the viewer's field of view is 55° from top to bottom
         self.seen_from(view, [0.0, 0.0, height], [1.0, 0.0, 0.0])
     }
 
@@ -110,10 +110,10 @@ impl Views {
 
     /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
     pub(super) fn picture(&mut self, name: &str, entity: &str) -> ContainerLike {
-        let contents = self.entities([entity, "kmeans/labels", "kmeans/blocks"]);
+        let contents = self.entities([entity, "affinity/scale", "kmeans/labels", "kmeans/blocks"]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
-        self.flat(view, [-0.06 * n, -0.06 * n, 1.02 * n, 1.02 * n])
+        self.flat(view, [-0.06 * n, -0.06 * n, 1.03 * n, 1.03 * n])
     }
 
     pub(super) fn chart(&mut self, name: &str) -> ContainerLike {
@@ -135,13 +135,13 @@ impl Views {
 
     /// The rows of U, from a corner.
     pub(super) fn embedding(&mut self) -> ContainerLike {
-        let view = self.rows_of_u("5 Embedding: rows of U");
-        self.seen_from(view, [1.75, 2.2, 1.45], [0.0, 0.0, 1.0])
+        let view = self.rows_of_u("5 Embedding");
+        self.seen_from(view, [2.0, 2.5, 1.65], [0.0, 0.0, 1.0])
     }
 
     /// The first two columns of U.
     pub(super) fn embedding_plane(&mut self) -> ContainerLike {
-        let view = self.rows_of_u("u1, u2 alone");
+        let view = self.rows_of_u("2D");
         self.seen_from(view, [0.0, 0.0, 2.6], [0.0, 1.0, 0.0])
     }
 
@@ -154,8 +154,8 @@ impl Views {
         self.document("Answer", "report/summary").into()
     }
 
-    pub(super) fn why(&self) -> ContainerLike {
-        self.document("Why this count?", "report/why").into()
+    pub(super) fn why(&self, name: &str) -> ContainerLike {
+        self.document(name, "report/why").into()
     }
 
     pub(super) fn about(&self) -> ContainerLike {
@@ -167,7 +167,7 @@ impl Views {
     }
 
     pub(super) fn config(&mut self) -> ContainerLike {
-        let view = self.document("Configuration", "config");
+        let view = self.document("Config", "config");
         self.properties.with(view, "TextDocumentFormat", TextDocumentFormat::new().with_monospace(true))
     }
 
@@ -176,22 +176,27 @@ impl Views {
     }
 
     /// Revolutions worth a look; a click on one goes there.
-    pub(super) fn log(&mut self) -> ContainerLike {
-        let view =
-            TextLogView::new(self.titled("Worth a look: click a revolution")).with_origin(format!("{}/log", self.root));
+    pub(super) fn log(&mut self, name: &str) -> ContainerLike {
+        let view = TextLogView::new(self.titled(name)).with_origin(format!("{}/log", self.root));
         let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
         let columns = [datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body].map(column);
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
     }
 
-    pub(super) fn counts(&mut self) -> ContainerLike {
-        let contents = self.entities(["report/junctions", "spectral/k"]);
-        self.lines("Junctions (orange), k (blue)", contents, Some([0.0, 5.5]))
+    pub(super) fn junctions(&mut self) -> ContainerLike {
+        let contents = self.entities(["report/junctions", "report/axis"]);
+        self.lines("Junctions", contents, None)
+    }
+
+    /// Apart from the junctions: with dust in the air it is several times as large.
+    pub(super) fn zeros(&mut self) -> ContainerLike {
+        let contents = self.entities(["spectral/k", "report/axis"]);
+        self.lines("k: zeros of L", contents, None)
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
         let contents = self.entities(["spectral/margin"]);
-        self.lines("Margin of k: how far τ could move [decades]", contents, None)
+        self.lines("Margin of k [decades]", contents, None)
     }
 
     pub(super) fn confidence(&mut self) -> ContainerLike {
@@ -208,7 +213,8 @@ impl Views {
     pub(super) fn timings(&mut self) -> ContainerLike {
         let steps = ["timing/ingest", "timing/affinity", "timing/spectral", "timing/kmeans", "timing/report"];
         let contents = self.entities(steps);
-        self.lines("Time per stage [ms] over revolutions", contents, None)
+        let view = self.plot("Time per stage [ms] over revolutions", contents);
+        self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
     }
 
     pub(super) fn total(&mut self) -> ContainerLike {
@@ -221,18 +227,21 @@ impl Views {
         self.lines("Returns in a revolution", contents, None)
     }
 
+    /// One or two lines: the title says which is which, and no legend hides what lies under it.
     fn lines<const N: usize>(&mut self, name: &str, contents: [String; N], range: Option<[f64; 2]>) -> ContainerLike {
-        let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
-        // It hides what lies under it; of one or two lines the title says which is which.
-        let legend = PlotLegend::new().with_corner(Corner2D::LeftTop).with_visible(N > 2);
-        let view = self.properties.with(view, "PlotLegend", legend);
-        let view = self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
+        let view = self.plot(name, contents);
+        let view = self.properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false));
         match range {
             Some([from, to]) => {
                 self.properties.with(view, "ScalarAxis", ScalarAxis::new().with_range(Range1D::new(from, to)))
             }
             None => view,
         }
+    }
+
+    fn plot<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
+        let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Two recordings compared row by row, whatever the chunks that they were written in.
 //!
 //! Compared is what was made of each revolution. Left out are the time that it took (`/timing`), what holds for the
-//! whole flight (configuration, colours, explanations), and the layout. U is compared by its span, and what is drawn from
-//! it is left out.
+//! whole flight (configuration, colours, explanations), and the layout. U is compared by its span, and what is drawn
+//! from it is left out.
 
 use std::iter::Peekable;
 
@@ -48,8 +48,8 @@ pub struct Difference {
     pub how: String,
 }
 
-/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U is the
-/// same when it spans the same, and centroids when their inner products are the same (`span.rs`). Of a damaged
+/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U
+/// is the same when it spans the same, and centroids when their inner products are the same (`span.rs`). Of a damaged
 /// recording an entity is compared up to its last row.
 ///
 /// # Errors

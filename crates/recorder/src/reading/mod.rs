@@ -1,9 +1,10 @@
 //! Recordings read back: values by entity and revolution, as numbers and words.
 //!
-//! [`Recording::open`] goes through the file once and notes where the chunks of each entity lie; [`Recording::rows`] then
-//! loads one chunk after the other, so that memory stays small whatever the size of the file. Rows come by revolution,
-//! however the writer cut them into chunks and files: those that a long recording goes on in are found beside the first. A file that was cut off or damaged is read as far as it goes:
-//! [`Recording::damages`] says what is missing.
+//! [`Recording::open`] goes through the file once and notes where the chunks of each entity lie; [`Recording::rows`]
+//! then loads one chunk after the other, so that memory stays small whatever the size of the file. Rows come by
+//! revolution, however the writer cut them into chunks and files: those that a long recording goes on in are found
+//! beside the first. A file that was cut off or damaged is read as far as it goes: [`Recording::damages`] says what is
+//! missing.
 //!
 //! ```no_run
 //! use crosscut_recorder::{ReadError, Recording, Value};

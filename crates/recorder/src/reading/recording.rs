@@ -95,8 +95,8 @@ pub(super) struct ChunkPlace {
 }
 
 impl Recording {
-    /// Goes through the file once, and through the files that the recording goes on in: FLIGHT-2.rrd after FLIGHT.rrd. The
-    /// layout, which is a recording of its own within the file, is passed over.
+    /// Goes through the file once, and through the files that the recording goes on in: FLIGHT-2.rrd after FLIGHT.rrd.
+    /// The layout, which is a recording of its own within the file, is passed over.
     ///
     /// # Errors
     /// When the file cannot be opened or is no recording. Damage is no error, see [`Recording::damages`].

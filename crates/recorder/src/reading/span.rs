@@ -1,15 +1,16 @@
 //! Eigenvectors compared by what they span.
 //!
-//! Single eigenvectors of a repeated zero are not unique: another machine may give U Q with any orthogonal Q. Their span is
-//! unique, and so is what follows from it: the inner products of the centroids, which are rows of the same space.
+//! Single eigenvectors of a repeated zero are not unique: another machine may give U Q with any orthogonal Q. Their
+//! span is unique, and so is what follows from it: the inner products of the centroids, which are rows of the same
+//! space.
 
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq as _;
 
 use super::value::{Array, Numbers};
 
-/// What U was rounded to in the recording, as a share of its largest entry: half a unit of f16 in each of the two, and as
-/// much again for what it does to the projection.
+/// What U was rounded to in the recording, as a share of its largest entry: half a unit of f16 in each of the two, and
+/// as much again for what it does to the projection.
 const ROUNDING_OF_F16: f64 = 1.0 / 512.0;
 
 /// What the dimensions of such arrays are called.
@@ -35,8 +36,8 @@ fn is(a: &Array, b: &Array, dims: [&str; 2]) -> bool {
     a.dims == dims && b.dims == dims
 }
 
-/// The largest entry of A - B X, with X so that it is least: 0 where the columns of A lie in the span of those of B. Both have
-/// as many, so that then the spans are the same.
+/// The largest entry of A - B X, with X so that it is least: 0 where the columns of A lie in the span of those of B.
+/// Both have as many, so that then the spans are the same.
 fn off_span(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     if a.ncols() == 0 || a.nrows() < a.ncols() {
         return largest(&(a - b));

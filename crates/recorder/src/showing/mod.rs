@@ -34,7 +34,8 @@ pub struct Show {
     pub beside: Vec<PathBuf>,
     /// MCAP recordings of the same time: point clouds, cameras and transforms.
     pub sensors: Vec<PathBuf>,
-    /// The page to open with. If none: the page that only this combination has, or the one that the recording was made for.
+    /// The page to open with. If none: the page that only this combination has, or the one that the recording was made
+    /// for.
     pub layout: Option<Layout>,
 }
 
@@ -145,7 +146,8 @@ fn lay_out(shown: &Shown, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), Sh
     Ok(())
 }
 
-/// What two files are called in titles: their names without the ending, with as many of their folders as tell them apart.
+/// What two files are called in titles: their names without the ending, with as many of their folders as tell them
+/// apart.
 fn names(paths: [&Path; 2]) -> [String; 2] {
     let parts = |path: &Path| -> Vec<String> {
         path.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect()

@@ -1,5 +1,5 @@
-//! What is in a recording, and when: every entity at its revolutions, what holds for the whole flight, what is recorded at some
-//! revolutions alone.
+//! What is in a recording, and when: every entity at its revolutions, what holds for the whole flight, what is recorded
+//! at some revolutions alone.
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,5 @@
-//! Nothing is recorded that is not compared with what the pipeline made: an entity or a component that is new fails here until
-//! it is.
+//! Nothing is recorded that is not compared with what the pipeline made: an entity or a component that is new fails
+//! here until it is.
 
 use std::collections::BTreeSet;
 
@@ -16,10 +16,11 @@ type F16 = <Float16Type as ArrowPrimitiveType>::Native;
 /// What only says how something looks, and type names of texts and pictures.
 const LOOK: [&str; 6] = [":show_labels", ":radii", ":media_type", ":colormap", ":depth_range", "BarChart:color"];
 /// Entities that hold for the whole flight, and depend on nothing that the pipeline makes of a revolution.
-const WHOLE_FLIGHT: [&str; 11] = [
+const WHOLE_FLIGHT: [&str; 12] = [
     "/",
     "/__properties",
     "/about",
+    "/affinity/scale",
     "/config",
     "/kmeans/profile/names",
     "/layout/extent",
@@ -141,6 +142,7 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
             let centroids = &frame.partition.centroids;
             is_f64s(value, &[centroids.nrows(), centroids.ncols()], rows(centroids))
         },
+        ("/report/axis", _) => |value, _| is_f64s(value, &[2], vec![0.0, 5.0]),
         ("/report/junctions", _) => |value, frame| is_number(value, frame.junction.junctions as f64),
         ("/report/confidence", _) => |value, frame| is_number(value, frame.junction.confidence),
         ("/report/labels", _) => |value, frame| {

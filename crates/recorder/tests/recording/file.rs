@@ -94,12 +94,12 @@ fn bytes_of(frames: &[Frame], exact_every: u64) -> u64 {
 
 #[test]
 fn ten_minutes_of_360_beams_at_10_hz_stay_below_200_mb() {
-    let frames: Vec<Frame> = (0..80).map(frames::frame).collect();
-    let with_one = bytes_of(&frames, 80);
-    let exact = bytes_of(&frames, 40) - with_one;
+    let frames: Vec<Frame> = (0..100).map(frames::frame).collect();
+    let (short, long) = (bytes_of(&frames[..50], 50), bytes_of(&frames, 100)); // with one exact W and U each
+    let (each, exact) = ((long - short) / 50, bytes_of(&frames, 50) - long);
     // Exact matrices come at every 300th revolution, and at 16 changes of the count at most.
-    let flight = (with_one - exact) * 6000 / 80 + exact * (6000 / 300 + 16);
-    assert!(flight < 200_000_000, "{flight} bytes, {exact} of them for each exact W and U");
+    let flight = long + each * 5900 + exact * (6000 / 300 + 15);
+    assert!(flight < 200_000_000, "{flight} bytes, {each} for each revolution, {exact} for each exact W and U");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Values read back with Rerun's own types, and what they are in special cases; `every_entity` goes through all of them.
+//! Values read back with Rerun's own types, and what they are in special cases; `every_entity` goes through all of
+//! them.
 
 use std::collections::BTreeSet;
 
