@@ -142,11 +142,12 @@ impl Csr {
         self.values.push(value);
     }
 
-    /// Adds a row, columns ascending.
-    pub fn push_row(&mut self, entries: &[(u32, f64)]) {
-        debug_assert!(entries.is_sorted_by(|a, b| a.0 < b.0), "columns of a row must ascend");
-        self.columns.extend(entries.iter().map(|&(column, _)| column));
-        self.values.extend(entries.iter().map(|&(_, value)| value));
+    /// Adds a row: as many values as columns, which ascend.
+    pub fn push_row(&mut self, columns: &[u32], values: &[f64]) {
+        debug_assert!(columns.is_sorted_by(|a, b| a < b), "columns of a row must ascend");
+        debug_assert_eq!(columns.len(), values.len(), "a value for each column");
+        self.columns.extend_from_slice(columns);
+        self.values.extend_from_slice(values);
         self.end_row();
     }
 

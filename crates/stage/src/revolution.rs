@@ -105,13 +105,11 @@ impl Sweep {
 
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
     pub fn is_clockwise(&self) -> bool {
-        // Bearings are in (-π, π], so a turn is off by one full turn at most.
-        let wrapped = |turn_rad: f64| match turn_rad {
-            ahead if ahead > PI => ahead - TAU,
-            back if back <= -PI => back + TAU,
-            within => within,
-        };
-        self.bearings_rad.windows(2).map(|pair| wrapped(pair[1] - pair[0])).sum::<f64>() < 0.0
+        let [Some(first), Some(last)] = [self.bearings_rad.first(), self.bearings_rad.last()] else { return false };
+        // Bearings are in (-π, π], so a step over ±π is off by one full turn.
+        let steps_rad = self.bearings_rad.windows(2).map(|pair| pair[1] - pair[0]);
+        let turns: i32 = steps_rad.map(|step_rad| i32::from(step_rad <= -PI) - i32::from(step_rad > PI)).sum();
+        last - first + TAU * f64::from(turns) < 0.0
     }
 
     /// Removes all beams, keeping the buffers.

@@ -2,10 +2,8 @@
 
 use super::ring::Ring;
 
-/// The returns that are looked at, nearest first.
-const STEPS: [isize; 8] = [-1, 1, -2, 2, -3, 3, -4, 4];
-/// The outermost say nothing of both sides.
-const REACH: isize = 4;
+/// So many returns on either side are looked at; the outermost say nothing of both sides.
+const REACH: usize = 4;
 /// Two returns this many beam spacings apart, plus [`SLACK_M`], are in touch.
 const SPACINGS: f64 = 4.0;
 const SLACK_M: f64 = 0.05;
@@ -16,29 +14,50 @@ const FARTHER_SHARE: f64 = 0.6;
 /// A return that so many others touch is part of something: the degree at which it counts.
 const COMPANY: usize = 3;
 
-/// Marks the returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both
-/// sides.
-pub(super) fn mark(ring: &Ring, dust: &mut Vec<bool>) {
-    dust.clear();
-    dust.extend((0..ring.len()).map(|i| is_dust(ring, i)));
+/// Finds dust; holds its buffers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Dust {
+    /// The ranges of the ring, and [`REACH`] more on either side: those around the turn, or NaN where the view ends.
+    ranges_m: Vec<f64>,
+    is_dust: Vec<bool>,
 }
 
-fn is_dust(ring: &Ring, i: usize) -> bool {
-    // Nearest first: along a wall these touch, and no more needs to be known.
-    let neighbours = || STEPS.into_iter().filter_map(|step| Some((step, ring.after(i, step).filter(|&j| j != i)?)));
-    let mut touching = neighbours().filter(|&(_, j)| in_touch(ring, i, j));
-    if touching.nth(COMPANY - 1).is_some() {
-        return false;
-    }
-    let (mut seen, mut farther, mut farther_aside) = (0, 0, [false; 2]);
-    for (step, j) in neighbours() {
-        seen += 1;
-        if ring.range_m(j) > ring.range_m(i) + NEARER_M {
-            farther += 1;
-            farther_aside[usize::from(step > 0)] |= step.abs() < REACH;
+impl Dust {
+    /// The returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both sides. A ring
+    /// so small that a return is its own neighbour has none.
+    pub(super) fn find(&mut self, ring: &Ring) -> &[bool] {
+        let n = ring.len();
+        self.is_dust.clear();
+        self.is_dust.resize(n, false);
+        if n <= REACH {
+            return &self.is_dust;
         }
+        let range_m = |i: usize| ring.range_m(i);
+        let beyond_m = |i: usize| if ring.full_turn { ring.range_m(i) } else { f64::NAN };
+        self.ranges_m.clear();
+        self.ranges_m.extend((n - REACH..n).map(beyond_m).chain((0..n).map(range_m)).chain((0..REACH).map(beyond_m)));
+        for (i, (around_m, is_dust)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.is_dust).enumerate() {
+            *is_dust = stands_out(around_m) && company(ring, i) < COMPANY;
+        }
+        &self.is_dust
     }
-    f64::from(farther) >= FARTHER_SHARE * f64::from(seen) && farther_aside == [true; 2]
+}
+
+/// Whether most of the ranges around the middle one are larger, on both sides.
+fn stands_out(around_m: &[f64]) -> bool {
+    let farther_of =
+        |ranges_m: &[f64]| ranges_m.iter().map(|&range_m| u32::from(range_m > around_m[REACH] + NEARER_M)).sum::<u32>();
+    let seen = around_m.iter().map(|range_m| u32::from(!range_m.is_nan())).sum::<u32>() - 1;
+    farther_of(&around_m[1..REACH]) > 0
+        && farther_of(&around_m[REACH + 1..2 * REACH]) > 0
+        && f64::from(farther_of(around_m)) >= FARTHER_SHARE * f64::from(seen)
+}
+
+/// How many of its neighbours a return touches.
+fn company(ring: &Ring, i: usize) -> usize {
+    let reach = REACH as isize;
+    let neighbours = (-reach..=reach).filter(|&step| step != 0).filter_map(|step| ring.after(i, step));
+    neighbours.filter(|&j| in_touch(ring, i, j)).count()
 }
 
 fn in_touch(ring: &Ring, i: usize, j: usize) -> bool {

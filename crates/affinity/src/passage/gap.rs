@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
+use super::pieces::Pieces;
 use super::ring::{Place, Ring, turn_rad};
 use super::tangent::{End, Tangents, has_direction};
 
@@ -64,7 +65,7 @@ pub(super) struct Judge<'a> {
     ring: &'a Ring,
     /// Those of the same ring.
     tangents: &'a RefCell<Tangents>,
-    islands: &'a [Vec<usize>],
+    islands: &'a Pieces,
     limits: Limits,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
     size_m: f64,
@@ -85,19 +86,19 @@ impl<'a> Judge<'a> {
     pub(super) fn new(
         ring: &'a Ring,
         tangents: &'a RefCell<Tangents>,
-        pieces: &[Vec<usize>],
-        islands: &'a [Vec<usize>],
+        pieces: &Pieces,
+        islands: &'a Pieces,
         limits: Limits,
     ) -> Self {
         tangents.borrow_mut().start(ring, limits.stretch_m);
-        let mut ranges_m: Vec<f64> = pieces.iter().flatten().map(|&i| ring.range_m(i)).collect();
+        let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
         let middle = ranges_m.len() / 2;
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
         let mut judge = Self { ring, tangents, islands, limits, size_m, lost_beams: 0 };
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
-        let beside = |at: usize| (pieces[at].as_slice(), pieces[(at + 1) % pieces.len()].as_slice());
+        let beside = |at: usize| (&pieces[at], &pieces[(at + 1) % pieces.len()]);
         let across = (0..gaps).map(beside).filter(|(a, b)| judge.clearly_goes_on(a, b));
         let across = across.map(|(a, b)| (a[a.len() - 1], b[0]));
         let within = pieces.iter().flat_map(|piece| piece.windows(2)).map(|pair| (pair[0], pair[1]));
@@ -224,7 +225,7 @@ impl<'a> Judge<'a> {
 
     /// Whether half of the beams into the gap, or more, end at islands.
     fn is_shaded(&self, p: usize, q: usize) -> bool {
-        let shaded = self.islands.iter().flatten().filter(|&&i| self.ring.is_between(i, p, q)).count();
+        let shaded = self.islands.returns().iter().filter(|&&i| self.ring.is_between(i, p, q)).count();
         shaded > 0 && 2 * shaded >= self.ring.beams_from(p, q)
     }
 

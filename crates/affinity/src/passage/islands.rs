@@ -1,5 +1,6 @@
 //! Short pieces that stand free: pillars.
 
+use super::pieces::Pieces;
 use super::ring::Ring;
 use super::tangent::{End, tangent};
 
@@ -34,20 +35,20 @@ pub(super) struct Limits {
     pub(super) roughness_m: f64,
 }
 
-/// Takes the islands out of `pieces`, nearest first, so that one that is partly hidden by another is found after it.
-pub(super) fn take(ring: &Ring, pieces: &mut Vec<Vec<usize>>, limits: &Limits) -> Vec<Vec<usize>> {
-    let mut islands = Vec::new();
+/// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is found after it.
+pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
+    islands.clear();
     loop {
         let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
         let nearest = (0..pieces.len())
             .filter(|&at| stands_free(ring, pieces, at, limits))
             .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])));
-        let Some(at) = nearest else { return islands };
-        islands.push(pieces.remove(at));
+        let Some(at) = nearest else { return };
+        pieces.remove(at).enumerate().for_each(|(place, i)| islands.push(i, place == 0));
     }
 }
 
-fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -> bool {
+fn stands_free(ring: &Ring, pieces: &Pieces, at: usize, limits: &Limits) -> bool {
     let (n, piece) = (pieces.len(), &pieces[at]);
     let at_the_end = !ring.full_turn && (at == 0 || at + 1 == n);
     if n < 3 || piece.len() < LEAST_RETURNS || at_the_end {
@@ -62,7 +63,7 @@ fn stands_free(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -
 }
 
 /// Whether the piece is the end of a wall beside it, or the tip between two.
-fn is_of_wall_beside(ring: &Ring, pieces: &[Vec<usize>], at: usize, limits: &Limits) -> bool {
+fn is_of_wall_beside(ring: &Ring, pieces: &Pieces, at: usize, limits: &Limits) -> bool {
     let offs_m = [End::First, End::Last].map(|end| off_line_m(ring, pieces, at, end, limits.stretch_m));
     let near_m = limits.passage_m + BUMPS * limits.roughness_m;
     let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
@@ -84,7 +85,7 @@ fn hides(ring: &Ring, end: usize, inner: usize, outer: usize) -> bool {
 }
 
 /// How far that end of the piece lies off the line of the wall beside it, before or after, if this runs towards the piece.
-fn off_line_m(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m: f64) -> Option<f64> {
+fn off_line_m(ring: &Ring, pieces: &Pieces, at: usize, end: End, stretch_m: f64) -> Option<f64> {
     let piece = &pieces[at];
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
     for i in beside(ring, pieces, at, end).take(LINE_RETURNS) {
@@ -104,7 +105,7 @@ fn off_line_m(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End, stretch_m
 }
 
 /// The returns of the other pieces, walking away from one end of a piece.
-fn beside(ring: &Ring, pieces: &[Vec<usize>], at: usize, end: End) -> impl Iterator<Item = usize> {
+fn beside(ring: &Ring, pieces: &Pieces, at: usize, end: End) -> impl Iterator<Item = usize> {
     let (n, backwards) = (pieces.len(), end == End::First);
     let count = match (ring.full_turn, backwards) {
         (true, _) => n - 1,

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::gap::Judge;
+use super::pieces::Pieces;
 use super::ring::{Ring, turn_rad};
 use super::tangent::{End, tangent};
 
@@ -12,30 +13,28 @@ pub(super) const LEAST_RETURNS: usize = 3;
 const PEAK_RAD: std::ops::Range<f64> = 140.0 * PI / 180.0..250.0 * PI / 180.0;
 const PEAK_STRETCH_M: f64 = 4.0;
 
-/// Cuts the ring of the `kept` returns where two that follow each other are a passage apart.
-pub(super) fn pieces(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64) -> Vec<Vec<usize>> {
-    let mut pieces: Vec<Vec<usize>> = Vec::new();
+/// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.
+pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64, pieces: &mut Pieces) {
+    pieces.clear();
+    let is_apart = |from: usize, to: usize| ring.distance_m(from, to) >= passage_m;
     for i in kept {
-        match pieces.last_mut() {
-            Some(piece) if ring.distance_m(piece[piece.len() - 1], i) < passage_m => piece.push(i),
-            _ => pieces.push(vec![i]),
-        }
+        let starts_piece = pieces.returns().last().is_none_or(|&last| is_apart(last, i));
+        pieces.push(i, starts_piece);
     }
-    if let [first, .., last] = pieces.as_slice()
+    if let [first, .., last] = *pieces.returns()
+        && pieces.len() > 1
         && ring.full_turn
-        && ring.distance_m(last[last.len() - 1], first[0]) < passage_m
+        && !is_apart(last, first)
     {
-        let first = pieces.remove(0);
-        pieces.last_mut().expect("two at least").extend(first);
+        pieces.join(pieces.len() - 1);
     }
-    pieces
 }
 
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
 /// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the view
 /// cuts is not known, so it counts from [`LEAST_RETURNS`] on. Returns what was taken out.
-pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>, least_returns: usize) -> Vec<usize> {
-    let gap = |pieces: &[Vec<usize>], at: usize| {
+pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_returns: usize) -> Vec<usize> {
+    let gap = |pieces: &Pieces, at: usize| {
         let next = (at + 1) % pieces.len();
         let is_gap = next != at && (ring.full_turn || next != 0);
         if is_gap { judge.cost(&pieces[at], &pieces[next]) } else { None }
@@ -48,9 +47,7 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>,
             (0..n).filter_map(|at| Some((costs[at]?, at))).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at);
         let changed = if let Some(at) = cheapest {
             let next = (at + 1) % n;
-            let rest = std::mem::take(&mut pieces[next]);
-            pieces[at].extend(rest);
-            pieces.remove(next);
+            pieces.join(at);
             costs.remove(next);
             if next < at { at - 1 } else { at }
         } else {
@@ -72,27 +69,24 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Vec<Vec<usize>>,
 
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
 /// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not cut.
-pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Vec<Vec<usize>>, passage_m: f64) {
+pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) {
     cut(walls, |wall| sharpest_peak(ring, judge, wall, passage_m));
 }
 
 /// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed while
 /// one side of it was too short to have a direction, or to have the right one. Whether any was cut.
-pub(super) fn cut_at_ways(ring: &Ring, judge: &Judge<'_>, walls: &mut Vec<Vec<usize>>, passage_m: f64) -> bool {
+pub(super) fn cut_at_ways(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) -> bool {
     let before = walls.len();
     cut(walls, |wall| widest_way(ring, judge, wall, passage_m));
     walls.len() > before
 }
 
 /// Cuts walls where `place` says, until it finds no more.
-fn cut(walls: &mut Vec<Vec<usize>>, place: impl Fn(&[usize]) -> Option<usize>) {
+fn cut(walls: &mut Pieces, place: impl Fn(&[usize]) -> Option<usize>) {
     let mut at = 0;
     while at < walls.len() {
         match place(&walls[at]) {
-            Some(cut) => {
-                let rest = walls[at].split_off(cut);
-                walls.insert(at + 1, rest);
-            }
+            Some(cut) => walls.cut(at, cut),
             None => at += 1,
         }
     }

@@ -5,6 +5,7 @@ mod dust;
 mod gap;
 mod islands;
 mod joining;
+mod pieces;
 mod ring;
 mod roughness;
 mod tangent;
@@ -21,7 +22,9 @@ use crate::Invariance;
 use crate::edges::edges_bytes;
 use crate::finite::check_finite;
 use carrying::Carrying;
+use dust::Dust;
 use gap::{Judge, Limits};
+use pieces::Pieces;
 use ring::Ring;
 use tangent::Tangents;
 use walls::Chains;
@@ -141,8 +144,10 @@ pub struct Passage {
     leak: f64,
     cloud: Cloud,
     ring: Ring,
-    dust: Vec<bool>,
+    dust: Dust,
     tangents: RefCell<Tangents>,
+    walls: Pieces,
+    islands: Pieces,
     chains: Chains,
 }
 
@@ -189,8 +194,10 @@ impl Passage {
             wall_rad: params.number(WALL_DEG.name).to_radians(),
             leak: params.number(LEAK.name),
             ring: Ring::default(),
-            dust: Vec::new(),
+            dust: Dust::default(),
             tangents: RefCell::default(),
+            walls: Pieces::default(),
+            islands: Pieces::default(),
             chains: Chains::new(params.count(NEIGHBOURS.name)),
         }
     }
@@ -203,34 +210,34 @@ impl Passage {
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        let Self { limits, ring, dust, tangents, .. } = self;
+        let Self { limits, ring, dust, tangents, walls, islands, .. } = self;
         ring.fill(sweep, points_m)?;
-        dust::mark(ring, dust);
+        let dust = dust.find(ring);
 
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
-        let mut walls = joining::pieces(ring, kept, limits.passage_m);
+        joining::cut_ring(ring, kept, limits.passage_m, walls);
         let of_island = islands::Limits {
             island_m: self.island_m,
             passage_m: limits.passage_m,
             stretch_m: limits.stretch_m,
-            roughness_m: roughness::roughness_m(ring, &walls),
+            roughness_m: roughness::roughness_m(ring, walls),
         };
-        let islands = islands::take(ring, &mut walls, &of_island);
-        let judge = Judge::new(ring, tangents, &walls, &islands, *limits);
-        let mut left_over = joining::join(ring, &judge, &mut walls, least_returns);
-        if joining::cut_at_ways(ring, &judge, &mut walls, limits.passage_m) {
-            left_over.extend(joining::join(ring, &judge, &mut walls, least_returns));
+        islands::take(ring, walls, &of_island, islands);
+        let judge = Judge::new(ring, tangents, walls, islands, *limits);
+        let mut left_over = joining::join(ring, &judge, walls, least_returns);
+        if joining::cut_at_ways(ring, &judge, walls, limits.passage_m) {
+            left_over.extend(joining::join(ring, &judge, walls, least_returns));
         }
-        joining::cut_at_peaks(ring, &judge, &mut walls, limits.passage_m);
+        joining::cut_at_peaks(ring, &judge, walls, limits.passage_m);
 
         let dropped = dust.iter().filter(|dust| **dust).count();
         if dropped > 0 {
             notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
         }
-        self.chains.write(ring, &judge, (&walls, &islands), &left_over, self.leak, out);
+        self.chains.write(ring, &judge, (walls, islands), &left_over, self.leak, out);
         Ok(())
     }
 

@@ -35,10 +35,11 @@ impl Ring {
     /// # Errors
     /// When the beams and the returns do not belong together.
     pub(super) fn fill(&mut self, sweep: &Sweep, points_m: &[Point]) -> Result<(), StageError> {
+        let clockwise = sweep.is_clockwise(); // the direction is summed over all beams
         self.returns.clear();
         (self.beams, self.step_rad, self.full_turn) = (sweep.len(), sweep.step_rad, sweep.full_turn);
         self.range_max_m = sweep.range_max_m;
-        self.count_dark(sweep);
+        self.count_dark(sweep, clockwise);
         for (beam, seen) in sweep.beams.iter().enumerate() {
             let Beam::Return(number) = *seen else { continue };
             if number as usize != self.returns.len() || number as usize >= points_m.len() {
@@ -52,7 +53,7 @@ impl Ring {
             let (beams, returns) = (self.returns.len(), points_m.len());
             return Err(StageError::Unsupported(format!("{beams} beams with a return, but {returns} returns")));
         }
-        if sweep.is_clockwise() {
+        if clockwise {
             self.returns.reverse();
             self.returns.iter_mut().for_each(|entry| entry.beam = sweep.len() - 1 - entry.beam);
         }
@@ -117,9 +118,8 @@ impl Ring {
         !self.full_turn && (begins || ends)
     }
 
-    fn count_dark(&mut self, sweep: &Sweep) {
-        // The direction is summed over all beams.
-        let (mut dark, clockwise) = (0, sweep.is_clockwise());
+    fn count_dark(&mut self, sweep: &Sweep, clockwise: bool) {
+        let mut dark = 0;
         self.dark_before.clear();
         self.dark_before.push(0);
         for step in 0..sweep.len() {

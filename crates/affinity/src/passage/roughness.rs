@@ -1,5 +1,6 @@
 //! How rough the walls are.
 
+use super::pieces::Pieces;
 use super::ring::{Place, Ring};
 
 /// Roughness is taken over stretches of so much wall, of so many returns or more.
@@ -8,10 +9,9 @@ const LEAST_RETURNS: usize = 4;
 
 /// How far the returns of a wall lie off its line, in metres: the root of their mean square over a stretch, and of all
 /// stretches the median, so that corners do not count. 0 if no piece is so long.
-pub(super) fn roughness_m(ring: &Ring, pieces: &[Vec<usize>]) -> f64 {
+pub(super) fn roughness_m(ring: &Ring, pieces: &Pieces) -> f64 {
     let mut offs_m: Vec<f64> = Vec::new();
-    for piece in pieces {
-        let mut rest = piece.as_slice();
+    for mut rest in pieces.iter() {
         while let Some(&first) = rest.first() {
             let end = rest.iter().position(|&i| ring.distance_m(first, i) >= STRETCH_M);
             // What does not fill a stretch may be anything.
