@@ -220,6 +220,13 @@ fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
     assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");
 }
 
+#[test]
+fn two_pillars_beside_each_other_are_components_of_their_own_though_neither_hides_the_other() {
+    // Between them nothing is seen, past both of them the walls of the tunnel are.
+    let scene = [&TUNNEL[..], &pillar([2.5, 0.65], 0.3), &pillar([2.5, -0.65], 0.3)].concat();
+    assert_eq!(components(&scan(&scene, all), &[]), [151, 151, 13, 13]);
+}
+
 /// A wall through `corners` that zigzags by `bump_m` to either side.
 fn zigzag(corners: &[[f64; 2]], bump_m: f64) -> Vec<Segment> {
     let mut points = Vec::new();

@@ -9,7 +9,7 @@ const BEHIND_M: f64 = 0.5;
 
 /// Sets `island` of the walls of `out` that are shorter than `island_m` and on both sides of which the next wall, going
 /// around the sensor, is farther away, and takes them out of `ring`. Nearest first: one that is partly hidden by another
-/// is judged by what is beside both.
+/// is judged by what is beside both. Two beside each other, neither of them farther, stand free together.
 pub fn mark(revolution: &Revolution, island_m: f64, ring: &mut Ring, out: &mut Junction) {
     let length_m = lengths_m(revolution, out);
     let short = |wall: &&Wall| length_m[wall.id as usize] < island_m;
@@ -17,13 +17,23 @@ pub fn mark(revolution: &Revolution, island_m: f64, ring: &mut Ring, out: &mut J
     let mut candidates: Vec<(f64, u32)> =
         out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, id) in candidates {
-        let others = out.walls.iter().filter(|wall| !wall.island).count();
-        if others > 1 && stands_free(ring, id) {
+    let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
+    let mut others = out.walls.len();
+    while let Some(free) = first_free(ring, &candidates).filter(|free| free.len() < others) {
+        others -= free.len();
+        for id in free {
             out.walls[id as usize].island = true;
             ring.remove(id);
+            candidates.retain(|&other| other != id);
         }
     }
+}
+
+/// The first of the walls that stands free; if there is none, the first two that do together.
+fn first_free(ring: &Ring, walls: &[u32]) -> Option<Vec<u32>> {
+    let alone = walls.iter().map(|&id| vec![id]);
+    let pairs = (1..walls.len()).flat_map(|b| (0..b).map(move |a| vec![walls[a], walls[b]]));
+    alone.chain(pairs).find(|free| stand_free(ring, free))
 }
 
 /// The largest distance of a return of each wall from its first.
@@ -45,14 +55,14 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
     of_wall.map(|i| revolution.range_m(i)).fold(f64::INFINITY, f64::min)
 }
 
-fn stands_free(ring: &Ring, id: u32) -> bool {
-    let at_an_end = |entry: Option<&Entry>| !ring.full_turn && entry.is_some_and(|entry| entry.wall == id);
-    if at_an_end(ring.entries.first()) || at_an_end(ring.entries.last()) {
+fn stand_free(ring: &Ring, walls: &[u32]) -> bool {
+    let is_one = |entry: &Entry| walls.contains(&entry.wall);
+    if !ring.full_turn && (ring.entries.first().is_some_and(is_one) || ring.entries.last().is_some_and(is_one)) {
         return false;
     }
     (0..ring.edges()).all(|at| {
         let [a, b] = [ring.entries[at], ring.entries[ring.after(at)]];
-        let (inner, outer) = match (a.wall == id, b.wall == id) {
+        let (inner, outer) = match (is_one(&a), is_one(&b)) {
             (true, false) => (a, b),
             (false, true) => (b, a),
             _ => return true,
@@ -105,7 +115,15 @@ mod tests {
     fn a_piece_with_a_neighbour_as_near_is_a_wall_unless_that_is_an_island_itself() {
         let labels = [0, 0, 1, 2, 0, 0, 0, 0];
         assert_eq!(marked([5.0, 2.1, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0], [0, 0, 1, 0, 0, 0, 0, 0], 2.0), [false, false]);
-        assert_eq!(marked([5.0, 5.0, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, false, false]);
         assert_eq!(marked([5.0, 5.0, 1.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, true, true]);
+    }
+
+    #[test]
+    fn two_pieces_as_near_as_each_other_stand_free_together_and_not_beside_a_wall() {
+        let labels = [0, 0, 1, 2, 0, 0, 0, 0];
+        assert_eq!(marked([5.0, 5.0, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, true, true]);
+        assert_eq!(marked([5.0, 2.3, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, false, false]);
+        let two = [2.0, 2.2, 2.0, 2.2, 2.0, 2.2, 2.0, 2.2];
+        assert_eq!(marked(two, [0, 1, 0, 1, 0, 1, 0, 1], 5.0), [false, false], "something is a wall");
     }
 }

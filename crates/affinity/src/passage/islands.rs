@@ -20,6 +20,8 @@ const TIP_BUMPS: f64 = 120.0;
 /// Lines of walls are taken over at most so many returns, none farther from the next than this.
 const LINE_RETURNS: usize = 14;
 const LINE_STEP_M: f64 = 2.5;
+/// So many islands may stand beside each other.
+const MOST_TOGETHER: usize = 2;
 /// Fewer returns are no island.
 const LEAST_RETURNS: usize = 3;
 
@@ -35,36 +37,58 @@ pub(super) struct Limits {
     pub(super) roughness_m: f64,
 }
 
-/// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is found after it.
+/// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is found
+/// after it. Two beside each other, neither of them behind the other, are found together.
 pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
     islands.clear();
     loop {
         let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
-        let nearest = (0..pieces.len())
-            .filter(|&at| stands_free(ring, pieces, at, limits))
-            .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])));
-        let Some(at) = nearest else { return };
-        pieces.remove(at).enumerate().for_each(|(place, i)| islands.push(i, place == 0));
+        let nearest = |together: usize| {
+            (0..pieces.len())
+                .filter(|&at| stand_free(ring, pieces, at, together, limits))
+                .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])))
+        };
+        let found = (1..=MOST_TOGETHER).find_map(|together| Some((nearest(together)?, together)));
+        let Some((at, together)) = found else { return };
+        for _ in 0..together {
+            // After the last piece comes the first.
+            let at = if at < pieces.len() { at } else { 0 };
+            pieces.remove(at).enumerate().for_each(|(place, i)| islands.push(i, place == 0));
+        }
     }
 }
 
-fn stands_free(ring: &Ring, pieces: &Pieces, at: usize, limits: &Limits) -> bool {
-    let (n, piece) = (pieces.len(), &pieces[at]);
-    let at_the_end = !ring.full_turn && (at == 0 || at + 1 == n);
-    if n < 3 || piece.len() < LEAST_RETURNS || at_the_end {
+/// Whether so many pieces that follow each other, from `first` on, stand free.
+fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limits: &Limits) -> bool {
+    let n = pieces.len();
+    let at_the_end = !ring.full_turn && (first == 0 || first + together >= n);
+    if n < together + 2 || at_the_end {
         return false;
     }
-    let (first, last) = (piece[0], piece[piece.len() - 1]);
-    let (before, after) = (&pieces[(at + n - 1) % n], &pieces[(at + 1) % n]);
-    piece.iter().all(|&i| ring.distance_m(first, i) < limits.island_m)
-        && hides(ring, first, piece[1], before[before.len() - 1])
-        && hides(ring, last, piece[piece.len() - 2], after[0])
-        && !is_of_wall_beside(ring, pieces, at, limits)
+    let piece = |step: usize| &pieces[(first + step) % n];
+    let run = [first, (first + together - 1) % n];
+    let is_short = |piece: &[usize]| piece.iter().all(|&i| ring.distance_m(piece[0], i) < limits.island_m);
+    (0..together).all(|step| piece(step).len() >= LEAST_RETURNS)
+        && hides(ring, piece(0), End::First, piece(n - 1))
+        && hides(ring, piece(together - 1), End::Last, piece(together))
+        && (0..together).all(|step| is_short(piece(step)))
+        && (1..together).all(|step| {
+            let (a, b) = (piece(step - 1), piece(step));
+            !hides(ring, a, End::Last, b) && !hides(ring, b, End::First, a)
+        })
+        && (0..together).all(|step| !is_of_wall_beside(ring, pieces, run, piece(step), limits))
 }
 
-/// Whether the piece is the end of a wall beside it, or the tip between two.
-fn is_of_wall_beside(ring: &Ring, pieces: &Pieces, at: usize, limits: &Limits) -> bool {
-    let offs_m = [End::First, End::Last].map(|end| off_line_m(ring, pieces, at, end, limits.stretch_m));
+/// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two.
+fn is_of_wall_beside(
+    ring: &Ring,
+    pieces: &Pieces,
+    [first, last]: [usize; 2],
+    piece: &[usize],
+    limits: &Limits,
+) -> bool {
+    let offs_m = [(first, End::First), (last, End::Last)]
+        .map(|(at, end)| off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m));
     let near_m = limits.passage_m + BUMPS * limits.roughness_m;
     let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
     match offs_m {
@@ -73,22 +97,24 @@ fn is_of_wall_beside(ring: &Ring, pieces: &Pieces, at: usize, limits: &Limits) -
     }
 }
 
-/// Whether the end of a piece stands in front of the next return beyond it.
-fn hides(ring: &Ring, end: usize, inner: usize, outer: usize) -> bool {
-    let apart = ring.beams_apart(end, outer);
-    let behind_m = ring.range_m(outer) - ring.range_m(end);
-    let aside_m = ring.range_m(end) * apart.min(STEP_BEAMS) as f64 * ring.step_rad;
-    let spacing_m = ring.distance_m(end, inner) / ring.beams_apart(end, inner).max(1) as f64;
+/// Whether an end of a piece stands in front of the piece next to it there.
+fn hides(ring: &Ring, piece: &[usize], end: End, next: &[usize]) -> bool {
+    let (tip, inner) = (end.at(piece, 0), end.at(piece, 1));
+    let outer = if end == End::First { next[next.len() - 1] } else { next[0] };
+    let apart = ring.beams_apart(tip, outer);
+    let behind_m = ring.range_m(outer) - ring.range_m(tip);
+    let aside_m = ring.range_m(tip) * apart.min(STEP_BEAMS) as f64 * ring.step_rad;
+    let spacing_m = ring.distance_m(tip, inner) / ring.beams_apart(tip, inner).max(1) as f64;
     behind_m > BEHIND_M
         && aside_m.atan2(behind_m) < STEEP_RAD
-        && ring.distance_m(end, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
+        && ring.distance_m(tip, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
 }
 
-/// How far that end of the piece lies off the line of the wall beside it, before or after, if this runs towards the piece.
-fn off_line_m(ring: &Ring, pieces: &Pieces, at: usize, end: End, stretch_m: f64) -> Option<f64> {
-    let piece = &pieces[at];
+/// How far a return lies off the line of the wall of which these are the returns `beside` it, nearest first, if that runs
+/// towards it.
+fn off_line_m(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, stretch_m: f64) -> Option<f64> {
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
-    for i in beside(ring, pieces, at, end).take(LINE_RETURNS) {
+    for i in beside.take(LINE_RETURNS) {
         if wall.last().is_some_and(|&last| ring.distance_m(last, i) > LINE_STEP_M) {
             break;
         }
@@ -97,7 +123,7 @@ fn off_line_m(ring: &Ring, pieces: &Pieces, at: usize, end: End, stretch_m: f64)
     if wall.len() < LEAST_RETURNS {
         return None;
     }
-    let (tip, target) = (wall[0], piece[if end == End::First { 0 } else { piece.len() - 1 }]);
+    let tip = wall[0];
     wall.reverse();
     let onward = tangent(ring, &wall, End::Last, stretch_m);
     let towards = ring.place_m(target) - ring.place_m(tip);

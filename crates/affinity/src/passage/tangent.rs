@@ -69,7 +69,7 @@ impl Tangents {
 
 impl End {
     /// The k-th return of a piece from this end on.
-    fn at(self, piece: &[usize], k: usize) -> usize {
+    pub(super) fn at(self, piece: &[usize], k: usize) -> usize {
         piece[if self == Self::Last { piece.len() - 1 - k } else { k }]
     }
 }
