@@ -3,9 +3,12 @@
 use crate::graph::Graph;
 use crate::order::Order;
 use crate::second::ShiftInvert;
+use crate::split::Split;
 
 /// The longest edges that the kernels are compiled for: to 4 neighbours on either side, as along a wall, and to 8.
 const USUAL_WIDTHS: [usize; 2] = [4, 8];
+/// Entries of a column of such a band: the diagonal and what is below it.
+const NARROW: usize = USUAL_WIDTHS[0] + 1;
 
 /// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near the
 /// diagonal if rows stand in the order of returns along a wall.
@@ -22,38 +25,65 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns, or longer usual ones. `leaks` are
-    /// the weights of each return's links to other blocks, which are set aside. Returns the length of the block's longest edge:
-    /// only if that is no more than `width`, the matrix is whole.
-    pub(crate) fn form(
-        &mut self,
-        graph: &Graph<'_>,
-        leaks: &[f64],
-        order: &Order,
-        block: usize,
-        width: usize,
-    ) -> usize {
-        let members = order.members(block);
+    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights of each
+    /// return's links to other blocks, which are set aside.
+    pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
+        let (members, rank) = (order.members(block), order.ranks(block));
         self.n = members.len();
         self.stride = 1 + USUAL_WIDTHS.into_iter().find(|&usual| width <= usual).unwrap_or(width);
         self.entries.clear();
         // Columns of zeros at the end, so that every column has `stride` rows below it.
         self.entries.resize((self.n + self.stride) * self.stride, 0.0);
-        let (scale, rank) = (graph.inverse_sqrt_degrees, order.ranks(block));
-        let mut longest = 0;
         for (at, &i) in members.iter().enumerate() {
-            let i = i as usize;
-            self.entries[at * self.stride] += 1.0 - leaks[i] * (scale[i] * scale[i]);
-            for (j, scaled) in graph.scaled_edges(i) {
-                let Some(rank) = rank(j) else { continue };
-                let length = at.abs_diff(rank);
-                longest = longest.max(length);
-                if length < self.stride {
-                    self.entries[at.min(rank) * self.stride + length] -= scaled;
+            self.entries[at * self.stride] = graph.diagonal(i as usize, leaks[i as usize]);
+            for edge in graph.edges_back(i as usize) {
+                if let Some(rank) = rank(edge.to as usize) {
+                    self.entries[at.min(rank) * self.stride + at.abs_diff(rank)] = -edge.scaled;
                 }
             }
         }
-        longest
+    }
+
+    /// Takes one of the blocks that are narrow.
+    pub(crate) fn take(&mut self, narrow: &NarrowBands, order: &Order, block: usize) {
+        let span = order.span(block);
+        (self.n, self.stride) = (span.len(), NARROW);
+        self.entries.clear();
+        // What follows the block is below its columns, where these have zeros.
+        self.entries.extend_from_slice(narrow.columns[span.start..span.end + NARROW].as_flattened());
+    }
+}
+
+/// The Laplacians of all blocks, one below the other: those whose edges are no longer than along a wall are whole.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NarrowBands {
+    columns: Vec<[f64; NARROW]>,
+    is_wide: Vec<bool>,
+}
+
+impl NarrowBands {
+    /// Takes the blocks of `graph`, the links between them set aside.
+    pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
+        let (places, leaks) = (order.places(), split.leaks());
+        self.is_wide.clear();
+        self.is_wide.resize(split.len(), false);
+        self.columns.clear();
+        self.columns.resize(places.len() + NARROW, [0.0; NARROW]);
+        for (i, &place) in places.iter().enumerate() {
+            self.columns[place as usize][0] = graph.diagonal(i, leaks[i]);
+        }
+        for tie in split.ties() {
+            let [from, to] = [tie.from, tie.to].map(|i| places[i as usize] as usize);
+            match self.columns[from.min(to)].get_mut(from.abs_diff(to)) {
+                Some(entry) => *entry = -tie.scaled,
+                None => self.is_wide[split.block_of_return()[tie.from as usize] as usize] = true,
+            }
+        }
+    }
+
+    /// Whether a block is not whole, because its edges are too long.
+    pub(crate) fn is_wide(&self, block: usize) -> bool {
+        self.is_wide[block]
     }
 }
 
@@ -62,7 +92,7 @@ impl Band {
     /// on, and the inverse of its pivot. Returns the number of negative pivots.
     fn eliminate(&mut self, shift: f64, pivot: impl FnMut(usize, &[f64], f64)) -> usize {
         match self.stride {
-            5 => eliminate_narrow::<5>(&self.entries, self.n, shift, pivot),
+            NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, pivot),
             9 => eliminate_narrow::<9>(&self.entries, self.n, shift, pivot),
             stride => {
                 self.wide.clone_from(&self.entries);

@@ -6,7 +6,7 @@ use crosscut_stage::{
 };
 
 use crate::FaerEvd;
-use crate::band::Band;
+use crate::band::{Band, NarrowBands};
 use crate::degrees::check_degrees;
 use crate::graph::{Graph, GraphBuffers};
 use crate::laplacian::dense_bytes;
@@ -23,8 +23,6 @@ const WEAK_LINK: ParamSpec = ParamSpec {
     doc: "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
 };
 
-/// The edges of most blocks are no longer: those of a wall to 4 neighbours on either side.
-const USUAL_WIDTH: usize = 4;
 /// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
 const WIDEST_BAND: usize = 64;
 /// More memory than this is not taken for the full decomposition of a block.
@@ -108,6 +106,7 @@ impl Blocks {
 struct Solver {
     split: Split,
     order: Order,
+    narrow: NarrowBands,
     band: Band,
     sparse: Sparse,
     second: Second,
@@ -122,6 +121,7 @@ impl Solver {
     fn solve(&mut self, graph: &Graph<'_>, weak_link: f64, tolerance: f64) -> Result<(), StageError> {
         self.split.form(graph, weak_link, tolerance)?;
         self.order.form(self.split.block_of_return(), self.split.len());
+        self.narrow.form(graph, &self.split, &self.order);
         self.next = None;
         self.several.clear();
         // A large block has a small one as a rule: of the others it is then enough to know that theirs is no less.
@@ -131,15 +131,15 @@ impl Solver {
             if self.order.members(block).len() == 1 {
                 continue;
             }
-            let Self { split, order, band, sparse, .. } = self;
-            let laplacian = laplacian((band, sparse), graph, split.leaks(), order, block)?;
+            let Self { split, order, narrow, band, sparse, second, zero, .. } = self;
+            let laplacian = take(graph, split, order, block, (narrow, band, sparse))?;
             if self.next.is_some_and(|next| laplacian.count_below(next) <= 1) {
                 continue;
             }
             let volume = split.volumes()[block];
-            self.zero.clear();
-            self.zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
-            match self.second.find(laplacian, &self.zero) {
+            zero.clear();
+            zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
+            match second.find(laplacian, zero) {
                 Some(next) if next.lower >= tolerance => {
                     self.next = Some(self.next.map_or(next.upper, |least| least.min(next.upper)));
                 }
@@ -173,23 +173,23 @@ impl Solver {
 
 /// The Laplacian of a block, the links to others set aside: a band, or sparse if the block's edges are long in every order
 /// that was found.
-fn laplacian<'a>(
-    (band, sparse): (&'a mut Band, &'a mut Sparse),
+fn take<'a>(
     graph: &Graph<'_>,
-    leaks: &[f64],
+    split: &Split,
     order: &mut Order,
     block: usize,
+    (narrow, band, sparse): (&NarrowBands, &'a mut Band, &'a mut Sparse),
 ) -> Result<&'a mut dyn ShiftInvert, StageError> {
-    let longest = band.form(graph, leaks, order, block, USUAL_WIDTH);
-    if longest <= USUAL_WIDTH {
+    if !narrow.is_wide(block) {
+        band.take(narrow, order, block);
         return Ok(band);
     }
-    let longest = order.shorten(graph, block, longest);
+    let longest = order.shorten(graph, block);
     if longest <= WIDEST_BAND {
-        band.form(graph, leaks, order, block, longest);
+        band.form(graph, split.leaks(), order, block, longest);
         return Ok(band);
     }
-    sparse.form(graph, leaks, order, block)?;
+    sparse.form(graph, split.leaks(), order, block)?;
     Ok(sparse)
 }
 

@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-/// W and D of sound affinities, and what is made of them.
+/// W and D of sound affinities.
 #[derive(Clone, Copy)]
 pub(crate) struct Graph<'a> {
     /// W, by rows.
@@ -10,10 +10,6 @@ pub(crate) struct Graph<'a> {
     pub(crate) degrees: &'a [f64],
     /// The diagonal of D^-1/2.
     pub(crate) inverse_sqrt_degrees: &'a [f64],
-    /// W_ij / √(D_ii D_jj) of the first entries of each row of `edges`, which are those of j <= i; row by row.
-    scaled: &'a [f64],
-    /// Where each row starts in `scaled`, and the end.
-    starts: &'a [usize],
 }
 
 /// What a graph is made in; holds its buffers.
@@ -22,8 +18,6 @@ pub(crate) struct GraphBuffers {
     inverse_sqrt_degrees: Vec<f64>,
     /// Those of a dense W.
     edges: Csr,
-    scaled: Vec<f64>,
-    starts: Vec<usize>,
 }
 
 impl GraphBuffers {
@@ -32,31 +26,44 @@ impl GraphBuffers {
     /// # Errors
     /// When a weight is not finite.
     pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity) -> Result<Graph<'a>, StageError> {
-        let Self { inverse_sqrt_degrees, edges: buffer, scaled, starts } = self;
+        let Self { inverse_sqrt_degrees, edges: buffer } = self;
         inverse_sqrt_degrees.clear();
         inverse_sqrt_degrees.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
         let edges = edges(&affinity.weights, buffer)?;
-        scaled.clear();
-        starts.clear();
-        starts.push(0);
-        for (i, scale) in inverse_sqrt_degrees.iter().enumerate() {
-            let (others, weights) = edges.row(i);
-            let lower =
-                others.iter().zip(weights).map(|(&j, weight)| (j as usize, weight)).take_while(|&(j, _)| j <= i);
-            scaled.extend(lower.map(|(j, weight)| weight * (scale * inverse_sqrt_degrees[j])));
-            starts.push(scaled.len());
-        }
-        Ok(Graph { edges, degrees: &affinity.degrees, inverse_sqrt_degrees, scaled, starts })
+        Ok(Graph { edges, degrees: &affinity.degrees, inverse_sqrt_degrees })
     }
 }
 
 impl Graph<'_> {
-    /// The edges of return `i` to earlier ones, and to itself, with W_ij / √(D_ii D_jj).
+    /// The edges of return `i` to earlier ones, each with W_ij and W_ij / √(D_ii D_jj).
     #[inline]
-    pub(crate) fn scaled_edges(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let scaled = &self.scaled[self.starts[i]..self.starts[i + 1]];
-        self.edges.row(i).0.iter().map(|&j| j as usize).zip(scaled.iter().copied())
+    pub(crate) fn edges_back(&self, i: usize) -> impl Iterator<Item = Edge> {
+        let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
+        let earlier = others.iter().zip(weights).take_while(move |&(&j, _)| (j as usize) < i);
+        earlier.map(move |(&to, &weight)| {
+            let scaled = weight * (scale * self.inverse_sqrt_degrees[to as usize]);
+            Edge { from: i as u32, to, weight, scaled }
+        })
     }
+
+    /// L_ii, if so much of the weights of its edges is set aside.
+    #[inline]
+    pub(crate) fn diagonal(&self, i: usize, leak: f64) -> f64 {
+        // W_ii is 1.
+        let inverse_degree = self.inverse_sqrt_degrees[i] * self.inverse_sqrt_degrees[i];
+        1.0 - leak * inverse_degree - inverse_degree
+    }
+}
+
+/// An edge from a return to an earlier one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    /// W_ij.
+    pub(crate) weight: f64,
+    /// W_ij / √(D_ii D_jj).
+    pub(crate) scaled: f64,
 }
 
 /// W by its nonzero entries: `weights` itself if it is sparse, else copied into `buffer`.

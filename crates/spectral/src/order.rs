@@ -31,9 +31,10 @@ impl Order {
         }
     }
 
-    /// Orders a block in which that leaves edges as long as `longest` breadth first from a far end, if they are then shorter.
-    /// Returns the length of the longest edge.
-    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize, longest: usize) -> usize {
+    /// Orders a block in which that leaves long edges breadth first from a far end, if they are then shorter. Returns the length of
+    /// the longest edge.
+    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize) -> usize {
+        let longest = self.longest(graph, block);
         if longest <= LONG {
             return longest;
         }
@@ -62,7 +63,13 @@ impl Order {
         }
     }
 
-    fn span(&self, block: usize) -> std::ops::Range<usize> {
+    /// Where each return is among the members of all blocks.
+    pub(crate) fn places(&self) -> &[u32] {
+        &self.places
+    }
+
+    /// Where a block is among them.
+    pub(crate) fn span(&self, block: usize) -> std::ops::Range<usize> {
         self.starts[block] as usize..self.starts[block + 1] as usize
     }
 
@@ -100,7 +107,7 @@ impl Order {
     fn longest(&self, graph: &Graph<'_>, block: usize) -> usize {
         let rank = self.ranks(block);
         let members = self.members(block).iter().map(|&i| i as usize).enumerate();
-        let edges = members.flat_map(|(at, i)| graph.scaled_edges(i).map(move |(j, _)| (at, j)));
+        let edges = members.flat_map(|(at, i)| graph.edges_back(i).map(move |edge| (at, edge.to as usize)));
         edges.filter_map(|(at, j)| Some(at.abs_diff(rank(j)?))).max().unwrap_or(0)
     }
 

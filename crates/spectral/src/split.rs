@@ -5,15 +5,7 @@ use faer::Mat;
 
 use crate::decomposition::Decomposition;
 use crate::forest::Forest;
-use crate::graph::Graph;
-
-/// An edge between two blocks that is set aside.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    from: u32,
-    to: u32,
-    weight: f64,
-}
+use crate::graph::{Edge, Graph};
 
 /// The returns in m blocks: what is tied by more than weak links, and the links between them.
 ///
@@ -32,7 +24,10 @@ struct Link {
 /// Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
 pub(crate) struct Split {
     forest: Forest,
-    links: Vec<Link>,
+    /// Edges between blocks, which are set aside.
+    links: Vec<Edge>,
+    /// Those within blocks.
+    ties: Vec<Edge>,
     block_of_return: Vec<u32>,
     /// Σ D_ii over each block.
     volumes: Vec<f64>,
@@ -50,6 +45,7 @@ impl Default for Split {
         Self {
             forest: Forest::default(),
             links: Vec::new(),
+            ties: Vec::new(),
             block_of_return: Vec::new(),
             volumes: Vec::new(),
             leaks: Vec::new(),
@@ -100,6 +96,11 @@ impl Split {
         !self.links.is_empty()
     }
 
+    /// The edges within blocks.
+    pub(crate) fn ties(&self) -> &[Edge] {
+        &self.ties
+    }
+
     /// The block of each return; blocks are numbered by their first return.
     pub(crate) fn block_of_return(&self) -> &[u32] {
         &self.block_of_return
@@ -123,7 +124,7 @@ impl Split {
     /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm² (s² / vol A + Σ_B s_B² / vol B) / D_ii,
     /// s_B what its links to block B weigh, s = Σ s_B.
     pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
-        let per_link = |link: &Link| {
+        let per_link = |link: &Edge| {
             let half = |near: u32, far: u32| {
                 let volume = |i: u32| self.volumes[self.block_of_return[i as usize] as usize];
                 // s_B² <= s·s_B.
@@ -140,18 +141,20 @@ impl Split {
         let n = graph.degrees.len();
         self.forest.plant(n);
         self.links.clear();
+        self.ties.clear();
         for i in 0..n {
-            for (at, (j, scaled)) in graph.scaled_edges(i).enumerate() {
-                if scaled >= weak && scaled > 0.0 {
-                    self.forest.join(i, j);
-                } else if scaled > 0.0 && j < i {
-                    self.links.push(Link { from: j as u32, to: i as u32, weight: graph.edges.row(i).1[at] });
+            for edge in graph.edges_back(i) {
+                if edge.scaled >= weak && edge.scaled > 0.0 {
+                    self.forest.join(i, edge.to as usize);
+                    self.ties.push(edge);
+                } else if edge.scaled > 0.0 {
+                    self.links.push(edge);
                 }
             }
         }
     }
 
-    /// Numbers the blocks as they now are, and forgets the links within a block.
+    /// Numbers the blocks as they now are; links within a block become ties.
     fn number_blocks(&mut self, degrees: &[f64]) {
         self.block_of_return.clear();
         self.block_of_return.extend_from_slice(self.forest.number_components());
@@ -163,7 +166,8 @@ impl Split {
             }
         }
         let block = &self.block_of_return;
-        self.links.retain(|link| block[link.from as usize] != block[link.to as usize]);
+        let is_tie = |link: &mut Edge| block[link.from as usize] == block[link.to as usize];
+        self.ties.extend(self.links.extract_if(.., is_tie));
         self.leaks.clear();
         self.leaks.resize(block.len(), 0.0);
         for link in &self.links {
