@@ -41,6 +41,8 @@ pub struct LevelView {
     seen: Revolution,
     numbers: Vec<u32>,
     level: Vec<u32>,
+    /// Of each return of the cloud.
+    ranges_m: Vec<f64>,
     echoes: Vec<Echo>,
     usual: Usual,
     /// The return that each beam sees, from the beam of the first level return on.
@@ -59,9 +61,11 @@ impl LevelView {
     /// Looks at `cloud`, whatever was looked at before. What lies within half the vehicle's width of the sensor is the
     /// vehicle itself.
     pub fn look(&mut self, cloud: &Revolution, height_m: f64, width_m: f64) {
+        self.ranges_m.clear();
+        self.ranges_m.extend((0..cloud.len()).map(|i| cloud.range_m(i)));
         let is_level = |&number: &u32| {
             let i = number as usize;
-            cloud.points_m[i].z.abs() <= height_m / 2.0 && cloud.range_m(i) > width_m / 2.0
+            cloud.points_m[i].z.abs() <= height_m / 2.0 && self.ranges_m[i] > width_m / 2.0
         };
         self.level.clear();
         self.level.extend((0..cloud.len() as u32).filter(is_level));
@@ -70,8 +74,8 @@ impl LevelView {
         self.beams.clear();
         self.beams.resize(fan.beams, None);
         if fan.beams > 0 {
-            self.deal(cloud, &fan);
-            self.usual.measure(cloud, &fan, height_m, width_m);
+            self.usual.measure(cloud, &self.ranges_m, &fan, height_m, width_m);
+            self.deal();
             for echoes in self.echoes.chunk_by(|a, b| a.beam == b.beam) {
                 self.beams[echoes[0].beam] = first_met(echoes, &self.usual, width_m);
             }
@@ -95,15 +99,14 @@ impl LevelView {
     }
 
     /// Sorts the level returns by beam, those of a beam by range.
-    fn deal(&mut self, cloud: &Revolution, fan: &Fan) {
-        self.echoes.clear();
-        self.echoes.extend(self.level.iter().map(|&number| {
-            let i = number as usize;
-            Echo { beam: fan.beam(cloud.bearing_rad(i)), range_m: cloud.range_m(i), number }
-        }));
+    fn deal(&mut self) {
+        let Self { level, ranges_m, echoes, usual, .. } = self;
+        let echo = |&number: &u32| Echo { beam: usual.beam(number), range_m: ranges_m[number as usize], number };
+        echoes.clear();
+        echoes.extend(level.iter().map(echo));
         // Most clouds come beam by beam, and are sorted by beams at once.
-        self.echoes.sort_by_key(|echo| echo.beam);
-        for echoes in self.echoes.chunk_by_mut(|a, b| a.beam == b.beam) {
+        echoes.sort_by_key(|echo| echo.beam);
+        for echoes in echoes.chunk_by_mut(|a, b| a.beam == b.beam) {
             echoes.sort_unstable_by(|a, b| a.range_m.total_cmp(&b.range_m).then(a.number.cmp(&b.number)));
         }
     }

@@ -21,7 +21,8 @@ impl Fan {
     /// The beam of a bearing.
     pub(super) fn beam(&self, bearing_rad: f64) -> usize {
         let offset_rad = wrap_angle_rad(bearing_rad - self.first_rad);
-        (offset_rad / TAU * self.beams as f64).round().rem_euclid(self.beams as f64) as usize
+        let offset = (offset_rad / TAU * self.beams as f64).round() as isize;
+        offset.rem_euclid(self.beams as isize) as usize
     }
 }
 
@@ -31,20 +32,27 @@ impl Fan {
 pub(super) struct Usual {
     nearest_m: f64,
     medians: Vec<u32>,
+    /// Of each return that is level at some range.
+    beams: Vec<u32>,
     /// Beam by beam, the number at each range.
     counts: Vec<u32>,
     sorted: Vec<u32>,
 }
 
 impl Usual {
-    pub(super) fn measure(&mut self, cloud: &Revolution, fan: &Fan, height_m: f64, width_m: f64) {
+    /// Looks at all returns of `cloud`, of these ranges in the plane.
+    pub(super) fn measure(&mut self, cloud: &Revolution, ranges_m: &[f64], fan: &Fan, height_m: f64, width_m: f64) {
         self.nearest_m = width_m / 2.0;
         self.counts.clear();
         self.counts.resize(fan.beams * RANGES, 0);
-        for (i, point) in cloud.points_m.iter().enumerate() {
-            let level_to_m = height_m / 2.0 * cloud.range_m(i) / point.z.abs();
+        self.beams.clear();
+        self.beams.resize(cloud.len(), 0);
+        for (i, (point, range_m)) in cloud.points_m.iter().zip(ranges_m).enumerate() {
+            let level_to_m = height_m / 2.0 * range_m / point.z.abs();
             if let Some(at) = self.at(level_to_m) {
-                self.counts[fan.beam(cloud.bearing_rad(i)) * RANGES + at] += 1;
+                let beam = fan.beam(cloud.bearing_rad(i));
+                self.beams[i] = beam as u32;
+                self.counts[beam * RANGES + at] += 1;
             }
         }
         // What is level at a range is so at all nearer ones.
@@ -58,6 +66,11 @@ impl Usual {
             self.sorted.sort_unstable();
             self.medians.push(self.sorted.get(self.sorted.len() / 2).copied().unwrap_or(0));
         }
+    }
+
+    /// The beam of a return that is level, or would be at a smaller range.
+    pub(super) fn beam(&self, number: u32) -> usize {
+        self.beams[number as usize] as usize
     }
 
     /// How many returns at this range are more than dust.
