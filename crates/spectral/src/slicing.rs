@@ -14,7 +14,8 @@ use crate::laplacian::dense_bytes;
 use crate::normalised::Normalised;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
-/// Parts of fewer returns for each eigenvalue are decomposed in full, which is faster then.
+/// Parts of fewer returns, or fewer for each eigenvalue, are decomposed in full, which is faster then.
+const FEWEST_RETURNS: usize = 24;
 const RETURNS_PER_EIGENVALUE: usize = 8;
 
 const EIGENVALUES: ParamSpec = ParamSpec {
@@ -93,7 +94,7 @@ impl Slicing {
         let members = envelope.members().to_vec();
         let n = members.len();
         let wanted = self.eigenvalues.max(envelope.below() + 1).min(n);
-        if n >= RETURNS_PER_EIGENVALUE * wanted {
+        if n >= FEWEST_RETURNS.max(RETURNS_PER_EIGENVALUE * wanted) {
             if factorised && let Some(lowest) = krylov.lowest(l, envelope, wanted)? {
                 return Ok(Part { members, lowest });
             }
