@@ -33,5 +33,5 @@ fn off_line_m(ring: &Ring, stretch: &[usize]) -> f64 {
     let mean = stretch.iter().fold(Place::zeros(), |sum, &i| sum + ring.place_m(i)) / n;
     let offsets = || stretch.iter().map(|&i| ring.place_m(i) - mean);
     let [xx, xy, yy] = offsets().fold([0.0; 3], |[xx, xy, yy], o| [xx + o.x * o.x, xy + o.x * o.y, yy + o.y * o.y]);
-    ((0.5 * (xx + yy) - (0.5 * (xx - yy)).hypot(xy)) / n).max(0.0).sqrt()
+    ((0.5 * (xx + yy) - Place::new(0.5 * (xx - yy), xy).norm()) / n).max(0.0).sqrt()
 }

@@ -95,7 +95,7 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
         if taken >= LEAST_RETURNS && offset.norm().max(0.5 * walked_m) > stretch_m {
             break;
         }
-        let weight = (-(offset.norm() / stretch_m).powi(2)).exp();
+        let weight = (-offset.norm_squared() / (stretch_m * stretch_m)).exp();
         sum += weight;
         moment += offset * weight;
         square[0] += weight * offset.x * offset.x;
@@ -115,7 +115,7 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
 /// The unit eigenvector of the larger eigenvalue of a covariance: it halves the angle of (xx - yy, 2 xy).
 fn principal_axis(xx: f64, xy: f64, yy: f64) -> Place {
     let (along, across) = (xx - yy, 2.0 * xy);
-    let length = along.hypot(across);
+    let length = Place::new(along, across).norm();
     // The half is taken on the side on which nothing cancels.
     let half = if along >= 0.0 {
         Place::new(length + along, across)

@@ -30,7 +30,7 @@ fn stretch_start_m(ring: &Ring, side: Side) -> Position {
     let mut start_m = end_m;
     for entry in side.along(ring) {
         start_m = entry.position_m;
-        if (start_m - end_m).norm() >= LINE_M {
+        if (start_m - end_m).norm_squared() >= LINE_M * LINE_M {
             break;
         }
     }
