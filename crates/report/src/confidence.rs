@@ -28,7 +28,7 @@ const LEAST_RATIO: f64 = 0.2;
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
 /// β.
-const BETA: [f64; Grounds::INPUTS] = [-0.09, 0.46, -0.76, -0.59, 1.12, 5.36, -0.56];
+const BETA: [f64; Grounds::INPUTS] = [-0.22, 0.46, -0.75, -0.58, 1.05, 5.50, -0.50];
 
 /// What speaks for and against an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
