@@ -18,7 +18,7 @@ use crate::tensors::f32_vector;
 const DECADES: f32 = 16.0;
 
 /// What the colours stand for, in the lower triangle of pictures of so many places: a bar with a colour for every other
-/// level, and every fourth named.
+/// level, with the ends and the middle named.
 pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStreamResult<()> {
     let side = places as f32;
     let (left, top, height) = (0.07 * side, 0.58 * side, 0.36 * side);
@@ -28,7 +28,7 @@ pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStream
     let bar = LineStrips2D::new(from_1().map(|(i, _)| [[left, y(i)], [left + 0.05 * side, y(i)]]))
         .with_colors(from_1().map(|(_, rgba)| color(*rgba)))
         .with_radii([Radius::new_scene_units(half)]);
-    let named = (0..VIRIDIS.len()).step_by(2);
+    let named = (0..VIRIDIS.len()).step_by(4);
     let names = Points2D::new(named.clone().map(|i| [left + 0.17 * side, y(i) - 0.03 * side]))
         .with_radii([Radius::new_ui_points(0.0)])
         .with_colors([color(WORDS_ON_PICTURES)])
