@@ -81,7 +81,7 @@ impl Views {
         let contents = ours.into_iter().chain([format!("+ /{root}/**")]).chain(flat);
         let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let reach = self.extent.range_m as f32;
-        self.seen_from(view, [-0.9 * reach, 0.0, reach], [0.0, 0.0, 1.0])
+        self.seen_from(view, [-1.1 * reach, 0.0, 1.2 * reach], [0.0, 0.0, 1.0])
     }
 
     /// A camera's picture.
