@@ -1,12 +1,11 @@
 //! `breakpoint`: the adaptive breakpoint detector, a baseline (Borges and Aldon 2004).
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Interval, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError, Sweep,
-    Value,
+    Affinity, AffinityStage, Beam, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Revolution, Shape,
+    StageError, Sweep, Value,
 };
 use nalgebra::distance;
 
-use crate::Invariance;
 use crate::edges::{edges_bytes, write_edges};
 use crate::finite::check_finite;
 
@@ -40,9 +39,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
         Box::new(Breakpoint::with(lambda_deg, range_noise_m, params.count(MISSING_BEAMS.name)))
     },
 };
-
-/// It sees ranges, distances and the order of the beams.
-pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mirror];
 
 /// W_ij = 1 between neighbouring returns, an angle Δφ apart, of which no wall that a beam meets at λ or more could put
 /// one out of reach of the other:
@@ -145,5 +141,10 @@ impl AffinityStage for Breakpoint {
 
     fn memory_bytes(&self, n: usize) -> u64 {
         edges_bytes(n, 3)
+    }
+
+    fn invariances(&self) -> &'static [Invariance] {
+        // It sees ranges, distances and the order of the beams.
+        &[Invariance::Turn, Invariance::Mirror]
     }
 }

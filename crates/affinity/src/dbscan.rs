@@ -1,10 +1,10 @@
 //! `dbscan`: density-based clustering as a graph, a baseline (Ester, Kriegel, Sander and Xu 1996).
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Point, Revolution, Shape, StageError, Value,
+    Affinity, AffinityStage, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Point, Revolution, Shape,
+    StageError, Value,
 };
 
-use crate::Invariance;
 use crate::columns::Columns;
 use crate::edges::{edges_bytes, write_edges};
 use crate::finite::check_finite;
@@ -29,10 +29,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     params: &[EPS_M, MIN_POINTS],
     build: |params| Box::new(Dbscan::with(params.number(EPS_M.name), params.count(MIN_POINTS.name))),
 };
-
-/// Not `Permutation`: to which of two clusters a border return goes depends on the order of the returns.
-pub(crate) const INVARIANCES: &[Invariance] =
-    &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror];
 
 /// W_ij = 1 between any two cores within `eps`, and between a border return and one core. A core has at least
 /// `min_points` returns within `eps`, itself included; a border return is no core, but has one within `eps`. All others
@@ -122,6 +118,11 @@ impl AffinityStage for Dbscan {
 
     fn memory_bytes(&self, n: usize) -> u64 {
         edges_bytes(n, n) // at worst: all within one eps
+    }
+
+    fn invariances(&self) -> &'static [Invariance] {
+        // To which of two clusters a border return goes depends on the order of the returns.
+        &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]
     }
 }
 

@@ -16,7 +16,7 @@
 //! through the same stages as the rest: their components are its zero eigenvalues. Their defaults were chosen on the
 //! development scenes of the simulator, with small components left out (kmeans `components`, `min_cluster`).
 //!
-//! Each kind says which changes of the revolution leave W alone: [`INVARIANCES`].
+//! Each kind says which changes of the revolution leave W alone ([`AffinityStage::invariances`]).
 //!
 //! ```
 //! use crosscut_affinity::Rbf;
@@ -30,8 +30,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct, its parameters, a `KIND` and its `INVARIANCES`; one line for it in [`KINDS`] and
-//! one in [`INVARIANCES`]. `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
+//! To add one: a file with the struct, its parameters and a `KIND`, and one line for it in [`KINDS`];
+//! `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
 //!
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity
@@ -41,7 +41,6 @@ mod columns;
 mod dbscan;
 mod edges;
 mod finite;
-mod invariance;
 mod passage;
 mod rbf;
 mod threshold;
@@ -50,7 +49,6 @@ use crosscut_stage::{AffinityStage, Kind};
 
 pub use breakpoint::Breakpoint;
 pub use dbscan::Dbscan;
-pub use invariance::Invariance;
 pub use passage::Passage;
 pub use rbf::Rbf;
 pub use threshold::Threshold;
@@ -58,12 +56,3 @@ pub use threshold::Threshold;
 /// The affinities that crosscut ships.
 pub const KINDS: &[Kind<dyn AffinityStage>] =
     &[rbf::KIND, passage::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];
-
-/// What each of [`KINDS`] is blind to, by name and in the same order.
-pub const INVARIANCES: &[(&str, &[Invariance])] = &[
-    (rbf::KIND.name, rbf::INVARIANCES),
-    (passage::KIND.name, passage::INVARIANCES),
-    (threshold::KIND.name, threshold::INVARIANCES),
-    (breakpoint::KIND.name, breakpoint::INVARIANCES),
-    (dbscan::KIND.name, dbscan::INVARIANCES),
-];

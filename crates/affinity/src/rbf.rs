@@ -1,11 +1,11 @@
 //! `rbf`: the paper's dense similarity, equation (1).
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError, Value,
+    Affinity, AffinityStage, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError,
+    Value,
 };
 use nalgebra::distance_squared;
 
-use crate::Invariance;
 use crate::finite::check_finite;
 
 const SIGMA_PER_M2: ParamSpec = ParamSpec {
@@ -21,9 +21,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     params: &[SIGMA_PER_M2],
     build: |params| Box::new(Rbf { sigma_per_m2: params.number(SIGMA_PER_M2.name) }),
 };
-
-pub(crate) const INVARIANCES: &[Invariance] =
-    &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror, Invariance::Permutation];
 
 /// W_ij = exp(-σ ‖x_i - x_j‖²) for every pair of returns, dense and exactly symmetric.
 ///
@@ -71,5 +68,9 @@ impl AffinityStage for Rbf {
         // Columns of a dense matrix start on multiples of 64 bytes.
         let (rows, n) = (n.next_multiple_of(8) as u64, n as u64);
         rows.saturating_mul(n).saturating_add(n).saturating_mul(8)
+    }
+
+    fn invariances(&self) -> &'static [Invariance] {
+        &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror, Invariance::Permutation]
     }
 }

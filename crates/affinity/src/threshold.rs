@@ -1,10 +1,10 @@
 //! `threshold`: returns within a radius of each other, a baseline.
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError, Value,
+    Affinity, AffinityStage, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Revolution, Shape, StageError,
+    Value,
 };
 
-use crate::Invariance;
 use crate::columns::Columns;
 use crate::edges::{edges_bytes, write_edges};
 use crate::finite::check_finite;
@@ -22,9 +22,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     params: &[RADIUS_M],
     build: |params| Box::new(Threshold::with(params.number(RADIUS_M.name))),
 };
-
-pub(crate) const INVARIANCES: &[Invariance] =
-    &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror, Invariance::Permutation];
 
 /// W_ij = 1 if ‖x_i - x_j‖ <= radius, else 0: single-linkage clustering, once its components are taken.
 ///
@@ -62,5 +59,9 @@ impl AffinityStage for Threshold {
 
     fn memory_bytes(&self, n: usize) -> u64 {
         edges_bytes(n, n) // at worst: all within one radius
+    }
+
+    fn invariances(&self) -> &'static [Invariance] {
+        &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror, Invariance::Permutation]
     }
 }

@@ -2,7 +2,6 @@
 
 /// A change of the revolution that leaves W alone, up to the rounding of the changed points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Invariance {
     /// All points moved by the same vector.
     Translation,

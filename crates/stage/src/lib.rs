@@ -16,6 +16,7 @@
 mod affinity;
 mod embedding;
 mod frame;
+mod invariance;
 mod junction;
 mod kind;
 mod level_view;
@@ -28,6 +29,7 @@ mod traits;
 pub use affinity::{Affinity, Csr, Weights};
 pub use embedding::Embedding;
 pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings};
+pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{Kind, StageKind};
 pub use level_view::LevelView;

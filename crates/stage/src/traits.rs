@@ -1,6 +1,6 @@
 //! The traits at the joints of the pipeline.
 
-use crate::{Affinity, Frame, Junction, Notes, Partition, Revolution, Spectrum};
+use crate::{Affinity, Frame, Invariance, Junction, Notes, Partition, Revolution, Spectrum};
 
 /// Why a stage cannot answer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -37,6 +37,11 @@ pub trait AffinityStage: Send {
 
     /// Bytes that W of n returns takes in a frame.
     fn memory_bytes(&self, n: usize) -> u64;
+
+    /// Changes of a revolution that leave W alone; the tests hold a stage to those that it states.
+    fn invariances(&self) -> &'static [Invariance] {
+        &[]
+    }
 }
 
 /// Second stage: eigenvalues of the Laplacian, how many are zero, and their eigenvectors.

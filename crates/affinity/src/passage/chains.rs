@@ -74,7 +74,7 @@ impl Chains {
         }
         let on_walls = || walls.returns().iter().chain(islands.returns());
         for &i in left_over {
-            let squared = on_walls().map(|&j| ((ring.place_m(j) - ring.place_m(i)).norm_squared(), j));
+            let squared = on_walls().map(|&j| ((ring.position_m(j) - ring.position_m(i)).norm_squared(), j));
             if let Some((_, j)) = squared.min_by(|a, b| a.0.total_cmp(&b.0))
                 && ring.distance_m(i, j) < NEAR_M
             {

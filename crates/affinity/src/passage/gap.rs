@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
-use super::ring::{Place, Ring, turn_rad};
+use super::ring::{Position, Ring, turn_rad};
 use super::tangent::{End, Tangents, has_direction};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for that.
@@ -118,7 +118,7 @@ impl<'a> Judge<'a> {
     pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
-        let chord = ring.place_m(q) - ring.place_m(p);
+        let chord = ring.position_m(q) - ring.position_m(p);
         let chord_m = chord.norm();
         if chord_m < self.limits.passage_m {
             return Some(0.0);
@@ -229,15 +229,15 @@ impl<'a> Judge<'a> {
         shaded > 0 && 2 * shaded >= self.ring.beams_from(p, q)
     }
 
-    fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Place>; 2] {
+    fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
         let of = |piece: &[usize], end| {
             has_direction(self.ring, piece).then(|| self.tangents.borrow_mut().of(self.ring, piece, end))
         };
         [of(a, End::Last), of(b, End::First)]
     }
 
-    fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Place; 2]) -> Bend {
-        let chord = self.ring.place_m(b[0]) - self.ring.place_m(a[a.len() - 1]);
+    fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Position; 2]) -> Bend {
+        let chord = self.ring.position_m(b[0]) - self.ring.position_m(a[a.len() - 1]);
         Bend {
             turns_rad: [turn_rad(before, chord), turn_rad(chord, after)],
             aside_m: [before.perp(&chord), after.perp(&-chord)],

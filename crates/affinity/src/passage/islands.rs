@@ -53,7 +53,7 @@ pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &
         for _ in 0..together {
             // After the last piece comes the first.
             let at = if at < pieces.len() { at } else { 0 };
-            pieces.remove(at).enumerate().for_each(|(place, i)| islands.push(i, place == 0));
+            pieces.remove(at).enumerate().for_each(|(at, i)| islands.push(i, at == 0));
         }
     }
 }
@@ -126,7 +126,7 @@ fn off_line_m(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, s
     let tip = wall[0];
     wall.reverse();
     let onward = tangent(ring, &wall, End::Last, stretch_m);
-    let towards = ring.place_m(target) - ring.place_m(tip);
+    let towards = ring.position_m(target) - ring.position_m(tip);
     (onward.dot(&towards) > 0.0).then(|| onward.perp(&towards).abs())
 }
 

@@ -104,7 +104,7 @@ fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64)
     let mut least_rad = PEAK_RAD.start;
     for cut in LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1) {
         let (a, b) = wall.split_at(cut);
-        let chord = ring.place_m(b[0]) - ring.place_m(a[cut - 1]);
+        let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);
         if chord.norm() < passage_m || judge.is_hidden(a[cut - 1], b[0]) {
             continue;
         }

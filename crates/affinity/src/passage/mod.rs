@@ -1,6 +1,7 @@
 //! `passage`: an edge wherever the wall goes on, none where a vehicle could pass.
 
 mod carrying;
+mod chains;
 mod dust;
 mod gap;
 mod islands;
@@ -9,25 +10,23 @@ mod pieces;
 mod ring;
 mod roughness;
 mod tangent;
-mod walls;
 
 use std::cell::RefCell;
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point, Revolution, Shape,
-    StageError, Sweep, Value,
+    Affinity, AffinityStage, Interval, Invariance, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point,
+    Revolution, Shape, StageError, Sweep, Value,
 };
 
-use crate::Invariance;
 use crate::edges::edges_bytes;
 use crate::finite::check_finite;
 use carrying::Carrying;
+use chains::Chains;
 use dust::Dust;
 use gap::{Judge, Limits};
 use pieces::Pieces;
 use ring::Ring;
 use tangent::Tangents;
-use walls::Chains;
 
 const PASSAGE_M: ParamSpec = ParamSpec {
     name: "passage_m",
@@ -108,9 +107,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
     params: PARAMS,
     build: |params| Box::new(Passage::with(params)),
 };
-
-/// It sees ranges, and the order of the beams.
-pub(crate) const INVARIANCES: &[Invariance] = &[Invariance::Turn, Invariance::Mirror];
 
 /// The graph of the walls. Anticlockwise around the sensor:
 ///
@@ -272,5 +268,10 @@ impl AffinityStage for Passage {
     fn memory_bytes(&self, n: usize) -> u64 {
         // On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
         edges_bytes(n, self.chains.neighbours.saturating_mul(2).saturating_add(3).max(7))
+    }
+
+    fn invariances(&self) -> &'static [Invariance] {
+        // It sees ranges, and the order of the beams.
+        &[Invariance::Turn, Invariance::Mirror]
     }
 }

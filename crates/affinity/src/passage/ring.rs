@@ -4,7 +4,7 @@ use crosscut_stage::{Beam, Point, StageError, Sweep};
 use nalgebra::Vector2;
 
 /// Points of the plane, metres.
-pub(super) type Place = Vector2<f64>;
+pub(super) type Position = Vector2<f64>;
 
 /// The returns in the order in which an anticlockwise look around the sensor meets them.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ pub(super) struct Ring {
 /// One return.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    pub(super) place_m: Place,
+    pub(super) position_m: Position,
     pub(super) range_m: f64,
     /// Its beam, counted anticlockwise.
     pub(super) beam: usize,
@@ -46,8 +46,8 @@ impl Ring {
                 let message = format!("beam {beam} has return {number}: not in beam order, or not there");
                 return Err(StageError::Unsupported(message));
             }
-            let place_m = points_m[number as usize].coords.xy();
-            self.returns.push(Entry { place_m, range_m: place_m.norm(), beam, number });
+            let position_m = points_m[number as usize].coords.xy();
+            self.returns.push(Entry { position_m, range_m: position_m.norm(), beam, number });
         }
         if self.returns.len() != points_m.len() {
             let (beams, returns) = (self.returns.len(), points_m.len());
@@ -64,8 +64,8 @@ impl Ring {
         self.returns.len()
     }
 
-    pub(super) fn place_m(&self, i: usize) -> Place {
-        self.returns[i].place_m
+    pub(super) fn position_m(&self, i: usize) -> Position {
+        self.returns[i].position_m
     }
 
     pub(super) fn range_m(&self, i: usize) -> f64 {
@@ -73,7 +73,7 @@ impl Ring {
     }
 
     pub(super) fn distance_m(&self, i: usize, j: usize) -> f64 {
-        (self.place_m(j) - self.place_m(i)).norm()
+        (self.position_m(j) - self.position_m(i)).norm()
     }
 
     /// The return `steps` after `i` (before it, if negative), if the view goes so far.
@@ -131,6 +131,6 @@ impl Ring {
 }
 
 /// The angle from one direction to another, anticlockwise, in [-π, π].
-pub(super) fn turn_rad(from: Place, to: Place) -> f64 {
+pub(super) fn turn_rad(from: Position, to: Position) -> f64 {
     from.perp(&to).atan2(from.dot(&to))
 }

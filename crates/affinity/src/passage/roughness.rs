@@ -1,7 +1,7 @@
 //! How rough the walls are.
 
 use super::pieces::Pieces;
-use super::ring::{Place, Ring};
+use super::ring::{Position, Ring};
 
 /// Roughness is taken over stretches of so much wall, of so many returns or more.
 const STRETCH_M: f64 = 2.0;
@@ -30,8 +30,8 @@ pub(super) fn roughness_m(ring: &Ring, pieces: &Pieces) -> f64 {
 /// covariance.
 fn off_line_m(ring: &Ring, stretch: &[usize]) -> f64 {
     let n = stretch.len() as f64;
-    let mean = stretch.iter().fold(Place::zeros(), |sum, &i| sum + ring.place_m(i)) / n;
-    let offsets = || stretch.iter().map(|&i| ring.place_m(i) - mean);
+    let mean = stretch.iter().fold(Position::zeros(), |sum, &i| sum + ring.position_m(i)) / n;
+    let offsets = || stretch.iter().map(|&i| ring.position_m(i) - mean);
     let [xx, xy, yy] = offsets().fold([0.0; 3], |[xx, xy, yy], o| [xx + o.x * o.x, xy + o.x * o.y, yy + o.y * o.y]);
-    ((0.5 * (xx + yy) - Place::new(0.5 * (xx - yy), xy).norm()) / n).max(0.0).sqrt()
+    ((0.5 * (xx + yy) - Position::new(0.5 * (xx - yy), xy).norm()) / n).max(0.0).sqrt()
 }

@@ -1,6 +1,6 @@
 //! The direction in which a wall ends.
 
-use super::ring::{Place, Ring};
+use super::ring::{Position, Ring};
 
 /// A piece of fewer returns, or shorter than this, has no direction.
 const LEAST_RETURNS: usize = 3;
@@ -33,7 +33,7 @@ pub(super) struct Tangents {
 /// A direction, and on which returns it rests.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
-    direction: Place,
+    direction: Position,
     taken: u32,
     last: u32,
     /// The one after the last, which was too far; `None` if there was none, or it was not looked at.
@@ -49,7 +49,7 @@ impl Tangents {
     }
 
     /// What [`tangent`] says of the piece.
-    pub(super) fn of(&mut self, ring: &Ring, piece: &[usize], end: End) -> Place {
+    pub(super) fn of(&mut self, ring: &Ring, piece: &[usize], end: End) -> Position {
         let at = |k: usize| end.at(piece, k);
         let rests_on = |kept: &Kept| {
             let (taken, next) = (kept.taken as usize, kept.next.map(|next| next as usize));
@@ -76,17 +76,17 @@ impl End {
 
 /// The unit direction, anticlockwise around the sensor, of a piece of two returns or more at one of its ends: the
 /// principal axis of its returns, weighted by exp(-(d/stretch)²) at a distance d from the end.
-pub(super) fn tangent(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> Place {
+pub(super) fn tangent(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> Position {
     tangent_and_taken(ring, piece, end, stretch_m).0
 }
 
 /// The same, and on how many returns it rests.
-fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (Place, usize) {
-    let at = |k: usize| ring.place_m(end.at(piece, k));
+fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (Position, usize) {
+    let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
     let (mut walked_m, mut taken) = (0.0, 0);
-    let (mut sum, mut moment, mut square) = (0.0, Place::zeros(), [0.0; 3]);
+    let (mut sum, mut moment, mut square) = (0.0, Position::zeros(), [0.0; 3]);
     while taken < piece.len().min(MOST_RETURNS) {
         let offset = at(taken) - tip;
         if taken > 0 {
@@ -113,16 +113,16 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
 }
 
 /// The unit eigenvector of the larger eigenvalue of a covariance: it halves the angle of (xx - yy, 2 xy).
-fn principal_axis(xx: f64, xy: f64, yy: f64) -> Place {
+fn principal_axis(xx: f64, xy: f64, yy: f64) -> Position {
     let (along, across) = (xx - yy, 2.0 * xy);
-    let length = Place::new(along, across).norm();
+    let length = Position::new(along, across).norm();
     // The half is taken on the side on which nothing cancels.
     let half = if along >= 0.0 {
-        Place::new(length + along, across)
+        Position::new(length + along, across)
     } else {
-        Place::new(across.abs(), (length - along).copysign(across))
+        Position::new(across.abs(), (length - along).copysign(across))
     };
-    if length > 0.0 { half.normalize() } else { Place::x() }
+    if length > 0.0 { half.normalize() } else { Position::x() }
 }
 
 #[cfg(test)]
@@ -136,9 +136,9 @@ mod tests {
             for thickness in [0.0, 0.5] {
                 let axis =
                     principal_axis(x * x + thickness * y * y, (1.0 - thickness) * x * y, y * y + thickness * x * x);
-                assert!((axis - Place::new(x, y)).norm() < 1e-14, "{deg}°: {axis}");
+                assert!((axis - Position::new(x, y)).norm() < 1e-14, "{deg}°: {axis}");
             }
         }
-        assert_eq!(principal_axis(1.0, 0.0, 1.0), Place::x(), "round: any");
+        assert_eq!(principal_axis(1.0, 0.0, 1.0), Position::x(), "round: any");
     }
 }
