@@ -49,6 +49,8 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 ///
 /// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak links) goes through
 /// the full decomposition, with a note; if links were set aside, with those.
+///
+/// Returns with the same ties, of which a cloud has many, are taken together before all this, which changes no eigenvalue.
 pub struct Blocks {
     rule: ZeroRule,
     weak_link: f64,
@@ -70,11 +72,26 @@ impl Blocks {
     fn with(rule: ZeroRule, weak_link: f64) -> Self {
         Self { rule, weak_link, graph: GraphBuffers::default(), solver: Solver::default(), full: FaerEvd::with(rule) }
     }
+}
 
-    /// A block that has more zeros than one: all of them, their eigenvectors, and the next eigenvalue.
-    fn decompose(&mut self, affinity: &Affinity, block: usize, notes: &mut Notes) -> Result<Spectrum, StageError> {
-        let members = self.solver.order.members(block);
-        let bytes = self.full.memory_bytes(members.len()).saturating_add(dense_bytes(members.len()));
+/// A block that has more zeros than one, decomposed in full.
+struct Decomposed {
+    block: usize,
+    /// Its returns, ascending.
+    members: Vec<u32>,
+    /// All its zeros, their eigenvectors, and the next eigenvalue.
+    spectrum: Spectrum,
+}
+
+impl Decomposed {
+    fn new(
+        full: &mut FaerEvd,
+        affinity: &Affinity,
+        members: Vec<u32>,
+        block: usize,
+        notes: &mut Notes,
+    ) -> Result<Self, StageError> {
+        let bytes = full.memory_bytes(members.len()).saturating_add(dense_bytes(members.len()));
         if bytes > MOST_BYTES {
             return Err(StageError::Unsupported(format!(
                 "a component of {} returns has several eigenvalues below the tolerance, and would need {} MB to be decomposed \
@@ -86,18 +103,8 @@ impl Blocks {
         }
         notes.add(format!("blocks: a component of {} returns by full decomposition", members.len()));
         let mut spectrum = Spectrum::default();
-        self.full.spectrum(&part_of(affinity, members), &mut spectrum, notes)?;
-        Ok(spectrum)
-    }
-
-    /// How far the zeros and their span may be off because of the links that were set aside.
-    fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
-        let split = &self.solver.split;
-        // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
-        let (true, Some(next), Some(largest)) = (split.has_links(), next, zeros.last()) else { return (0.0, 0.0) };
-        let (coupling, gap) = (split.coupling(degrees), next - largest);
-        // No eigenvalue is negative.
-        ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
+        full.spectrum(&part_of(affinity, &members), &mut spectrum, notes)?;
+        Ok(Self { block, members, spectrum })
     }
 }
 
@@ -150,24 +157,40 @@ impl Solver {
         Ok(())
     }
 
-    /// Writes U: one column for each block, in their order, or those of `decomposed`, the blocks with more zeros than one.
-    fn embed(&self, degrees: &[f64], decomposed: &[Spectrum], u: &mut Embedding) {
-        let several = || self.several.iter().zip(decomposed);
+    /// The returns of a block.
+    fn members(&self, graph: &Graph<'_>, block: usize) -> Vec<u32> {
+        let block_of_node = self.split.block_of_return();
+        let nodes = (0..).zip(graph.node_of_return);
+        nodes.filter(|&(_, &node)| block_of_node[node as usize] as usize == block).map(|(i, _)| i).collect()
+    }
+
+    /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`, ascending.
+    fn embed(&self, graph: &Graph<'_>, degrees: &[f64], decomposed: &[Decomposed], u: &mut Embedding) {
         let mut first: Vec<u32> = (0..self.split.len() as u32).collect();
-        for (&block, spectrum) in several() {
+        for Decomposed { block, spectrum, .. } in decomposed {
             first[block + 1..].iter_mut().for_each(|first| *first += spectrum.k as u32 - 1);
         }
-        let columns = self.split.len() + decomposed.iter().map(|spectrum| spectrum.k - 1).sum::<usize>();
+        let columns = self.split.len() + decomposed.iter().map(|block| block.spectrum.k - 1).sum::<usize>();
         u.write_rows(degrees.len(), columns, |i, row| {
-            let block = self.split.block_of_return()[i] as usize;
-            match several().find(|&(&other, _)| other == block) {
-                Some((_, spectrum)) => {
-                    let rank = self.order.ranks(block)(i).expect("a return is in its block");
+            let block = self.split.block_of_return()[graph.node_of_return[i] as usize] as usize;
+            match decomposed.iter().find(|other| other.block == block) {
+                Some(Decomposed { members, spectrum, .. }) => {
+                    let rank = members.binary_search(&(i as u32)).expect("a return is in its block");
                     row.extend(spectrum.u.row(rank).map(|(j, value)| (first[block] + j as u32, value)));
                 }
                 None => row.push((first[block], (degrees[i] / self.split.volumes()[block]).sqrt())),
             }
         });
+    }
+
+    /// How far the zeros and their span may be off because of the links that were set aside.
+    fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
+        let split = &self.split;
+        // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
+        let (true, Some(next), Some(largest)) = (split.has_links(), next, zeros.last()) else { return (0.0, 0.0) };
+        let (coupling, gap) = (split.coupling(degrees), next - largest);
+        // No eigenvalue is negative.
+        ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
     }
 }
 
@@ -213,28 +236,30 @@ impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
-        let graph = self.graph.graph(affinity)?;
-        let ZeroRule::Tolerance(tolerance) = self.rule;
-        self.solver.solve(&graph, self.weak_link, tolerance)?;
-        if self.solver.split.has_links() && !self.solver.several.is_empty() {
+        let Self { rule: ZeroRule::Tolerance(tolerance), weak_link, ref mut graph, ref mut solver, ref mut full } =
+            *self;
+        let graph = graph.graph(affinity, tolerance)?;
+        solver.solve(&graph, weak_link, tolerance)?;
+        if solver.split.has_links() && !solver.several.is_empty() {
             notes.add("blocks: no link set aside, as a wall between weak links is itself almost two");
-            self.solver.solve(&graph, 0.0, tolerance)?;
+            solver.solve(&graph, 0.0, tolerance)?;
         }
-        let several = self.solver.several.clone();
-        let decomposed: Vec<Spectrum> =
-            several.iter().map(|&block| self.decompose(affinity, block, notes)).collect::<Result<_, _>>()?;
-        self.solver.embed(degrees, &decomposed, &mut out.u);
+        let several = solver.several.iter();
+        let decompose = |&block| Decomposed::new(full, affinity, solver.members(&graph, block), block, notes);
+        let decomposed: Vec<Decomposed> = several.map(decompose).collect::<Result<_, _>>()?;
+        solver.embed(&graph, degrees, &decomposed, &mut out.u);
 
         out.k = out.u.ncols();
         out.tolerance = tolerance;
         out.eigenvalues.clear();
-        out.eigenvalues.extend(decomposed.iter().flat_map(|spectrum| &spectrum.eigenvalues[..spectrum.k]));
-        out.eigenvalues.extend(self.solver.split.eigenvalues());
+        let spectra = || decomposed.iter().map(|block| &block.spectrum);
+        out.eigenvalues.extend(spectra().flat_map(|spectrum| &spectrum.eigenvalues[..spectrum.k]));
+        out.eigenvalues.extend(solver.split.eigenvalues());
         out.eigenvalues.resize(out.k, 0.0);
         out.eigenvalues.sort_unstable_by(f64::total_cmp);
-        let others = decomposed.iter().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());
-        let next = others.chain(self.solver.next).min_by(f64::total_cmp);
-        (out.zeros_bound, out.span_bound) = self.bounds(degrees, &out.eigenvalues, next);
+        let others = spectra().filter_map(|spectrum| spectrum.eigenvalues.get(spectrum.k).copied());
+        let next = others.chain(solver.next).chain(graph.least_of_twins()).min_by(f64::total_cmp);
+        (out.zeros_bound, out.span_bound) = solver.bounds(graph.degrees, &out.eigenvalues, next);
         out.eigenvalues.extend(next);
         out.margin_decades = Spectrum::tolerance_margin_decades(&out.eigenvalues, degrees.len(), out.k, tolerance);
         Ok(())

@@ -2,7 +2,9 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-/// W and D of sound affinities.
+use crate::twins::Twins;
+
+/// W and D of sound affinities; of twins together, if there are any (see [`Twins`]).
 #[derive(Clone, Copy)]
 pub(crate) struct Graph<'a> {
     /// W, by rows.
@@ -10,6 +12,9 @@ pub(crate) struct Graph<'a> {
     pub(crate) degrees: &'a [f64],
     /// The diagonal of D^-1/2.
     pub(crate) inverse_sqrt_degrees: &'a [f64],
+    /// The diagonal of W: the number of returns of each node.
+    pub(crate) sizes: &'a [f64],
+    pub(crate) node_of_return: &'a [u32],
 }
 
 /// What a graph is made in; holds its buffers.
@@ -18,19 +23,23 @@ pub(crate) struct GraphBuffers {
     inverse_sqrt_degrees: Vec<f64>,
     /// Those of a dense W.
     edges: Csr,
+    twins: Twins,
 }
 
 impl GraphBuffers {
-    /// The graph of an affinity whose degrees are sound.
+    /// The graph of an affinity whose degrees are sound. What twins are is no zero below `tolerance`.
     ///
     /// # Errors
     /// When a weight is not finite.
-    pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity) -> Result<Graph<'a>, StageError> {
-        let Self { inverse_sqrt_degrees, edges: buffer } = self;
+    pub(crate) fn graph<'a>(&'a mut self, affinity: &'a Affinity, tolerance: f64) -> Result<Graph<'a>, StageError> {
+        let Self { inverse_sqrt_degrees, edges: buffer, twins } = self;
+        let returns = (edges(&affinity.weights, buffer)?, &affinity.degrees[..]);
+        let found = twins.find(returns.0, returns.1, tolerance);
+        let (edges, degrees) = if found { twins.quotient() } else { returns };
         inverse_sqrt_degrees.clear();
-        inverse_sqrt_degrees.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
-        let edges = edges(&affinity.weights, buffer)?;
-        Ok(Graph { edges, degrees: &affinity.degrees, inverse_sqrt_degrees })
+        inverse_sqrt_degrees.extend(degrees.iter().map(|degree| degree.sqrt().recip()));
+        let (sizes, node_of_return) = (twins.sizes(), twins.node_of_return());
+        Ok(Graph { edges, degrees, inverse_sqrt_degrees, sizes, node_of_return })
     }
 }
 
@@ -49,9 +58,14 @@ impl Graph<'_> {
     /// L_ii, if so much of the weights of its edges is set aside.
     #[inline]
     pub(crate) fn diagonal(&self, i: usize, leak: f64) -> f64 {
-        // W_ii is 1.
         let inverse_degree = self.inverse_sqrt_degrees[i] * self.inverse_sqrt_degrees[i];
-        1.0 - leak * inverse_degree - inverse_degree
+        1.0 - leak * inverse_degree - self.sizes[i] * inverse_degree
+    }
+
+    /// The least of the eigenvalues whose eigenvectors differ on twins, if there are any.
+    pub(crate) fn least_of_twins(&self) -> Option<f64> {
+        let twins = self.sizes.iter().zip(self.degrees).filter(|(size, _)| **size > 1.0);
+        twins.map(|(size, degree)| 1.0 - size / degree).min_by(f64::total_cmp)
     }
 }
 

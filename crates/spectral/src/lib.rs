@@ -60,6 +60,7 @@ mod second;
 mod slicing;
 mod sparse;
 mod split;
+mod twins;
 mod zero_rule;
 
 use crosscut_stage::{Kind, SpectralStage};

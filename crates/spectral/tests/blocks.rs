@@ -5,7 +5,7 @@ mod solving;
 
 use std::cell::Cell;
 
-use crosscut_spectral::{Blocks, NalgebraEvd, ZeroRule};
+use crosscut_spectral::{Blocks, FaerEvd, NalgebraEvd, ZeroRule};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 use faer::Mat;
 use proptest::collection::vec;
@@ -136,6 +136,27 @@ fn a_real_leak_between_two_walls_is_the_second_eigenvalue() {
     assert_eq!(found.margin_decades, Some((found.tolerance / found.eigenvalues[1]).log10()));
 }
 
+#[test]
+fn twins_of_a_wall_that_is_almost_two_are_all_in_its_eigenvectors() {
+    let mut affinity = hubs(6, 180);
+    // Between hubs 2 and 3 and their leaves.
+    for leaf in [2].into_iter().chain(6 + 2 * 180..6 + 3 * 180) {
+        let w = affinity.weights.make_dense(6 * 181);
+        let lost = w[(leaf, 3)] - 1e-9;
+        (w[(leaf, 3)], w[(3, leaf)]) = (1e-9, 1e-9);
+        affinity.degrees[leaf] -= lost;
+        affinity.degrees[3] -= lost;
+    }
+    let rule = ZeroRule::Tolerance(1e-8);
+    let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+    for weak_link in [0.0, 1e-3] {
+        let (found, notes) = spectrum(&mut Blocks::new(rule, weak_link).expect("allowed"), &affinity);
+        assert_eq!((found.k, all.k, notes), (2, 2, usize::from(weak_link == 0.0)), "{:?}", found.eigenvalues);
+        assert!((found.eigenvalues[2] - all.eigenvalues[2]).abs() < 1e-12);
+        assert!(sine(&found.u.to_dense(), &all.u.to_dense()) < found.span_bound + 1e-8);
+    }
+}
+
 /// A chain of hubs, each tied to the next, with so many leaves tied to it and to the next hub: no order of its nodes has short
 /// edges.
 fn hubs(hubs: usize, leaves: usize) -> Affinity {
@@ -159,11 +180,11 @@ fn hubs(hubs: usize, leaves: usize) -> Affinity {
 
 #[test]
 fn a_block_whose_edges_are_long_in_every_order_has_the_second_eigenvalue_of_a_full_decomposition() {
-    for (count, leaves) in [(2, 150), (4, 90), (5, 70)] {
+    for (count, leaves) in [(2, 150), (4, 90), (5, 70), (1, 1200), (2, 600), (5, 210)] {
         let affinity = hubs(count, leaves);
         let rule = ZeroRule::Tolerance(1e-8);
         let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
-        let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
+        let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
         assert_eq!((found.k, notes), (1, 0), "{count} hubs of {leaves} leaves");
         let (next, expected) = (found.eigenvalues[1], all.eigenvalues[1]);
         assert!((next - expected).abs() < 1e-12, "{count} hubs: {next} is {expected} by full decomposition");
