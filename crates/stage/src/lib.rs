@@ -32,7 +32,7 @@ pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{Kind, StageKind};
-pub use level_view::LevelView;
+pub use level_view::{LevelReturn, LevelView};
 pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
 pub use partition::Partition;
 pub use revolution::{Beam, Revolution, Sweep, wrap_angle_rad};

@@ -4,7 +4,8 @@
 //!
 //! Places with 2, 3 and 4 branches 4 to 5 m wide, seen by a 2D lidar of more and more beams, as dense 2D clouds, and by a lidar
 //! of many rings. Of each size: the processor time of a revolution, from its points to its walls and openings; how many of the
-//! answers have the true count; and the exponent a of the fit time = c·nᵃ.
+//! answers have the true count; and the exponent a of the fit time = c·nᵃ, of each kind, and from sweeps to clouds: of one line fitted
+//! through both, and from the smallest sweep to the largest cloud.
 
 mod plot;
 
@@ -46,7 +47,9 @@ fn main() -> anyhow::Result<()> {
         println!("{name:<10} grow as n^{:.2}\n", curve.exponent());
         curves.push(curve);
     }
-    println!("sweeps, then 2D clouds of more points, grow as n^{:.2}", one_line(&curves[0], &curves[1]).exponent());
+    let all = one_line(&curves[0], &curves[1]);
+    println!("sweeps, then 2D clouds of more points, grow as n^{:.2}", all.exponent());
+    println!("from the smallest sweep to the largest 2D cloud, n^{:.2}", all.ends().exponent());
     println!("most memory: {} MB", peak_memory_mb()?);
     if let Some(figure) = std::env::args().nth(1) {
         std::fs::write(&figure, plot::svg(&curves)).with_context(|| format!("cannot write {figure}"))?;

@@ -27,6 +27,12 @@ impl Curve {
         let across: f64 = logs.iter().map(|log| (log[0] - x) * (log[1] - y)).sum();
         across / logs.iter().map(|log| (log[0] - x).powi(2)).sum::<f64>()
     }
+
+    /// Its first and last measurement alone.
+    pub(crate) fn ends(&self) -> Self {
+        let ends = self.points.first().into_iter().chain(self.points.last());
+        Self { name: self.name, points: ends.copied().collect() }
+    }
 }
 
 /// The figure.

@@ -1,37 +1,53 @@
 //! The walls of a cloud: those that a level vehicle sees, carried on to the returns that it does not see.
 
-use crosscut_stage::{Affinity, LevelView, Point, Revolution, Weights};
-use nalgebra::distance;
+use std::f64::consts::TAU;
+use std::ops::Range;
 
-use crate::columns::Columns;
+use crosscut_stage::{Affinity, LevelReturn, LevelView, Revolution, Weights};
+use nalgebra::Vector2;
 
 /// Unseen returns are coarsened to so much of a vehicle's width.
 const SPACING: f64 = 0.25;
+/// Of a return that is not level.
+const NONE: u32 = u32::MAX;
+
+/// A return and what it weighs to be tied to it.
+type Tie = (u32, f64);
 
 /// W of a cloud, from that of what is seen of it; holds its buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carrying {
-    /// The level returns at z = 0; those that are seen first, in beam order.
-    level_m: Vec<Point>,
-    /// Their numbers in the cloud.
-    numbers: Vec<u32>,
-    columns: Columns,
-    near: Vec<u32>,
-    /// The representative of each level return, among them all: the nearest that is no farther than the spacing.
-    representative: Vec<u32>,
-    /// The level return from which a wall was carried on to a representative that is not seen.
-    carried_from: Vec<Option<u32>>,
+    /// By beam, those of a beam by range.
+    representatives: Vec<Representative>,
+    /// Where those of each beam start, and the end.
+    starts: Vec<usize>,
+    /// The representative of each return of the cloud.
+    of_return: Vec<u32>,
+    /// That of each return that is seen.
+    of_seen: Vec<u32>,
     open: Vec<u32>,
-    /// Of what each representative is tied to the two nearest, and their weights.
-    nearest: Vec<[Option<(u32, f64)>; 2]>,
-    rows: Vec<Vec<(u32, f64)>>,
+    /// The rows of the representatives, columns by numbers of the cloud.
+    rows: Vec<Vec<Tie>>,
+}
+
+/// A level return that stands for those near it.
+#[derive(Clone, Copy, Debug)]
+struct Representative {
+    place_m: Vector2<f64>,
+    level: LevelReturn,
+    /// Its number among those that are seen.
+    seen: Option<u32>,
+    /// The representative from which a wall was carried on to it.
+    carried_from: Option<u32>,
+    /// The two nearest of the representatives that it is tied to, if there are any.
+    nearest: [Option<Tie>; 2],
 }
 
 impl Carrying {
     /// Writes W and D of `cloud` into `out`. `seen` is the graph of `view.seen()`.
     ///
-    /// 1. The level returns are coarsened: each has a representative within a quarter of `passage_m`, and all that are seen
-    ///    represent themselves.
+    /// 1. The level returns of each beam are coarsened: walking outward, each is represented by the last representative that is
+    ///    no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen represent themselves.
     /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps first:
     ///    each is tied to the one that it was reached from, so that nothing unseen joins two walls.
     /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied to.
@@ -47,114 +63,117 @@ impl Carrying {
         passage_m: f64,
         out: &mut Affinity,
     ) {
-        self.take_level(cloud, view);
-        self.coarsen(view.numbers().len(), SPACING * passage_m);
-        self.carry(seen, passage_m);
-        self.tie_all(cloud.len(), seen);
-        self.write_rows(cloud.len(), out);
+        self.coarsen(cloud, view, SPACING * passage_m);
+        self.carry(seen, view.beams(), passage_m);
+        self.tie_representatives(seen);
+        self.tie_others();
+        self.write_rows(out);
     }
 
-    fn take_level(&mut self, cloud: &Revolution, view: &LevelView) {
-        let mut is_seen = vec![false; cloud.len()];
-        view.numbers().iter().for_each(|&number| is_seen[number as usize] = true);
-        self.numbers.clear();
-        self.numbers.extend_from_slice(view.numbers());
-        self.numbers.extend(view.level().iter().filter(|&&number| !is_seen[number as usize]));
-        let from_above = |&number: &u32| {
-            let point = cloud.points_m[number as usize];
-            Point::new(point.x, point.y, 0.0)
-        };
-        self.level_m.clear();
-        self.level_m.extend(self.numbers.iter().map(from_above));
-    }
-
-    /// Fills `representative`: a level return that none before it represents is one.
-    fn coarsen(&mut self, seen: usize, spacing_m: f64) {
-        let Self { level_m, columns, near, representative, .. } = self;
-        columns.fill(level_m, spacing_m);
-        representative.clear();
-        representative.resize(level_m.len(), u32::MAX);
-        (0..seen).for_each(|i| representative[i] = i as u32);
-        for i in 0..level_m.len() {
-            if i >= seen && representative[i] != u32::MAX {
-                continue;
+    fn coarsen(&mut self, cloud: &Revolution, view: &LevelView, spacing_m: f64) {
+        let Self { representatives, starts, of_return, of_seen, .. } = self;
+        representatives.clear();
+        starts.clear();
+        of_return.clear();
+        of_return.resize(cloud.len(), NONE);
+        of_seen.clear();
+        for level in view.level() {
+            let is_seen = view.numbers().get(of_seen.len()) == Some(&level.number);
+            let stands_for = |last: &Representative| {
+                last.level.beam == level.beam && level.range_m <= last.level.range_m + spacing_m
+            };
+            if is_seen || !representatives.last().is_some_and(stands_for) {
+                starts.resize(level.beam as usize + 1, representatives.len());
+                representatives.push(Representative {
+                    place_m: cloud.points_m[level.number as usize].coords.xy(),
+                    level: *level,
+                    seen: is_seen.then_some(of_seen.len() as u32),
+                    carried_from: None,
+                    nearest: [None; 2],
+                });
             }
-            representative[i] = i as u32;
-            columns.near(level_m, &level_m[i], spacing_m, near);
-            for j in near.iter().map(|&j| j as usize).filter(|&j| j >= seen) {
-                let now = representative[j] as usize;
-                let is_nearer = |at: usize| distance(&level_m[j], &level_m[i]) < distance(&level_m[j], &level_m[at]);
-                if now != j && level_m.get(now).is_none_or(|_| is_nearer(now)) {
-                    representative[j] = i as u32;
-                }
+            let representative = representatives.len() as u32 - 1;
+            of_return[level.number as usize] = representative;
+            if is_seen {
+                of_seen.push(representative);
             }
         }
+        starts.resize(view.beams() + 1, representatives.len());
     }
 
-    /// Fills `carried_from`, breadth first from the seen returns that have an edge.
-    fn carry(&mut self, seen: &Affinity, passage_m: f64) {
-        let Self { level_m, columns, near, representative, carried_from, open, .. } = self;
-        let representatives = (0..level_m.len() as u32).filter(|&j| representative[j as usize] == j);
-        columns.fill_with(level_m, representatives, passage_m);
-        carried_from.clear();
-        carried_from.resize(level_m.len(), None);
-        let is_of_wall = |i: usize| seen.degrees.get(i).is_some_and(|degree| *degree > 1.0);
+    /// Sets `carried_from`, breadth first from the seen returns that have an edge.
+    fn carry(&mut self, seen: &Affinity, beams: usize, passage_m: f64) {
+        let Self { representatives, starts, of_seen, open, .. } = self;
+        let is_of_wall = |one: &Representative| one.seen.is_some_and(|seen_at| seen.degrees[seen_at as usize] > 1.0);
         open.clear();
-        open.extend((0..seen.degrees.len() as u32).filter(|&i| is_of_wall(i as usize)));
+        open.extend(of_seen.iter().filter(|&&at| is_of_wall(&representatives[at as usize])));
         let mut next = 0;
         while let Some(&from) = open.get(next) {
             next += 1;
-            columns.near(level_m, &level_m[from as usize], passage_m, near);
-            for &j in near.iter() {
-                let at = j as usize;
-                if !is_of_wall(at) && carried_from[at].is_none() {
-                    carried_from[at] = Some(from);
-                    open.push(j);
+            let Representative { place_m, level, .. } = representatives[from as usize];
+            for stretch in beams_within(passage_m, level, beams).map(|beams| starts[beams.start]..starts[beams.end]) {
+                for at in stretch {
+                    let to = &mut representatives[at];
+                    let is_near = (to.place_m - place_m).norm_squared() <= passage_m * passage_m;
+                    if is_near && to.carried_from.is_none() && !is_of_wall(to) {
+                        to.carried_from = Some(from);
+                        open.push(at as u32);
+                    }
                 }
             }
         }
     }
 
-    /// Fills `rows`, by numbers of the cloud.
-    fn tie_all(&mut self, n: usize, seen: &Affinity) {
-        let Self { level_m, numbers, representative, carried_from, nearest, rows, .. } = self;
+    /// Writes what representatives are tied to among themselves into `rows`, and sets `nearest`.
+    fn tie_representatives(&mut self, seen: &Affinity) {
+        let Self { representatives, of_seen, rows, .. } = self;
         rows.iter_mut().for_each(Vec::clear);
-        rows.resize_with(n.max(rows.len()), Vec::new);
-        (0..n).for_each(|i| rows[i].push((i as u32, 1.0)));
-        // What a representative is tied to.
-        let ties_of = |at: u32| {
-            let along = row(seen, at as usize).filter(move |&(j, _)| j != at);
-            along.chain(carried_from[at as usize].map(|from| (from, 1.0)))
-        };
-        nearest.clear();
-        nearest.extend((0..).zip(&*representative).map(|(i, &at)| match at == i {
-            true => nearest_two(level_m, at, ties_of(at)),
-            false => [None; 2],
-        }));
-        let mut tie = |i: usize, j: u32, weight: f64| {
-            let (i, j) = (numbers[i], numbers[j as usize]);
-            rows[i as usize].push((j, weight));
-            rows[j as usize].push((i, weight));
-        };
-        for (i, &at) in representative.iter().enumerate() {
-            if at as usize == i {
-                let once = |j: u32| j > at || carried_from[i].is_some();
-                ties_of(at).filter(|&(j, _)| once(j)).for_each(|(j, weight)| tie(i, j, weight));
-                continue;
+        rows.resize_with(representatives.len().max(rows.len()), Vec::new);
+        let mut ties: Vec<Tie> = Vec::new();
+        for at in 0..representatives.len() {
+            let Representative { level, seen: seen_at, carried_from, .. } = representatives[at];
+            ties.clear();
+            let along = seen_at.into_iter().flat_map(|i| row(seen, i as usize));
+            ties.extend(along.map(|(j, weight)| (of_seen[j as usize], weight)).filter(|&(j, _)| j as usize != at));
+            if let Some(from) = carried_from {
+                ties.push((from, 1.0));
+                rows[from as usize].push((level.number, 1.0));
             }
-            let nearest = nearest[at as usize];
-            if nearest[0].is_some() {
-                tie(i, at, 1.0);
-            }
-            nearest.into_iter().flatten().for_each(|(j, weight)| tie(i, j, weight));
+            rows[at].push((level.number, 1.0));
+            rows[at].extend(ties.iter().map(|&(j, weight)| (representatives[j as usize].level.number, weight)));
+            representatives[at].nearest = nearest_two(representatives, at, &ties);
         }
     }
 
-    fn write_rows(&mut self, n: usize, out: &mut Affinity) {
+    /// Adds the returns that are represented by another one to `rows`.
+    fn tie_others(&mut self) {
+        let Self { representatives, of_return, rows, .. } = self;
+        for (i, &at) in (0..).zip(&*of_return) {
+            let Some(one) = representatives.get(at as usize).filter(|one| one.level.number != i) else { continue };
+            for (j, weight) in ties_through(at, one) {
+                rows[j as usize].push((i, weight));
+            }
+        }
+    }
+
+    fn write_rows(&mut self, out: &mut Affinity) {
+        let Self { representatives, of_return, rows, .. } = self;
         let csr = out.weights.make_sparse();
         out.degrees.clear();
-        for row in &mut self.rows[..n] {
-            row.sort_unstable_by_key(|&(column, _)| column);
+        let mut other: Vec<Tie> = Vec::new();
+        for (i, &at) in (0..).zip(&*of_return) {
+            let row = match representatives.get(at as usize) {
+                Some(one) if one.level.number == i => &mut rows[at as usize],
+                represented => {
+                    let ties = represented.into_iter().flat_map(|one| ties_through(at, one));
+                    other.clear();
+                    other.push((i, 1.0));
+                    other.extend(ties.map(|(j, weight)| (representatives[j as usize].level.number, weight)));
+                    &mut other
+                }
+            };
+            // Those that were added last, most of all, ascend already.
+            row.sort_by_key(|&(column, _)| column);
             row.iter().for_each(|&(column, weight)| csr.push(column, weight));
             csr.end_row();
             out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
@@ -162,20 +181,41 @@ impl Carrying {
     }
 }
 
-/// The entries of row `i` of the seen graph; none of what is not seen.
-fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = (u32, f64)> {
+/// What a return is tied to that is represented by the one at `at`: nothing, if that is not of a wall.
+fn ties_through(at: u32, representative: &Representative) -> impl Iterator<Item = Tie> {
+    let nearest = representative.nearest;
+    let itself = nearest[0].map(|_| (at, 1.0));
+    itself.into_iter().chain(nearest.into_iter().flatten())
+}
+
+/// The beams in which all places lie that are no farther than `reach_m` from a return; in two stretches over the last beam.
+fn beams_within(reach_m: f64, of: LevelReturn, beams: usize) -> [Range<usize>; 2] {
+    let (beam, step_rad) = (of.beam as usize, TAU / beams as f64);
+    let spread_rad = if of.range_m > reach_m { (reach_m / of.range_m).asin() } else { TAU };
+    let spread = (spread_rad / step_rad) as usize + 1;
+    match (beam.checked_sub(spread), beam + spread + 1) {
+        _ if 2 * spread >= beams => [0..beams, 0..0],
+        (None, end) => [0..end, beam + beams - spread..beams],
+        (Some(start), end) if end > beams => [0..end - beams, start..beams],
+        (Some(start), end) => [start..end, 0..0],
+    }
+}
+
+/// The entries of row `i` of the seen graph.
+fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = Tie> {
     let (columns, weights) = match &seen.weights {
-        Weights::Sparse(w) if i < w.n() => w.row(i),
+        Weights::Sparse(w) => w.row(i),
         _ => (&[][..], &[][..]),
     };
     columns.iter().copied().zip(weights.iter().copied())
 }
 
-/// The two of `ties` that are nearest to the return at `at`, the first of equals.
-fn nearest_two(level_m: &[Point], at: u32, ties: impl Iterator<Item = (u32, f64)>) -> [Option<(u32, f64)>; 2] {
+/// The two of `ties` that are nearest to the representative at `at`, the first of equals.
+fn nearest_two(representatives: &[Representative], at: usize, ties: &[Tie]) -> [Option<Tie>; 2] {
+    let place_m = |at: usize| representatives[at].place_m;
     let mut nearest = [(f64::INFINITY, None); 2];
-    for tie in ties {
-        let found = (distance(&level_m[tie.0 as usize], &level_m[at as usize]), Some(tie));
+    for &tie in ties {
+        let found = ((place_m(tie.0 as usize) - place_m(at)).norm_squared(), Some(tie));
         if found.0 < nearest[0].0 {
             nearest = [found, nearest[0]];
         } else if found.0 < nearest[1].0 {
@@ -183,4 +223,27 @@ fn nearest_two(level_m: &[Point], at: u32, ties: impl Iterator<Item = (u32, f64)
         }
     }
     nearest.map(|(_, tie)| tie)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_place_within_reach_lies_in_another_beam() {
+        let reach_m = 0.6;
+        for (beams, range_m) in [1, 2, 3, 50, 720].into_iter().flat_map(|beams| [0.4, 0.7, 5.0].map(|m| (beams, m))) {
+            for beam in 0..beams {
+                let stretches = beams_within(reach_m, LevelReturn { number: 0, beam: beam as u32, range_m }, beams);
+                assert!(stretches.iter().map(Range::len).sum::<usize>() <= beams, "none twice");
+                for other in (0..beams).filter(|other| !stretches.iter().any(|stretch| stretch.contains(other))) {
+                    // From the end of one beam to the nearest place in that of the other.
+                    let least_apart = other.abs_diff(beam).min(beams - other.abs_diff(beam)) - 1;
+                    let (sin, cos) = (TAU * least_apart as f64 / beams as f64).sin_cos();
+                    let least_m = if cos > 0.0 { range_m * sin } else { range_m };
+                    assert!(least_m > reach_m, "{beam} and {other} of {beams} at {range_m} m");
+                }
+            }
+        }
+    }
 }

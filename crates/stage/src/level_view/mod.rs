@@ -1,11 +1,13 @@
 //! A cloud as a vehicle sees it that flies level: a 2D sweep of the nearest returns at its height.
 
+mod fan;
 mod usual;
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
-use crate::{Beam, Point, Revolution, Sweep, wrap_angle_rad};
-use usual::{Fan, Usual};
+use crate::{Beam, Point, Revolution, Sweep};
+use fan::Fan;
+use usual::Usual;
 
 /// A beam is half a degree wide if there are returns enough.
 const MOST_BEAMS: usize = 720;
@@ -40,47 +42,47 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 pub struct LevelView {
     seen: Revolution,
     numbers: Vec<u32>,
-    level: Vec<u32>,
-    /// Of each return of the cloud.
-    ranges_m: Vec<f64>,
-    echoes: Vec<Echo>,
+    level: Vec<LevelReturn>,
+    /// The level returns in the order of the cloud.
+    undealt: Vec<LevelReturn>,
+    fan: Fan,
     usual: Usual,
     /// The return that each beam sees, from the beam of the first level return on.
-    beams: Vec<Option<Echo>>,
+    met: Vec<Option<LevelReturn>>,
 }
 
-/// A level return within its beam.
-#[derive(Clone, Copy, Debug)]
-struct Echo {
-    beam: usize,
-    range_m: f64,
-    number: u32,
+/// A return at the height of the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LevelReturn {
+    /// Its number in the cloud.
+    pub number: u32,
+    /// Its beam, anticlockwise.
+    pub beam: u32,
+    /// Its horizontal distance from the sensor.
+    pub range_m: f64,
 }
 
 impl LevelView {
     /// Looks at `cloud`, whatever was looked at before. What lies within half the vehicle's width of the sensor is the
     /// vehicle itself.
     pub fn look(&mut self, cloud: &Revolution, height_m: f64, width_m: f64) {
-        self.ranges_m.clear();
-        self.ranges_m.extend((0..cloud.len()).map(|i| cloud.range_m(i)));
-        let is_level = |&number: &u32| {
-            let i = number as usize;
-            cloud.points_m[i].z.abs() <= height_m / 2.0 && self.ranges_m[i] > width_m / 2.0
-        };
+        let (half_height_m, nearest_m) = (0.5 * height_m, 0.5 * width_m);
+        let is_level = |point: &Point| point.z.abs() <= half_height_m && point.coords.xy().norm() > nearest_m;
+        let mut level = cloud.points_m.iter().filter(|point| is_level(point));
+        let first_rad = level.next().map(|first| first.y.atan2(first.x));
+        let beams = first_rad.map_or(0, |_| MOST_BEAMS.min(1 + level.count()));
+        self.fan.open(first_rad.unwrap_or(0.0), beams);
         self.level.clear();
-        self.level.extend((0..cloud.len() as u32).filter(is_level));
-        let first_rad = self.level.first().map_or(0.0, |&first| cloud.bearing_rad(first as usize));
-        let fan = Fan { first_rad, beams: self.level.len().min(MOST_BEAMS) };
-        self.beams.clear();
-        self.beams.resize(fan.beams, None);
-        if fan.beams > 0 {
-            self.usual.measure(cloud, &self.ranges_m, &fan, height_m, width_m);
+        self.met.clear();
+        self.met.resize(beams, None);
+        if beams > 0 {
+            self.find_level(cloud, half_height_m, nearest_m);
             self.deal();
-            for echoes in self.echoes.chunk_by(|a, b| a.beam == b.beam) {
-                self.beams[echoes[0].beam] = first_met(echoes, &self.usual, width_m);
+            for returns in self.level.chunk_by(|a, b| a.beam == b.beam) {
+                self.met[returns[0].beam as usize] = first_met(returns, &self.usual, width_m);
             }
         }
-        self.write_sweep(cloud, first_rad);
+        self.write_sweep(cloud);
     }
 
     /// The returns that are seen, in beam order with the beams behind them, at z = 0.
@@ -93,62 +95,104 @@ impl LevelView {
         &self.numbers
     }
 
-    /// The numbers in the cloud of all level returns, ascending.
-    pub fn level(&self) -> &[u32] {
+    /// All level returns, those that are not seen too: beam by beam from the first of the view, those of a beam by range.
+    pub fn level(&self) -> &[LevelReturn] {
         &self.level
+    }
+
+    /// Number of beams all around, those outside the view among them.
+    pub fn beams(&self) -> usize {
+        self.fan.beams
+    }
+
+    /// Fills `undealt`, and learns what is usual.
+    fn find_level(&mut self, cloud: &Revolution, half_height_m: f64, nearest_m: f64) {
+        let Self { undealt, fan, usual, .. } = self;
+        usual.begin(fan.beams, nearest_m);
+        undealt.clear();
+        let mut beam = 0;
+        for (number, point) in (0..).zip(&cloud.points_m) {
+            let (place_m, up_m) = (point.coords.xy(), point.z.abs());
+            let range_m = place_m.norm();
+            let ranges = usual.ranges_to(half_height_m * range_m / up_m);
+            if ranges == 0 {
+                continue;
+            }
+            beam = fan.beam(place_m, beam);
+            usual.count(beam, ranges);
+            if up_m <= half_height_m && range_m > nearest_m {
+                undealt.push(LevelReturn { number, beam: beam as u32, range_m });
+            }
+        }
+        usual.end();
     }
 
     /// Sorts the level returns by beam, those of a beam by range.
     fn deal(&mut self) {
-        let Self { level, ranges_m, echoes, usual, .. } = self;
-        let echo = |&number: &u32| Echo { beam: usual.beam(number), range_m: ranges_m[number as usize], number };
-        echoes.clear();
-        echoes.extend(level.iter().map(echo));
-        // Most clouds come beam by beam, and are sorted by beams at once.
-        echoes.sort_by_key(|echo| echo.beam);
-        for echoes in echoes.chunk_by_mut(|a, b| a.beam == b.beam) {
-            echoes.sort_unstable_by(|a, b| a.range_m.total_cmp(&b.range_m).then(a.number.cmp(&b.number)));
+        let Self { level, undealt, fan, .. } = self;
+        let mut next = vec![0; fan.beams + 1];
+        undealt.iter().for_each(|level| next[level.beam as usize + 1] += 1);
+        (0..fan.beams).for_each(|beam| next[beam + 1] += next[beam]);
+        level.resize(undealt.len(), LevelReturn::default());
+        for one in undealt {
+            let next = &mut next[one.beam as usize];
+            level[*next] = *one;
+            *next += 1;
+        }
+        for returns in level.chunk_by_mut(|a, b| a.beam == b.beam) {
+            returns.sort_unstable_by(|a, b| a.range_m.total_cmp(&b.range_m).then(a.number.cmp(&b.number)));
         }
     }
 
-    fn write_sweep(&mut self, cloud: &Revolution, first_rad: f64) {
-        let Self { seen, numbers, beams, .. } = self;
+    fn write_sweep(&mut self, cloud: &Revolution) {
+        let Self { seen, numbers, level, fan, met, .. } = self;
         seen.clear();
         (seen.seq, seen.stamp_ns) = (cloud.seq, cloud.stamp_ns);
         numbers.clear();
         let sweep = seen.sweep.get_or_insert_with(Sweep::default);
-        sweep.step_rad = TAU / beams.len().max(1) as f64;
+        sweep.step_rad = fan.step_rad();
         sweep.range_max_m = f64::INFINITY;
-        let (begin, unseen) = widest_empty(beams);
+        let (begin, unseen) = widest_empty(met);
         sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
-        let turn = if sweep.full_turn { 0..beams.len() } else { begin + unseen..begin + beams.len() };
+        let turn = if sweep.full_turn { 0..met.len() } else { begin + unseen..begin + met.len() };
+        if !sweep.full_turn {
+            start_at(turn.start, fan.beams, level);
+        }
         for beam in turn {
-            sweep.bearings_rad.push(wrap_angle_rad(first_rad + beam as f64 * sweep.step_rad));
-            let Some(echo) = beams[beam % beams.len()] else {
+            sweep.bearings_rad.push(fan.bearing_rad(beam));
+            let Some(met) = met[beam % met.len()] else {
                 sweep.ranges_m.push(f32::INFINITY);
                 sweep.beams.push(Beam::NoReturn);
                 continue;
             };
-            sweep.ranges_m.push(echo.range_m as f32);
+            sweep.ranges_m.push(met.range_m as f32);
             sweep.beams.push(Beam::Return(numbers.len() as u32));
-            let point = cloud.points_m[echo.number as usize];
+            let point = cloud.points_m[met.number as usize];
             seen.points_m.push(Point::new(point.x, point.y, 0.0));
-            numbers.push(echo.number);
+            numbers.push(met.number);
         }
     }
 }
 
+/// Numbers the beams of returns, which are sorted by them, from another one on, and sorts the returns by that.
+fn start_at(first: usize, beams: usize, level: &mut [LevelReturn]) {
+    let (first, beams) = (first as u32, beams as u32);
+    let before = level.partition_point(|one| one.beam < first % beams);
+    level.rotate_left(before);
+    level.iter_mut().for_each(|one| one.beam = (one.beam + 2 * beams - first) % beams);
+}
+
 /// What one beam sees of its returns, which ascend by range.
-fn first_met(echoes: &[Echo], usual: &Usual, width_m: f64) -> Option<Echo> {
-    let is_met = |&(at, echo): &(usize, &Echo)| {
-        let last = echoes.get(at + usual.enough(echo.range_m) - 1);
-        last.is_some_and(|last| last.range_m <= echo.range_m + width_m)
+fn first_met(returns: &[LevelReturn], usual: &Usual, width_m: f64) -> Option<LevelReturn> {
+    let is_met = |&(at, one): &(usize, &LevelReturn)| {
+        let last = returns.get(at + usual.enough(one.range_m) - 1);
+        last.is_some_and(|last| last.range_m <= one.range_m + width_m)
     };
-    echoes.iter().enumerate().find(is_met).map(|(_, echo)| *echo)
+    returns.iter().enumerate().find(is_met).map(|(_, one)| *one)
 }
 
 /// The first beam and the number of beams of the longest run without a return, the first of equals; around the turn.
-fn widest_empty(beams: &[Option<Echo>]) -> (usize, usize) {
+fn widest_empty(beams: &[Option<LevelReturn>]) -> (usize, usize) {
     let Some(start) = beams.iter().position(Option::is_some) else { return (0, beams.len()) };
     let mut widest = (0, 0);
     let mut run = 0;
@@ -167,6 +211,8 @@ fn widest_empty(beams: &[Option<Echo>]) -> (usize, usize) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn look(points_m: Vec<Point>) -> LevelView {
