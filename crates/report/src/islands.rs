@@ -2,24 +2,39 @@
 
 use crosscut_stage::{Junction, Point, Revolution, Wall};
 
-use crate::ring::{Entry, Ring};
+use crate::ring::{Position, Ring};
 
 /// What is seen past either end of an island lies at least this much farther.
 const BEHIND_M: f64 = 0.5;
+/// Walls that run out in directions no farther apart are the sides of one way on: two branches are farther apart.
+const ONE_WAY_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
-/// Sets `island` of the walls of `out` that are shorter than `island_m` and on both sides of which the next wall, going
-/// around the sensor, is farther away, and takes them out of `ring`. Nearest first: one that is partly hidden by another
-/// is judged by what is beside both. Two beside each other, neither of them farther, stand free together.
-pub fn mark(revolution: &Revolution, island_m: f64, ring: &mut Ring, out: &mut Junction) {
+/// What is asked of an island.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// It is shorter.
+    pub island_m: f64,
+    /// A vehicle can pass beside it.
+    pub vehicle_width_m: f64,
+}
+
+/// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free if on
+/// both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other there is
+/// room, and both are long walls that run out past it side by side: it stands in the way on between them.
+///
+/// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither of
+/// them farther, stand free together.
+pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
     let length_m = lengths_m(revolution, out);
-    let short = |wall: &&Wall| length_m[wall.id as usize] < island_m;
+    let is_short = |wall: u32| length_m[wall as usize] < limits.island_m;
+    let short = |wall: &&Wall| is_short(wall.id);
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
         out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
     let mut others = out.walls.len();
-    while let Some(free) = first_free(ring, &candidates).filter(|free| free.len() < others) {
+    while let Some(free) = first_free(ring, &candidates, limits, &is_short).filter(|free| free.len() < others) {
         others -= free.len();
         for id in free {
             out.walls[id as usize].island = true;
@@ -30,10 +45,10 @@ pub fn mark(revolution: &Revolution, island_m: f64, ring: &mut Ring, out: &mut J
 }
 
 /// The first of the walls that stands free; if there is none, the first two that do together.
-fn first_free(ring: &Ring, walls: &[u32]) -> Option<Vec<u32>> {
+fn first_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> Option<Vec<u32>> {
     let alone = walls.iter().map(|&id| vec![id]);
     let pairs = (1..walls.len()).flat_map(|b| (0..b).map(move |a| vec![walls[a], walls[b]]));
-    alone.chain(pairs).find(|free| stand_free(ring, free))
+    alone.chain(pairs).find(|free| stand_free(ring, free, limits, is_short))
 }
 
 /// The largest distance of a return of each wall from its first.
@@ -55,20 +70,85 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
     of_wall.map(|i| revolution.range_m(i)).fold(f64::INFINITY, f64::min)
 }
 
-fn stand_free(ring: &Ring, walls: &[u32]) -> bool {
-    let is_one = |entry: &Entry| walls.contains(&entry.wall);
-    if !ring.full_turn && (ring.entries.first().is_some_and(is_one) || ring.entries.last().is_some_and(is_one)) {
+fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> bool {
+    let is_one = |at: usize| walls.contains(&ring.entries[at].wall);
+    if !ring.full_turn && ring.len() > 0 && (is_one(0) || is_one(ring.len() - 1)) {
         return false;
     }
-    (0..ring.edges()).all(|at| {
-        let [a, b] = [ring.entries[at], ring.entries[ring.after(at)]];
-        let (inner, outer) = match (is_one(&a), is_one(&b)) {
-            (true, false) => (a, b),
-            (false, true) => (b, a),
-            _ => return true,
-        };
-        outer.range_m > inner.range_m + BEHIND_M
-    })
+    let steps: Vec<Step> = (0..ring.edges()).filter_map(|at| Step::from_one_to_another(ring, at, is_one)).collect();
+    let behind = steps.iter().filter(|step| step.goes_behind(ring)).count();
+    let in_way = |[a, b]: [&Step; 2]| {
+        let has_room = |step: &Step| step.goes_behind(ring) || step.aside_m(ring) >= limits.vehicle_width_m;
+        let is_long = |step: &Step| !is_short(ring.entries[step.outer].wall);
+        [a, b].iter().all(|step| has_room(step) && is_long(step))
+            && stands_between(ring, [a, b], limits.vehicle_width_m)
+    };
+    match &steps[..] {
+        _ if behind == steps.len() => true,
+        [a, b] if behind == 1 => in_way([a, b]),
+        _ => false,
+    }
+}
+
+/// From an end of a wall to the return beside it, which is of another.
+struct Step {
+    inner: usize,
+    outer: usize,
+    /// The other wall goes on anticlockwise.
+    anticlockwise: bool,
+}
+
+impl Step {
+    /// The step from an entry to the next, if one of them alone `is_one` of the walls asked about.
+    fn from_one_to_another(ring: &Ring, at: usize, is_one: impl Fn(usize) -> bool) -> Option<Self> {
+        let next = ring.after(at);
+        match (is_one(at), is_one(next)) {
+            (true, false) => Some(Self { inner: at, outer: next, anticlockwise: true }),
+            (false, true) => Some(Self { inner: next, outer: at, anticlockwise: false }),
+            _ => None,
+        }
+    }
+
+    fn goes_behind(&self, ring: &Ring) -> bool {
+        ring.entries[self.outer].range_m > ring.entries[self.inner].range_m + BEHIND_M
+    }
+
+    /// How far the two ends are apart across the beams, at the nearer of them.
+    fn aside_m(&self, ring: &Ring) -> f64 {
+        let [inner, outer] = [self.inner, self.outer].map(|at| &ring.entries[at]);
+        let apart = inner.beam.abs_diff(outer.beam);
+        let apart = if ring.full_turn { apart.min(ring.beams.len() - apart) } else { apart };
+        inner.range_m.min(outer.range_m) * apart as f64 * ring.step_rad
+    }
+
+    /// The direction in which the other wall runs towards its end here, over a length of it.
+    fn runs_out(&self, ring: &Ring, length_m: f64) -> Option<Position> {
+        let end = &ring.entries[self.outer];
+        let onward = |&at: &usize| Some(if self.anticlockwise { ring.after(at) } else { ring.before(at) });
+        let along = std::iter::successors(Some(self.outer), onward).take(ring.len()).map(|at| &ring.entries[at]);
+        let to_end_m = along.take_while(|entry| entry.wall == end.wall).map(|entry| end.position_m - entry.position_m);
+        let mut longest_m = Position::zeros();
+        for offset_m in to_end_m {
+            longest_m = offset_m;
+            if offset_m.norm() >= length_m {
+                break;
+            }
+        }
+        longest_m.try_normalize(0.0)
+    }
+}
+
+/// Whether what is between two steps stands between walls that run out in one direction, with room for a vehicle to the line
+/// of either.
+fn stands_between(ring: &Ring, [a, b]: [&Step; 2], vehicle_width_m: f64) -> bool {
+    let runs_out = |step: &Step| step.runs_out(ring, vehicle_width_m);
+    let (Some(along_a), Some(along_b)) = (runs_out(a), runs_out(b)) else { return false };
+    let off_line_m = |step: &Step, along: Position| {
+        along.perp(&(ring.entries[step.inner].position_m - ring.entries[step.outer].position_m)).abs()
+    };
+    along_a.dot(&along_b) > ONE_WAY_RAD.cos()
+        && off_line_m(a, along_a) >= vehicle_width_m
+        && off_line_m(b, along_b) >= vehicle_width_m
 }
 
 #[cfg(test)]
@@ -97,7 +177,7 @@ mod tests {
         };
         let mut ring = Ring::default();
         ring.fill(&revolution, &sweep, &junction.wall_of_return);
-        mark(&revolution, island_m, &mut ring, &mut junction);
+        mark(&revolution, &Limits { island_m, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
         assert!(ring.entries.iter().all(|entry| !junction.walls[entry.wall as usize].island), "islands are taken out");
         junction.walls.iter().map(|wall| wall.island).collect()
     }
@@ -125,5 +205,55 @@ mod tests {
         assert_eq!(marked([5.0, 2.3, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, false, false]);
         let two = [2.0, 2.2, 2.0, 2.2, 2.0, 2.2, 2.0, 2.2];
         assert_eq!(marked(two, [0, 1, 0, 1, 0, 1, 0, 1], 5.0), [false, false], "something is a wall");
+    }
+
+    /// A right wall that ends 4 m ahead, a piece 6 m ahead whose ends lie `piece_m` to the left, and a left wall 6 m long that
+    /// runs `left_deg` off the right one. Whether the piece is an island.
+    fn piece_in_way(piece_m: [f64; 2], left_deg: f64) -> bool {
+        let line = |[from, to]: [Position; 2], wall: u32| {
+            let at = move |k: i32| from + (to - from) * f64::from(k) / 40.0;
+            (0..=40).map(move |k| (at(k), wall))
+        };
+        let at = Position::new;
+        let (left_m, onward) = (at(2.0, 2.0), at(left_deg.to_radians().cos(), left_deg.to_radians().sin()));
+        let walls = [
+            line([at(0.0, -2.0), at(4.0, -2.0)], 0),
+            line([at(6.0, piece_m[0]), at(6.0, piece_m[1])], 1),
+            line([left_m, left_m + onward * 6.0], 2),
+        ];
+        let step_rad = std::f64::consts::TAU / 720.0;
+        let mut seen: Vec<Option<(Position, u32)>> = vec![None; 720];
+        for (position_m, wall) in walls.into_iter().flatten() {
+            let beam = (position_m.y.atan2(position_m.x) / step_rad).round() as i32 + 360;
+            seen[beam as usize % 720] = Some((position_m, wall));
+        }
+        let mut returns = 0..;
+        let beams = seen.iter().map(|seen| seen.and_then(|_| returns.next()).map_or(Beam::NoReturn, Beam::Return));
+        let sweep = Sweep {
+            beams: beams.collect(),
+            step_rad,
+            full_turn: true,
+            bearings_rad: (0..720).map(|beam| f64::from(beam - 360) * step_rad).collect(),
+            ..Sweep::default()
+        };
+        let points_m =
+            seen.iter().flatten().map(|(position_m, _)| Point::new(position_m.x, position_m.y, 0.0)).collect();
+        let revolution = Revolution { points_m, ..Revolution::default() };
+        let wall = |id| Wall { id, returns: 1, bearing_rad: [0.0; 2], island: false };
+        let wall_of_return = seen.iter().flatten().map(|&(_, wall)| Some(wall)).collect();
+        let mut junction = Junction { walls: (0..3).map(wall).collect(), wall_of_return, ..Junction::default() };
+        let mut ring = Ring::default();
+        ring.fill(&revolution, &sweep, &junction.wall_of_return);
+        mark(&revolution, &Limits { island_m: 2.0, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
+        assert!(!junction.walls[0].island && !junction.walls[2].island, "long walls");
+        junction.walls[1].island
+    }
+
+    #[test]
+    fn a_short_piece_behind_the_end_of_a_wall_is_an_island_where_a_vehicle_passes_on_both_sides_into_one_way() {
+        assert!(piece_in_way([-0.9, -0.3], 0.0));
+        assert!(piece_in_way([-0.9, -0.3], 20.0));
+        assert!(!piece_in_way([-0.9, -0.3], 50.0), "the tip between two branches");
+        assert!(!piece_in_way([-1.7, -1.1], 0.0), "on the line of the right wall: it goes on behind a branch");
     }
 }

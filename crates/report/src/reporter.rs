@@ -90,7 +90,8 @@ impl Reporter {
     fn look_around(&mut self, revolution: &Revolution, sweep: &Sweep, spectrum: &Spectrum, out: &mut Junction) {
         let Self { ring, vehicle_width_m, .. } = self;
         ring.fill(revolution, sweep, &out.wall_of_return);
-        islands::mark(revolution, self.island_m, ring, out);
+        let limits = islands::Limits { island_m: self.island_m, vehicle_width_m: *vehicle_width_m };
+        islands::mark(revolution, &limits, ring, out);
         openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(sweep.full_turn, &out.openings);
