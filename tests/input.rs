@@ -74,6 +74,17 @@ fn an_empty_scan_has_a_line() {
     assert_eq!(lines[2]["labels"].as_array().map(Vec::len), Some(180));
 }
 
+#[test]
+fn a_run_says_what_was_noted_of_its_scans() {
+    let folder = folder();
+    let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+    scans[1].ranges.fill(0.0);
+    scans[2].ranges[..7].fill(0.0);
+    let flight = file(folder.path(), "zeros.mcap", &bytes(&scans, &Writing::default()));
+    let ran = run(["run".as_ref(), flight.as_os_str()]).expect_code(0);
+    assert!(ran.stderr.contains("2  180 beams of range 0 read as no return"), "{}", ran.stderr);
+}
+
 fn refused(name: &str, content: &[u8]) -> Ran {
     let folder = folder();
     let input = file(folder.path(), name, content);

@@ -6,7 +6,10 @@ use comfy_table::{CellAlignment, Table, presets};
 use crosscut_pipeline::Summary;
 use crosscut_stage::Step;
 
-/// Revolutions, counts, and time per stage.
+/// Kinds of notes that are shown; all of them are in the results.
+const NOTES_SHOWN: usize = 5;
+
+/// Revolutions, counts, what was noted, and time per stage.
 pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
     let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
     let mut text = format!(
@@ -18,6 +21,9 @@ pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
     if summary.revolutions > 0 {
         text += &format!("\n{}\n\n{}\n", counts(summary), times(summary));
     }
+    if summary.noted > 0 {
+        text += &format!("\n{}\n", notes(summary));
+    }
     text
 }
 
@@ -28,6 +34,18 @@ fn counts(summary: &Summary) -> Table {
         table.add_row([junctions.to_string(), revolutions.to_string(), format!("{share:.1} %")]);
     }
     table
+}
+
+/// Of each kind of note the first, with its numbers.
+fn notes(summary: &Summary) -> String {
+    let kinds = summary.notes.by_frequency();
+    let mut table = plain(&["revolutions", "note, as it first was"]);
+    table.column_mut(1).expect("two columns").set_cell_alignment(CellAlignment::Left);
+    for kind in kinds.iter().take(NOTES_SHOWN) {
+        table.add_row([kind.revolutions.to_string(), kind.first.clone()]);
+    }
+    let more = kinds.len().saturating_sub(NOTES_SHOWN);
+    if more > 0 { format!("{table}\n and {more} kinds of notes more, in the results") } else { table.trim_fmt() }
 }
 
 fn times(summary: &Summary) -> Table {

@@ -15,6 +15,7 @@
 mod config;
 mod engine;
 mod memory;
+mod note_counts;
 mod pace;
 mod quantiles;
 mod registry;
@@ -24,6 +25,7 @@ mod summary;
 
 pub use config::{Config, ConfigError, Layer, PIPELINE_PARAMS, PRESETS, Schema};
 pub use engine::Engine;
+pub use note_counts::{NoteCount, NoteCounts};
 pub use registry::Registry;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};

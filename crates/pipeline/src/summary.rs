@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crosscut_stage::{Failure, Frame, Step};
 
+use crate::note_counts::NoteCounts;
 use crate::quantiles::Quantiles;
 
 /// Counts and times of one run.
@@ -15,6 +16,8 @@ pub struct Summary {
     pub junctions: BTreeMap<usize, u64>,
     /// How many of them carried a note.
     pub noted: u64,
+    /// Which notes these were.
+    pub notes: NoteCounts,
     /// How long each step took.
     pub times: StageTimes,
     /// How the run ended.
@@ -68,6 +71,7 @@ impl Summary {
         self.revolutions += 1;
         *self.junctions.entry(frame.junction.junctions).or_default() += 1;
         self.noted += u64::from(!frame.notes.is_empty());
+        self.notes.add(self.revolutions, &frame.notes);
         self.times.add(frame);
     }
 }

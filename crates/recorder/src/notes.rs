@@ -1,6 +1,6 @@
 //! Notes in the log: each when it begins. The explanation of a revolution has all of its notes.
 
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, Notes as NotesOfFrame};
 use rerun::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel};
 
 use crate::beam_order::LARGEST_SIDE;
@@ -27,8 +27,7 @@ impl Notes {
         if n > 0 && !is_drawn(frame) {
             notes.push(format!("no picture of W and L: {n} returns, pictures are made up to {LARGEST_SIDE}"));
         }
-        let without_numbers = |note: &String| note.chars().filter(|c| !c.is_ascii_digit()).collect();
-        let kinds: Vec<String> = notes.iter().map(without_numbers).collect();
+        let kinds: Vec<String> = notes.iter().map(|note| NotesOfFrame::kind_of(note)).collect();
         let before = std::mem::replace(&mut self.before, kinds);
         let new = notes.into_iter().zip(&self.before).filter(|(_, kind)| !before.contains(kind));
         new.map(|(note, _)| note).collect()

@@ -7,9 +7,10 @@ use crosscut_stage::{Opening, Place, wrap_angle_rad};
 /// Two openings at least this far apart make a corridor, nearer ones a bend.
 const CORRIDOR_RAD: f64 = 0.75 * PI;
 
-/// Names a place by its openings; what lies outside a limited view could be anything, so then it has no name.
-pub fn name(full_turn: bool, openings: &[Opening]) -> Place {
-    if !full_turn {
+/// Names a place by its openings. What lies outside a limited view could be anything, and so could a place of which no
+/// wall is seen, so then it has no name.
+pub fn name(full_turn: bool, walls: usize, openings: &[Opening]) -> Place {
+    if !full_turn || walls == 0 {
         return Place::PartialView;
     }
     match openings {
@@ -28,7 +29,7 @@ mod tests {
     use super::*;
     use crosscut_stage::{Evidence, Point};
 
-    fn named(full_turn: bool, bearings_deg: &[f64]) -> String {
+    fn named(full_turn: bool, walls: usize, bearings_deg: &[f64]) -> String {
         let opening = |deg: &f64| Opening {
             bearing_rad: deg.to_radians(),
             width_m: 3.0,
@@ -37,25 +38,26 @@ mod tests {
             edge_m: [Point::origin(); 2],
             cut_by_view: false,
         };
-        name(full_turn, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
+        name(full_turn, walls, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
     }
 
     #[test]
     fn each_number_of_openings_has_its_name() {
         let bearings = [0.0, 72.0, 144.0, -144.0, -72.0];
-        let names: Vec<_> = (0..=5).map(|ways| named(true, &bearings[..ways])).collect();
+        let names: Vec<_> = (0..=5).map(|ways| named(true, ways.max(1), &bearings[..ways])).collect();
         assert_eq!(names, ["closed", "dead_end", "bend", "tee", "cross", "junction_5"]);
     }
 
     #[test]
     fn two_openings_across_pi_are_a_corridor_only_when_opposite() {
-        assert_eq!(named(true, &[0.0, 179.0]), "corridor");
-        assert_eq!(named(true, &[90.0, -90.0]), "corridor");
-        assert_eq!(named(true, &[170.0, -170.0]), "bend");
+        assert_eq!(named(true, 2, &[0.0, 179.0]), "corridor");
+        assert_eq!(named(true, 2, &[90.0, -90.0]), "corridor");
+        assert_eq!(named(true, 2, &[170.0, -170.0]), "bend");
     }
 
     #[test]
-    fn a_limited_view_has_no_name() {
-        assert_eq!(named(false, &[0.0]), "partial_view");
+    fn a_limited_view_has_no_name_nor_has_a_place_without_walls() {
+        assert_eq!(named(false, 1, &[0.0]), "partial_view");
+        assert_eq!(named(true, 0, &[]), "partial_view", "nothing closes it");
     }
 }

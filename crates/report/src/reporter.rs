@@ -87,15 +87,28 @@ impl Reporter {
 
 impl Reporter {
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
-    fn look_around(&mut self, revolution: &Revolution, sweep: &Sweep, spectrum: &Spectrum, out: &mut Junction) {
+    fn look_around(
+        &mut self,
+        revolution: &Revolution,
+        sweep: &Sweep,
+        spectrum: &Spectrum,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) {
         let Self { ring, vehicle_width_m, .. } = self;
         ring.fill(revolution, sweep, &out.wall_of_return);
         let limits = islands::Limits { island_m: self.island_m, vehicle_width_m: *vehicle_width_m };
         islands::mark(revolution, &limits, ring, out);
         openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        out.place = place::name(sweep.full_turn, &out.openings);
+        out.place = place::name(sweep.full_turn, out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
+            if sweep.step_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
+                let step_deg = sweep.step_rad.to_degrees();
+                notes.add(format!(
+                    "report: beams stand {step_deg:.1}° apart, too far to tell walls from gaps: less confidence"
+                ));
+            }
             confidence::of_scene(revolution, ring, *vehicle_width_m, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
@@ -103,7 +116,7 @@ impl Reporter {
     }
 
     /// The same for a cloud: from its walls as a level vehicle sees them.
-    fn look_around_in_cloud(&mut self, cloud: &Revolution, spectrum: &Spectrum, out: &mut Junction) {
+    fn look_around_in_cloud(&mut self, cloud: &Revolution, spectrum: &Spectrum, out: &mut Junction, notes: &mut Notes) {
         let mut view = std::mem::take(&mut self.view);
         view.look(cloud, self.vehicle_height_m, self.vehicle_width_m);
         let wall_of = |&number: &u32| out.wall_of_return[number as usize];
@@ -115,7 +128,7 @@ impl Reporter {
         seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
         seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        self.look_around(view.seen(), sweep, spectrum, &mut seen);
+        self.look_around(view.seen(), sweep, spectrum, &mut seen, notes);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
         }
@@ -140,8 +153,8 @@ impl ReportStage for Reporter {
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
         match revolution.as_sweep() {
-            Some(sweep) => self.look_around(revolution, sweep, spectrum, out),
-            None => self.look_around_in_cloud(revolution, spectrum, out),
+            Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
+            None => self.look_around_in_cloud(revolution, spectrum, out, notes),
         }
         Ok(())
     }

@@ -33,10 +33,11 @@ pub fn from_partition(
     out.wall_of_return.extend(partition.labels.iter().map(|label| label.and_then(|c| wall_of_cluster[c as usize])));
     let dropped: usize = returns_of_cluster.iter().filter(|&&returns| returns < min_returns).sum();
     if dropped > 0 {
-        let clusters = partition.clusters - out.walls.len();
-        notes.add(format!(
-            "report: {clusters} clusters of fewer than {min_returns} returns ({dropped} in all) are no wall"
-        ));
+        let few = format!("of fewer than {min_returns} returns");
+        notes.add(match partition.clusters - out.walls.len() {
+            1 => format!("report: 1 cluster {few} is no wall ({dropped} in all)"),
+            clusters => format!("report: {clusters} clusters {few} are no wall ({dropped} in all)"),
+        });
     }
     set_bearings(revolution, out);
 }
@@ -138,7 +139,15 @@ mod tests {
         let (junction, notes) = walls(&[0.0, 90.0, 91.0, 180.0], &labels, 2);
         assert_eq!(junction.walls.len(), 1);
         assert_eq!(junction.wall_of_return, [None, Some(0), Some(0), None]);
-        assert_eq!(notes.iter().count(), 1);
+        assert_eq!(
+            notes.iter().collect::<Vec<_>>(),
+            ["report: 1 cluster of fewer than 2 returns is no wall (1 in all)"]
+        );
+        let (_, notes) = walls(&[0.0, 90.0, 180.0], &[Some(0), Some(1), Some(2)], 2);
+        assert_eq!(
+            notes.iter().collect::<Vec<_>>(),
+            ["report: 3 clusters of fewer than 2 returns are no wall (3 in all)"]
+        );
     }
 
     #[test]

@@ -79,6 +79,13 @@ fn a_stretch_of_wall_that_is_not_seen_speaks_against_an_answer() {
 }
 
 #[test]
+fn beams_far_apart_speak_against_any_answer() {
+    let with_beams = |beams: usize| grounds_of(scan(&tunnel(), beams, |_| false)).1;
+    assert!(with_beams(90) > 0.9, "{}", with_beams(90));
+    assert!(with_beams(24) < 0.15, "{}", with_beams(24));
+}
+
+#[test]
 fn an_opening_much_narrower_than_another_speaks_against_an_answer() {
     // A dead end, the last 1.2 m of whose left wall did not come back: two walls, and a way on through the corner.
     let dead_end = |end_m: f64, second: u32| {

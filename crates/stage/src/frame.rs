@@ -73,6 +73,11 @@ impl Notes {
         self.0.iter().map(String::as_str)
     }
 
+    /// What `note` says but for its numbers: "3 beams masked" is of the same kind as "4 beams masked".
+    pub fn kind_of(note: &str) -> String {
+        note.chars().filter(|c| !c.is_ascii_digit()).collect()
+    }
+
     /// Whether nothing was noted.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

@@ -88,7 +88,7 @@ pub enum Place {
     Cross,
     /// This many ways on, five or more.
     Junction(usize),
-    /// The sensor does not see all around, so the place cannot be named.
+    /// The sensor does not see all around, or sees no wall, so the place cannot be named.
     PartialView,
 }
 
