@@ -8,8 +8,8 @@
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
 //! ```
-//! with w the width of the vehicle. Beams more than 4° apart do not show walls as lines: what is seen as
-//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development scenes;
+//! with w the width of the vehicle. Beams more than 4° apart do not show walls as lines: what is seen as clear may not be,
+//! and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development scenes;
 //! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it with what it
 //! means.
 
