@@ -97,6 +97,9 @@ fn refused(name: &str, content: &[u8]) -> Ran {
 fn a_file_that_is_no_recording_is_told_for_what_it_is() {
     refused("empty.mcap", b"");
     refused("noise.mcap", &[7; 4096]);
+    let ran = run(["run", "nowhere.mcap"]).expect_code(1);
+    assert_eq!(ran.stderr.matches("(os error").count(), 1, "the cause is told once: {}", ran.stderr);
+    assert!(ran.stderr.starts_with("error: cannot open nowhere.mcap: "), "{}", ran.stderr);
     let ran = refused("flight.bag", b"#ROSBAG V2.0\nand more");
     assert!(ran.stderr.contains("ROS 1"), "{}", ran.stderr);
 }

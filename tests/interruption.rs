@@ -4,7 +4,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{Ran, column, crosscut, lines};
+use crate::program::{Ran, column, crosscut, lines, shipped_flight};
 
 /// Starts a flight of a minute at the sensor's pace and waits until some results are on disk.
 fn start(folder: &std::path::Path) -> (Child, std::path::PathBuf) {
@@ -48,4 +48,17 @@ fn a_killed_flight_leaves_every_result_that_was_made() {
     let text = std::fs::read_to_string(results).expect("results");
     assert!(text.ends_with('\n'), "no line is cut off");
     assert!(lines(&text).len() >= 5);
+}
+
+#[test]
+fn who_has_read_enough_of_the_results_may_close_the_pipe_without_a_word() {
+    let mut child = crosscut(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), "-".as_ref()])
+        .arg("--quiet")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let ran: Ran = child.wait_with_output().expect("it ends").into();
+    assert_eq!(ran.expect_code(130).stderr, "");
 }

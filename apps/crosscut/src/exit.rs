@@ -1,6 +1,7 @@
 //! How the program ends.
 
 use std::fmt;
+use std::io;
 use std::process::ExitCode;
 
 /// The outcome of a command, as its exit code tells it.
@@ -45,7 +46,18 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
-/// The exit code of an error that ended a command.
-pub(crate) fn code_of(error: &anyhow::Error) -> ExitCode {
+/// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had enough:
+/// that interrupts us, and needs no words.
+pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
+    let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
+    if causes.any(is_closed_pipe) {
+        return Outcome::Interrupted.into();
+    }
+    eprintln!("error: {error:#}");
     if error.is::<UsageError>() { ExitCode::from(2) } else { Outcome::Failed.into() }
+}
+
+/// Whether nobody reads any more what is written.
+pub(crate) fn is_closed_pipe(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::BrokenPipe
 }

@@ -25,7 +25,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
 fn text(recording: &Description) -> String {
     let or = |text: &str, otherwise: &str| if text.is_empty() { otherwise.to_owned() } else { text.to_owned() };
     let mut lines = vec![
-        format!("{}, {:.1} MB", recording.path.display(), recording.bytes as f64 / 1e6),
+        format!("{}, {}", recording.path.display(), size(recording.bytes)),
         format!(
             "profile   {}, written by {}",
             or(&recording.profile, "none"),
@@ -36,8 +36,10 @@ fn text(recording: &Description) -> String {
     if let Some(duration_s) = recording.duration_s() {
         lines.push(format!("duration  {duration_s:.1} s"));
     }
-    lines.push(String::new());
-    lines.push(topics(&recording.topics));
+    if !recording.topics.is_empty() {
+        lines.push(String::new());
+        lines.push(topics(&recording.topics));
+    }
     for topic in &recording.topics {
         if let Some(scan) = &topic.first_scan {
             lines.push(String::new());
@@ -45,6 +47,10 @@ fn text(recording: &Description) -> String {
         }
     }
     lines.join("\n") + "\n"
+}
+
+fn size(bytes: u64) -> String {
+    if bytes < 1_000_000 { format!("{:.1} kB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
 }
 
 fn index(recording: &Description) -> String {
@@ -64,7 +70,7 @@ fn topics(topics: &[TopicDescription]) -> String {
         let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
         table.add_row([
             Cell::new(&topic.info.name),
-            Cell::new(&topic.info.type_name),
+            Cell::new(if topic.info.type_name.is_empty() { "(no schema)" } else { &topic.info.type_name }),
             Cell::new(&topic.info.encoding),
             right(count),
             right(rate),
@@ -76,13 +82,12 @@ fn topics(topics: &[TopicDescription]) -> String {
 fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let [range_min_m, range_max_m] = scan.range_m;
     let around = if scan.full_turn { ", all the way round" } else { "" };
+    let [view_deg, step_deg] = [scan.field_of_view_rad, scan.step_rad].map(f64::to_degrees);
+    let view =
+        if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
     let mut text = format!(
-        "first scan of {topic}, frame {:?}: {} beams, {} returns\n  view {:.1}°{around}, {:.3}° a beam, range {range_min_m} to {range_max_m} m",
-        scan.frame_id,
-        scan.beams,
-        scan.returns,
-        scan.field_of_view_rad.to_degrees(),
-        scan.step_rad.to_degrees(),
+        "first scan of {topic}, frame {:?}: {} beams, {} returns\n  {view}, range {range_min_m} to {range_max_m} m",
+        scan.frame_id, scan.beams, scan.returns,
     );
     for note in &scan.notes {
         text += &format!("\n  {note}");

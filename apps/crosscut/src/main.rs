@@ -47,10 +47,7 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(outcome) => outcome.into(),
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            exit::code_of(&error)
-        }
+        Err(error) => exit::report(&error),
     }
 }
 

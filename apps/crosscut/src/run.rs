@@ -13,7 +13,7 @@ use crosscut_report::ResultsLine;
 use crosscut_stage::Frame;
 
 use crate::cli::RunArgs;
-use crate::exit::{INTERRUPTED, Outcome};
+use crate::exit::{INTERRUPTED, Outcome, is_closed_pipe};
 use crate::over_time::{self, OverTime};
 use crate::{config, flight, overwriting, progress, record, summary};
 
@@ -105,6 +105,7 @@ fn outcome(summary: &Summary, something_lost: bool) -> Outcome {
             eprintln!("error: {failure}; the {} revolutions before it are saved", summary.revolutions);
             Outcome::Failed
         }
+        End::ResultsLost(error) if is_closed_pipe(error) => Outcome::Interrupted,
         End::ResultsLost(error) => {
             eprintln!("error: results cannot be written after {} revolutions: {error}", summary.revolutions);
             Outcome::Failed

@@ -1,6 +1,7 @@
 //! What is in a recording, without running it.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use crosscut_messages::{LaserScan, Message as _};
@@ -58,7 +59,7 @@ pub struct ScanDescription {
     pub returns: usize,
     /// Angle from one beam to the next, as used.
     pub step_rad: f64,
-    /// Angle from the first beam to the last, as used.
+    /// Angle from the first beam to the last, as used; 0 if no beam has a bearing.
     pub field_of_view_rad: f64,
     /// The beams go all the way round.
     pub full_turn: bool,
@@ -139,7 +140,7 @@ fn describe_first(
         beams: sweep.len(),
         returns: revolution.len(),
         step_rad: sweep.step_rad,
-        field_of_view_rad: sweep.step_rad * sweep.len().saturating_sub(1) as f64,
+        field_of_view_rad: if sweep.step_rad < TAU { sweep.step_rad * (sweep.len() - 1) as f64 } else { 0.0 },
         full_turn: sweep.full_turn,
         range_m: [scan.range_min, scan.range_max],
         notes: notes.iter().map(str::to_owned).collect(),

@@ -12,12 +12,18 @@ pub enum IngestError {
     #[error("no recording was given")]
     NoInput,
     /// A file or folder cannot be opened.
-    #[error("cannot be opened: {source}: {}", path.display())]
+    #[error("cannot open {}", path.display())]
     Open {
         /// Which.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// A pipe, a device, or a folder where one file is asked for.
+    #[error("not a file but a folder, a pipe or a device; give the file that it comes from or is saved to: {}", path.display())]
+    NotAFile {
+        /// What was named.
+        path: PathBuf,
     },
     /// A folder without recordings.
     #[error(
@@ -42,7 +48,7 @@ pub enum IngestError {
         found: Found,
     },
     /// No topic at all.
-    #[error("no message can be read{}", because(losses))]
+    #[error("{}{}", if losses.is_empty() { "the recording has no messages" } else { "no message can be read" }, because(losses))]
     NothingReadable {
         /// Why.
         losses: Vec<Loss>,
@@ -101,7 +107,9 @@ fn hint(topics: &TopicList) -> &'static str {
     let scans_in = |encoding: &str| {
         topics.0.iter().any(|topic| topic.type_name.contains("LaserScan") && topic.encoding.contains(encoding))
     };
-    if scans_in("ros1") {
+    if topics.0.iter().any(|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
+        "\nechoes become scans with the ROS package laser_proc"
+    } else if scans_in("ros1") {
         "\nscans in the encoding of ROS 1 cannot be read; convert them to ROS 2, for example with `rosbags-convert`"
     } else if scans_in("") {
         "\nscans in another encoding than CDR cannot be read; record them as ROS 2 messages"

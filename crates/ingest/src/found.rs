@@ -10,6 +10,7 @@ pub enum Found {
     Empty,
     Zeros,
     OtherMcapVersion,
+    CutMcap,
     Ros1Bag,
     Sqlite,
     Rerun,
@@ -53,6 +54,9 @@ impl Found {
         if start.iter().all(|&byte| byte == 0) {
             return Self::Zeros;
         }
+        if mcap::MAGIC.starts_with(start) {
+            return Self::CutMcap;
+        }
         if let Some((_, found)) = SIGNS.iter().find(|(sign, _)| start.starts_with(sign)) {
             return found.clone();
         }
@@ -88,7 +92,7 @@ impl Found {
 
     /// A file that a crash may have left in place of a recording; not one that was named by mistake.
     pub(crate) fn may_be_a_wreck(&self) -> bool {
-        matches!(self, Self::Empty | Self::Zeros)
+        matches!(self, Self::Empty | Self::Zeros | Self::CutMcap)
     }
 }
 
@@ -98,6 +102,7 @@ impl fmt::Display for Found {
             Self::Empty => "it is empty",
             Self::Zeros => "it holds nothing but zeros, as a crash of the recording machine leaves it",
             Self::OtherMcapVersion => "it is an MCAP of another version; `mcap recover` may read it",
+            Self::CutMcap => "it is an MCAP that ends within its first 8 bytes",
             Self::Ros1Bag => {
                 "it is a ROS 1 bag; convert it with `rosbags-convert --src FLIGHT.bag --dst FLIGHT --dst-storage mcap` \
                  (pip install rosbags)"
@@ -146,6 +151,7 @@ mod tests {
     fn binary_formats_are_told_apart_by_their_signs() {
         assert_eq!(Found::in_file(b""), Found::Empty);
         assert_eq!(Found::in_file(&[0; 100]), Found::Zeros);
+        assert_eq!(Found::in_file(b"\x89MCA"), Found::CutMcap);
         assert_eq!(Found::in_file(b"#ROSBAG V2.0\n"), Found::Ros1Bag);
         assert_eq!(Found::in_file(b"SQLite format 3\0\x10"), Found::Sqlite);
         assert_eq!(Found::in_file(b"RRF2\0\0"), Found::Rerun);

@@ -21,7 +21,7 @@
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞ | unknown | |
 //! | negative, below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
-//! | anything else | a return | |
+//! | anything else | a return | if most are farther than 500 m, as in millimetres |
 //!
 //! *No return* means that nothing is there within range; *unknown* that nothing is known.
 //!

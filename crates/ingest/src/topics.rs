@@ -30,6 +30,7 @@ impl fmt::Display for TopicList {
         for (i, topic) in self.0.iter().enumerate() {
             let TopicInfo { name, type_name, encoding, messages } = topic;
             let count = messages.map(|count| format!("{count} messages")).unwrap_or_default();
+            let type_name = if type_name.is_empty() { "(no schema)" } else { type_name };
             let line = format!("  {name}  {type_name}  {encoding}  {count}");
             write!(f, "{}{}", if i == 0 { "" } else { "\n" }, line.trim_end())?;
         }

@@ -45,6 +45,9 @@ pub(crate) struct Container {
 impl Container {
     pub(crate) fn open(path: &Path) -> Result<Self, IngestError> {
         let failed = |source| IngestError::Open { path: path.to_owned(), source };
+        if !std::fs::metadata(path).map_err(failed)?.is_file() {
+            return Err(IngestError::NotAFile { path: path.to_owned() });
+        }
         let mut file = File::open(path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
         let mut start = Vec::new();

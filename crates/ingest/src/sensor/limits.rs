@@ -7,6 +7,9 @@ use crosscut_stage::Notes;
 /// another unit does not hit the number that it states.
 const ROUNDING: f64 = 1e-6;
 
+/// No wall of a tunnel is so far away: ranges like this are of another unit.
+const FAR_M: f64 = 500.0;
+
 /// What one range says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reading {
@@ -28,6 +31,8 @@ pub(super) struct Tally {
     below_wire_min: usize,
     below_min: usize,
     beyond_max: usize,
+    returns: usize,
+    far_returns: usize,
 }
 
 /// The limits of the sensor as the scan states them, and those of the configuration.
@@ -86,6 +91,8 @@ impl Limits {
         } else if range_m > self.max_m {
             (&mut tally.beyond_max, Reading::Nothing)
         } else {
+            tally.returns += 1;
+            tally.far_returns += usize::from(range_m > FAR_M);
             return Reading::Return(range_m);
         };
         *count += 1;
@@ -106,6 +113,12 @@ impl Limits {
         note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
         note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
         note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
+        if 2 * tally.far_returns > tally.returns {
+            note(
+                tally.far_returns,
+                format!("farther than {FAR_M} m: ranges are read in metres; are these millimetres?"),
+            );
+        }
         note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
     }
 }

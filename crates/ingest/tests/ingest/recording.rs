@@ -133,6 +133,7 @@ fn scans_in_another_encoding_are_named_with_what_to_do() {
     says("sensor_msgs/LaserScan", "ros1", "encoding of ROS 1");
     says("foxglove.LaserScan", "json", "another encoding than CDR");
     says("sensor_msgs/msg/PointCloud2", "cdr", "pointcloud_to_laserscan");
+    says("sensor_msgs/msg/MultiEchoLaserScan", "cdr", "laser_proc");
 }
 
 #[test]
@@ -146,6 +147,8 @@ fn files_of_other_kinds_are_named() {
     assert_eq!(found("a.db3", b"SQLite format 3\0..."), Found::Sqlite);
     assert_eq!(found("a.rrd", b"RRF2...."), Found::Rerun);
     assert_eq!(found("a.mcap", b""), Found::Empty);
+    #[cfg(unix)]
+    assert!(matches!(open(std::path::Path::new("/dev/null")), Err(IngestError::NotAFile { .. })));
     assert!(matches!(open(&folder.path().join("none.mcap")), Err(IngestError::Open { .. })));
     assert!(matches!(open(&folder.add("b.mcap", mcap::MAGIC)), Err(IngestError::NothingReadable { .. })));
     let empty = Folder::new();

@@ -103,6 +103,14 @@ fn unusable_limits_are_no_limits_and_are_noted() {
 }
 
 #[test]
+fn ranges_in_millimetres_are_noted_and_a_single_far_return_is_not() {
+    let far = |ranges: &[f32]| plain(&LaserScan { range_max: 60_000.0, ..scan(ranges) }).1;
+    let asked = "2 beams farther than 500 m: ranges are read in metres; are these millimetres?";
+    assert_eq!(far(&[1800.0, 2500.0, 300.0]), [asked]);
+    assert_eq!(far(&[1800.0, 2.5, 3.0]), Vec::<String>::new());
+}
+
+#[test]
 fn a_clockwise_sensor_gives_falling_bearings_and_a_positive_step() {
     let clockwise = LaserScan { angle_min: 0.1, angle_max: -0.1, angle_increment: -0.1, ..scan(&[1.0; 3]) };
     let (revolution, notes) = plain(&clockwise);
