@@ -25,7 +25,7 @@ FAMILIES = [
     "clean6", "clean35", "sparse", "wet", "narrow", "dust", "rough", "offcentre", "dense720", "view255", "view180",
     "pillars", "flight_tunnel", "flight_mine",
 ]  # fmt: skip
-REVOLUTIONS = 20
+REVOLUTIONS = 100
 PASSES = 7
 SIGMA_PER_M2 = 1.5
 

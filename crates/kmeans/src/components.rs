@@ -17,7 +17,7 @@ const MIN_CLUSTER: ParamSpec = ParamSpec {
 };
 
 /// Of a return whose row is 0.
-const NO_COLUMN: (u32, f64) = (0, 0.0);
+const NO_COLUMN: u32 = u32::MAX;
 
 pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
     name: "components",
@@ -34,8 +34,10 @@ pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
 #[derive(Clone, Debug)]
 pub struct Components {
     min_cluster: usize,
-    /// The column of each return and what stands there, and the number of returns of each column.
-    columns: Vec<(u32, f64)>,
+    /// The column of each return, and what stands there.
+    columns: Vec<u32>,
+    entries: Vec<f64>,
+    /// The number of returns of each column.
     sizes: Vec<usize>,
     /// The mean of the entries of each column.
     means: Vec<f64>,
@@ -55,14 +57,15 @@ impl Components {
 
     fn with(min_cluster: usize) -> Self {
         let mixed = KmeansPlusPlus::default();
-        Self { min_cluster, columns: Vec::new(), sizes: Vec::new(), means: Vec::new(), mixed }
+        Self { min_cluster, columns: Vec::new(), entries: Vec::new(), sizes: Vec::new(), means: Vec::new(), mixed }
     }
 
-    /// Fills `columns`, `sizes` and `means`, unless a row has not exactly one entry.
+    /// Fills `columns`, `entries`, `sizes` and `means`, unless a row has not exactly one entry.
     fn read_columns(&mut self, u: &Embedding) -> bool {
-        let Self { columns, sizes, means, .. } = self;
+        let Self { columns, entries, sizes, means, .. } = self;
         columns.clear();
         columns.resize(u.nrows(), NO_COLUMN);
+        entries.resize(u.nrows(), 0.0);
         sizes.clear();
         sizes.resize(u.ncols(), 0);
         means.clear();
@@ -71,7 +74,7 @@ impl Components {
         u.for_each(|i, j, entry| {
             if entry != 0.0 {
                 shared |= columns[i] != NO_COLUMN;
-                columns[i] = (j as u32, entry);
+                (columns[i], entries[i]) = (j as u32, entry);
                 sizes[j] += 1;
                 means[j] += entry;
             }
@@ -105,10 +108,10 @@ impl KmeansStage for Components {
             notes.add("components: columns of U share returns, so kmeans++ clusters its rows, small clusters too");
             return self.mixed.partition(spectrum, out, notes);
         }
-        let columns = self.columns.iter().map(|&(column, _)| column);
+        let columns = self.columns.iter().copied();
         let numbers = by_first_return(columns.filter(|&column| self.sizes[column as usize] >= self.min_cluster), k);
         out.labels.clear();
-        out.labels.extend(self.columns.iter().map(|&(column, _)| numbers[column as usize]));
+        out.labels.extend(self.columns.iter().map(|&column| numbers[column as usize]));
         out.clusters = numbers.iter().flatten().count();
         let mut column_of_cluster = vec![0; out.clusters];
         for (column, number) in (0u32..).zip(&numbers) {
@@ -119,10 +122,10 @@ impl KmeansStage for Components {
             let column = column_of_cluster[cluster];
             row.push((column, self.means[column as usize]));
         });
-        let distance = |(&(column, entry), label): (&(u32, f64), &Option<u32>)| {
+        let distance = |((&column, entry), label): ((&u32, &f64), &Option<u32>)| {
             label.map_or(0.0, |_| (entry - self.means[column as usize]).powi(2))
         };
-        out.inertia = self.columns.iter().zip(&out.labels).map(distance).sum();
+        out.inertia = self.columns.iter().zip(&self.entries).zip(&out.labels).map(distance).sum();
         self.note_dropped(notes);
         Ok(())
     }

@@ -82,12 +82,9 @@ impl Grounds {
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
         };
-        for sides in sides(ring) {
+        // No opening within a wall is narrower than the vehicle.
+        for sides in sides(ring, vehicle_width_m) {
             let (edge_m, walls) = (sides.edge_m(), sides.walls());
-            // No opening within a wall is narrower than the vehicle.
-            if walls[0] == walls[1] && (edge_m[1] - edge_m[0]).norm() < vehicle_width_m {
-                continue;
-            }
             if is_opening(edge_m) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if walls[0] == walls[1] {

@@ -20,8 +20,6 @@ pub(crate) struct Band {
     entries: Vec<f64>,
     /// L - shift·I = M Δ Mᵀ: the columns of M.
     factor: Vec<f64>,
-    /// What a wide band is eliminated in.
-    wide: Vec<f64>,
 }
 
 impl Band {
@@ -87,47 +85,68 @@ impl NarrowBands {
     }
 }
 
-impl Band {
-    /// LDLᵀ of the matrix - shift·I, column by column: calls `pivot(i, column, inverse)` with column i of M, from its diagonal
-    /// on, and the inverse of its pivot. Returns the number of negative pivots.
-    fn eliminate(&mut self, shift: f64, pivot: impl FnMut(usize, &[f64], f64)) -> usize {
+impl ShiftInvert for Band {
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
+        let (n, stride) = (self.n, self.stride);
+        self.factor.resize(n * stride, 0.0);
+        x.resize(n + stride, 0.0);
+        let negative = match stride {
+            NARROW => solve_narrow::<NARROW>(&self.entries, shift, &mut self.factor, x),
+            9 => solve_narrow::<9>(&self.entries, shift, &mut self.factor, x),
+            _ => {
+                self.factor.clone_from(&self.entries);
+                let negative = eliminate_wide(&mut self.factor, n, stride, shift, |i, column, inverse| {
+                    forward(&mut x[i..], column, inverse);
+                });
+                x[n..].fill(0.0);
+                let columns = self.factor.chunks_exact(stride).take(n).enumerate().rev();
+                columns.for_each(|(i, column)| backward(&mut x[i..], column));
+                negative
+            }
+        };
+        x.truncate(n);
+        negative
+    }
+
+    fn count_below(&mut self, shift: f64) -> usize {
         match self.stride {
-            NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, pivot),
-            9 => eliminate_narrow::<9>(&self.entries, self.n, shift, pivot),
+            NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, |_, _, _| ()),
+            9 => eliminate_narrow::<9>(&self.entries, self.n, shift, |_, _, _| ()),
             stride => {
-                self.wide.clone_from(&self.entries);
-                eliminate_wide(&mut self.wide, self.n, stride, shift, pivot)
+                self.factor.clone_from(&self.entries);
+                eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())
             }
         }
     }
 }
 
-impl ShiftInvert for Band {
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
-        let (n, stride) = (self.n, self.stride);
-        let mut factor = std::mem::take(&mut self.factor);
-        factor.clear();
-        x.resize(n + stride, 0.0);
-        let negative = self.eliminate(shift, |i, column, inverse| {
-            factor.extend_from_slice(column);
-            let (top, below) = x[i..i + stride].split_first_mut().expect("a column has a diagonal");
-            below.iter_mut().zip(&column[1..]).for_each(|(x, entry)| *x -= entry * *top);
-            *top *= inverse;
-        });
-        x[n..].fill(0.0);
-        for (i, column) in factor.chunks_exact(stride).enumerate().rev() {
-            let (top, below) = x[i..i + stride].split_first_mut().expect("a column has a diagonal");
-            // The nearest, which was found last, is taken last.
-            *top = below.iter().zip(&column[1..]).rev().fold(*top, |top, (x, entry)| top - x * entry);
-        }
-        x.truncate(n);
-        self.factor = factor;
-        negative
-    }
+/// One step down of M y = `x`, with a column of M from its diagonal on, and of Δ z = y, with the inverse of its pivot.
+#[inline(always)] // for the length of a narrow column, which is then known
+fn forward(x: &mut [f64], column: &[f64], inverse: f64) {
+    let (top, below) = x[..column.len()].split_first_mut().expect("a column has a diagonal");
+    below.iter_mut().zip(&column[1..]).for_each(|(x, entry)| *x -= entry * *top);
+    *top *= inverse;
+}
 
-    fn count_below(&mut self, shift: f64) -> usize {
-        self.eliminate(shift, |_, _, _| ())
-    }
+/// One step up of Mᵀ x = z.
+#[inline(always)] // likewise
+fn backward(x: &mut [f64], column: &[f64]) {
+    let (top, below) = x[..column.len()].split_first_mut().expect("a column has a diagonal");
+    // The nearest, which was found last, is taken last.
+    *top = below.iter().zip(&column[1..]).rev().fold(*top, |top, (x, entry)| top - x * entry);
+}
+
+/// Solves (matrix - shift·I) x = `x` in place, with STRIDE entries of zero behind; returns the number of negative pivots.
+fn solve_narrow<const STRIDE: usize>(entries: &[f64], shift: f64, factor: &mut [f64], x: &mut [f64]) -> usize {
+    let (factor, _) = factor.as_chunks_mut::<STRIDE>();
+    let n = factor.len();
+    let negative = eliminate_narrow::<STRIDE>(entries, n, shift, |i, column, inverse| {
+        factor[i] = *column;
+        forward(&mut x[i..], column, inverse);
+    });
+    x[n..].fill(0.0);
+    factor.iter().enumerate().rev().for_each(|(i, column)| backward(&mut x[i..], column));
+    negative
 }
 
 /// 1 / (entry - shift), of an entry of the diagonal; where that is 0, as if it were next to it.
@@ -136,7 +155,8 @@ fn inverse_pivot(entry: f64, shift: f64) -> f64 {
     if pivot.abs() < f64::MIN_POSITIVE { (f64::EPSILON * f64::EPSILON).recip() } else { pivot.recip() }
 }
 
-/// [`Band::eliminate`] in place.
+/// LDLᵀ of a matrix - shift·I, M Δ Mᵀ, in place, column by column: calls `pivot(i, column, inverse)` with column i of M, from its
+/// diagonal on, and the inverse of its pivot. Returns the number of negative pivots.
 fn eliminate_wide(
     columns: &mut [f64],
     n: usize,
@@ -162,11 +182,12 @@ fn eliminate_wide(
 }
 
 /// The same for so few entries of a column that what a pivot changes stays in registers.
+#[inline]
 fn eliminate_narrow<const STRIDE: usize>(
     columns: &[f64],
     n: usize,
     shift: f64,
-    mut pivot: impl FnMut(usize, &[f64], f64),
+    mut pivot: impl FnMut(usize, &[f64; STRIDE], f64),
 ) -> usize {
     let (columns, _) = columns.as_chunks::<STRIDE>();
     let mut negative = 0;

@@ -35,7 +35,7 @@ impl Decomposition {
             return Ok(());
         }
         let needed = scratch(n);
-        if self.scratch.len() < needed.unaligned_bytes_required() {
+        if self.scratch.len() < needed.size_bytes() {
             self.scratch = MemBuffer::new(needed);
         }
         self_adjoint_evd(

@@ -135,7 +135,7 @@ impl Sparse {
         self.factor.resize(symbolic.len_val(), 0.0);
         let factorising = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
         let needed = factorising.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        if self.scratch.len() < needed.unaligned_bytes_required() {
+        if self.scratch.len() < needed.size_bytes() {
             self.scratch = MemBuffer::new(needed);
         }
         self.symbolic = Some(symbolic);

@@ -87,6 +87,9 @@ impl Weights {
     }
 }
 
+/// Along a wall, a return has edges to 4 on either side, and to itself.
+const USUAL_ENTRIES: usize = 9;
+
 /// A sparse matrix in compressed rows, for W a square one; columns ascend within a row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Csr {
@@ -143,11 +146,20 @@ impl Csr {
     }
 
     /// Adds a row: as many values as columns, which ascend.
+    #[inline]
     pub fn push_row(&mut self, columns: &[u32], values: &[f64]) {
         debug_assert!(columns.is_sorted_by(|a, b| a < b), "columns of a row must ascend");
         debug_assert_eq!(columns.len(), values.len(), "a value for each column");
-        self.columns.extend_from_slice(columns);
-        self.values.extend_from_slice(values);
+        // So few entries are copied faster where their number is known when this is compiled.
+        if let (Ok(columns), Ok(values)) =
+            (<&[u32; USUAL_ENTRIES]>::try_from(columns), <&[f64; USUAL_ENTRIES]>::try_from(values))
+        {
+            self.columns.extend_from_slice(columns);
+            self.values.extend_from_slice(values);
+        } else {
+            self.columns.extend_from_slice(columns);
+            self.values.extend_from_slice(values);
+        }
         self.end_row();
     }
 

@@ -21,19 +21,27 @@ pub(super) struct Chains {
     pub(super) neighbours: usize,
     /// The numbers of their returns, one chain after the other.
     numbers: Vec<u32>,
-    /// Of each of those, the weights of its edges to the next `neighbours` of its chain; 0 beyond the end.
+    /// Of each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those after it; 0
+    /// beyond the ends.
     weights: Vec<f64>,
-    /// The places of each chain in `numbers`.
-    chains: Vec<Range<usize>>,
-    /// The weights of one chain's edges from each return to the next, and `neighbours` zeros.
+    chains: Vec<Chain>,
+    /// The weights of one chain's edges from each return to the next.
     links: Vec<f64>,
     /// The chain of each return, and its place in `numbers`.
     places: Vec<Option<(u32, u32)>>,
     /// Edges from one chain to another, and of returns that are left over: in both directions.
     others: Vec<(u32, u32, f64)>,
-    /// The weights of one row along its chain, and the row if there are other edges in it.
-    row_weights: Vec<f64>,
+    /// A row whose entries are not in order along its chain, or not all on it.
     row: Vec<(u32, f64)>,
+}
+
+/// A wall or an island.
+#[derive(Clone, Debug)]
+struct Chain {
+    /// Its places in `numbers`.
+    places: Range<usize>,
+    /// Σ D_ii over it, as far as it is tied to itself: each edge counts at both of its ends.
+    volume: f64,
 }
 
 impl Chains {
@@ -46,7 +54,6 @@ impl Chains {
             links: Vec::new(),
             places: Vec::new(),
             others: Vec::new(),
-            row_weights: Vec::new(),
             row: Vec::new(),
         }
     }
@@ -72,16 +79,19 @@ impl Chains {
         if leak > 0.0 {
             self.tie_across(ring, judge, walls, leak);
         }
-        let on_walls = || walls.returns().iter().chain(islands.returns());
         for &i in left_over {
-            let squared = on_walls().map(|&j| ((ring.position_m(j) - ring.position_m(i)).norm_squared(), j));
-            if let Some((_, j)) = squared.min_by(|a, b| a.0.total_cmp(&b.0))
-                && ring.distance_m(i, j) < NEAR_M
-            {
+            let (mut nearest, mut least) = (None, NEAR_M * NEAR_M);
+            for &j in walls.returns().iter().chain(islands.returns()) {
+                let squared = (ring.position_m(j) - ring.position_m(i)).norm_squared();
+                if squared < least {
+                    (nearest, least) = (Some(j), squared);
+                }
+            }
+            if let Some(j) = nearest {
                 self.tie(ring, i, j, WEAK);
             }
         }
-        self.write_rows(ring.len(), out);
+        self.write_rows(ring, out);
     }
 
     /// Edges along a chain, as strong as its gaps were cheap to close.
@@ -93,20 +103,28 @@ impl Chains {
         };
         self.links.clear();
         self.links.extend((1..chain.len()).map(link));
-        self.links.resize(chain.len() + self.neighbours, 0.0);
+        let (width, neighbours) = (self.width(), self.neighbours);
         let start = self.weights.len();
-        self.weights.resize(start + chain.len() * self.neighbours, 0.0);
-        let rows = self.weights[start..].chunks_exact_mut(self.neighbours);
-        for (weights, links) in rows.zip(self.links.windows(self.neighbours)) {
-            let mut product = 1.0;
-            for (weight, link) in weights.iter_mut().zip(links) {
+        self.weights.resize(start + chain.len() * width, 0.0);
+        let mut ahead_of_all = 0.0;
+        for at in 0..chain.len() {
+            // From the return itself on: the next entries are those of its edges ahead, and `width - 1` farther each is that of
+            // the same edge from its other end.
+            let row = &mut self.weights[start + at * width + neighbours..];
+            let (mut product, mut ahead) = (1.0, 0.0);
+            row[0] = product;
+            for (step, link) in (1..=neighbours).zip(&self.links[at..]) {
                 product *= link;
-                *weight = product;
+                ahead += product;
+                row[step] = product;
+                row[step * (width - 1)] = product;
             }
+            ahead_of_all += ahead;
         }
+        let volume = chain.len() as f64 + 2.0 * ahead_of_all;
         let start = self.numbers.len();
         self.numbers.extend(chain.iter().map(|&i| ring.returns[i].number));
-        self.chains.push(start..self.numbers.len());
+        self.chains.push(Chain { places: start..self.numbers.len(), volume });
     }
 
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
@@ -118,22 +136,18 @@ impl Chains {
             n if ring.full_turn => n,
             n => n - 1,
         };
-        let volumes: Vec<f64> = (0..walls.len()).map(|chain| self.volume(chain)).collect();
         for at in 0..gaps {
             let next = (at + 1) % walls.len();
             let (a, b) = (&walls[at], &walls[next]);
             let eigenvalue = 0.5 * leak / judge.decidedness(a, b).powi(DECIDED_POWER);
-            let weight = eigenvalue / (1.0 / volumes[at] + 1.0 / volumes[next]);
+            let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
             self.tie(ring, a[a.len() - 1], b[0], weight);
         }
     }
 
-    /// Σ D_ii over a chain, as far as it is tied to itself: each edge counts at both of its ends.
-    fn volume(&self, chain: usize) -> f64 {
-        let chain = self.chains[chain].clone();
-        let weights = &self.weights[self.neighbours * chain.start..self.neighbours * chain.end];
-        let ahead = weights.chunks_exact(self.neighbours).map(|weights| weights.iter().sum::<f64>());
-        chain.len() as f64 + 2.0 * ahead.sum::<f64>()
+    /// Entries of `weights` for one return.
+    fn width(&self) -> usize {
+        2 * self.neighbours + 1
     }
 
     fn tie(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
@@ -141,25 +155,26 @@ impl Chains {
         self.others.extend([(i, j, weight), (j, i, weight)]);
     }
 
-    fn write_rows(&mut self, n: usize, out: &mut Affinity) {
+    fn write_rows(&mut self, ring: &Ring, out: &mut Affinity) {
         self.places.clear();
-        self.places.resize(n, None);
-        for (chain, places) in self.chains.iter().enumerate() {
+        self.places.resize(ring.len(), None);
+        for (chain, Chain { places, .. }) in self.chains.iter().enumerate() {
             for (at, &number) in places.clone().zip(&self.numbers[places.clone()]) {
                 self.places[number as usize] = Some((chain as u32, at as u32));
             }
         }
         self.others.sort_unstable_by_key(|&(from, to, _)| (from, to));
         let mut others = self.others.iter().peekable();
-        let (mut row, mut weights) = (std::mem::take(&mut self.row), std::mem::take(&mut self.row_weights));
+        let mut row = std::mem::take(&mut self.row);
         let csr = out.weights.make_sparse();
         out.degrees.clear();
         for (number, place) in (0..).zip(&self.places) {
-            let columns = self.row_along(&number, *place, &mut weights);
+            let (columns, weights) = self.row_along(&number, *place);
             let has_others = others.peek().is_some_and(|&&(from, ..)| from == number);
-            // Not so where a chain runs clockwise or over the first beam.
-            if columns.is_sorted() && !has_others {
-                csr.push_row(columns, &weights);
+            // A chain runs around the sensor once at most: if it runs anticlockwise by numbers, only a row over the first
+            // beam is not in order.
+            if !ring.clockwise && columns[0] <= columns[columns.len() - 1] && !has_others {
+                csr.push_row(columns, weights);
                 out.degrees.push(weights.iter().sum());
                 continue;
             }
@@ -173,22 +188,15 @@ impl Chains {
             csr.end_row();
             out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
         }
-        (self.row, self.row_weights) = (row, weights);
+        self.row = row;
     }
 
     /// The numbers of the returns that a return is tied to along its chain, itself among them, with the weights of those edges.
-    fn row_along<'a>(&'a self, number: &'a u32, place: Option<(u32, u32)>, weights: &mut Vec<f64>) -> &'a [u32] {
-        weights.clear();
-        let Some((chain, at)) = place else {
-            weights.push(1.0);
-            return std::slice::from_ref(number);
-        };
-        let (chain, at, neighbours) = (&self.chains[chain as usize], at as usize, self.neighbours);
+    fn row_along<'a>(&'a self, number: &'a u32, place: Option<(u32, u32)>) -> (&'a [u32], &'a [f64]) {
+        let Some((chain, at)) = place else { return (std::slice::from_ref(number), &[1.0]) };
+        let (chain, at, neighbours) = (&self.chains[chain as usize].places, at as usize, self.neighbours);
         let first = at.saturating_sub(neighbours).max(chain.start);
-        let last = (at + neighbours).min(chain.end - 1);
-        weights.extend((first..at).map(|from| self.weights[from * neighbours + (at - from - 1)]));
-        weights.push(1.0);
-        weights.extend_from_slice(&self.weights[at * neighbours..][..last - at]);
-        &self.numbers[first..=last]
+        let columns = &self.numbers[first..(at + neighbours + 1).min(chain.end)];
+        (columns, &self.weights[at * self.width() + neighbours - (at - first)..][..columns.len()])
     }
 }

@@ -45,12 +45,14 @@ impl Dust {
 
 /// Whether most of the ranges around the middle one are larger, on both sides.
 fn stands_out(around_m: &[f64]) -> bool {
-    let farther_of =
-        |ranges_m: &[f64]| ranges_m.iter().map(|&range_m| u32::from(range_m > around_m[REACH] + NEARER_M)).sum::<u32>();
-    let seen = around_m.iter().map(|range_m| u32::from(!range_m.is_nan())).sum::<u32>() - 1;
-    farther_of(&around_m[1..REACH]) > 0
-        && farther_of(&around_m[REACH + 1..2 * REACH]) > 0
-        && f64::from(farther_of(around_m)) >= FARTHER_SHARE * f64::from(seen)
+    let farther_m = around_m[REACH] + NEARER_M;
+    let is_farther = |range_m: &&f64| **range_m > farther_m;
+    let some_farther = |ranges_m: &[f64]| ranges_m.iter().any(|range_m| is_farther(&range_m));
+    // Few returns are nearer than one of the next on either side, so the others are not counted for most.
+    some_farther(&around_m[1..REACH]) && some_farther(&around_m[REACH + 1..2 * REACH]) && {
+        let seen = around_m.iter().filter(|range_m| !range_m.is_nan()).count() - 1;
+        around_m.iter().filter(is_farther).count() as f64 >= FARTHER_SHARE * seen as f64
+    }
 }
 
 /// How many of its neighbours a return touches.

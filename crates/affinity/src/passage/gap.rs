@@ -75,10 +75,10 @@ pub(super) struct Judge<'a> {
 
 /// A gap between two pieces that have directions.
 struct Bend {
-    /// How much the wall turns left at the one end and at the other.
-    turns_rad: [f64; 2],
-    /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
-    aside_m: [f64; 2],
+    before: Position,
+    /// From the end of the one piece to the start of the other.
+    chord: Position,
+    after: Position,
 }
 
 impl<'a> Judge<'a> {
@@ -97,38 +97,51 @@ impl<'a> Judge<'a> {
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
         let mut judge = Self { ring, tangents, islands, limits, size_m, lost_beams: 0 };
+        for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
+            judge.lost_beams = judge.lost_beams.max(ring.dark_between(pair[0], pair[1]));
+        }
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
-        let beside = |at: usize| (&pieces[at], &pieces[(at + 1) % pieces.len()]);
-        let across = (0..gaps).map(beside).filter(|(a, b)| judge.clearly_goes_on(a, b));
-        let across = across.map(|(a, b)| (a[a.len() - 1], b[0]));
-        let within = pieces.iter().flat_map(|piece| piece.windows(2)).map(|pair| (pair[0], pair[1]));
-        judge.lost_beams = across.chain(within).map(|(p, q)| ring.dark_between(p, q)).max().unwrap_or(0);
+        for at in 0..gaps {
+            let (a, b) = (&pieces[at], &pieces[(at + 1) % pieces.len()]);
+            let lost_beams = ring.dark_between(a[a.len() - 1], b[0]);
+            if lost_beams > judge.lost_beams && judge.clearly_goes_on(a, b) {
+                judge.lost_beams = lost_beams;
+            }
+        }
         judge
     }
 
     fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
         let [Some(before), Some(after)] = self.directions(a, b) else { return false };
         let bend = self.bend(a, b, [before, after]);
-        let off_m = bend.aside_m[0].abs().max(bend.aside_m[1].abs());
-        bend.turn_rad() < LOST_TURN_RAD && off_m < LOST_OFF_SHARE * self.size_m
+        let [of_q, of_p] = bend.aside_m();
+        let off_m = of_q.abs().max(of_p.abs());
+        off_m < LOST_OFF_SHARE * self.size_m && bend.turn_rad() < LOST_TURN_RAD
     }
 
     /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
     /// where a vehicle could pass between them.
+    #[inline]
     pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let is_gap = self.ring.are_apart(a[a.len() - 1], b[0], self.limits.passage_m);
+        if is_gap { self.cost_of_gap(a, b) } else { Some(0.0) }
+    }
+
+    fn cost_of_gap(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
         let chord = ring.position_m(q) - ring.position_m(p);
         let chord_m = chord.norm();
-        if chord_m < self.limits.passage_m {
-            return Some(0.0);
-        }
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
-                let bend = self.bend(a, b, [before, after]);
-                let detour_rad = bend.turns_rad[0].abs().min(bend.turns_rad[1].abs());
+                let bend = Bend { before, chord, after };
+                let turns_rad = bend.turns_rad();
+                let turn_rad = whole_turn_rad(turns_rad);
+                // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
+                let is_way = self.room(&bend, (p, q), turn_rad) >= 1.0;
+                let detour_rad = turns_rad[0].abs().min(turns_rad[1].abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
-                (!self.is_way(&bend, (p, q))).then(|| 0.1 + bend.turn_rad().abs() + 0.2 * detour_rad + far)
+                (!is_way).then(|| 0.1 + turn_rad.abs() + 0.2 * detour_rad + far)
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
@@ -147,13 +160,13 @@ impl<'a> Judge<'a> {
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for one.
     pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let [before, after] = self.directions(a, b);
-        let bend = self.bend(a, b, [before?, after?]);
-        Some(self.room(&bend, (a[a.len() - 1], b[0]), bend.turn_rad())).filter(|&room| room >= 1.0)
-    }
-
-    /// Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-    fn is_way(&self, bend: &Bend, ends: (usize, usize)) -> bool {
-        self.room(bend, ends, bend.turn_rad()) >= 1.0
+        let (bend, ends) = (self.bend(a, b, [before?, after?]), (a[a.len() - 1], b[0]));
+        let [clear_m, _] = self.clear_and_farther_m(&bend, ends);
+        // Where no vehicle fits in, how far the wall turns does not matter.
+        if clear_m < self.limits.passage_m && !self.is_blank(ends.0, ends.1) {
+            return None;
+        }
+        Some(self.room(&bend, ends, bend.turn_rad())).filter(|&room| room >= 1.0)
     }
 
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
@@ -168,9 +181,7 @@ impl<'a> Judge<'a> {
             0.0
         };
         let Some(share) = self.share_of_place(turn_rad, (p, q)) else { return blank };
-        let nearer_is_p = self.ring.range_m(p) < self.ring.range_m(q);
-        let [of_q, of_p] = bend.aside_m;
-        let (clear_m, farther_aside_m) = if nearer_is_p { (of_p.abs(), of_q) } else { (of_q.abs(), of_p) };
+        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
         let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
             let deep_m = -farther_aside_m;
             (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m))
@@ -179,6 +190,12 @@ impl<'a> Judge<'a> {
         };
         let room = (clear_m / (share * self.size_m)).max(seen_inside);
         room.min(clear_m / self.limits.passage_m).max(blank)
+    }
+
+    /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer one.
+    fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
+        let [of_q, of_p] = bend.aside_m();
+        if self.ring.range_m(p) < self.ring.range_m(q) { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
     }
 
     /// How wide a way on is as a share of the place's size, where the wall turns by `turn_rad`; none where it goes straight on.
@@ -197,7 +214,8 @@ impl<'a> Judge<'a> {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);
         let ends = (a[a.len() - 1], b[0]);
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, ends, bend.turn_rad() + more_rad));
+        let turn_rad = bend.turn_rad();
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, ends, turn_rad + more_rad));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
@@ -238,23 +256,34 @@ impl<'a> Judge<'a> {
 
     fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Position; 2]) -> Bend {
         let chord = self.ring.position_m(b[0]) - self.ring.position_m(a[a.len() - 1]);
-        Bend {
-            turns_rad: [turn_rad(before, chord), turn_rad(chord, after)],
-            aside_m: [before.perp(&chord), after.perp(&-chord)],
-        }
+        Bend { before, chord, after }
     }
 }
 
 impl Bend {
-    /// How far the wall turns at the gap, to the left; around a tip it may turn right by more than π.
+    /// How much the wall turns left at the one end and at the other.
+    fn turns_rad(&self) -> [f64; 2] {
+        [turn_rad(self.before, self.chord), turn_rad(self.chord, self.after)]
+    }
+
+    /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
+    fn aside_m(&self) -> [f64; 2] {
+        [self.before.perp(&self.chord), self.after.perp(&-self.chord)]
+    }
+
     fn turn_rad(&self) -> f64 {
-        let turn_rad = self.turns_rad[0] + self.turns_rad[1];
-        if turn_rad < -1.15 * PI {
-            turn_rad + TAU
-        } else if turn_rad > 1.5 * PI {
-            turn_rad - TAU
-        } else {
-            turn_rad
-        }
+        whole_turn_rad(self.turns_rad())
+    }
+}
+
+/// How far the wall turns at the gap, to the left; around a tip it may turn right by more than π.
+fn whole_turn_rad([before_rad, after_rad]: [f64; 2]) -> f64 {
+    let turn_rad = before_rad + after_rad;
+    if turn_rad < -1.15 * PI {
+        turn_rad + TAU
+    } else if turn_rad > 1.5 * PI {
+        turn_rad - TAU
+    } else {
+        turn_rad
     }
 }

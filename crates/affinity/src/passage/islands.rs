@@ -6,8 +6,8 @@ use super::tangent::{End, tangent};
 
 /// What is seen past an end of an island lies at least this much farther.
 const BEHIND_M: f64 = 0.5;
-/// And so steeply behind it: the angle between the step and the beam, over at most [`STEP_BEAMS`] beams.
-const STEEP_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
+/// And so steeply behind it: how far aside for each metre behind, 20° from the beam, over at most [`STEP_BEAMS`] beams.
+const STEEP: f64 = 0.363_970_234_266_202_36;
 const STEP_BEAMS: usize = 3;
 /// And so many times farther than the island's own spacing.
 const SPACINGS: f64 = 2.0;
@@ -67,7 +67,7 @@ fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limit
     }
     let piece = |step: usize| &pieces[(first + step) % n];
     let run = [first, (first + together - 1) % n];
-    let is_short = |piece: &[usize]| piece.iter().all(|&i| ring.distance_m(piece[0], i) < limits.island_m);
+    let is_short = |piece: &[usize]| piece.iter().all(|&i| !ring.are_apart(piece[0], i, limits.island_m));
     (0..together).all(|step| piece(step).len() >= LEAST_RETURNS)
         && hides(ring, piece(0), End::First, piece(n - 1))
         && hides(ring, piece(together - 1), End::Last, piece(together))
@@ -106,7 +106,7 @@ fn hides(ring: &Ring, piece: &[usize], end: End, next: &[usize]) -> bool {
     let aside_m = ring.range_m(tip) * apart.min(STEP_BEAMS) as f64 * ring.step_rad;
     let spacing_m = ring.distance_m(tip, inner) / ring.beams_apart(tip, inner).max(1) as f64;
     behind_m > BEHIND_M
-        && aside_m.atan2(behind_m) < STEEP_RAD
+        && aside_m < STEEP * behind_m
         && ring.distance_m(tip, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
 }
 

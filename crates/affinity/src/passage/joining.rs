@@ -16,7 +16,7 @@ const PEAK_STRETCH_M: f64 = 4.0;
 /// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.
 pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64, pieces: &mut Pieces) {
     pieces.clear();
-    let is_apart = |from: usize, to: usize| ring.distance_m(from, to) >= passage_m;
+    let is_apart = |from: usize, to: usize| ring.are_apart(from, to, passage_m);
     for i in kept {
         let starts_piece = pieces.returns().last().is_none_or(|&last| is_apart(last, i));
         pieces.push(i, starts_piece);
@@ -37,14 +37,19 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
     let gap = |pieces: &Pieces, at: usize| {
         let next = (at + 1) % pieces.len();
         let is_gap = next != at && (ring.full_turn || next != 0);
-        if is_gap { judge.cost(&pieces[at], &pieces[next]) } else { None }
+        let cost = if is_gap { judge.cost(&pieces[at], &pieces[next]) } else { None };
+        cost.unwrap_or(f64::INFINITY)
     };
-    let mut costs: Vec<Option<f64>> = (0..pieces.len()).map(|at| gap(pieces, at)).collect();
+    let mut costs: Vec<f64> = (0..pieces.len()).map(|at| gap(pieces, at)).collect();
     let mut left_over = Vec::new();
     loop {
         let n = pieces.len();
-        let cheapest =
-            (0..n).filter_map(|at| Some((costs[at]?, at))).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at);
+        let (mut cheapest, mut least) = (None, f64::INFINITY);
+        for (at, &cost) in costs.iter().enumerate() {
+            if cost < least {
+                (cheapest, least) = (Some(at), cost);
+            }
+        }
         let changed = if let Some(at) = cheapest {
             let next = (at + 1) % n;
             pieces.join(at);
@@ -94,7 +99,7 @@ fn cut(walls: &mut Pieces, place: impl Fn(&[usize]) -> Option<usize>) {
 
 fn widest_way(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) -> Option<usize> {
     let gaps = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
-    let wide = gaps.filter(|&at| ring.distance_m(wall[at - 1], wall[at]) >= passage_m);
+    let wide = gaps.filter(|&at| ring.are_apart(wall[at - 1], wall[at], passage_m));
     let ways = wide.filter_map(|at| Some((judge.way_room(&wall[..at], &wall[at..])?, at)));
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
@@ -104,10 +109,10 @@ fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64)
     let mut least_rad = PEAK_RAD.start;
     for cut in LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1) {
         let (a, b) = wall.split_at(cut);
-        let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);
-        if chord.norm() < passage_m || judge.is_hidden(a[cut - 1], b[0]) {
+        if !ring.are_apart(a[cut - 1], b[0], passage_m) || judge.is_hidden(a[cut - 1], b[0]) {
             continue;
         }
+        let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);
         let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);
         let after = tangent(ring, b, End::First, PEAK_STRETCH_M);
         let turn_rad = turn_rad(before, chord) + turn_rad(chord, after);

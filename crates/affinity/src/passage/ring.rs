@@ -16,8 +16,10 @@ pub(super) struct Ring {
     /// The last return is followed by the first.
     pub(super) full_turn: bool,
     pub(super) range_max_m: f64,
-    /// How many beams before each came back with nothing; one entry more than there are beams.
-    dark_before: Vec<u32>,
+    /// The returns are numbered clockwise.
+    pub(super) clockwise: bool,
+    /// How many beams came back with nothing.
+    dark: u32,
 }
 
 /// One return.
@@ -29,6 +31,8 @@ pub(super) struct Entry {
     pub(super) beam: usize,
     /// Its number in the revolution.
     pub(super) number: u32,
+    /// How many beams before its own came back with nothing.
+    dark_before: u32,
 }
 
 impl Ring {
@@ -37,17 +41,21 @@ impl Ring {
     pub(super) fn fill(&mut self, sweep: &Sweep, points_m: &[Point]) -> Result<(), StageError> {
         let clockwise = sweep.is_clockwise(); // the direction is summed over all beams
         self.returns.clear();
+        self.clockwise = clockwise;
         (self.beams, self.step_rad, self.full_turn) = (sweep.len(), sweep.step_rad, sweep.full_turn);
         self.range_max_m = sweep.range_max_m;
-        self.count_dark(sweep, clockwise);
+        self.dark = 0;
         for (beam, seen) in sweep.beams.iter().enumerate() {
-            let Beam::Return(number) = *seen else { continue };
+            let Beam::Return(number) = *seen else {
+                self.dark += u32::from(*seen == Beam::NoReturn);
+                continue;
+            };
             if number as usize != self.returns.len() || number as usize >= points_m.len() {
                 let message = format!("beam {beam} has return {number}: not in beam order, or not there");
                 return Err(StageError::Unsupported(message));
             }
             let position_m = points_m[number as usize].coords.xy();
-            self.returns.push(Entry { position_m, range_m: position_m.norm(), beam, number });
+            self.returns.push(Entry { position_m, range_m: position_m.norm(), beam, number, dark_before: self.dark });
         }
         if self.returns.len() != points_m.len() {
             let (beams, returns) = (self.returns.len(), points_m.len());
@@ -55,7 +63,9 @@ impl Ring {
         }
         if clockwise {
             self.returns.reverse();
-            self.returns.iter_mut().for_each(|entry| entry.beam = sweep.len() - 1 - entry.beam);
+            for entry in &mut self.returns {
+                (entry.beam, entry.dark_before) = (sweep.len() - 1 - entry.beam, self.dark - entry.dark_before);
+            }
         }
         Ok(())
     }
@@ -74,6 +84,11 @@ impl Ring {
 
     pub(super) fn distance_m(&self, i: usize, j: usize) -> f64 {
         (self.position_m(j) - self.position_m(i)).norm()
+    }
+
+    /// Whether two returns are at least so far from each other.
+    pub(super) fn are_apart(&self, i: usize, j: usize, least_m: f64) -> bool {
+        (self.position_m(j) - self.position_m(i)).norm_squared() >= least_m * least_m
     }
 
     /// The return `steps` after `i` (before it, if negative), if the view goes so far.
@@ -104,29 +119,17 @@ impl Ring {
 
     /// How many beams between a return and a later one came back with nothing.
     pub(super) fn dark_between(&self, from: usize, to: usize) -> u32 {
-        let (from, to) = (self.returns[from].beam, self.returns[to].beam);
-        let around = if to < from { self.dark_before[self.beams] } else { 0 };
-        around + self.dark_before[to] - self.dark_before[from]
+        let (from, to) = (&self.returns[from], &self.returns[to]);
+        let around = if to.beam < from.beam { self.dark } else { 0 };
+        around + to.dark_before - from.dark_before
     }
 
     /// Whether an end of a limited view cuts a piece: beyond it there is no return, and no beam that came back with nothing.
     pub(super) fn ends_with_view(&self, piece: &[usize]) -> bool {
         let (first, last) = (piece[0], piece[piece.len() - 1]);
-        let dark_before = |i: usize| self.dark_before[self.returns[i].beam];
-        let begins = first == 0 && dark_before(first) == 0;
-        let ends = last + 1 == self.len() && dark_before(last) == self.dark_before[self.beams];
+        let begins = first == 0 && self.returns[first].dark_before == 0;
+        let ends = last + 1 == self.len() && self.returns[last].dark_before == self.dark;
         !self.full_turn && (begins || ends)
-    }
-
-    fn count_dark(&mut self, sweep: &Sweep, clockwise: bool) {
-        let mut dark = 0;
-        self.dark_before.clear();
-        self.dark_before.push(0);
-        for step in 0..sweep.len() {
-            let beam = if clockwise { sweep.len() - 1 - step } else { step };
-            dark += u32::from(sweep.beams[beam] == Beam::NoReturn);
-            self.dark_before.push(dark);
-        }
     }
 }
 

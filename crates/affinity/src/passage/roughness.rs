@@ -10,10 +10,10 @@ const LEAST_RETURNS: usize = 4;
 /// How far the returns of a wall lie off its line, in metres: the root of their mean square over a stretch, and of all
 /// stretches the median, so that corners do not count. 0 if no piece is so long.
 pub(super) fn roughness_m(ring: &Ring, pieces: &Pieces) -> f64 {
-    let mut offs_m: Vec<f64> = Vec::new();
+    let mut offs_m: Vec<f64> = Vec::with_capacity(pieces.returns().len() / LEAST_RETURNS);
     for mut rest in pieces.iter() {
         while let Some(&first) = rest.first() {
-            let end = rest.iter().position(|&i| ring.distance_m(first, i) >= STRETCH_M);
+            let end = rest.iter().position(|&i| ring.are_apart(first, i, STRETCH_M));
             // What does not fill a stretch may be anything.
             let Some(end) = end else { break };
             if end >= LEAST_RETURNS {

@@ -19,7 +19,7 @@ pub(super) enum End {
 
 /// Whether a piece is long enough to have a direction.
 pub(super) fn has_direction(ring: &Ring, piece: &[usize]) -> bool {
-    piece.len() >= LEAST_RETURNS && ring.distance_m(piece[0], piece[piece.len() - 1]) >= LEAST_LENGTH_M
+    piece.len() >= LEAST_RETURNS && ring.are_apart(piece[0], piece[piece.len() - 1], LEAST_LENGTH_M)
 }
 
 /// The directions of the ends of pieces over one length of wall. Pieces are joined and cut, but their ends seldom change, so

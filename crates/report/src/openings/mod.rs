@@ -80,9 +80,14 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
-/// The sides of every two returns that follow each other.
-pub(crate) fn sides(ring: &Ring) -> impl Iterator<Item = Sides<'_>> {
-    (0..ring.edges()).map(|at| Sides::of(ring, at, ring.after(at)))
+/// The sides of every two returns that follow each other and are of two walls, or at least so far from each other.
+pub(crate) fn sides(ring: &Ring, least_m: f64) -> impl Iterator<Item = Sides<'_>> {
+    let is_edge = move |&(from, to): &(usize, usize)| {
+        let (from, to) = (&ring.entries[from], &ring.entries[to]);
+        from.wall != to.wall || (to.position_m - from.position_m).norm_squared() >= least_m * least_m
+    };
+    let pairs = (0..ring.edges()).map(|at| (at, ring.after(at)));
+    pairs.filter(is_edge).map(|(from, to)| Sides::of(ring, from, to))
 }
 
 fn widest(branches: Vec<Branch>) -> Vec<Branch> {
@@ -128,7 +133,7 @@ impl View<'_> {
     /// Every edge between two walls that is not masked throughout.
     fn between_walls(&self) -> Vec<Branch> {
         let between_two = |sides: &Sides<'_>| sides.walls()[0] != sides.walls()[1];
-        sides(self.ring)
+        sides(self.ring, self.vehicle_width_m)
             .filter(|sides| between_two(sides) && self.is_known(sides))
             .map(|sides| self.branch(&sides))
             .collect()
@@ -137,7 +142,7 @@ impl View<'_> {
     /// Every edge that the vehicle can pass into free space, those into the same branch joined.
     fn in_free_space(&self) -> Vec<Branch> {
         let mut branches: Vec<Branch> = Vec::new();
-        for sides in sides(self.ring).filter(|sides| self.is_passable(sides)) {
+        for sides in sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides)) {
             let branch = self.branch(&sides);
             match branches.last_mut() {
                 Some(last) if last.is_same_way_as(&branch) => last.join(branch),

@@ -7,6 +7,10 @@ use crate::ring::{Entry, Position, Ring};
 
 /// Bisections of a way of at most 8 m or a half turn: to 1 cm and 0.2° at worst.
 const BISECTIONS: usize = 10;
+/// What is farther by this factor is so for certain, whatever was rounded.
+const ROUNDING: f64 = 1.001;
+/// Seldom are more pieces of a wall near a way.
+const NEAR_PIECES: usize = 32;
 
 /// The wall on one side of an edge.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +64,10 @@ impl Side {
     fn nearest_m(self, ring: &Ring, point_m: Position) -> Position {
         let (mut nearest_m, mut least) = (ring.entries[self.at].position_m, f64::INFINITY);
         for piece_m in self.line_m(ring) {
+            // Most pieces are farther, which is seen without a division; with room for rounding.
+            if !is_within(piece_m, point_m, ROUNDING * least) {
+                continue;
+            }
             let on_piece_m = nearest_on_m(piece_m, point_m);
             let squared = (on_piece_m - point_m).norm_squared();
             if squared < least {
@@ -149,21 +157,23 @@ fn first_within_m<W: Iterator<Item = [Position; 2]>>(
     distance_m: f64,
 ) -> Option<Position> {
     let end_m = way(1.0);
-    if !wall_m().any(|piece_m| is_within(piece_m, end_m, distance_m)) {
+    let squared = distance_m * distance_m;
+    if !wall_m().any(|piece_m| is_within(piece_m, end_m, squared)) {
         return None;
     }
     // Only what is near the circle around the way, with room for rounding, can be near a point of it.
     let middle_m = way(0.5);
-    let reach_m = 1.001 * (distance_m + (end_m - middle_m).norm());
-    let near_m: Vec<_> = wall_m().filter(|&piece_m| is_within(piece_m, middle_m, reach_m)).collect();
-    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(piece_m, point_m, distance_m));
+    let reach_m = ROUNDING * (distance_m + (end_m - middle_m).norm());
+    let mut near_m = Vec::with_capacity(NEAR_PIECES);
+    near_m.extend(wall_m().filter(|&piece_m| is_within(piece_m, middle_m, reach_m * reach_m)));
+    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(piece_m, point_m, squared));
     Some(bisect(way, is_reached))
 }
 
-/// Whether a piece of a line comes within this distance of a point.
-fn is_within([from_m, to_m]: [Position; 2], point_m: Position, distance_m: f64) -> bool {
+/// Whether a piece of a line comes within the root of `squared` of a point.
+fn is_within([from_m, to_m]: [Position; 2], point_m: Position, squared: f64) -> bool {
     let (along, offset) = (to_m - from_m, point_m - from_m);
-    let (squared, length_squared, on_line) = (distance_m * distance_m, along.norm_squared(), offset.dot(&along));
+    let (length_squared, on_line) = (along.norm_squared(), offset.dot(&along));
     // Nearest is one of its ends, or the foot of the perpendicular; no root is taken, and nothing is divided.
     if on_line <= 0.0 {
         offset.norm_squared() <= squared
