@@ -241,10 +241,9 @@ impl<'a> Judge<'a> {
         self.is_shaded(p, q) || (2 * dark >= self.ring.beams_from(p, q) && self.dark_share(p, q).is_none())
     }
 
-    /// Whether half of the beams into the gap, or more, end at islands.
+    /// Whether islands hide what is in the gap.
     fn is_shaded(&self, p: usize, q: usize) -> bool {
-        let shaded = self.islands.returns().iter().filter(|&&i| self.ring.is_between(i, p, q)).count();
-        shaded > 0 && 2 * shaded >= self.ring.beams_from(p, q)
+        self.ring.is_shaded(self.islands.returns(), p, q)
     }
 
     fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {

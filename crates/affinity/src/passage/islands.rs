@@ -45,7 +45,7 @@ pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &
         let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
         let nearest = |together: usize| {
             (0..pieces.len())
-                .filter(|&at| stand_free(ring, pieces, at, together, limits))
+                .filter(|&at| stand_free(ring, (&*pieces, &*islands), at, together, limits))
                 .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])))
         };
         let found = (1..=MOST_TOGETHER).find_map(|together| Some((nearest(together)?, together)));
@@ -59,7 +59,13 @@ pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &
 }
 
 /// Whether so many pieces that follow each other, from `first` on, stand free.
-fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limits: &Limits) -> bool {
+fn stand_free(
+    ring: &Ring,
+    (pieces, islands): (&Pieces, &Pieces),
+    first: usize,
+    together: usize,
+    limits: &Limits,
+) -> bool {
     let n = pieces.len();
     let at_the_end = !ring.full_turn && (first == 0 || first + together >= n);
     if n < together + 2 || at_the_end {
@@ -76,19 +82,24 @@ fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limit
             let (a, b) = (piece(step - 1), piece(step));
             !hides(ring, a, End::Last, b) && !hides(ring, b, End::First, a)
         })
-        && (0..together).all(|step| !is_of_wall_beside(ring, pieces, run, piece(step), limits))
+        && (0..together).all(|step| !is_of_wall_beside(ring, (pieces, islands), run, piece(step), limits))
 }
 
-/// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two.
+/// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two. Beyond
+/// the shadow of an island that was found before, nothing says so.
 fn is_of_wall_beside(
     ring: &Ring,
-    pieces: &Pieces,
+    (pieces, islands): (&Pieces, &Pieces),
     [first, last]: [usize; 2],
     piece: &[usize],
     limits: &Limits,
 ) -> bool {
-    let offs_m = [(first, End::First), (last, End::Last)]
-        .map(|(at, end)| off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m));
+    let offs_m = [(first, End::First), (last, End::Last)].map(|(at, end)| {
+        let (tip, outer) = (end.at(&pieces[at], 0), beside(ring, pieces, at, end).next()?);
+        let (from, to) = if end == End::First { (outer, tip) } else { (tip, outer) };
+        let off_m = || off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m);
+        if ring.is_shaded(islands.returns(), from, to) { None } else { off_m() }
+    });
     let near_m = limits.passage_m + BUMPS * limits.roughness_m;
     let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
     match offs_m {

@@ -117,6 +117,12 @@ impl Ring {
         i != from && self.beams_from(from, i) < self.beams_from(from, to)
     }
 
+    /// Whether half of the beams after `from` and before `to`, or more, end at one of these returns.
+    pub(super) fn is_shaded(&self, by: &[usize], from: usize, to: usize) -> bool {
+        let shaded = by.iter().filter(|&&i| self.is_between(i, from, to)).count();
+        shaded > 0 && 2 * shaded >= self.beams_from(from, to)
+    }
+
     /// How many beams between a return and a later one came back with nothing.
     pub(super) fn dark_between(&self, from: usize, to: usize) -> u32 {
         let (from, to) = (&self.returns[from], &self.returns[to]);
