@@ -48,6 +48,10 @@ fn a_configuration_against_itself_differs_nowhere() {
         assert_eq!(figures[measure]["share"], 1.0, "{measure}");
     }
     assert_eq!(figures["stretches"], serde_json::json!([]));
+    let shown = compare(&shipped_flight(), &["default", "default"], &[]).expect_code(0).stdout;
+    for nothing in ["settings that differ: none", "stretches where the walls of default and default differ: none"] {
+        assert!(shown.contains(nothing), "{nothing} in:\n{shown}");
+    }
 }
 
 #[test]

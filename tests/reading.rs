@@ -50,6 +50,16 @@ fn a_recording_is_listed_with_its_entities_versions_and_configuration() {
 }
 
 #[test]
+fn what_is_no_entity_or_no_recording_is_told_with_what_there_is() {
+    let (folder, flight, _) = folder();
+    let wrong = get(&flight, "/affinity/w", &folder.path().join("w.npy"), &[]).expect_code(2).stderr;
+    assert!(wrong.contains("/affinity/W,") && !wrong.contains("/spectral"), "{wrong}");
+    let input = shipped_flight().display().to_string();
+    let wrong = rrd(&["ls", &input]).expect_code(1).stderr;
+    assert!(wrong.contains("it is an MCAP recording"), "{wrong}");
+}
+
+#[test]
 fn exported_eigenvalues_are_those_of_the_results_recorded_as_well_as_recomputed() {
     let (folder, flight, results) = folder();
     for more in [&[][..], &["--exact"]] {

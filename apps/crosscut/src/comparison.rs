@@ -7,7 +7,11 @@ use serde_json::json;
 
 /// For a terminal.
 pub(crate) fn text(tables: &[Table]) -> String {
-    tables.iter().map(|table| format!("{}\n{}\n\n", table.title, drawn(table, presets::NOTHING))).collect()
+    let text = |table: &Table| match table.rows.is_empty() {
+        true => format!("{}: none\n\n", table.title),
+        false => format!("{}\n{}\n\n", table.title, drawn(table, presets::NOTHING)),
+    };
+    tables.iter().map(text).collect()
 }
 
 /// For a Markdown document.

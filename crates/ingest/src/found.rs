@@ -101,8 +101,8 @@ impl fmt::Display for Found {
         f.write_str(match self {
             Self::Empty => "it is empty",
             Self::Zeros => "it holds nothing but zeros, as a crash of the recording machine leaves it",
-            Self::OtherMcapVersion => "it is an MCAP of another version; `mcap recover` may read it",
-            Self::CutMcap => "it is an MCAP that ends within its first 8 bytes",
+            Self::OtherMcapVersion => "it is of another version of that format; `mcap recover` may read it",
+            Self::CutMcap => "it is cut off within the first 8 bytes of one",
             Self::Ros1Bag => {
                 "it is a ROS 1 bag; convert it with `rosbags-convert --src FLIGHT.bag --dst FLIGHT --dst-storage mcap` \
                  (pip install rosbags)"

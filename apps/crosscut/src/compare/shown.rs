@@ -104,9 +104,9 @@ fn stretches(
         shown.truncate(STRETCHES);
         shown.sort_by_key(|stretch| stretch.seq[0]);
     }
-    let mut title = format!("where the walls of {first} and {other} differ");
+    let mut title = format!("stretches where the walls of {first} and {other} differ");
     if shown.len() < differences.stretches.len() {
-        title += &format!(": the {STRETCHES} longest of {} stretches (--all shows them)", differences.stretches.len());
+        title += &format!(": the {STRETCHES} longest of {} (--all shows them)", differences.stretches.len());
     }
     let row = |of: &&Stretch| {
         let [from_s, to_s] = of.stamp_ns.map(|stamp_ns| format!("{:.2}", since_start_s(stamp_ns)));

@@ -107,7 +107,10 @@ fn refuse_unknown_sections(schema: &Schema, layer: &Layer) -> Result<(), ConfigE
         Some(name) => Err(ConfigError::UnknownSection {
             layer: layer.name.clone(),
             name: name.clone(),
-            nearest: nearest(name, known()),
+            nearest: match name.as_str() {
+                "preset" => "presets are chosen on the command line".to_owned(),
+                _ => nearest(name, known()),
+            },
         }),
     }
 }

@@ -68,6 +68,7 @@ fn unknown_names_are_refused_with_the_nearest_right_one() {
         r#"mine.toml: affinity of kind "rbf" has no sigma; did you mean sigma_per_m2?"#
     );
     assert_eq!(refused("[afinity]\nkind = 1", &[]), "mine.toml: there is no section [afinity]; did you mean affinity?");
+    assert!(refused("preset = \"paper\"", &[]).ends_with("presets are chosen on the command line"));
     assert!(refused("", &["affinity.kind=rfb"]).contains("did you mean rbf?"));
     assert!(refused("", &["affinity.error_at_x=1"]).contains(r#"that is a parameter of affinity.kind = "failing""#));
     assert!(refused("", &["report.kind=x"]).contains("report has no kind"));

@@ -44,6 +44,9 @@ impl Messages {
         let mut file = BufReader::with_capacity(1 << 20, file);
         let mut header = [0; StreamHeader::ENCODED_SIZE_BYTES];
         file.read_exact(&mut header).map_err(|_| cannot(format!("{end} bytes are not a recording")))?;
+        if header.starts_with(b"\x89MCAP") {
+            return Err(cannot("it is an MCAP recording; give what `crosscut run --save` made of it".to_owned()));
+        }
         let (version, _) = StreamHeader::from_rrd_bytes(&header)
             .and_then(StreamHeader::to_version_and_options)
             .map_err(|e| cannot(e.to_string()))?;

@@ -60,12 +60,12 @@ pub enum ReadError {
         cause: String,
     },
     /// The recording has no such entity.
-    #[error("the recording has no entity {entity}; it has {}", known.join(", "))]
+    #[error("the recording has no entity {entity}; near it there are {}", near.join(", "))]
     NoSuchEntity {
         /// What was asked for.
         entity: String,
-        /// What there is.
-        known: Vec<String>,
+        /// What there is of the same step; all there is if nothing is.
+        near: Vec<String>,
     },
     /// The entity has no such component at this revolution.
     #[error("{entity} has no {component}; it has {}", known.join(", "))]

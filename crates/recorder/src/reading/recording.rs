@@ -164,8 +164,12 @@ impl Recording {
     /// When there is no such entity.
     pub fn rows(&self, entity: &str) -> Result<Rows<'_>, ReadError> {
         let Some((name, found)) = self.entities.get_key_value(entity) else {
-            let known = self.entities.keys().cloned().collect();
-            return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), known });
+            let step = |name: &str| name.split('/').nth(1).unwrap_or_default().to_owned();
+            let mut near: Vec<_> = self.entities.keys().filter(|name| step(name) == step(entity)).cloned().collect();
+            if near.is_empty() {
+                near = self.entities.keys().cloned().collect();
+            }
+            return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), near });
         };
         Ok(Rows::new(self, name, found))
     }
