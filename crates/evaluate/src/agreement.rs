@@ -5,6 +5,7 @@ use crosscut_report::ResultsLine;
 
 use crate::contingency::Contingency;
 use crate::openings::{self, OpeningsScore};
+use crate::score::is_island;
 use crate::{SAME_WALL_IOU, ScoreError};
 
 /// How far two answers for the same scan agree. Pairs are of the first and the second answer.
@@ -58,7 +59,6 @@ impl Agreement {
 
 /// How many walls, islands left out, both answers have.
 fn same_walls(table: &Contingency, first: &ResultsLine, second: &ResultsLine) -> usize {
-    let is_island = |line: &ResultsLine, id: i64| line.walls.iter().any(|w| w.island && i64::from(w.id) == id);
     let pairs = table.overlapping(SAME_WALL_IOU);
     pairs
         .filter(|&(a, b)| !is_island(first, table.true_walls[a]) && !is_island(second, table.reported_walls[b]))

@@ -1,16 +1,20 @@
 //! The beams of one scan, counted by true wall and reported wall.
 
 use crosscut_messages::Truth;
+use crosscut_stage::Frame;
 
 use crate::assignment::best_matching;
+
+/// Truth and results label alike, so that a result can stand in the place of the truth.
+const _: () = assert!(Truth::NO_RETURN == Frame::NO_RETURN && Truth::NO_WALL == Frame::NO_WALL);
 
 /// How many beams each true wall shares with each reported one. Islands are walls here.
 #[derive(Debug)]
 pub(crate) struct Contingency {
     /// Ids of the true walls that have beams, ascending.
-    pub(crate) true_walls: Vec<i64>,
+    pub(crate) true_walls: Vec<i32>,
     /// Ids of the reported walls that have beams, ascending.
-    pub(crate) reported_walls: Vec<i64>,
+    pub(crate) reported_walls: Vec<i32>,
     /// |T_a ∩ R_b|, a row per true wall that has beams, a column per reported one.
     shared: Vec<Vec<usize>>,
     /// |T_a|.
@@ -25,11 +29,8 @@ pub(crate) struct Contingency {
 
 impl Contingency {
     /// Of labels per beam, as many on both sides: walls at 0 and above, [`Truth::NO_RETURN`], or no wall.
-    pub(crate) fn of<L: Into<i64> + Copy>(truth: &[L], reported: &[i64]) -> Self {
-        let no_return = i64::from(Truth::NO_RETURN);
-        let truth = || truth.iter().map(|&label| label.into());
-        let true_walls = walls(truth());
-        let reported_walls = walls(reported.iter().copied());
+    pub(crate) fn of(truth: &[i32], reported: &[i32]) -> Self {
+        let (true_walls, reported_walls) = (walls(truth), walls(reported));
         let (rows, columns) = (true_walls.len(), reported_walls.len());
         let mut table = Self {
             shared: vec![vec![0; columns]; rows],
@@ -40,7 +41,7 @@ impl Contingency {
             true_walls,
             reported_walls,
         };
-        for (t, &r) in truth().zip(reported) {
+        for (&t, &r) in truth.iter().zip(reported) {
             let row = table.true_walls.binary_search(&t).ok();
             let column = table.reported_walls.binary_search(&r).ok();
             if let Some(a) = row {
@@ -52,8 +53,8 @@ impl Contingency {
             if let (Some(a), Some(b)) = (row, column) {
                 table.shared[a][b] += 1;
             }
-            table.beams += usize::from(t != no_return || column.is_some());
-            table.left_out += usize::from(t != no_return && row.is_none() && column.is_none());
+            table.beams += usize::from(t != Truth::NO_RETURN || column.is_some());
+            table.left_out += usize::from(t != Truth::NO_RETURN && row.is_none() && column.is_none());
         }
         table
     }
@@ -98,9 +99,9 @@ impl Contingency {
 }
 
 /// The distinct labels at 0 and above, ascending.
-fn walls(labels: impl Iterator<Item = i64>) -> Vec<i64> {
+fn walls(labels: &[i32]) -> Vec<i32> {
     let mut ids = Vec::new();
-    for label in labels.filter(|label| *label >= 0) {
+    for &label in labels.iter().filter(|label| **label >= 0) {
         if let Err(place) = ids.binary_search(&label) {
             ids.insert(place, label);
         }

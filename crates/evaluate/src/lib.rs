@@ -57,7 +57,7 @@
 //! ```
 //! use crosscut_evaluate::{Comparison, Score, tables};
 //! use crosscut_messages::Truth;
-//! # fn line(labels: Vec<i64>) -> Result<crosscut_report::ResultsLine, serde_json::Error> {
+//! # fn line(labels: Vec<i32>) -> Result<crosscut_report::ResultsLine, serde_json::Error> {
 //! #     let text = serde_json::json!({"seq": 0, "stamp_ns": 0, "returns": 5, "junctions": 2, "k": 2, "margin": 1.0,
 //! #         "confidence": 0.9, "place": "corridor", "eigenvalues": [], "walls": [], "openings": [], "labels": labels,
 //! #         "notes": []});

@@ -79,6 +79,10 @@ impl Score {
 
 /// Reported walls, islands left out, that are the same as a true one.
 fn matched_walls(table: &Contingency, line: &ResultsLine) -> usize {
-    let is_island = |id: i64| line.walls.iter().any(|wall| wall.island && i64::from(wall.id) == id);
-    table.overlapping(SAME_WALL_IOU).filter(|&(_, b)| !is_island(table.reported_walls[b])).count()
+    table.overlapping(SAME_WALL_IOU).filter(|&(_, b)| !is_island(line, table.reported_walls[b])).count()
+}
+
+/// Whether the wall of this label was reported as an island.
+pub(crate) fn is_island(line: &ResultsLine, label: i32) -> bool {
+    line.walls.iter().any(|wall| wall.island && wall.id.cast_signed() == label)
 }

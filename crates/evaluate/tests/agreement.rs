@@ -7,7 +7,7 @@ use crosscut_report::{OpeningLine, ResultsLine};
 
 use crate::scans::{answer, truth};
 
-fn agreement(seq: u64, first: &[i64], second: &[i64]) -> Agreement {
+fn agreement(seq: u64, first: &[i32], second: &[i32]) -> Agreement {
     let at = |labels| ResultsLine { seq, stamp_ns: 100 * seq, ..answer(labels, &[]) };
     Agreement::of(&at(first), &at(second)).expect("as many labels")
 }
@@ -18,8 +18,7 @@ fn an_answer_in_the_place_of_the_truth_gives_the_same_measures() {
     for first in &labels {
         for second in &labels {
             let agreement = agreement(0, first, second);
-            let true_labels: Vec<_> = first.iter().map(|&label| label as i32).collect();
-            let score = Score::of(&truth(&true_labels, 0), &answer(second, &[])).expect("as many labels");
+            let score = Score::of(&truth(first, 0), &answer(second, &[])).expect("as many labels");
             assert_eq!(
                 (agreement.same_walls, agreement.junctions),
                 (score.right, [score.true_walls, score.reported_walls])

@@ -7,7 +7,7 @@ use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, 
 
 use crate::scans::{answer, truth};
 
-fn score(true_labels: &[i32], reported: &[i64]) -> Score {
+fn score(true_labels: &[i32], reported: &[i32]) -> Score {
     Score::of(&truth(true_labels, 0), &answer(reported, &[])).expect("as many labels")
 }
 
@@ -48,7 +48,7 @@ fn the_walls_alone_are_not_right_when_one_more_is_reported() {
 fn islands_need_not_be_found_but_must_not_be_counted_as_walls() {
     // Island 0, walls 1 and 2.
     let truth = truth(&[0, 1, 1, 1, 1, 1, 2, 2, 2, 2], 1);
-    let right = |labels: &[i64], islands: &[u32]| Score::of(&truth, &answer(labels, islands)).expect("10 labels").right;
+    let right = |labels: &[i32], islands: &[u32]| Score::of(&truth, &answer(labels, islands)).expect("10 labels").right;
     assert!(right(&[5, 0, 0, 0, 0, 0, 1, 1, 1, 1], &[5]), "found as an island");
     assert!(right(&[-2, 0, 0, 0, 0, 0, 1, 1, 1, 1], &[]), "left out");
     assert!(!right(&[5, 0, 0, 0, 0, 0, 1, 1, 1, 1], &[]), "counted as a wall");
@@ -84,7 +84,7 @@ fn an_empty_scan_that_is_reported_empty_is_right() {
 #[test]
 fn adjusted_rand_indices_are_those_of_scikit_learn() {
     // sklearn.metrics.adjusted_rand_score(truth, reported)
-    let known: [(&[i32], &[i64], f64); 4] = [
+    let known: [(&[i32], &[i32], f64); 4] = [
         (&[0, 0, 1, 1], &[0, 0, 1, 2], 0.571_428_571_428_571_4),
         (&[0, 0, 0, 1, 1, 1], &[0, 0, 1, 1, 2, 2], 0.242_424_242_424_242_43),
         (&[0, 0, 0, 0, 1, 1, 1, 1], &[0, 1, 0, 1, 0, 1, 0, 1], -0.166_666_666_666_666_66),
@@ -112,7 +112,7 @@ fn labels_of_another_number_of_beams_are_an_error_and_not_a_wrong_answer() {
 }
 
 /// Share of all pairs treated alike, corrected for chance by the definition: pair by pair.
-fn rand_index_by_pairs(truth: &[i32], reported: &[i64]) -> f64 {
+fn rand_index_by_pairs(truth: &[i32], reported: &[i32]) -> f64 {
     let beams: Vec<_> = (0..truth.len()).filter(|&i| truth[i] >= 0).collect();
     let (mut both, mut in_truth, mut in_report, mut all) = (0.0, 0.0, 0.0, 0.0);
     for (place, &i) in beams.iter().enumerate() {
@@ -129,8 +129,8 @@ fn rand_index_by_pairs(truth: &[i32], reported: &[i64]) -> f64 {
 }
 
 /// Labels of one scan: true ones below 4, reported ones below 5, none and dust among both.
-fn labels() -> impl Strategy<Value = (Vec<i32>, Vec<i64>)> {
-    (0usize..40).prop_flat_map(|n| (prop::collection::vec(-2i32..4, n), prop::collection::vec(-2i64..5, n)))
+fn labels() -> impl Strategy<Value = (Vec<i32>, Vec<i32>)> {
+    (0usize..40).prop_flat_map(|n| (prop::collection::vec(-2i32..4, n), prop::collection::vec(-2i32..5, n)))
 }
 
 proptest! {
@@ -138,7 +138,7 @@ proptest! {
     fn other_numbers_for_the_same_walls_change_nothing(
         (true_labels, reported) in labels(),
         true_ids in Just(vec![0i32, 1, 2, 3]).prop_shuffle(),
-        reported_ids in Just(vec![0i64, 7, 2, 9, 4]).prop_shuffle(),
+        reported_ids in Just(vec![0i32, 7, 2, 9, 4]).prop_shuffle(),
     ) {
         // All four walls are there, with or without beams, so that numbers do not change how many there are.
         let truth = crosscut_messages::Truth { walls: 4, ..truth(&true_labels, 0) };
@@ -164,8 +164,7 @@ proptest! {
         ids.dedup();
         let dense: Vec<i32> =
             true_labels.iter().map(|t| ids.binary_search(t).map_or(*t, |place| place as i32)).collect();
-        let same: Vec<i64> = dense.iter().map(|&t| i64::from(t)).collect();
-        let score = score(&dense, &same);
+        let score = score(&dense, &dense);
         prop_assert!(score.right && score.right_count());
         prop_assert_eq!(score.returns_right, score.returns);
         prop_assert_eq!(score.adjusted_rand_index, (ids.len() >= 2).then_some(1.0));

@@ -1,15 +1,11 @@
 //! The answer: count, place, walls and openings, as values and in words.
 
-use crosscut_stage::{Beam, Frame, Opening, Wall};
+use crosscut_stage::{Frame, Opening, Wall};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
 
 use crate::colors::{GREY, PLACES, REPORTED, UNSEEN, color, name_of, series};
 use crate::tensors::{f64_matrix, i32_vector};
 use crate::tracks::Classes;
-
-/// What a beam without a return, and a return of no wall, is labelled with, as in results.
-const NO_RETURN: i32 = -1;
-const OF_NO_WALL: i32 = -2;
 
 /// What plots of counts reach at least, so that a steady count is no line in the middle of nowhere.
 const COUNTS: [f64; 2] = [0.0, 5.0];
@@ -39,20 +35,8 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> Re
     rec.log("report/confidence", &Scalars::single(junction.confidence))?;
     rec.log("report/place", &StateChange::single(junction.place.to_string()))?;
     rec.log("report/summary", &TextDocument::from_markdown(summary(frame, classes)))?;
-    rec.log("report/labels", &i32_vector(labels(frame).into_iter(), "beam"))?;
+    rec.log("report/labels", &i32_vector(frame.labels().into_iter(), "beam"))?;
     rec.log("report/walls", &walls(frame, classes))
-}
-
-/// The wall of each beam, as in results; of each return where there are no beams.
-fn labels(frame: &Frame) -> Vec<i32> {
-    let of_return = |wall: Option<u32>| wall.map_or(OF_NO_WALL, u32::cast_signed);
-    let wall_of = &frame.junction.wall_of_return;
-    let Some(sweep) = &frame.revolution.sweep else { return wall_of.iter().map(|wall| of_return(*wall)).collect() };
-    let of_beam = |beam: &Beam| match beam {
-        Beam::Return(i) => of_return(wall_of.get(*i as usize).copied().flatten()),
-        Beam::NoReturn | Beam::Unknown => NO_RETURN,
-    };
-    sweep.beams.iter().map(of_beam).collect()
 }
 
 /// A row per wall.

@@ -25,4 +25,4 @@ pub mod ring;
 pub mod walls;
 
 pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};
-pub use results::{MAX_EIGENVALUES, NO_RETURN, NO_WALL, OpeningLine, ResultsLine, WallLine};
+pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};

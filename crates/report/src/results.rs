@@ -2,17 +2,11 @@
 
 use std::io::{self, Write};
 
-use crosscut_stage::{Beam, Frame};
+use crosscut_stage::Frame;
 use serde::{Deserialize, Serialize};
 
 /// At most this many eigenvalues stand in a line.
 pub const MAX_EIGENVALUES: usize = 16;
-
-/// Label of a beam that has no return.
-pub const NO_RETURN: i64 = -1;
-
-/// Label of a return that belongs to no wall.
-pub const NO_WALL: i64 = -2;
 
 /// What one revolution becomes in the results. No clock times: the same scan gives the same line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,8 +33,8 @@ pub struct ResultsLine {
     pub walls: Vec<WallLine>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
-    /// Per beam, in message order: wall id, [`NO_RETURN`] or [`NO_WALL`]. Per point for a cloud.
-    pub labels: Vec<i64>,
+    /// Per beam, in message order: wall id, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. Per point for a cloud.
+    pub labels: Vec<i32>,
     /// What was dropped, repaired or fallen back to.
     pub notes: Vec<String>,
 }
@@ -104,7 +98,7 @@ impl ResultsLine {
                     cut_by_view: o.cut_by_view,
                 })
                 .collect(),
-            labels: labels(frame),
+            labels: frame.labels(),
             notes: frame.notes.iter().map(str::to_owned).collect(),
         }
     }
@@ -119,25 +113,9 @@ impl ResultsLine {
     }
 }
 
-fn labels(frame: &Frame) -> Vec<i64> {
-    let label = |i: usize| frame.junction.wall_of_return[i].map_or(NO_WALL, i64::from);
-    match &frame.revolution.sweep {
-        Some(sweep) => sweep
-            .beams
-            .iter()
-            .map(|beam| match beam {
-                Beam::Return(i) => label(*i as usize),
-                Beam::NoReturn | Beam::Unknown => NO_RETURN,
-            })
-            .collect(),
-        None => (0..frame.revolution.len()).map(label).collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crosscut_stage::{Point, Sweep};
 
     #[test]
     fn an_empty_revolution_has_a_line_with_every_field_of_the_contract() {
@@ -151,16 +129,6 @@ mod tests {
                 "\n"
             )
         );
-    }
-
-    #[test]
-    fn labels_are_per_beam_and_tell_no_return_from_no_wall() {
-        let mut frame = Frame::default();
-        frame.revolution.points_m = vec![Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
-        let beams = vec![Beam::Unknown, Beam::Return(0), Beam::NoReturn, Beam::Return(1)];
-        frame.revolution.sweep = Some(Sweep { beams, ..Default::default() });
-        frame.junction.wall_of_return = vec![Some(3), None];
-        assert_eq!(ResultsLine::of(&frame).labels, [-1, 3, -1, -2]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Affinity, Junction, Partition, Revolution, Spectrum};
+use crate::{Affinity, Beam, Junction, Partition, Revolution, Spectrum};
 
 /// All that is known of one revolution. It goes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +23,26 @@ pub struct Frame {
     pub timings: Timings,
     /// Set when a step failed; the parts after it are then not of this revolution.
     pub failure: Option<Failure>,
+}
+
+impl Frame {
+    /// Label of a beam that has no return.
+    pub const NO_RETURN: i32 = -1;
+    /// Label of a return that belongs to no wall.
+    pub const NO_WALL: i32 = -2;
+
+    /// One entry a beam, in message order: the id of its wall, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. One a point
+    /// for a cloud.
+    pub fn labels(&self) -> Vec<i32> {
+        let wall = |i: usize| self.junction.wall_of_return.get(i).copied().flatten();
+        let label = |i: usize| wall(i).map_or(Self::NO_WALL, u32::cast_signed);
+        let Some(sweep) = &self.revolution.sweep else { return (0..self.revolution.len()).map(label).collect() };
+        let label_of_beam = |beam: &Beam| match beam {
+            Beam::Return(i) => label(*i as usize),
+            Beam::NoReturn | Beam::Unknown => Self::NO_RETURN,
+        };
+        sweep.beams.iter().map(label_of_beam).collect()
+    }
 }
 
 /// One step of the flow.
@@ -140,4 +160,21 @@ pub enum FailureCause {
     /// The stage panicked: a defect in the stage. The panic was caught.
     #[error("it panicked: {0}")]
     Panic(String),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Point, Sweep};
+
+    #[test]
+    fn labels_are_per_beam_and_tell_no_return_from_no_wall() {
+        let mut frame = Frame::default();
+        frame.revolution.points_m = vec![Point::new(1.0, 0.0, 0.0), Point::new(0.0, 1.0, 0.0)];
+        frame.junction.wall_of_return = vec![Some(3), None];
+        assert_eq!(frame.labels(), [3, -2], "of a cloud, per point");
+        let beams = vec![Beam::Unknown, Beam::Return(0), Beam::NoReturn, Beam::Return(1)];
+        frame.revolution.sweep = Some(Sweep { beams, ..Default::default() });
+        assert_eq!(frame.labels(), [-1, 3, -1, -2]);
+    }
 }

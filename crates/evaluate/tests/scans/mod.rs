@@ -10,8 +10,8 @@ pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
 }
 
 /// The answer of these labels, with the walls in `islands` reported as such.
-pub(crate) fn answer(labels: &[i64], islands: &[u32]) -> ResultsLine {
-    let mut ids: Vec<i64> = labels.iter().copied().filter(|&label| label >= 0).collect();
+pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
+    let mut ids: Vec<i32> = labels.iter().copied().filter(|&label| label >= 0).collect();
     ids.sort_unstable();
     ids.dedup();
     let walls: Vec<_> = ids
