@@ -5,7 +5,7 @@
 
 use anyhow::Context;
 use crosscut_evaluate::tables::{self, Table};
-use crosscut_evaluate::{Comparison, Score};
+use crosscut_evaluate::{Score, Scoreboard};
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_report::ResultsLine;
@@ -38,17 +38,17 @@ fn main() -> anyhow::Result<()> {
     let file = std::env::args().nth(1).context("say a file to write to")?;
     let mut answers = answers()?;
     let beta = fitted(&answers);
-    let mut comparison = Comparison::new(vec!["default".to_owned()]);
+    let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     for answer in &mut answers {
         answer.score.confidence = probability(&beta, &answer.x);
-        comparison.add(answer.family, 0, &answer.score);
+        scoreboard.add(answer.family, 0, &answer.score);
     }
     let [one, opening, gap, unseen, ratio, apart, islands] = beta.into();
     let mut page = format!(
         "{PAGE}\nβ = ({one:.2}, {opening:.2}, {gap:.2}, {unseen:.2}, {ratio:.2}, {apart:.2}, {islands:.2}) \
          for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)\n"
     );
-    for table in tables::details(&comparison).iter().filter(|table| table.title.contains("confidence")) {
+    for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &markdown(table);
     }
     std::fs::write(&file, page).with_context(|| format!("cannot write {file}"))

@@ -4,16 +4,17 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crosscut_evaluate::{Comparison, tables};
+use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{Truths, recordings_in};
 use crosscut_pipeline::{End, Registry, StopFlag};
+use serde_json::json;
 
 use crate::cli::EvaluateArgs;
 use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
-use crate::run::stop_on_interrupt;
+use crate::interrupt::stop_on_interrupt;
 use crate::scoring::{self, Scored};
-use crate::{comparison, overwriting, progress};
+use crate::{overwriting, progress, typeset};
 
 /// Runs every configuration over every recording, and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
@@ -28,14 +29,14 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     stop_on_interrupt(stop.clone())?;
 
     let bar = progress::bar(revolutions, args.quiet);
-    let mut comparison = Comparison::new(columns.iter().map(|column| column.name.clone()).collect());
+    let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
     let mut problems = Problems::default();
     'all: for path in &recordings {
         let family = path.file_stem().unwrap_or_default().to_string_lossy();
         for (place, column) in columns.iter().enumerate() {
             let scored = scoring::score(path, args.topic.as_deref(), &column.config, &registry, &stop, &bar)?;
             problems.note(path, &column.name, &scored);
-            comparison.merge(&family, place, &scored.evaluation);
+            scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
                 scored.wrong.write(folder, &family, &column.name)?;
             }
@@ -49,7 +50,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     for problem in &problems.sentences {
         eprintln!("{problem}");
     }
-    outputs.write(&comparison, &columns, &problems.sentences)?;
+    outputs.write(&scoreboard, &columns, &problems.sentences)?;
     Ok(if stop.is_set() { Outcome::Interrupted } else { problems.outcome() })
 }
 
@@ -128,23 +129,46 @@ impl<'a> Outputs<'a> {
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
 
-    fn write(&mut self, comparison: &Comparison, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
+    fn write(&mut self, scoreboard: &Scoreboard, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
         let failed = "the outcome cannot be written";
-        let mut shown = tables::overview(comparison);
+        let mut shown = tables::overview(scoreboard);
         if self.args.details {
-            shown.extend(tables::details(comparison));
+            shown.extend(tables::details(scoreboard));
         }
         if let Some(out) = &mut self.json {
             let settings: Vec<_> = columns.iter().map(|column| column.config.to_string()).collect();
-            out.write_all(comparison::json(comparison, &settings, problems).as_bytes()).context(failed)?;
+            out.write_all(json(scoreboard, &settings, problems).as_bytes()).context(failed)?;
         }
         if let Some(out) = &mut self.markdown {
-            out.write_all(comparison::markdown(&shown).as_bytes()).context(failed)?;
+            out.write_all(typeset::markdown(&shown).as_bytes()).context(failed)?;
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {
-            std::io::stdout().write_all(comparison::text(&shown).as_bytes()).context(failed)?;
+            std::io::stdout().write_all(typeset::text(&shown).as_bytes()).context(failed)?;
         }
         Ok(())
     }
+}
+
+/// Every figure, by family and configuration, with the `settings` of each configuration in full and what went wrong.
+fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> String {
+    let names = scoreboard.configurations();
+    let configurations: Vec<_> =
+        names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
+    let results = |evaluations: &[Evaluation]| -> Vec<_> {
+        let named = names.iter().zip(evaluations);
+        named.map(|(name, of)| json!({"configuration": name, "figures": of.figures()})).collect()
+    };
+    let families: Vec<_> = scoreboard
+        .families()
+        .iter()
+        .map(|family| json!({"family": family.name, "results": results(&family.evaluations)}))
+        .collect();
+    let document = json!({
+        "configurations": configurations,
+        "families": families,
+        "all": results(&scoreboard.all()),
+        "problems": problems,
+    });
+    format!("{document:#}\n")
 }

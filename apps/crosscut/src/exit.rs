@@ -46,6 +46,12 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
+/// What is said where a recording for the viewer is asked of a build that cannot make or read any.
+#[cfg(not(feature = "rerun"))]
+pub(crate) fn without_rerun() -> anyhow::Error {
+    UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
+}
+
 /// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had enough:
 /// that interrupts us, and needs no words.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {

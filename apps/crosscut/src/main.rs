@@ -4,7 +4,6 @@
 
 mod cli;
 mod compare;
-mod comparison;
 mod config;
 mod configurations;
 mod evaluate;
@@ -12,6 +11,7 @@ mod exit;
 mod figure;
 mod flight;
 mod info;
+mod interrupt;
 mod over_time;
 mod overwriting;
 mod paper;
@@ -23,6 +23,7 @@ mod run;
 mod scoring;
 mod simulate;
 mod summary;
+mod typeset;
 #[cfg(feature = "rerun")]
 mod view;
 mod wrong;
@@ -58,15 +59,10 @@ use view::view;
 
 #[cfg(not(feature = "rerun"))]
 fn rrd(_: &cli::RrdCommand) -> anyhow::Result<exit::Outcome> {
-    Err(without_rerun())
+    Err(exit::without_rerun())
 }
 
 #[cfg(not(feature = "rerun"))]
 fn view(_: &cli::ViewArgs) -> anyhow::Result<exit::Outcome> {
-    Err(without_rerun())
-}
-
-#[cfg(not(feature = "rerun"))]
-fn without_rerun() -> anyhow::Error {
-    exit::UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
+    Err(exit::without_rerun())
 }

@@ -148,8 +148,7 @@ pub(crate) fn observers(
     _: &mut Vec<String>,
 ) -> anyhow::Result<Observers> {
     if args.save.is_some() || args.view || args.serve.is_some() {
-        let text = "this crosscut was built without the feature `rerun`".to_owned();
-        return Err(crate::exit::UsageError(text).into());
+        return Err(crate::exit::without_rerun());
     }
     Ok(Observers::default())
 }

@@ -3,7 +3,6 @@
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -13,7 +12,8 @@ use crosscut_report::ResultsLine;
 use crosscut_stage::Frame;
 
 use crate::cli::RunArgs;
-use crate::exit::{INTERRUPTED, Outcome, is_closed_pipe};
+use crate::exit::{Outcome, is_closed_pipe};
+use crate::interrupt::stop_on_interrupt;
 use crate::over_time::{self, OverTime};
 use crate::{config, flight, overwriting, progress, record, summary};
 
@@ -58,8 +58,10 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     if !args.quiet {
         eprint!("{}", summary::table(&summary, start.elapsed()));
     }
-    if let (Some(over_time), Some(svg)) = (&over_time, &args.over_time) {
-        over_time.write(svg)?;
+    if let (Some(over_time), Some(svg)) = (&over_time, &args.over_time)
+        && let Err(error) = over_time.write(svg)
+    {
+        lost.push(format!("{error:#}"));
     }
     lost.extend(recording.losses().iter().map(ToString::to_string));
     lost.extend(summary.observer_errors.iter().cloned());
@@ -83,19 +85,6 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
         Some(path) if path == Path::new("-") => Some(Box::new(io::stdout())),
         Some(path) => Some(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)),
     })
-}
-
-/// Ctrl-C stops ingest and lets the rest drain; a second one quits.
-pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
-    let asked = AtomicBool::new(false);
-    ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        eprintln!("stopping; what is in flight is finished and saved (again to quit at once)");
-        stop.set();
-    })
-    .context("cannot listen for Ctrl-C")
 }
 
 /// Says what went wrong, and what the exit code is.

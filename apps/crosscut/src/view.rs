@@ -5,7 +5,7 @@ use crosscut_recorder::{Served, Show};
 
 use crate::cli::ViewArgs;
 use crate::exit::Outcome;
-use crate::run::stop_on_interrupt;
+use crate::interrupt::stop_on_interrupt;
 
 /// Shows recordings until the viewer is closed, or until Ctrl-C.
 pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {

@@ -2,7 +2,7 @@
 //!
 //! In: pairs of a [`Truth`](crosscut_messages::Truth) and the [`ResultsLine`](crosscut_report::ResultsLine) of the same
 //! scan, from a recording (where they share a log time), a simulator or anywhere else ([`Score::of`]). Out: an
-//! [`Evaluation`] per family and configuration ([`Comparison`]), its [`Figures`], and [`tables`]. No I/O.
+//! [`Evaluation`] per family and configuration ([`Scoreboard`]), its [`Figures`], and [`tables`]. No I/O.
 //!
 //! # Definitions
 //!
@@ -55,7 +55,7 @@
 //! # Example
 //!
 //! ```
-//! use crosscut_evaluate::{Comparison, Score, tables};
+//! use crosscut_evaluate::{Scoreboard, Score, tables};
 //! use crosscut_messages::Truth;
 //! # fn line(labels: Vec<i32>) -> Result<crosscut_report::ResultsLine, serde_json::Error> {
 //! #     let text = serde_json::json!({"seq": 0, "stamp_ns": 0, "returns": 5, "junctions": 2, "k": 2, "margin": 1.0,
@@ -67,12 +67,12 @@
 //! let truth = Truth { walls: 2, labels: vec![0, 0, -1, 1, 1, -2], ..Truth::default() };
 //! let answer = line(vec![1, 1, -1, 0, 0, 0])?; // other numbers, the same walls, and dust in one of them
 //!
-//! let mut comparison = Comparison::new(vec!["default".to_owned()]);
+//! let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
 //! let score = Score::of(&truth, &answer)?;
 //! assert_eq!((score.right_count(), score.right), (true, false)); // 2 of 3 beams shared: less than 0.8
 //! assert_eq!((score.returns_right, score.returns), (4, 5));
-//! comparison.add("dust", 0, &score);
-//! assert_eq!(tables::overview(&comparison)[1].rows[0], ["dust", "1", "100.0"]);
+//! scoreboard.add("dust", 0, &score);
+//! assert_eq!(tables::overview(&scoreboard)[1].rows[0], ["dust", "1", "100.0"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -81,7 +81,6 @@
 
 mod agreement;
 mod assignment;
-mod comparison;
 mod confidence;
 mod contingency;
 mod differences;
@@ -89,17 +88,18 @@ mod evaluation;
 mod openings;
 mod percentiles;
 mod score;
+mod scoreboard;
 mod share;
 mod steadiness;
 pub mod tables;
 
 pub use agreement::Agreement;
-pub use comparison::{Comparison, Family};
 pub use confidence::{BINS, Confidence, ReliabilityBin, SURE};
 pub use differences::{Differences, Stretch};
 pub use evaluation::{Confusion, Evaluation, Figures, Labels, Openings};
 pub use openings::{MatchedOpening, OpeningsScore, SAME_OPENING_RAD};
 pub use percentiles::Percentiles;
 pub use score::{SAME_WALL_IOU, Score, ScoreError};
+pub use scoreboard::{Family, Scoreboard};
 pub use share::Share;
 pub use steadiness::{AROUND, Flip, flips};

@@ -1,7 +1,7 @@
-//! A comparison as tables of text: the same for a terminal and for Markdown.
+//! A scoreboard as tables of text: the same for a terminal and for Markdown.
 
 use crate::confidence::BINS;
-use crate::{Comparison, Evaluation, Figures, Percentiles, Share};
+use crate::{Evaluation, Figures, Percentiles, Scoreboard, Share};
 
 /// A table, still without a form.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,25 +15,25 @@ pub struct Table {
 }
 
 /// Share of right and of right counts: a row per family, a column per configuration.
-pub fn overview(comparison: &Comparison) -> Vec<Table> {
+pub fn overview(scoreboard: &Scoreboard) -> Vec<Table> {
     let right = |figures: &Figures| match figures.right.interval95() {
         Some([low, high]) => format!("{} [{}, {}]", share(figures.right), percent(Some(low)), percent(Some(high))),
         None => NOTHING.to_owned(),
     };
     vec![
-        by_family(comparison, "right: count equal and every wall matched, % [95 % interval]", right),
-        by_family(comparison, "right counts, %", |figures| share(figures.right_count)),
+        by_family(scoreboard, "right: count equal and every wall matched, % [95 % interval]", right),
+        by_family(scoreboard, "right counts, %", |figures| share(figures.right_count)),
     ]
 }
 
 /// Everything else: a row per family and configuration, then confusion and reliability per configuration in all.
-pub fn details(comparison: &Comparison) -> Vec<Table> {
+pub fn details(scoreboard: &Scoreboard) -> Vec<Table> {
     let mut tables = vec![
-        by_family_and_configuration(comparison, "counts, % of the revolutions", &["right", "over", "under"], |f| {
+        by_family_and_configuration(scoreboard, "counts, % of the revolutions", &["right", "over", "under"], |f| {
             [f.right_count, f.over_count, f.under_count].map(share).to_vec()
         }),
         by_family_and_configuration(
-            comparison,
+            scoreboard,
             "labels: % of the returns right; adjusted Rand index",
             &["returns right", "index p5", "index median"],
             |f| {
@@ -42,7 +42,7 @@ pub fn details(comparison: &Comparison) -> Vec<Table> {
             },
         ),
         by_family_and_configuration(
-            comparison,
+            scoreboard,
             "openings: % of the true ones missed, % of the reported ones false, errors of those matched",
             &["missed", "false", "bearing median °", "bearing p95 °", "width median %", "width p95 %"],
             |f| {
@@ -61,13 +61,13 @@ pub fn details(comparison: &Comparison) -> Vec<Table> {
             },
         ),
         by_family_and_configuration(
-            comparison,
+            scoreboard,
             "confidence: % of the answers at 0.9 and above, % of those right, right against wrong",
             &["sure", "sure and right", "AUROC"],
             |f| vec![share(f.confidence.sure), share(f.confidence.sure_right), number(f.confidence.auroc, 3)],
         ),
     ];
-    for (name, evaluation) in comparison.configurations().iter().zip(comparison.all()) {
+    for (name, evaluation) in scoreboard.configurations().iter().zip(scoreboard.all()) {
         let figures = evaluation.figures();
         tables.push(confusion(name, &figures));
         tables.push(reliability(name, &figures));
@@ -79,15 +79,15 @@ const NOTHING: &str = "-";
 const ALL: &str = "all";
 
 /// A row per family and one for all.
-fn families(comparison: &Comparison) -> impl Iterator<Item = (&str, Vec<Figures>)> {
+fn families(scoreboard: &Scoreboard) -> impl Iterator<Item = (&str, Vec<Figures>)> {
     let figures = |evaluations: &[Evaluation]| evaluations.iter().map(Evaluation::figures).collect::<Vec<_>>();
-    let each = comparison.families().iter().map(move |family| (family.name.as_str(), figures(&family.evaluations)));
-    each.chain([(ALL, figures(&comparison.all()))])
+    let each = scoreboard.families().iter().map(move |family| (family.name.as_str(), figures(&family.evaluations)));
+    each.chain([(ALL, figures(&scoreboard.all()))])
 }
 
-fn by_family(comparison: &Comparison, title: &str, cell: impl Fn(&Figures) -> String) -> Table {
-    let header = ["family", "revolutions"].into_iter().map(str::to_owned).chain(comparison.configurations().to_vec());
-    let rows = families(comparison).map(|(family, figures)| {
+fn by_family(scoreboard: &Scoreboard, title: &str, cell: impl Fn(&Figures) -> String) -> Table {
+    let header = ["family", "revolutions"].into_iter().map(str::to_owned).chain(scoreboard.configurations().to_vec());
+    let rows = families(scoreboard).map(|(family, figures)| {
         let revolutions = figures.iter().map(|figures| figures.revolutions).max().unwrap_or(0);
         [family.to_owned(), revolutions.to_string()].into_iter().chain(figures.iter().map(&cell)).collect()
     });
@@ -95,15 +95,15 @@ fn by_family(comparison: &Comparison, title: &str, cell: impl Fn(&Figures) -> St
 }
 
 fn by_family_and_configuration(
-    comparison: &Comparison,
+    scoreboard: &Scoreboard,
     title: &str,
     columns: &[&str],
     cells: impl Fn(&Figures) -> Vec<String>,
 ) -> Table {
     let header = ["family", "configuration"].iter().chain(columns).map(ToString::to_string);
     let mut rows = Vec::new();
-    for (family, figures) in families(comparison) {
-        for (configuration, figures) in comparison.configurations().iter().zip(&figures) {
+    for (family, figures) in families(scoreboard) {
+        for (configuration, figures) in scoreboard.configurations().iter().zip(&figures) {
             rows.push([family.to_owned(), configuration.clone()].into_iter().chain(cells(figures)).collect());
         }
     }

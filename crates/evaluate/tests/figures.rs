@@ -2,7 +2,7 @@
 
 mod scans;
 
-use crosscut_evaluate::{Comparison, Confusion, Evaluation, Score, Share, tables};
+use crosscut_evaluate::{Confusion, Evaluation, Score, Scoreboard, Share, tables};
 use crosscut_messages::TruthOpening;
 use crosscut_report::OpeningLine;
 
@@ -83,26 +83,26 @@ fn merged_parts_are_the_whole() {
     assert_eq!(merged, evaluation(&four()));
 }
 
-fn comparison() -> Comparison {
-    let mut comparison = Comparison::new(vec!["paper".into(), "default".into()]);
+fn scoreboard() -> Scoreboard {
+    let mut scoreboard = Scoreboard::new(vec!["paper".into(), "default".into()]);
     for score in four() {
-        comparison.add("clean6", 0, &score);
-        comparison.add("clean6", 1, &four()[0]);
+        scoreboard.add("clean6", 0, &score);
+        scoreboard.add("clean6", 1, &four()[0]);
     }
-    comparison.add("dust", 0, &four()[3]);
-    comparison
+    scoreboard.add("dust", 0, &four()[3]);
+    scoreboard
 }
 
 #[test]
 fn all_families_together_count_revolution_by_revolution() {
-    let all = comparison().all();
+    let all = scoreboard().all();
     assert_eq!(all[0].figures().right, Share { hits: 1, of: 5 });
     assert_eq!(all[1].figures().right, Share { hits: 4, of: 4 });
 }
 
 #[test]
 fn the_overview_has_a_row_per_family_and_a_column_per_configuration() {
-    let [right, counts] = tables::overview(&comparison()).try_into().expect("two tables");
+    let [right, counts] = tables::overview(&scoreboard()).try_into().expect("two tables");
     assert_eq!(right.header, ["family", "revolutions", "paper", "default"]);
     assert_eq!(right.rows[0], ["clean6", "4", "25.0 [4.6, 69.9]", "100.0 [51.0, 100.0]"]);
     assert_eq!(right.rows[1], ["dust", "1", "0.0 [0.0, 79.3]", "-"]);
@@ -111,8 +111,8 @@ fn the_overview_has_a_row_per_family_and_a_column_per_configuration() {
 
 #[test]
 fn every_row_of_every_table_is_as_long_as_its_header() {
-    for comparison in [comparison(), Comparison::new(vec!["paper".into()]), Comparison::new(Vec::new())] {
-        for table in tables::overview(&comparison).into_iter().chain(tables::details(&comparison)) {
+    for scoreboard in [scoreboard(), Scoreboard::new(vec!["paper".into()]), Scoreboard::new(Vec::new())] {
+        for table in tables::overview(&scoreboard).into_iter().chain(tables::details(&scoreboard)) {
             assert!(table.rows.iter().all(|row| row.len() == table.header.len()), "{}", table.title);
         }
     }
@@ -120,11 +120,11 @@ fn every_row_of_every_table_is_as_long_as_its_header() {
 
 #[test]
 fn counts_far_beyond_the_truth_share_a_column_of_the_confusion_table() {
-    let mut comparison = Comparison::new(vec!["paper".into()]);
-    comparison.add("clean6", 0, &score(&[0; 12], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], 0.5));
-    comparison.add("clean6", 0, &score(&[0; 5], &[0, 1, 2, 3, 4], 0.5));
-    comparison.add("clean6", 0, &score(&[0; 3], &[0, 0, 1], 0.5));
-    let details = tables::details(&comparison);
+    let mut scoreboard = Scoreboard::new(vec!["paper".into()]);
+    scoreboard.add("clean6", 0, &score(&[0; 12], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], 0.5));
+    scoreboard.add("clean6", 0, &score(&[0; 5], &[0, 1, 2, 3, 4], 0.5));
+    scoreboard.add("clean6", 0, &score(&[0; 3], &[0, 0, 1], 0.5));
+    let details = tables::details(&scoreboard);
     let confusion = details.iter().find(|table| table.header[0] == "true").expect("there is one");
     assert_eq!(confusion.header, ["true", "0", "1", "2", "3", "4 and more"]);
     assert_eq!(confusion.rows, [["1", "0", "0", "1", "0", "2"]]);

@@ -18,8 +18,8 @@ use indicatif::ProgressBar;
 use crate::cli::CompareArgs;
 use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
-use crate::run::stop_on_interrupt;
-use crate::{comparison, flight, overwriting, progress};
+use crate::interrupt::stop_on_interrupt;
+use crate::{flight, overwriting, progress, typeset};
 
 /// Answers that a configuration may be ahead of the slowest.
 const AHEAD: usize = 64;
@@ -65,7 +65,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         let from_s = args.flight.from.unwrap_or(0.0);
         let tables = shown::tables(&configurations, &compared, from_s, args.all);
-        io::stdout().write_all(comparison::text(&tables).as_bytes()).context(failed)?;
+        io::stdout().write_all(typeset::text(&tables).as_bytes()).context(failed)?;
     }
     Ok(outcome)
 }

@@ -5,7 +5,7 @@ use crosscut_evaluate::tables::Table;
 
 use super::figures::Figure;
 use super::tolerance::{EXPONENTS, Family};
-use crate::comparison::markdown;
+use crate::typeset::markdown;
 
 const OPENING: &str = "\
 # The paper's evaluation, in our form

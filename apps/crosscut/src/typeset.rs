@@ -1,9 +1,7 @@
-//! How a comparison is shown: on a terminal, as Markdown, as JSON.
+//! Tables as text: for a terminal, and as Markdown.
 
 use comfy_table::{CellAlignment, TableStyle, presets};
 use crosscut_evaluate::tables::Table;
-use crosscut_evaluate::{Comparison, Evaluation};
-use serde_json::json;
 
 /// For a terminal.
 pub(crate) fn text(tables: &[Table]) -> String {
@@ -22,29 +20,6 @@ pub(crate) fn markdown(tables: &[Table]) -> String {
     };
     let drawn = |table| drawn(&escaped(table), presets::ASCII_MARKDOWN);
     tables.iter().map(|table| format!("**{}**\n\n{}\n\n", table.title, drawn(table))).collect()
-}
-
-/// Every figure, by family and configuration, with the `settings` of each configuration in full and what went wrong.
-pub(crate) fn json(comparison: &Comparison, settings: &[String], problems: &[String]) -> String {
-    let names = comparison.configurations();
-    let configurations: Vec<_> =
-        names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
-    let results = |evaluations: &[Evaluation]| -> Vec<_> {
-        let named = names.iter().zip(evaluations);
-        named.map(|(name, of)| json!({"configuration": name, "figures": of.figures()})).collect()
-    };
-    let families: Vec<_> = comparison
-        .families()
-        .iter()
-        .map(|family| json!({"family": family.name, "results": results(&family.evaluations)}))
-        .collect();
-    let document = json!({
-        "configurations": configurations,
-        "families": families,
-        "all": results(&comparison.all()),
-        "problems": problems,
-    });
-    format!("{document:#}\n")
 }
 
 /// Names to the left, numbers to the right.

@@ -4,7 +4,7 @@ use crate::{Evaluation, Score};
 
 /// An evaluation per family and configuration, and per configuration in all.
 #[derive(Clone, Debug)]
-pub struct Comparison {
+pub struct Scoreboard {
     configurations: Vec<String>,
     families: Vec<Family>,
 }
@@ -18,7 +18,7 @@ pub struct Family {
     pub evaluations: Vec<Evaluation>,
 }
 
-impl Comparison {
+impl Scoreboard {
     /// Of these configurations, with no family yet.
     pub fn new(configurations: Vec<String>) -> Self {
         Self { configurations, families: Vec::new() }

@@ -1,0 +1,21 @@
+//! Ctrl-C.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+use crosscut_pipeline::StopFlag;
+
+use crate::exit::INTERRUPTED;
+
+/// Ctrl-C stops ingest and lets the rest drain; a second one quits.
+pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
+    let asked = AtomicBool::new(false);
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        eprintln!("stopping; what is in flight is finished and saved (again to quit at once)");
+        stop.set();
+    })
+    .context("cannot listen for Ctrl-C")
+}
