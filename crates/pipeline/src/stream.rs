@@ -68,14 +68,15 @@ pub fn stream(
         }
         let report = report.expect("there is at least one worker");
 
-        let ingest = Ingest { source, options: options.clone(), pool: pool_out, lanes: to_lanes };
+        let ended = StopFlag::default();
+        let ingest = Ingest { source, options: options.clone(), ended: ended.clone(), pool: pool_out, lanes: to_lanes };
         let ingest = Builder::new().name("ingest".into()).spawn_scoped(scope, move || ingest.run())?;
 
         let (to_observers, finished) = bounded(frames);
         let observing = Observing { observers, finished, pool: pool_in };
         let observing = Builder::new().name("observers".into()).spawn_scoped(scope, move || observing.run())?;
 
-        let collect = Collect { report, lanes: from_lanes, results, observers: to_observers };
+        let collect = Collect { report, lanes: from_lanes, results, observers: to_observers, ended };
         let collect = Builder::new().name("report".into()).spawn_scoped(scope, move || collect.run())?;
 
         let mut summary = collect.join().expect("the report thread catches panics");
@@ -118,6 +119,8 @@ fn spawn_worker<'scope>(
 struct Ingest<'a> {
     source: &'a mut dyn Source,
     options: StreamOptions,
+    /// Set when no more revolutions are wanted.
+    ended: StopFlag,
     pool: Receiver<Frame>,
     lanes: Vec<Sender<Arrived>>,
 }
@@ -133,7 +136,9 @@ impl Ingest<'_> {
             }
             seq = frame.revolution.seq + 1;
             let due = match &mut pace {
-                Some(pace) => pace.wait_for(frame.revolution.stamp_ns, &self.options.stop),
+                Some(pace) => {
+                    pace.wait_for(frame.revolution.stamp_ns, || self.options.stop.is_set() || self.ended.is_set())
+                }
                 None => Instant::now(),
             };
             let last = frame.failure.is_some();
@@ -168,6 +173,7 @@ struct Collect<'a> {
     lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
+    ended: StopFlag,
 }
 
 impl Collect<'_> {
@@ -192,6 +198,7 @@ impl Collect<'_> {
                 break;
             }
         }
+        self.ended.set(); // ingest may be waiting for its next revolution to be due
         summary
     }
 

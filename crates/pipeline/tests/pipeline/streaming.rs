@@ -173,6 +173,17 @@ fn playing_at_a_rate_takes_the_time_that_the_stamps_say() {
 }
 
 #[test]
+fn a_run_that_has_ended_does_not_wait_for_the_next_revolution_to_be_due() {
+    // Stamps are 1 ms apart: the second revolution is due after 1000 s.
+    let options = StreamOptions { rate: Some(1e-6), ..StreamOptions::default() };
+    let mut sink = |_: &Frame| Err(io::Error::other("disk full"));
+    let start = std::time::Instant::now();
+    let summary = stream(&mut Count::to(2), &settings(1, 4, ""), &registry(), &mut sink, &mut [], &options);
+    assert!(matches!(summary.expect("threads").end, End::ResultsLost(_)));
+    assert!(start.elapsed().as_secs() < 500);
+}
+
+#[test]
 fn the_engine_alone_does_the_same_steps_and_recovers_after_a_failure() {
     let mut engine = Engine::new(&settings(1, 1, "spectral.panic_at_x=1"), &registry());
     let mut source = Count::to(3);
