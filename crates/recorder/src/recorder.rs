@@ -276,20 +276,17 @@ impl Observer for Recorder {
         self.record(frame).map_err(|e| ObserverError(e.to_string()))
     }
 
+    /// Ends the file and each viewer, whatever became of the others, and tells all that went wrong.
     fn finish(&mut self) -> Result<(), ObserverError> {
-        let mut end = || -> Result<(), RecorderError> {
-            if self.extent.is_none() {
-                self.send_layout(Extent::default())?;
-            }
-            self.flush_to_the_end()?;
-            self.file.as_ref().map_or(Ok(()), RrdFile::end)?;
-            self.live.iter().try_for_each(Live::end)?;
-            match self.backlog.as_ref().and_then(Backlog::lost) {
-                Some(Lost { thinned, left_out }) => Err(RecorderError::DiskTooSlow { thinned, left_out }),
-                None => Ok(()),
-            }
-        };
-        end().map_err(|e| ObserverError(e.to_string()))
+        let layout = if self.extent.is_none() { self.send_layout(Extent::default()) } else { Ok(()) };
+        let mut ends = vec![layout, self.flush_to_the_end()];
+        ends.extend(self.file.as_ref().map(RrdFile::end));
+        ends.extend(self.live.iter().map(Live::end));
+        let lost = self.backlog.as_ref().and_then(Backlog::lost);
+        ends.extend(lost.map(|Lost { thinned, left_out }| Err(RecorderError::DiskTooSlow { thinned, left_out })));
+        let mut errors: Vec<String> = ends.into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
+        errors.dedup(); // a full disk shows at the flush and at the end
+        if errors.is_empty() { Ok(()) } else { Err(ObserverError(errors.join("; "))) }
     }
 }
 

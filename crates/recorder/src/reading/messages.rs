@@ -19,7 +19,7 @@ use super::{Damage, ReadError};
 
 /// Where the content of a message lies in its file.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     pub(super) at: u64,
     pub(super) bytes: u64,
 }
@@ -104,7 +104,7 @@ impl Messages {
 }
 
 impl Iterator for Messages {
-    type Item = Result<(Place, LogMsg), Damage>;
+    type Item = Result<(Location, LogMsg), Damage>;
 
     /// The next message. One that cannot be read is passed over, as its length is known; without a length nothing
     /// more is read.
@@ -126,18 +126,18 @@ impl Iterator for Messages {
                 return Some(Err(damage));
             }
         };
-        let place = Place { at: self.at, bytes: header.len };
-        let message = read(&mut self.file, place.bytes, header.kind, self.version);
+        let location = Location { at: self.at, bytes: header.len };
+        let message = read(&mut self.file, location.bytes, header.kind, self.version);
         let message = message.map_err(|cause| self.unreadable(cause));
-        self.at += place.bytes;
-        Some(message.map(|message| (place, message)))
+        self.at += location.bytes;
+        Some(message.map(|message| (location, message)))
     }
 }
 
 /// Reads one chunk again.
-pub(super) fn chunk_at(file: &mut File, place: Place, version: CrateVersion) -> Result<Chunk, String> {
-    file.seek(SeekFrom::Start(place.at)).map_err(|e| e.to_string())?;
-    match read(file, place.bytes, MessageKind::ArrowMsg, version)? {
+pub(super) fn chunk_at(file: &mut File, location: Location, version: CrateVersion) -> Result<Chunk, String> {
+    file.seek(SeekFrom::Start(location.at)).map_err(|e| e.to_string())?;
+    match read(file, location.bytes, MessageKind::ArrowMsg, version)? {
         LogMsg::ArrowMsg(_, message) => chunk_of(&message),
         _ => Err("another message stands in this place".to_owned()),
     }

@@ -8,7 +8,7 @@ use rerun::external::re_log_types::StoreId;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{StoreKind, TextDocument};
 
-use super::messages::{Messages, Place, chunk_of};
+use super::messages::{Location, Messages, chunk_of};
 use super::rows::{Cell, Rows, cells, stamps_ns, times};
 use super::{Damage, ReadError, Value};
 use crate::parts::part_path;
@@ -45,7 +45,7 @@ pub struct Entity {
     /// Its components by name.
     pub components: BTreeMap<String, Component>,
     /// Where its changing chunks are, in the order of the file.
-    pub(super) chunks: Vec<ChunkPlace>,
+    pub(super) chunks: Vec<ChunkLocation>,
     /// The latest of what holds for the whole flight.
     pub(super) fixed: Vec<Cell>,
 }
@@ -87,10 +87,10 @@ pub(super) fn is_drawing(component: &str) -> bool {
 
 /// Where a chunk lies, and its first revolution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ChunkPlace {
+pub(super) struct ChunkLocation {
     /// Index of its file.
     pub(super) part: usize,
-    pub(super) place: Place,
+    pub(super) location: Location,
     pub(super) first: i64,
 }
 
@@ -119,11 +119,11 @@ impl Recording {
         self.parts.push(Part { path: path.to_owned(), version, bytes, store });
         for message in messages {
             match message {
-                Ok((place, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
+                Ok((location, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
                     match chunk_of(&message) {
-                        Ok(chunk) => self.note(place, &chunk),
+                        Ok(chunk) => self.note(location, &chunk),
                         Err(cause) => {
-                            self.damages.push(Damage::Unreadable { path: path.to_owned(), at: place.at, cause });
+                            self.damages.push(Damage::Unreadable { path: path.to_owned(), at: location.at, cause });
                         }
                     }
                 }
@@ -189,9 +189,9 @@ impl Recording {
         }
     }
 
-    fn note(&mut self, place: Place, chunk: &Chunk) {
+    fn note(&mut self, location: Location, chunk: &Chunk) {
         let entity = self.entities.entry(chunk.entity_path().to_string()).or_default();
-        entity.bytes += place.bytes;
+        entity.bytes += location.bytes;
         let revolutions = times(chunk);
         for row in 0..chunk.num_rows() {
             let cells = cells(chunk, row);
@@ -209,7 +209,7 @@ impl Recording {
         }
         if let Some(&first) = revolutions.iter().min() {
             entity.rows += chunk.num_rows() as u64;
-            entity.chunks.push(ChunkPlace { part: self.parts.len() - 1, place, first });
+            entity.chunks.push(ChunkLocation { part: self.parts.len() - 1, location, first });
             widen(&mut entity.revolutions, revolutions);
             widen(&mut entity.stamps_ns, stamps_ns(chunk));
         }

@@ -7,7 +7,7 @@ use rerun::external::arrow::array::ArrayRef;
 use rerun::log::Chunk;
 
 use super::messages::chunk_at;
-use super::recording::{ChunkPlace, Entity, Recording};
+use super::recording::{ChunkLocation, Entity, Recording};
 use super::{ReadError, Value};
 
 /// What an entity holds at one revolution.
@@ -76,7 +76,7 @@ pub struct Rows<'a> {
     entity: &'a Entity,
     /// The file that was read last, and its index.
     file: Option<(usize, File)>,
-    waiting: VecDeque<ChunkPlace>,
+    waiting: VecDeque<ChunkLocation>,
     open: Vec<OpenChunk>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Rows<'a> {
         open.chain(self.waiting.front().map(|chunk| chunk.first)).min()
     }
 
-    fn load(&mut self, chunk: ChunkPlace) -> Result<(), ReadError> {
+    fn load(&mut self, chunk: ChunkLocation) -> Result<(), ReadError> {
         let part = &self.recording.parts[chunk.part];
         let changed = |cause: String| ReadError::Changed { path: part.path.clone(), cause };
         if self.file.as_ref().is_none_or(|(open, _)| *open != chunk.part) {
@@ -107,7 +107,7 @@ impl<'a> Rows<'a> {
             self.file = Some((chunk.part, file));
         }
         let (_, file) = self.file.as_mut().expect("opened above");
-        let chunk = chunk_at(file, chunk.place, part.version).map_err(changed)?;
+        let chunk = chunk_at(file, chunk.location, part.version).map_err(changed)?;
         let mut left: Vec<usize> = (0..times(&chunk).len()).collect();
         left.sort_by_key(|&row| times(&chunk)[row]);
         self.open.push(OpenChunk { chunk, left: left.into() });

@@ -26,7 +26,7 @@ pub(super) struct Facts {
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
-pub(super) struct Place {
+pub(super) struct Destination {
     pub(super) store: StoreId,
     /// The entity that everything is put below, if it is not the root.
     pub(super) below: Option<EntityPath>,
@@ -66,7 +66,7 @@ impl Flight {
     /// Hands over all messages; `take` says whether more are wanted. Gives what could not be read.
     pub(super) fn send(
         &self,
-        place: &Place,
+        destination: &Destination,
         facts: &mut Facts,
         take: &mut dyn FnMut(LogMsg) -> bool,
     ) -> Result<Vec<String>, ShowError> {
@@ -74,7 +74,7 @@ impl Flight {
         for path in &self.parts {
             for message in Messages::open(path)? {
                 let message = message.map_err(|damage| damage.to_string());
-                match message.and_then(|(_, message)| place.put(message, facts)) {
+                match message.and_then(|(_, message)| destination.put(message, facts)) {
                     Ok(Some(message)) => {
                         if !take(message) {
                             return Ok(damages);
@@ -89,7 +89,7 @@ impl Flight {
     }
 }
 
-impl Place {
+impl Destination {
     /// The message as it is shown; nothing if it is not.
     fn put(&self, mut message: LogMsg, facts: &mut Facts) -> Result<Option<LogMsg>, String> {
         if message.store_id().kind() == StoreKind::Blueprint {

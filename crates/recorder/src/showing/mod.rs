@@ -14,7 +14,7 @@ use std::time::Duration;
 use rerun::log::LogMsg;
 use rerun::sink::LogSink as _;
 
-use self::flight::{Facts, Flight, Place};
+use self::flight::{Destination, Facts, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
 use crate::reading::ReadError;
@@ -113,7 +113,7 @@ impl Opened<'_> {
     fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<Vec<String>, ShowError> {
         let store = self.flight.store();
         let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
-        let at = |below: Option<&str>| Place { store: store.clone(), below: below.map(Into::into), own_layout };
+        let at = |below: Option<&str>| Destination { store: store.clone(), below: below.map(Into::into), own_layout };
         let (first, mut facts, mut pictures) = (self.show.layout, Facts::default(), Vec::new());
         if let Some(beside) = &self.beside {
             let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
