@@ -20,10 +20,7 @@ pub(crate) fn tunnel_scan(seq: u64) -> LaserScan {
     };
     let stamp_ns = (seq + 1) * PERIOD_NS;
     LaserScan {
-        header: Header {
-            stamp: Time { sec: (stamp_ns / 1_000_000_000) as i32, nanosec: (stamp_ns % 1_000_000_000) as u32 },
-            frame_id: "lidar".into(),
-        },
+        header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "lidar".into() },
         angle_min: -PI + 0.5 * angle_increment,
         angle_max: PI - 0.5 * angle_increment,
         angle_increment,

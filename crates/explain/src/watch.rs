@@ -32,14 +32,12 @@ impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Changed { junctions: [before, now], place: [from, to] } => {
-                match before == now {
-                    true => write!(f, "still {now} junctions")?,
-                    false => write!(f, "{before} → {now} junctions")?,
+                if before == now {
+                    write!(f, "still {now} junctions")?;
+                } else {
+                    write!(f, "{before} → {now} junctions")?;
                 }
-                match from == to {
-                    true => write!(f, " ({to})"),
-                    false => write!(f, " ({from} → {to})"),
-                }
+                if from == to { write!(f, " ({to})") } else { write!(f, " ({from} → {to})") }
             }
             Self::LowMargin { decades, k } => write!(f, "low margin: k = {k} holds by {decades:.2} decades"),
         }

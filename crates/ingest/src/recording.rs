@@ -145,7 +145,8 @@ impl Recording {
         }
     }
 
-    fn is_selected(&mut self, seq: u64, log_time_ns: u64) -> bool {
+    /// Whether the message is asked for. Past the end, a part in order of log time is left as a whole.
+    fn select(&mut self, seq: u64, log_time_ns: u64) -> bool {
         let first_ns = *self.first_log_time_ns.get_or_insert(log_time_ns);
         let since_first_s = (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
@@ -233,7 +234,7 @@ impl Recording {
 impl Source for Recording {
     fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
         while let Some((seq, message)) = self.next_message() {
-            let is_read = self.is_selected(seq, message.log_time_ns) && self.read(seq, &message, out, notes);
+            let is_read = self.select(seq, message.log_time_ns) && self.read(seq, &message, out, notes);
             if let Some(part) = self.parts.front_mut() {
                 part.recycle(message);
             }

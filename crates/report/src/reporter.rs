@@ -83,9 +83,7 @@ impl Reporter {
             ring: Ring::default(),
         }
     }
-}
 
-impl Reporter {
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
     fn look_around(
         &mut self,

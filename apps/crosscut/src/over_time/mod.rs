@@ -11,7 +11,7 @@ use crosscut_evaluate::{AROUND, Flip, flips};
 use crosscut_report::confidence::Grounds;
 use crosscut_stage::Frame;
 
-use reason::Arc;
+use reason::WallArc;
 
 /// What is kept of every revolution.
 pub(crate) struct OverTime {
@@ -28,7 +28,7 @@ struct Moment {
     confidence: f64,
     /// None without walls, or without beams.
     grounds: Option<Grounds>,
-    walls: Vec<Arc>,
+    walls: Vec<WallArc>,
     limited_view: bool,
 }
 

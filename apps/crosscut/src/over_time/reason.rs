@@ -6,26 +6,26 @@ use crosscut_stage::{Junction, wrap_angle_rad};
 
 /// A wall as seen from the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Arc {
+pub(super) struct WallArc {
     pub(super) returns: usize,
     /// Anticlockwise from its first to its last return.
     pub(super) bearing_rad: [f64; 2],
 }
 
 /// The walls of an answer that count.
-pub(super) fn arcs(answer: &Junction) -> Vec<Arc> {
+pub(super) fn arcs(answer: &Junction) -> Vec<WallArc> {
     let walls = answer.walls.iter().filter(|wall| !wall.island);
-    walls.map(|wall| Arc { returns: wall.returns, bearing_rad: wall.bearing_rad }).collect()
+    walls.map(|wall| WallArc { returns: wall.returns, bearing_rad: wall.bearing_rad }).collect()
 }
 
 /// Why one revolution has another count than one near it whose count is that of most around it: each wall of the answer with
 /// more walls is looked for in the other, in its own direction. One is not there, or two are one.
-pub(super) fn of_flip(walls: &[Arc], around: &[Arc], limited_view: bool) -> String {
+pub(super) fn of_flip(walls: &[WallArc], around: &[WallArc], limited_view: bool) -> String {
     let is_more = walls.len() > around.len();
     let (more, fewer) = if is_more { (walls, around) } else { (around, walls) };
     let found: Vec<Option<usize>> = more.iter().map(|wall| most_overlapping(wall, fewer)).collect();
     if let Some(lost) = (0..more.len()).filter(|&at| found[at].is_none()).max_by_key(|&at| more[at].returns) {
-        let Arc { returns, bearing_rad } = more[lost];
+        let WallArc { returns, bearing_rad } = more[lost];
         let at = degrees(middle_rad(bearing_rad));
         let end = if limited_view && is_outermost(lost, more) { ", at the end of the view" } else { "" };
         return if is_more {
@@ -47,13 +47,13 @@ pub(super) fn of_flip(walls: &[Arc], around: &[Arc], limited_view: bool) -> Stri
 }
 
 /// The wall that shares most directions with `wall`, if any shares some.
-fn most_overlapping(wall: &Arc, others: &[Arc]) -> Option<usize> {
+fn most_overlapping(wall: &WallArc, others: &[WallArc]) -> Option<usize> {
     let overlaps = others.iter().enumerate().map(|(at, other)| (overlap_rad(wall, other), at));
     overlaps.filter(|(overlap_rad, _)| *overlap_rad > 0.0).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 
-fn overlap_rad(a: &Arc, b: &Arc) -> f64 {
-    let length_rad = |arc: &Arc| (arc.bearing_rad[1] - arc.bearing_rad[0]).rem_euclid(TAU);
+fn overlap_rad(a: &WallArc, b: &WallArc) -> f64 {
+    let length_rad = |arc: &WallArc| (arc.bearing_rad[1] - arc.bearing_rad[0]).rem_euclid(TAU);
     let from_rad = (b.bearing_rad[0] - a.bearing_rad[0]).rem_euclid(TAU);
     // b begins `from_rad` after a does, and so ends a turn earlier too.
     let within = |from_rad: f64| (length_rad(a).min(from_rad + length_rad(b)) - from_rad.max(0.0)).max(0.0);
@@ -61,13 +61,13 @@ fn overlap_rad(a: &Arc, b: &Arc) -> f64 {
 }
 
 /// The angle between two walls, the shorter way round.
-fn gap_rad([a, b]: [&Arc; 2]) -> f64 {
-    let from_to = |a: &Arc, b: &Arc| (b.bearing_rad[0] - a.bearing_rad[1]).rem_euclid(TAU);
+fn gap_rad([a, b]: [&WallArc; 2]) -> f64 {
+    let from_to = |a: &WallArc, b: &WallArc| (b.bearing_rad[0] - a.bearing_rad[1]).rem_euclid(TAU);
     from_to(a, b).min(from_to(b, a))
 }
 
 /// Whether no other wall lies farther from straight ahead on its side.
-fn is_outermost(at: usize, walls: &[Arc]) -> bool {
+fn is_outermost(at: usize, walls: &[WallArc]) -> bool {
     let middles_rad = || walls.iter().map(|wall| middle_rad(wall.bearing_rad));
     let own_rad = middle_rad(walls[at].bearing_rad);
     middles_rad().all(|other_rad| other_rad >= own_rad) || middles_rad().all(|other_rad| other_rad <= own_rad)
@@ -86,8 +86,8 @@ fn degrees(rad: f64) -> String {
 mod tests {
     use super::*;
 
-    fn wall(returns: usize, from_deg: f64, to_deg: f64) -> Arc {
-        Arc { returns, bearing_rad: [from_deg, to_deg].map(f64::to_radians) }
+    fn wall(returns: usize, from_deg: f64, to_deg: f64) -> WallArc {
+        WallArc { returns, bearing_rad: [from_deg, to_deg].map(f64::to_radians) }
     }
 
     #[test]

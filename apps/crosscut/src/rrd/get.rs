@@ -16,9 +16,10 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
     let recording = Recording::open(&args.recording)?;
     let selection = Selection::new(args, &recording);
     let entity = format!("/{}", args.entity.trim_start_matches('/'));
-    let (written, lost) = match args.exact {
-        true => recompute(args, &recording, &entity, &selection)?,
-        false => (copy(args, &recording, &entity, &selection)?, Vec::new()),
+    let (written, lost) = if args.exact {
+        recompute(args, &recording, &entity, &selection)?
+    } else {
+        (copy(args, &recording, &entity, &selection)?, Vec::new())
     };
     if written == 0 {
         return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for")).into());

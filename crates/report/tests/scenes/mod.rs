@@ -12,8 +12,8 @@ pub(crate) struct Segment(pub(crate) [f64; 2], pub(crate) [f64; 2]);
 /// Distance along the ray at which it hits the segment.
 fn hit(segment: &Segment, bearing_rad: f64) -> Option<f64> {
     let (dy, dx) = bearing_rad.sin_cos();
-    let (Segment(a, b), ex, ey) = (segment, segment.1[0] - segment.0[0], segment.1[1] - segment.0[1]);
-    let _ = b;
+    let Segment(a, b) = segment;
+    let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
     let det = ex * dy - ey * dx;
     let range = (ex * a[1] - ey * a[0]) / det;
     let along = (dx * a[1] - dy * a[0]) / det;
