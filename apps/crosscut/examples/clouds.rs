@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --no-default-features --example clouds [-- PLACES]`
 //!
-//! Development places of every family, PLACES of each (50): the share with the true count in the 2D scan, in a cloud of one
-//! level ring of 4000 beams, and in one of 64 rings over 45° of 1500 beams. Walls stand upright and the lidar is level. The
-//! truth is that of the 2D scan.
+//! Development places of every family, PLACES of each (50): the share with the true count in the 2D scan, in a cloud of
+//! one level ring of 4000 beams, and in one of 64 rings over 45° of 1500 beams. Walls stand upright and the lidar is
+//! level. The truth is that of the 2D scan.
 
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};

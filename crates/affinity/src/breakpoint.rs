@@ -46,9 +46,10 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 /// ‖x_i - x_j‖ <= r sin Δφ / sin(λ - Δφ) + 3 σ_r, where r is the nearer range of the two.
 ///
 /// The paper takes the range of the return before; the nearer one is what its drawing shows, and makes the answer the
-/// same in both directions of turning. Neighbours are successive returns with at most `missing_beams` beams between them
-/// (nothing in range, masked or unreadable, all alike); Δφ is the angle between the two, and they break if it reaches λ.
-/// In a full turn the last return is a neighbour of the first. A sweep is needed: a cloud has no neighbouring beams.
+/// same in both directions of turning. Neighbours are successive returns with at most `missing_beams` beams between
+/// them (nothing in range, masked or unreadable, all alike); Δφ is the angle between the two, and they break if it
+/// reaches λ. In a full turn the last return is a neighbour of the first. A sweep is needed: a cloud has no
+/// neighbouring beams.
 #[derive(Clone, Debug)]
 pub struct Breakpoint {
     lambda_rad: f64,

@@ -30,8 +30,8 @@ impl Columns {
         self.sorted.sort_unstable();
     }
 
-    /// Writes the numbers of all points no farther from `point` than `reach_m`, ascending, into `out`. `points_m` are those
-    /// that were taken, and `reach_m` is at most that for which they were.
+    /// Writes the numbers of all points no farther from `point` than `reach_m`, ascending, into `out`. `points_m` are
+    /// those that were taken, and `reach_m` is at most that for which they were.
     pub(crate) fn near(&self, points_m: &[Point], point: &Point, reach_m: f64, out: &mut Vec<u32>) {
         debug_assert!(reach_m <= self.side_m, "{reach_m} m is beyond the columns around, {} m", self.side_m);
         out.clear();

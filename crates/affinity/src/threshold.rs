@@ -25,8 +25,8 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 
 /// W_ij = 1 if ‖x_i - x_j‖ <= radius, else 0: single-linkage clustering, once its components are taken.
 ///
-/// Only returns in columns around each other are looked at. It depends on distances alone, so it is blind to every rigid motion, to
-/// mirroring, and to the order of the returns.
+/// Only returns in columns around each other are looked at. It depends on distances alone, so it is blind to every
+/// rigid motion, to mirroring, and to the order of the returns.
 #[derive(Clone, Debug)]
 pub struct Threshold {
     radius_m: f64,

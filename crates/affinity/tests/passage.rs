@@ -159,15 +159,17 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
 
 #[test]
 fn walls_that_two_far_returns_have_joined_are_cut_where_a_vehicle_passes_between_all_of_them() {
-    // Of the far side of a branch 14.8 m ahead two returns are seen. They have no direction, so each gap beside them is closed
-    // by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long walls.
+    // Of the far side of a branch 14.8 m ahead two returns are seen. They have no direction, so each gap beside them is
+    // closed by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long
+    // walls.
     let end_of_wall_lost = |beam: usize, range_m| if (195..215).contains(&beam) { None } else { range_m };
     assert_eq!(components(&scan(&with_branch_at(7.25, 7.5), end_of_wall_lost), &[]), [166, 137]);
 }
 
 #[test]
 fn a_way_on_is_one_in_a_hall_as_well() {
-    // A hall of 19 m; beside its corners passages 4 m wide lead off, of which one side is seen and then nothing: the range ends.
+    // A hall of 19 m; beside its corners passages 4 m wide lead off, of which one side is seen and then nothing: the
+    // range ends.
     let half = |side: f64| {
         let (wall, far) = (side * 9.5, side * 40.0);
         let passage = [[[wall, side * 3.0], [far, side * 3.0]], [[wall, side * 7.0], [far, side * 7.0]]];

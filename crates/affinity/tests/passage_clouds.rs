@@ -31,7 +31,8 @@ impl Spread {
     }
 }
 
-/// A cloud of `n` returns: three quarters on the walls, by their lengths, the rest on floor and roof; and the wall of each.
+/// A cloud of `n` returns: three quarters on the walls, by their lengths, the rest on floor and roof; and the wall of
+/// each.
 fn tube(walls: &[Wall], n: usize) -> (Revolution, Vec<Option<usize>>) {
     let mut spread = Spread(1);
     let length_m = |([a, b], _): &Wall| (b[0] - a[0]).hypot(b[1] - a[1]);

@@ -46,9 +46,9 @@
 //!
 //! Percentiles are of the nearest rank. Families together count revolution by revolution, not family by family.
 //!
-//! **Two configurations without a truth**: [`Agreement`] holds two answers for the same scan against each other by the same
-//! measures, the first in the place of the truth, and [`Differences`] sums a flight up and lists the stretches where the walls
-//! are not the same.
+//! **Two configurations without a truth**: [`Agreement`] holds two answers for the same scan against each other by the
+//! same measures, the first in the place of the truth, and [`Differences`] sums a flight up and lists the stretches
+//! where the walls are not the same.
 //!
 //! **One configuration without a truth**: [`flips`] are the revolutions whose count is not that of most around them.
 //!

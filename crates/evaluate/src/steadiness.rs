@@ -14,8 +14,8 @@ pub struct Flip {
     pub around: usize,
 }
 
-/// The revolutions whose count differs from the one that more than half of the [`AROUND`] before and after have; fewer at
-/// the ends of the flight. Where none has that many, nothing differs from it.
+/// The revolutions whose count differs from the one that more than half of the [`AROUND`] before and after have; fewer
+/// at the ends of the flight. Where none has that many, nothing differs from it.
 pub fn flips(junctions: &[usize]) -> Vec<Flip> {
     let flip = |at: usize| {
         let around = &junctions[at.saturating_sub(AROUND)..(at + AROUND + 1).min(junctions.len())];

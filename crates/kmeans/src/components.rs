@@ -26,9 +26,9 @@ pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
     build: |params| Box::new(Components::with(params.count(MIN_CLUSTER.name))),
 };
 
-/// The cluster of a return is the one column of U in which its row is not 0, as in the U of the solvers `components` and
-/// `blocks`. The full decompositions mix the eigenvectors of a repeated zero, and so does `blocks` where a component has
-/// more zeros than one: such a U goes to [`KmeansPlusPlus`] with its defaults, with a note.
+/// The cluster of a return is the one column of U in which its row is not 0, as in the U of the solvers `components`
+/// and `blocks`. The full decompositions mix the eigenvectors of a repeated zero, and so does `blocks` where a
+/// component has more zeros than one: such a U goes to [`KmeansPlusPlus`] with its defaults, with a note.
 ///
 /// Clusters of fewer than `min_cluster` returns (DBSCAN's noise: fewer than 2) are left out, with a note.
 #[derive(Clone, Debug)]

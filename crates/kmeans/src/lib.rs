@@ -25,8 +25,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then runs
-//! over it.
+//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then
+//! runs over it.
 //!
 //! [`Spectrum`]: crosscut_stage::Spectrum
 //! [`Partition`]: crosscut_stage::Partition

@@ -1,7 +1,7 @@
 //! Clusters numbered by their first return.
 
-/// The new number of each of `clusters` clusters: 0 for the one that appears first in `labels`, and so on; `None` for one
-/// that does not appear.
+/// The new number of each of `clusters` clusters: 0 for the one that appears first in `labels`, and so on; `None` for
+/// one that does not appear.
 pub(crate) fn by_first_return(labels: impl IntoIterator<Item = u32>, clusters: usize) -> Vec<Option<u32>> {
     let mut numbers = vec![None; clusters];
     let mut next = 0;

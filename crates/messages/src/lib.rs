@@ -5,8 +5,8 @@
 //!
 //! Fields carry the names of their ROS definition, so that anybody who knows the message knows the type; units are in
 //! their documentation. CDR is read and written as ROS 2 does: a 4-byte encapsulation header, then every value aligned
-//! to its own size, counted from the end of that header. Little and big endian are read; PL_CDR and XCDR2 are refused by
-//! name. A length field is believed only as far as there are bytes for it: nothing is allocated on its word alone.
+//! to its own size, counted from the end of that header. Little and big endian are read; PL_CDR and XCDR2 are refused
+//! by name. A length field is believed only as far as there are bytes for it: nothing is allocated on its word alone.
 //! Bytes after the last field (writers pad to 4) are ignored.
 //!
 //! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for any

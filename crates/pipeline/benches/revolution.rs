@@ -1,10 +1,9 @@
 //! How long one revolution takes, step by step, in the calling thread, without input and output.
 //!
-//! `cargo bench -p crosscut-pipeline --bench revolution` takes the development scenes of every family;
-//! `... -- [METHOD...] [FLIGHT.mcap...]` takes some of
-//! the methods, or recordings instead. One line per family or recording and method, columns parted by commas:
-//! medians over the revolutions, of each the least of several passes, as another program's turn only ever adds. The methods
-//! take turns, so that what else the machine does hits all of them alike.
+//! `cargo bench -p crosscut-pipeline --bench revolution` takes the development scenes of every family; `... --
+//! [METHOD...] [FLIGHT.mcap...]` takes some of the methods, or recordings instead. One line per family or recording and
+//! method, columns parted by commas: medians over the revolutions, of each the least of several passes, as another
+//! program's turn only ever adds. The methods take turns, so that what else the machine does hits all of them alike.
 
 mod scans;
 

@@ -17,8 +17,8 @@ impl Pace {
         Self { rate, first: None }
     }
 
-    /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait began
-    /// too late. One from the past is due at once. `is_over` ends the wait.
+    /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait
+    /// began too late. One from the past is due at once. `is_over` ends the wait.
     pub(crate) fn wait_for(&mut self, stamp_ns: u64, is_over: impl Fn() -> bool) -> Instant {
         let (start, first_ns) = *self.first.get_or_insert_with(|| (Instant::now(), stamp_ns));
         let due_s = stamp_ns.saturating_sub(first_ns) as f64 / 1e9 / self.rate;

@@ -1,5 +1,6 @@
-//! How fast scenes are made, on one core: `cargo bench -p crosscut-simulator`. One line per family of places and per flight:
-//! its rate in the median of several passes over the same scenes. Mines, lidar and truth are made anew in every pass.
+//! How fast scenes are made, on one core: `cargo bench -p crosscut-simulator`. One line per family of places and per
+//! flight: its rate in the median of several passes over the same scenes. Mines, lidar and truth are made anew in every
+//! pass.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,11 +1,11 @@
-//! How many scenes of the family `wet` no single scan can decide: a patch of lost beams in a wall looks like the mouth of
-//! a side passage. `cargo run --release -p crosscut-simulator --example undecidable`
+//! How many scenes of the family `wet` no single scan can decide: a patch of lost beams in a wall looks like the mouth
+//! of a side passage. `cargo run --release -p crosscut-simulator --example undecidable`
 //!
 //! Taken is every run of lost beams between two returns of one wall. A straight passage with parallel sides, as wide as
 //! the table says and leaving the wall at no less than the angle that it says, could explain the run if its mouth fits
-//! between those two returns, and all beams of the run but two reach the end of the range in it without meeting its sides;
-//! two may be lost by chance. Passages are tried in steps of a quarter of a beam and 5 cm. The branches of the family itself
-//! are 5 m wide and more, and 54° apart.
+//! between those two returns, and all beams of the run but two reach the end of the range in it without meeting its
+//! sides; two may be lost by chance. Passages are tried in steps of a quarter of a beam and 5 cm. The branches of the
+//! family itself are 5 m wide and more, and 54° apart.
 
 use std::f64::consts::TAU;
 

@@ -48,7 +48,8 @@ impl Places {
         lidar: Lidar::CLEAN,
     };
 
-    /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at most.
+    /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at
+    /// most.
     pub fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
         self.look(branches, seed, |mine, _, sweep, rng| sweep.scene(mine, stamp_ns, rng))
     }

@@ -18,7 +18,8 @@
 //!   incidence, on wet rock and in patches; dust; tilt (floor and roof); the skew of a sweep on the move.
 //! - [`truth`]: openings and walls by the definitions of the vocabulary; see there.
 //! - [`vehicle`]: follows a route by pure pursuit, disturbed in course, yaw, roll and pitch; its odometry drifts.
-//! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for reports.
+//! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for
+//!   reports.
 //!
 //! A place can also be seen by a lidar of many rings, as a [`Cloud`] without beams: [`Suite::clouds`].
 //!

@@ -16,8 +16,8 @@
 //! *A wall* is what the beams between two consecutive openings meet, *an island* is a pillar. Both are numbered
 //! together, by their smallest beam that meets them. Counts and numbers are those of the noise-free view: a wall all of
 //! whose beams are lost still counts, though no label names it. Floor and roof, seen by a tilted sensor, are no wall.
-//! During a sweep on the move, visibility is judged from where the sensor is half-way, bearings from where it is when it
-//! looks there.
+//! During a sweep on the move, visibility is judged from where the sensor is half-way, bearings from where it is when
+//! it looks there.
 
 use crosscut_messages::{Truth, TruthOpening};
 

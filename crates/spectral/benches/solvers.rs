@@ -1,10 +1,10 @@
 //! How the time of every solver grows with the number of returns: `cargo bench -p crosscut-spectral`;
 //! the sparse ones alone: `... -- sparse`.
 //!
-//! Four straight walls, 3.5 m apart, 20 m long, evenly sampled. The dense solvers get equation (1) with σ = 1.5 per m², the sparse
-//! ones the graph of each return's 4 neighbours on either side. One line per solver and size, columns parted by commas: the
-//! mean of many runs, in processor time of the thread where the system tells it (Linux), so that the turns of other programs do
-//! not count.
+//! Four straight walls, 3.5 m apart, 20 m long, evenly sampled. The dense solvers get equation (1) with σ = 1.5 per m²,
+//! the sparse ones the graph of each return's 4 neighbours on either side. One line per solver and size, columns parted
+//! by commas: the mean of many runs, in processor time of the thread where the system tells it (Linux), so that the
+//! turns of other programs do not count.
 
 use std::fs::read_to_string;
 use std::hint::black_box;

@@ -157,8 +157,8 @@ fn twins_of_a_wall_that_is_almost_two_are_all_in_its_eigenvectors() {
     }
 }
 
-/// A chain of hubs, each tied to the next, with so many leaves tied to it and to the next hub: no order of its nodes has short
-/// edges.
+/// A chain of hubs, each tied to the next, with so many leaves tied to it and to the next hub: no order of its nodes
+/// has short edges.
 fn hubs(hubs: usize, leaves: usize) -> Affinity {
     let n = hubs * (1 + leaves);
     let mut affinity = Affinity::default();

@@ -1,5 +1,5 @@
-//! One body of tests for every solver in `KINDS`, and the Laplacian that they share, against a decomposition and a component
-//! count of the test's own.
+//! One body of tests for every solver in `KINDS`, and the Laplacian that they share, against a decomposition and a
+//! component count of the test's own.
 
 mod graphs;
 

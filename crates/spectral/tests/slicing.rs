@@ -14,8 +14,8 @@ use solving::spectrum;
 const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;
 
-/// Equation (1) with σ = 1.5 per m² over parallel walls, each so many metres from the one before it, and of returns that lie
-/// closer and closer.
+/// Equation (1) with σ = 1.5 per m² over parallel walls, each so many metres from the one before it, and of returns
+/// that lie closer and closer.
 fn walls() -> impl Strategy<Value = Affinity> {
     vec((0.3..7.0f64, 1..80usize, 0.01..0.4f64, 1.0..1.05f64), 1..6).prop_map(|walls| {
         let mut points_m: Vec<[f64; 2]> = Vec::new();

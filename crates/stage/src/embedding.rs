@@ -11,8 +11,9 @@ const MOST_DENSE_COLUMNS: usize = 64;
 
 /// A matrix of points: U (n×k) or centroids (clusters×k).
 ///
-/// Where every column belongs to one component of a graph and there are many, as when every return of a cloud's floor is
-/// its own, n×k numbers would be nearly all 0. So beyond 64 columns [`Embedding::write_rows`] stores each row's few others.
+/// Where every column belongs to one component of a graph and there are many, as when every return of a cloud's floor
+/// is its own, n×k numbers would be nearly all 0. So beyond 64 columns [`Embedding::write_rows`] stores each row's few
+/// others.
 ///
 /// ```
 /// use crosscut_stage::Embedding;

@@ -5,7 +5,8 @@ use crate::Embedding;
 /// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
-    /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a next).
+    /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a
+    /// next).
     pub eigenvalues: Vec<f64>,
     /// τ: eigenvalues below it count as zero.
     pub tolerance: f64,
@@ -13,14 +14,14 @@ pub struct Spectrum {
     pub k: usize,
     /// How far, in decades, τ could be moved before k changes; `None` if no eigenvalue is known but exact zeros.
     pub margin_decades: Option<f64>,
-    /// Beyond rounding, the k zeros in `eigenvalues` may be too high by this much, and not too low: what a solver that left
-    /// weak links aside can prove. 0 where nothing was neglected.
+    /// Beyond rounding, the k zeros in `eigenvalues` may be too high by this much, and not too low: what a solver that
+    /// left weak links aside can prove. 0 where nothing was neglected.
     pub zeros_bound: f64,
-    /// Beyond rounding, the sine of the largest angle between the columns of U and the eigenvectors of the k zeros is at most
-    /// this. 0 where nothing was neglected.
+    /// Beyond rounding, the sine of the largest angle between the columns of U and the eigenvectors of the k zeros is
+    /// at most this. 0 where nothing was neglected.
     pub span_bound: f64,
-    /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of λ_j in
-    /// a full decomposition; with a repeated eigenvalue only the span is defined.
+    /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of
+    /// λ_j in a full decomposition; with a repeated eigenvalue only the span is defined.
     pub u: Embedding,
 }
 

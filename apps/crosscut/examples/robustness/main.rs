@@ -1,8 +1,8 @@
 //! One setting from 1.2 m to 8 m wide, from 180 to 4096 beams, from 180° to 360° of view: how often preset `default` is
 //! right in each, and how much room its zero rule has.
 //!
-//! `cargo run --release -p crosscut --no-default-features --example robustness -- docs/robustness` writes a page and its
-//! figure.
+//! `cargo run --release -p crosscut --no-default-features --example robustness -- docs/robustness` writes a page and
+//! its figure.
 
 mod chart;
 mod mixture;

@@ -13,8 +13,8 @@ use crate::configurations::Configuration;
 /// The longest stretches that are shown unless all are asked for.
 const STRETCHES: usize = 15;
 
-/// Settings, agreement, counts, times, and where the walls differ. Times on the flight are seconds after its first scan;
-/// the first one compared is at `from_s`.
+/// Settings, agreement, counts, times, and where the walls differ. Times on the flight are seconds after its first
+/// scan; the first one compared is at `from_s`.
 pub(super) fn tables(configurations: &[Configuration], compared: &Compared, from_s: f64, all: bool) -> Vec<Table> {
     let first = &configurations[0].name;
     let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);

@@ -18,8 +18,8 @@ pub(super) fn arcs(answer: &Junction) -> Vec<WallArc> {
     walls.map(|wall| WallArc { returns: wall.returns, bearing_rad: wall.bearing_rad }).collect()
 }
 
-/// Why one revolution has another count than one near it whose count is that of most around it: each wall of the answer with
-/// more walls is looked for in the other, in its own direction. One is not there, or two are one.
+/// Why one revolution has another count than one near it whose count is that of most around it: each wall of the answer
+/// with more walls is looked for in the other, in its own direction. One is not there, or two are one.
 pub(super) fn of_flip(walls: &[WallArc], around: &[WallArc], limited_view: bool) -> String {
     let is_more = walls.len() > around.len();
     let (more, fewer) = if is_more { (walls, around) } else { (around, walls) };

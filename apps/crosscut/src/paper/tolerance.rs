@@ -1,9 +1,9 @@
 //! The zero tolerance against what is right, from one eigendecomposition per scene.
 //!
 //! With all n eigenvalues and eigenvectors at hand, k at a tolerance τ is the number of eigenvalues below it. An answer
-//! can be right only if k is the true number of walls, and U is then the same whichever τ gave that k. So the returns of
-//! a scene are clustered once, for that k, and the verdict holds at every such τ. Nothing is approximated: the counts
-//! are those of the preset `paper` with `spectral.zero_tolerance` set to τ.
+//! can be right only if k is the true number of walls, and U is then the same whichever τ gave that k. So the returns
+//! of a scene are clustered once, for that k, and the verdict holds at every such τ. Nothing is approximated: the
+//! counts are those of the preset `paper` with `spectral.zero_tolerance` set to τ.
 
 use crosscut_evaluate::{Score, Share};
 use crosscut_ingest::Sensor;

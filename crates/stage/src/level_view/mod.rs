@@ -16,17 +16,17 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 
 /// The nearest returns of a cloud at the height of the vehicle.
 ///
-/// A cloud has no beams. What a level vehicle could meet are its returns with |z| <= height/2, z = 0 being the height of the
-/// sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to min(their number, 720) beams, and
-/// each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size, to which all that is known of
-/// sweeps applies.
+/// A cloud has no beams. What a level vehicle could meet are its returns with |z| <= height/2, z = 0 being the height
+/// of the sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to min(their number, 720)
+/// beams, and each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size, to which all
+/// that is known of sweeps applies.
 ///
 /// A beam sees the nearest return that has company: together with those up to a vehicle's width behind it, a quarter of
-/// the returns that a beam has as a rule (the median) in the angles |z| / range <= height / (2 range) that are level there. A
-/// wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
+/// the returns that a beam has as a rule (the median) in the angles |z| / range <= height / (2 range) that are level
+/// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
-/// The first level return is in the middle of its beam, so the view turns with the cloud. An empty sector of more than 90°
-/// is taken as not looked at; a smaller one as free.
+/// The first level return is in the middle of its beam, so the view turns with the cloud. An empty sector of more than
+/// 90° is taken as not looked at; a smaller one as free.
 ///
 /// ```
 /// use crosscut_stage::{LevelView, Point, Revolution};
