@@ -198,11 +198,12 @@ impl Passage {
         }
     }
 
-    /// W and D of the returns of one sweep.
+    /// W and D of the returns of one sweep, with edges over the ways on that leak so much.
     fn walls_of_sweep(
         &mut self,
         sweep: &Sweep,
         points_m: &[Point],
+        leak: f64,
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
@@ -233,7 +234,7 @@ impl Passage {
         if dropped > 0 {
             notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
         }
-        self.chains.write(ring, &judge, (walls, islands), &left_over, self.leak, out);
+        self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
         Ok(())
     }
 
@@ -246,11 +247,12 @@ impl Passage {
         if aside > 0 {
             notes.add(format!("passage: {aside} returns lie above or below the vehicle, or within it: tied to none"));
         }
+        let sweep = view.seen().sweep.as_ref().expect("a view has beams");
         // Carried on to what is not seen, a leak would be many.
-        let leak = std::mem::take(&mut self.leak);
-        let done = self.affinity(view.seen(), seen, notes);
-        self.leak = leak;
-        carrying.write(cloud, view, seen, self.limits.passage_m, out);
+        let done = self.walls_of_sweep(sweep, &view.seen().points_m, 0.0, seen, notes);
+        if done.is_ok() {
+            carrying.write(cloud, view, seen, self.limits.passage_m, out);
+        }
         self.cloud = buffers;
         done
     }
@@ -260,7 +262,7 @@ impl AffinityStage for Passage {
     fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
         check_finite(&revolution.points_m)?;
         match revolution.as_sweep() {
-            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, out, notes),
+            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, self.leak, out, notes),
             None => self.walls_of_cloud(revolution, out, notes),
         }
     }
