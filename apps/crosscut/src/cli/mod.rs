@@ -1,12 +1,14 @@
 //! What can be typed.
 
+pub(crate) mod record;
+
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::record::{LayoutArg, RecordArgs};
+use record::{LayoutArg, RecordArgs};
 
 /// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
 #[derive(Debug, Parser)]
