@@ -30,8 +30,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct, its parameters and a `KIND`, and one line for it in [`KINDS`];
-//! `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
+//! To add one: a file with the struct, its parameters and a `KIND`, and here its `mod`, its `pub use` and an entry in
+//! [`KINDS`]; `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
 //!
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity
