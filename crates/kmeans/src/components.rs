@@ -7,7 +7,7 @@ use crosscut_stage::{
 use crate::KmeansPlusPlus;
 use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
-use crate::rows::check;
+use crate::rows::{check_columns, not_finite};
 
 const MIN_CLUSTER: ParamSpec = ParamSpec {
     name: "min_cluster",
@@ -61,7 +61,10 @@ impl Components {
     }
 
     /// Fills `columns`, `entries`, `sizes` and `means`, unless a row has not exactly one entry.
-    fn read_columns(&mut self, u: &Embedding) -> bool {
+    ///
+    /// # Errors
+    /// When an entry is not finite.
+    fn read_columns(&mut self, u: &Embedding) -> Result<bool, StageError> {
         let Self { columns, entries, sizes, means, .. } = self;
         columns.clear();
         columns.resize(u.nrows(), NO_COLUMN);
@@ -70,17 +73,19 @@ impl Components {
         sizes.resize(u.ncols(), 0);
         means.clear();
         means.resize(u.ncols(), 0.0);
-        let mut shared = false;
-        u.for_each(|i, j, entry| {
-            if entry != 0.0 {
-                shared |= columns[i] != NO_COLUMN;
-                (columns[i], entries[i]) = (j as u32, entry);
-                sizes[j] += 1;
-                means[j] += entry;
-            }
+        let (mut shared, mut finite) = (false, true);
+        u.for_each_nonzero(|i, j, entry| {
+            finite &= entry.is_finite();
+            shared |= columns[i] != NO_COLUMN;
+            (columns[i], entries[i]) = (j as u32, entry);
+            sizes[j] += 1;
+            means[j] += entry;
         });
+        if !finite {
+            return Err(not_finite(u));
+        }
         means.iter_mut().zip(sizes).for_each(|(sum, &mut size)| *sum /= size.max(1) as f64);
-        !shared && !columns.contains(&NO_COLUMN)
+        Ok(!shared && !columns.contains(&NO_COLUMN))
     }
 
     /// Notes how much is left out.
@@ -98,13 +103,13 @@ impl Components {
 
 impl KmeansStage for Components {
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError> {
-        check(spectrum)?;
+        check_columns(spectrum)?;
         let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
         if n == 0 || k == 0 {
             without_clusters(n, k, out, notes);
             return Ok(());
         }
-        if !self.read_columns(&spectrum.u) {
+        if !self.read_columns(&spectrum.u)? {
             notes.add("components: columns of U share returns, so kmeans++ clusters its rows, small clusters too");
             return self.mixed.partition(spectrum, out, notes);
         }

@@ -1,6 +1,6 @@
 //! U by rows: one point of Rᵏ per return.
 
-use crosscut_stage::{Spectrum, StageError};
+use crosscut_stage::{Embedding, Spectrum, StageError};
 
 /// Larger matrices are refused.
 const MOST_BYTES: u64 = 1 << 28;
@@ -76,15 +76,26 @@ impl Rows {
 /// # Errors
 /// When not.
 pub(crate) fn check(spectrum: &Spectrum) -> Result<(), StageError> {
-    let (u, k) = (&spectrum.u, spectrum.k);
-    if u.ncols() != k {
-        return Err(StageError::Unsupported(format!("U has {} columns, but k is {k}", u.ncols())));
-    }
-    if u.is_finite() {
+    check_columns(spectrum)?;
+    if spectrum.u.is_finite() { Ok(()) } else { Err(not_finite(&spectrum.u)) }
+}
+
+/// Whether U has k columns.
+///
+/// # Errors
+/// When not.
+pub(crate) fn check_columns(spectrum: &Spectrum) -> Result<(), StageError> {
+    let (columns, k) = (spectrum.u.ncols(), spectrum.k);
+    if columns == k {
         return Ok(());
     }
+    Err(StageError::Unsupported(format!("U has {columns} columns, but k is {k}")))
+}
+
+/// Says which row of U has a value that is not finite.
+pub(crate) fn not_finite(u: &Embedding) -> StageError {
     let index = (0..u.nrows()).find(|&i| u.row(i).any(|(_, value)| !value.is_finite())).unwrap_or_default();
-    Err(StageError::NotFinite { what: "the embedding U", index })
+    StageError::NotFinite { what: "the embedding U", index }
 }
 
 /// ‖a - b‖².

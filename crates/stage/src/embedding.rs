@@ -9,6 +9,9 @@ use crate::Csr;
 /// A matrix of more columns, most of whose entries are 0, is stored by the others.
 const MOST_DENSE_COLUMNS: usize = 64;
 
+/// Entries that are looked at together.
+const CHUNK: usize = 8;
+
 /// A matrix of points: U (n×k) or centroids (clusters×k).
 ///
 /// Where every column belongs to one component of a graph and there are many, as when every return of a cloud's floor
@@ -118,6 +121,26 @@ impl Embedding {
         }
     }
 
+    /// The same for every entry that is not 0, NaN among them.
+    pub fn for_each_nonzero(&self, mut entry: impl FnMut(usize, usize, f64)) {
+        let Self::Dense(matrix) = self else {
+            return self.for_each(|i, j, value| {
+                if value != 0.0 {
+                    entry(i, j, value);
+                }
+            });
+        };
+        for j in 0..matrix.ncols() {
+            // A column is of one wall as a rule, and 0 for long stretches.
+            for (start, values) in (0..).step_by(CHUNK).zip(matrix.col_as_slice(j).chunks(CHUNK)) {
+                if values.iter().fold(false, |any, &value| any | (value != 0.0)) {
+                    let others = (start..).zip(values).filter(|(_, value)| **value != 0.0);
+                    others.for_each(|(i, &value)| entry(i, j, value));
+                }
+            }
+        }
+    }
+
     /// The dense matrix in `self`, made so (and resized, its old content unspecified) if it is not.
     pub fn make_dense(&mut self, nrows: usize, ncols: usize) -> &mut Mat<f64> {
         if !matches!(self, Self::Dense(_)) {
@@ -207,6 +230,11 @@ mod tests {
                 sum += value;
             });
             assert_eq!(sum, (0..rows).map(|i| 2.0 * i as f64).sum::<f64>(), "every entry once");
+            let (mut all, mut nonzero) = (Vec::new(), Vec::new());
+            u.for_each(|i, j, value| all.push((i, j, value)));
+            u.for_each_nonzero(|i, j, value| nonzero.push((i, j, value)));
+            all.retain(|&(_, _, value)| value != 0.0);
+            assert_eq!(nonzero, all);
             assert!(u.is_finite());
         }
     }

@@ -96,13 +96,14 @@ impl Chains {
 
     /// Edges along a chain, as strong as its gaps were cheap to close.
     fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, chain: &[usize]) {
-        let link = |at: usize| match judge.cost(&chain[..at], &chain[at..]) {
-            Some(0.0) => 1.0,
-            Some(cost) => (-cost).exp(),
-            None => WEAK,
+        let link = |(at, pair): (usize, &[usize])| {
+            if !judge.is_gap(pair[0], pair[1]) {
+                return 1.0;
+            }
+            judge.cost(&chain[..at], &chain[at..]).map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
-        self.links.extend((1..chain.len()).map(link));
+        self.links.extend((1..).zip(chain.windows(2)).map(link));
         let (width, neighbours) = (self.width(), self.neighbours);
         let start = self.weights.len();
         self.weights.resize(start + chain.len() * width, 0.0);

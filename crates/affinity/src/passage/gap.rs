@@ -123,8 +123,13 @@ impl<'a> Judge<'a> {
     /// where a vehicle could pass between them.
     #[inline]
     pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let is_gap = self.ring.are_apart(a[a.len() - 1], b[0], self.limits.passage_m);
-        if is_gap { self.cost_of_gap(a, b) } else { Some(0.0) }
+        if self.is_gap(a[a.len() - 1], b[0]) { self.cost_of_gap(a, b) } else { Some(0.0) }
+    }
+
+    /// Whether two returns that follow each other are so far from each other that the wall may end between them.
+    #[inline]
+    pub(super) fn is_gap(&self, p: usize, q: usize) -> bool {
+        self.ring.are_apart(p, q, self.limits.passage_m)
     }
 
     fn cost_of_gap(&self, a: &[usize], b: &[usize]) -> Option<f64> {
