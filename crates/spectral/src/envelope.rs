@@ -11,7 +11,7 @@ use crate::connected::Unseen;
 use crate::normalised::Normalised;
 
 /// Columns that are worked on together.
-const PANEL: usize = 32;
+const PANEL: usize = 16;
 
 /// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite matrices this
 /// can be inaccurate; what comes of it has to be checked.

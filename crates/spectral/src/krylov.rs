@@ -192,6 +192,7 @@ impl Space {
         let most = most.min(n) / columns * columns;
         self.basis.resize_with(n, most, |_, _| 0.0);
         self.projected.resize_with(most, most, |_, _| 0.0);
+        self.projected.fill(0.0);
         (self.columns, self.dimension, self.noise) = (columns, 0, 0x9E37_79B9_7F4A_7C15);
         let mut first = Mat::from_fn(n, columns, |_, _| random(&mut self.noise));
         first.col_as_slice_mut(0).copy_from_slice(start);
@@ -207,12 +208,14 @@ impl Space {
         let from = *dimension - *columns;
         let mut image = basis.subcols(from, *columns).to_owned();
         envelope.solve(&mut image);
-        let basis = basis.subcols(0, *dimension);
+        // X is symmetric: of the blocks before the last two there is no more in the image than what rounding leaves.
+        let back = from.saturating_sub(*columns);
+        let basis = basis.subcols(back, *dimension - back);
         let known = product(basis.transpose(), image.as_ref());
         for j in 0..*columns {
-            for i in 0..*dimension {
-                projected[(i, from + j)] = known[(i, j)];
-                projected[(from + j, i)] = known[(i, j)];
+            for (i, row) in (back..*dimension).enumerate() {
+                projected[(row, from + j)] = known[(i, j)];
+                projected[(from + j, row)] = known[(i, j)];
             }
         }
         matmul(image.as_mut(), Accum::Add, basis, known.as_ref(), -1.0, Par::Seq);
