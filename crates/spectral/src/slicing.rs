@@ -16,7 +16,7 @@ use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
 /// Parts of fewer returns, or fewer for each eigenvalue, are decomposed in full, which is faster then.
 const FEWEST_RETURNS: usize = 24;
-const RETURNS_PER_EIGENVALUE: usize = 8;
+const RETURNS_PER_EIGENVALUE: usize = 5;
 
 const EIGENVALUES: ParamSpec = ParamSpec {
     name: "eigenvalues",
