@@ -158,6 +158,12 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
 }
 
 #[test]
+fn a_side_passage_is_a_way_on_also_where_only_the_face_of_its_corner_tells_it_from_a_hidden_stretch_of_wall() {
+    // Its far side, 10 m ahead, is seen over half a metre; behind that corner the wall goes straight on.
+    assert_eq!(components(&scan(&with_branch_at(8.0, 2.25), all), &[]), [164, 158, 6]);
+}
+
+#[test]
 fn walls_that_two_far_returns_have_joined_are_cut_where_a_vehicle_passes_between_all_of_them() {
     // Of the far side of a branch 14.8 m ahead two returns are seen. They have no direction, so each gap beside them is
     // closed by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction};
+use super::tangent::{End, Tangents, has_direction, tangent};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for that.
 const HALL_M: f64 = 6.0;
@@ -32,6 +32,11 @@ const LOST_OFF_SHARE: f64 = 0.3;
 /// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between them, or
 /// if both are at least this share of the place's size.
 const SEEN_INSIDE_SHARE: f64 = 0.5;
+/// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones. The gap before it
+/// is a way on from this share of the place's size.
+const FACE_M: f64 = 0.3;
+const FACE_RAD: f64 = 70.0 * PI / 180.0;
+const FACE_SHARE: f64 = 0.9;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -143,7 +148,7 @@ impl<'a> Judge<'a> {
                 let turns_rad = bend.turns_rad();
                 let turn_rad = whole_turn_rad(turns_rad);
                 // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-                let is_way = self.room(&bend, (p, q), turn_rad) >= 1.0;
+                let is_way = self.room(&bend, (a, b), turn_rad) >= 1.0;
                 let detour_rad = turns_rad[0].abs().min(turns_rad[1].abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
                 (!is_way).then(|| 0.1 + turn_rad.abs() + 0.2 * detour_rad + far)
@@ -171,7 +176,7 @@ impl<'a> Judge<'a> {
         if clear_m < self.limits.passage_m && !self.is_blank(ends.0, ends.1) {
             return None;
         }
-        Some(self.room(&bend, ends, bend.turn_rad())).filter(|&room| room >= 1.0)
+        Some(self.room(&bend, (a, b), bend.turn_rad())).filter(|&room| room >= 1.0)
     }
 
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
@@ -179,14 +184,17 @@ impl<'a> Judge<'a> {
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing is seen
     /// over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    fn room(&self, bend: &Bend, (p, q): (usize, usize), turn_rad: f64) -> f64 {
+    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turn_rad: f64) -> f64 {
+        let (p, q) = (a[a.len() - 1], b[0]);
         let blank = if turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
             self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
         } else {
             0.0
         };
-        let Some(share) = self.share_of_place(turn_rad, (p, q)) else { return blank };
         let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
+        let Some(share) = self.share_of_place(turn_rad, (p, q)) else {
+            return self.room_before_face(a, b).min(clear_m / self.limits.passage_m).max(blank);
+        };
         let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
             let deep_m = -farther_aside_m;
             (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m))
@@ -195,6 +203,18 @@ impl<'a> Judge<'a> {
         };
         let room = (clear_m / (share * self.size_m)).max(seen_inside);
         room.min(clear_m / self.limits.passage_m).max(blank)
+    }
+
+    /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side of a side
+    /// passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only been hidden.
+    fn room_before_face(&self, a: &[usize], b: &[usize]) -> f64 {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let room = self.ring.distance_m(p, q) / (FACE_SHARE * self.size_m);
+        if room < 1.0 {
+            return 0.0;
+        }
+        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
+        if self.bend(a, b, ends).turn_rad() >= FACE_RAD { room } else { 0.0 }
     }
 
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer one.
@@ -218,9 +238,8 @@ impl<'a> Judge<'a> {
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);
-        let ends = (a[a.len() - 1], b[0]);
         let turn_rad = bend.turn_rad();
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, ends, turn_rad + more_rad));
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, (a, b), turn_rad + more_rad));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
