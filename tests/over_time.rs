@@ -23,6 +23,16 @@ fn every_count_that_flickers_is_listed_with_what_is_different_and_marked_in_the_
 }
 
 #[test]
+fn a_picture_that_cannot_be_written_is_a_loss_and_the_results_are_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let nowhere = folder.path().join("missing/tee.svg");
+    let (ran, lines) = results_of(&shipped_flight(), &["--over-time", nowhere.to_str().expect("UTF-8")]);
+    let ran = ran.expect_code(3);
+    assert!(ran.stderr.contains("lost: ") && ran.stderr.contains("missing/tee"), "{}", ran.stderr);
+    assert_eq!(lines.len(), 140);
+}
+
+#[test]
 fn a_picture_that_would_overwrite_its_list_or_the_results_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
