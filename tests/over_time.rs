@@ -29,7 +29,7 @@ fn a_picture_that_cannot_be_written_is_a_loss_and_the_results_are_whole() {
     let (ran, lines) = results_of(&shipped_flight(), &["--over-time", nowhere.to_str().expect("UTF-8")]);
     let ran = ran.expect_code(3);
     assert!(ran.stderr.contains("lost: ") && ran.stderr.contains("missing/tee"), "{}", ran.stderr);
-    assert_eq!(lines.len(), 140);
+    assert_eq!(lines.len(), 141);
 }
 
 #[test]
