@@ -52,8 +52,8 @@ pub(crate) fn without_rerun() -> anyhow::Error {
     UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
 }
 
-/// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had enough:
-/// that interrupts us, and needs no words.
+/// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had
+/// enough: that interrupts us, and needs no words.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
     if causes.any(is_closed_pipe) {

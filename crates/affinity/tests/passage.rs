@@ -247,7 +247,8 @@ fn two_pillars_beside_each_other_are_components_of_their_own_though_neither_hide
 fn a_pillar_in_a_branch_is_not_of_the_wall_behind_it_that_another_pillar_hides() {
     let right = [[[-30.0, -2.0], [2.0, -2.0]], [[7.0, -30.0], [7.0, -2.0]], [[7.0, -2.0], [30.0, -2.0]]];
     let walls = [&[TUNNEL[0]], &right[..]].concat();
-    // On the line of the wall that goes on behind the branch; what is between them lies in the shadow of the nearer pillar.
+    // On the line of the wall that goes on behind the branch; what is between them lies in the shadow of the nearer
+    // pillar.
     let scene = [&walls[..], &pillar([4.0, -2.2], 0.4), &pillar([2.35, -0.9], 0.28)].concat();
     let sizes = components(&scan(&scene, all), &[]);
     assert_eq!(sizes.len(), 5, "three walls and both pillars: {sizes:?}");

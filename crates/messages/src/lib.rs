@@ -9,8 +9,8 @@
 //! by name. A length field is believed only as far as there are bytes for it: nothing is allocated on its word alone.
 //! Bytes after the last field (writers pad to 4) are ignored.
 //!
-//! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for any
-//! ROS 2 tool to read what was written. Times are [`Time`]s as on the wire and nanoseconds elsewhere.
+//! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for
+//! any ROS 2 tool to read what was written. Times are [`Time`]s as on the wire and nanoseconds elsewhere.
 //!
 //! ```
 //! use crosscut_messages::{Endian, LaserScan, Message};

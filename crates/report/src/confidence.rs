@@ -3,15 +3,15 @@
 //! By the zero rule: 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the nearest
 //! eigenvalue; how firmly *this rule* stands by its count.
 //!
-//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is as
-//! sure as its most doubtful verdicts are clear ([`Grounds`]):
+//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is
+//! as sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
 //! ```
-//! with w the width of the vehicle. Beams more than 4° apart do not show walls as lines: what is seen as clear may not be,
-//! and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development scenes;
-//! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it with what it
-//! means.
+//! with w the width of the vehicle. Beams more than 4° apart do not show walls as lines: what is seen as clear may not
+//! be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development
+//! scenes; `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it
+//! with what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -31,8 +31,8 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// β.
 const BETA: [f64; Grounds::INPUTS] = [-0.27, 0.51, -0.76, -0.61, 0.78, 5.46, -0.35];
 
-/// Beams this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are right
-/// with 90 and 50 % with 60).
+/// Beams this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
+/// right with 90 and 50 % with 60).
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 
 /// What speaks for and against an answer.
@@ -40,12 +40,13 @@ pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 pub struct Grounds {
     /// o: how far the walls at an opening leave each other's line, metres; the least of all openings.
     pub least_at_openings_m: f64,
-    /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the most
-    /// of all gaps of the vehicle's width.
+    /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the
+    /// most of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
     /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
     pub unseen_within_walls_rad: f64,
-    /// r: the width of the narrowest opening as a part of that of the widest; those that the end of the view cuts aside.
+    /// r: the width of the narrowest opening as a part of that of the widest; those that the end of the view cuts
+    /// aside.
     pub narrowest_to_widest: f64,
     /// φ: between the bearings of two openings, the least.
     pub apart_rad: f64,
@@ -132,8 +133,8 @@ pub(crate) fn of_scene(revolution: &Revolution, ring: &Ring, vehicle_width_m: f6
     of_step(ring.step_rad) / (1.0 + (-logit).exp())
 }
 
-/// What is left of the share of right answers when beams are `step_rad` apart, about as found by leaving beams out of the
-/// development scenes: 1 up to [`COARSE_RAD`], half of it at 60 beams a turn, an eighth at 24.
+/// What is left of the share of right answers when beams are `step_rad` apart, about as found by leaving beams out of
+/// the development scenes: 1 up to [`COARSE_RAD`], half of it at 60 beams a turn, an eighth at 24.
 fn of_step(step_rad: f64) -> f64 {
     (COARSE_RAD / step_rad).powf(1.5).min(1.0)
 }

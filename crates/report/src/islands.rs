@@ -18,12 +18,12 @@ pub struct Limits {
     pub vehicle_width_m: f64,
 }
 
-/// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free if on
-/// both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other there is
-/// room, and both are long walls that run out past it side by side: it stands in the way on between them.
+/// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free
+/// if on both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other
+/// there is room, and both are long walls that run out past it side by side: it stands in the way on between them.
 ///
-/// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither of
-/// them farther, stand free together.
+/// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
+/// of them farther, stand free together.
 pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
     let length_m = lengths_m(revolution, out);
     let is_short = |wall: u32| length_m[wall as usize] < limits.island_m;
@@ -138,8 +138,8 @@ impl Step {
     }
 }
 
-/// Whether what is between two steps stands between walls that run out in one direction, with room for a vehicle to the line
-/// of either.
+/// Whether what is between two steps stands between walls that run out in one direction, with room for a vehicle to the
+/// line of either.
 fn stands_between(ring: &Ring, [a, b]: [&Step; 2], vehicle_width_m: f64) -> bool {
     let runs_out = |step: &Step| step.runs_out(ring, vehicle_width_m);
     let (Some(along_a), Some(along_b)) = (runs_out(a), runs_out(b)) else { return false };
@@ -207,8 +207,8 @@ mod tests {
         assert_eq!(marked(two, [0, 1, 0, 1, 0, 1, 0, 1], 5.0), [false, false], "something is a wall");
     }
 
-    /// A right wall that ends 4 m ahead, a piece 6 m ahead whose ends lie `piece_m` to the left, and a left wall 6 m long that
-    /// runs `left_deg` off the right one. Whether the piece is an island.
+    /// A right wall that ends 4 m ahead, a piece 6 m ahead whose ends lie `piece_m` to the left, and a left wall 6 m
+    /// long that runs `left_deg` off the right one. Whether the piece is an island.
     fn piece_in_way(piece_m: [f64; 2], left_deg: f64) -> bool {
         let line = |[from, to]: [Position; 2], wall: u32| {
             let at = move |k: i32| from + (to - from) * f64::from(k) / 40.0;

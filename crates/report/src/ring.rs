@@ -29,8 +29,8 @@ pub(crate) struct Entry {
 }
 
 impl Ring {
-    /// Takes in the returns of walls, whatever was there before; those that `wall_of_return` (n entries) gives no wall are
-    /// passed over.
+    /// Takes in the returns of walls, whatever was there before; those that `wall_of_return` (n entries) gives no wall
+    /// are passed over.
     pub fn fill(&mut self, revolution: &Revolution, sweep: &Sweep, wall_of_return: &[Option<u32>]) {
         (self.step_rad, self.full_turn) = (sweep.step_rad, sweep.full_turn);
         self.beams.clear();

@@ -68,8 +68,8 @@ fn set_bearings(revolution: &Revolution, out: &mut Junction) {
 #[derive(Clone, Copy, Debug, Default)]
 struct Direction {
     position_m: Position,
-    /// y / (|x| + |y|), carried on around the turn: it grows with the bearing, half as fast at least and as fast at most,
-    /// from -2 to 2, and takes no arc tangent.
+    /// y / (|x| + |y|), carried on around the turn: it grows with the bearing, half as fast at least and as fast at
+    /// most, from -2 to 2, and takes no arc tangent.
     key: f64,
 }
 

@@ -10,8 +10,8 @@ const USUAL_WIDTHS: [usize; 2] = [4, 8];
 /// Entries of a column of such a band: the diagonal and what is below it.
 const NARROW: usize = USUAL_WIDTHS[0] + 1;
 
-/// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near the
-/// diagonal if rows stand in the order of returns along a wall.
+/// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near
+/// the diagonal if rows stand in the order of returns along a wall.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Band {
     n: usize,
@@ -23,8 +23,8 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights of each
-    /// return's links to other blocks, which are set aside.
+    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
+    /// of each return's links to other blocks, which are set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
         let (members, rank) = (order.members(block), order.ranks(block));
         self.n = members.len();
@@ -136,7 +136,8 @@ fn backward(x: &mut [f64], column: &[f64]) {
     *top = below.iter().zip(&column[1..]).rev().fold(*top, |top, (x, entry)| top - x * entry);
 }
 
-/// Solves (matrix - shift·I) x = `x` in place, with STRIDE entries of zero behind; returns the number of negative pivots.
+/// Solves (matrix - shift·I) x = `x` in place, with STRIDE entries of zero behind; returns the number of negative
+/// pivots.
 fn solve_narrow<const STRIDE: usize>(entries: &[f64], shift: f64, factor: &mut [f64], x: &mut [f64]) -> usize {
     let (factor, _) = factor.as_chunks_mut::<STRIDE>();
     let n = factor.len();
@@ -155,8 +156,8 @@ fn inverse_pivot(entry: f64, shift: f64) -> f64 {
     if pivot.abs() < f64::MIN_POSITIVE { (f64::EPSILON * f64::EPSILON).recip() } else { pivot.recip() }
 }
 
-/// LDLᵀ of a matrix - shift·I, M Δ Mᵀ, in place, column by column: calls `pivot(i, column, inverse)` with column i of M, from its
-/// diagonal on, and the inverse of its pivot. Returns the number of negative pivots.
+/// LDLᵀ of a matrix - shift·I, M Δ Mᵀ, in place, column by column: calls `pivot(i, column, inverse)` with column i of
+/// M, from its diagonal on, and the inverse of its pivot. Returns the number of negative pivots.
 fn eliminate_wide(
     columns: &mut [f64],
     n: usize,

@@ -36,21 +36,22 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
     build: |params| Box::new(Blocks::with(ZeroRule::of(params), params.number(WEAK_LINK.name))),
 };
 
-/// Weak links aside, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector
-/// D^1/2 1_B / ‖D^1/2 1_B‖, and no other below τ if L_B - τI has one negative pivot (Sylvester). Its next eigenvalue is
-/// found by inverse iteration: at most a Rayleigh quotient, and at least the last shift that has one eigenvalue below it, by
-/// the pivots again, which must not be below τ. Only the least of all blocks is reported, so a block whose pivots say that its
-/// own is no less than one that was found before is done.
+/// Weak links aside, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector D^1/2 1_B /
+/// ‖D^1/2 1_B‖, and no other below τ if L_B - τI has one negative pivot (Sylvester). Its next eigenvalue is found by
+/// inverse iteration: at most a Rayleigh quotient, and at least the last shift that has one eigenvalue below it, by the
+/// pivots again, which must not be below τ. Only the least of all blocks is reported, so a block whose pivots say that
+/// its own is no less than one that was found before is done.
 ///
 /// Weak links lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
-/// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k = m is
-/// proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] say how far θ and U may be off. The columns of
-/// U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
+/// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k
+/// = m is proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] say how far θ and U may be off.
+/// The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
 ///
-/// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak links) goes through
-/// the full decomposition, with a note; if links were set aside, with those.
+/// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak links) goes
+/// through the full decomposition, with a note; if links were set aside, with those.
 ///
-/// Returns with the same ties, of which a cloud has many, are taken together before all this, which changes no eigenvalue.
+/// Returns with the same ties, of which a cloud has many, are taken together before all this, which changes no
+/// eigenvalue.
 pub struct Blocks {
     rule: ZeroRule,
     weak_link: f64,
@@ -164,7 +165,8 @@ impl Solver {
         nodes.filter(|&(_, &node)| block_of_node[node as usize] as usize == block).map(|(i, _)| i).collect()
     }
 
-    /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`, ascending.
+    /// Writes U of returns of these degrees: one column for each block, in their order, or those of `decomposed`,
+    /// ascending.
     fn embed(&self, graph: &Graph<'_>, degrees: &[f64], decomposed: &[Decomposed], u: &mut Embedding) {
         let mut first: Vec<u32> = (0..self.split.len() as u32).collect();
         for Decomposed { block, spectrum, .. } in decomposed {
@@ -194,8 +196,8 @@ impl Solver {
     }
 }
 
-/// The Laplacian of a block, the links to others set aside: a band, or sparse if the block's edges are long in every order
-/// that was found.
+/// The Laplacian of a block, the links to others set aside: a band, or sparse if the block's edges are long in every
+/// order that was found.
 fn take<'a>(
     graph: &Graph<'_>,
     split: &Split,
@@ -266,8 +268,8 @@ impl SpectralStage for Blocks {
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // Buffers of a few numbers a return. What a factor or the full decomposition of a block takes beyond that depends
-        // on the graph, and is refused where it is known, if it is too much.
+        // Buffers of a few numbers a return. What a factor or the full decomposition of a block takes beyond that
+        // depends on the graph, and is refused where it is known, if it is too much.
         (n as u64).saturating_mul(BYTES_PER_RETURN)
     }
 }

@@ -14,9 +14,10 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 
 /// The components of the graph, by union-find. Every weight that is not 0 is an edge.
 ///
-/// L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U, components
-/// in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros without the next
-/// one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive number could replace.
+/// L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
+/// components in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros
+/// without the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive
+/// number could replace.
 #[derive(Clone, Debug, Default)]
 pub struct Components {
     forest: Forest,

@@ -2,8 +2,9 @@
 
 use crate::normalised::Normalised;
 
-/// Smaller entries of D^-1/2 W D^-1/2 connect nothing, and are left out where that makes the envelope smaller: all of them together
-/// move the eigenvalues of n returns by n·1e-15 at most (Gershgorin), a twentieth of what k may depend on.
+/// Smaller entries of D^-1/2 W D^-1/2 connect nothing, and are left out where that makes the envelope smaller: all of
+/// them together move the eigenvalues of n returns by n·1e-15 at most (Gershgorin), a twentieth of what k may depend
+/// on.
 const NOTHING: f64 = 1e-15;
 /// Returns that are looked at together.
 const CHUNK: usize = 8;

@@ -13,8 +13,8 @@ use crate::normalised::Normalised;
 /// Columns that are worked on together.
 const PANEL: usize = 16;
 
-/// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite matrices this
-/// can be inaccurate; what comes of it has to be checked.
+/// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite
+/// matrices this can be inaccurate; what comes of it has to be checked.
 ///
 /// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
@@ -37,7 +37,8 @@ pub(crate) struct Envelope {
     below: usize,
 }
 
-/// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the next.
+/// Columns `start..next`, and the row `end` from which on they have no entries. It never falls from a panel to the
+/// next.
 #[derive(Clone, Copy, Debug)]
 struct Panel {
     start: usize,
@@ -83,8 +84,8 @@ impl Default for Envelope {
 }
 
 impl Envelope {
-    /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false` if a
-    /// pivot is 0 or no number, as after a weight that is not finite; the members are there all the same.
+    /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false`
+    /// if a pivot is 0 or no number, as after a weight that is not finite; the members are there all the same.
     ///
     /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn take(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {

@@ -55,17 +55,19 @@ struct Space {
 }
 
 impl Krylov {
-    /// The `wanted` lowest eigenvalues of the part of `l` that `envelope` has factorised at a shift above all zeros, and their
-    /// eigenvectors; `None` if they do not settle, or do not agree with the number of eigenvalues below the shift.
+    /// The `wanted` lowest eigenvalues of the part of `l` that `envelope` has factorised at a shift above all zeros,
+    /// and their eigenvectors; `None` if they do not settle, or do not agree with the number of eigenvalues below the
+    /// shift.
     ///
-    /// Random columns and D^1/2, which L maps to 0, are multiplied by X again and again, each time made orthonormal against all before (so
-    /// an eigenvalue may be repeated as often as there are columns in a block). In their span V the eigenvectors y of X are
-    /// approximated: H y = ν y, λ = shift + 1/ν. One more step of inverse iteration needs no solution,
+    /// Random columns and D^1/2, which L maps to 0, are multiplied by X again and again, each time made orthonormal
+    /// against all before (so an eigenvalue may be repeated as often as there are columns in a block). In their span V
+    /// the eigenvectors y of X are approximated: H y = ν y, λ = shift + 1/ν. One more step of inverse iteration needs
+    /// no solution,
     ///
     /// z = X V y / ν = V y + (the next block) R y / ν, with (L - λ) z = (V y - z) / ν,
     ///
-    /// so the residual of z is known before z is: ‖R y‖ / ν². If all are small, L in the span of these vectors (Rayleigh, Ritz)
-    /// gives the eigenvalues, with the residuals that count.
+    /// so the residual of z is known before z is: ‖R y‖ / ν². If all are small, L in the span of these vectors
+    /// (Rayleigh, Ritz) gives the eigenvalues, with the residuals that count.
     ///
     /// # Errors
     /// When a small decomposition does not converge.
@@ -124,8 +126,8 @@ impl Krylov {
         self.settle(l, envelope, vectors, &needed)
     }
 
-    /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector is
-    /// corrected first by (L - shift·I)⁻¹ r. As r is small, so is what an inaccurate factorisation makes of it.
+    /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector
+    /// is corrected first by (L - shift·I)⁻¹ r. As r is small, so is what an inaccurate factorisation makes of it.
     fn settle(
         &mut self,
         l: &Normalised<'_>,
@@ -168,8 +170,8 @@ struct Needed {
 }
 
 impl Needed {
-    /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their residuals over
-    /// the gap. The others are off by residual² over the distance of what is outside.
+    /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their
+    /// residuals over the gap. The others are off by residual² over the distance of what is outside.
     fn is_met(&self, j: usize, eigenvalue: f64, residual: f64) -> bool {
         let rounding = 10.0 * self.n as f64 * f64::EPSILON;
         if j < self.below {
@@ -199,7 +201,8 @@ impl Space {
         self.append(first);
     }
 
-    /// Multiplies the last block by X, and adds what is new in it as the next block; `false` if there is no room for that.
+    /// Multiplies the last block by X, and adds what is new in it as the next block; `false` if there is no room for
+    /// that.
     fn grow(&mut self, envelope: &mut Envelope) -> bool {
         let Self { basis, projected, columns, dimension, .. } = self;
         if *dimension + *columns > basis.ncols() {
@@ -243,8 +246,8 @@ impl Space {
     }
 }
 
-/// Makes the columns of `block` orthonormal; returns R, `block` was what it is now times R. A column in which nothing is left is
-/// random instead, and R has a 0 there.
+/// Makes the columns of `block` orthonormal; returns R, `block` was what it is now times R. A column in which nothing
+/// is left is random instead, and R has a 0 there.
 fn make_orthonormal(block: &mut Mat<f64>, noise: &mut u64) -> Mat<f64> {
     let mut triangle = Mat::zeros(block.ncols(), block.ncols());
     for j in 0..block.ncols() {

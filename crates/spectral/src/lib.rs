@@ -3,9 +3,9 @@
 //! In: [`Affinity`], W (n×n, dense or sparse) and the degrees D. Out: [`Spectrum`], λ ascending, the number k of zeros
 //! with its margin, and U (n×k), whose columns are unit eigenvectors of the k smallest eigenvalues of
 //!
-//! L = I - D^-1/2 W D^-1/2 (the paper's equation 2). In exact arithmetic 0 = λ_1 <= … <= λ_n <= 2 (equation 3), and as many
-//! eigenvalues are 0 as the graph has components. Computed ones carry rounding errors of some n·2.2e-16: a zero may come
-//! out as -3e-16, and is kept as computed. What counts as zero is for a [`ZeroRule`] to say.
+//! L = I - D^-1/2 W D^-1/2 (the paper's equation 2). In exact arithmetic 0 = λ_1 <= … <= λ_n <= 2 (equation 3), and as
+//! many eigenvalues are 0 as the graph has components. Computed ones carry rounding errors of some n·2.2e-16: a zero
+//! may come out as -3e-16, and is kept as computed. What counts as zero is for a [`ZeroRule`] to say.
 //!
 //! | kind | method | λ | for |
 //! |---|---|---|---|
@@ -33,8 +33,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then runs
-//! over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero rule: a variant of [`ZeroRule`].
+//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then
+//! runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero rule: a variant of
+//! [`ZeroRule`].
 //!
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum

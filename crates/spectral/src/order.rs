@@ -17,8 +17,8 @@ pub(crate) struct Order {
 }
 
 impl Order {
-    /// Orders the returns of each of `blocks` blocks: in the order of the returns, which is that along a wall, starting after
-    /// the largest hole, as a wall may reach over the first beam.
+    /// Orders the returns of each of `blocks` blocks: in the order of the returns, which is that along a wall, starting
+    /// after the largest hole, as a wall may reach over the first beam.
     pub(crate) fn form(&mut self, block_of_return: &[u32], blocks: usize) {
         self.sort_by_block(block_of_return, blocks);
         self.places.clear();
@@ -31,8 +31,8 @@ impl Order {
         }
     }
 
-    /// Orders a block in which that leaves long edges breadth first from a far end, if they are then shorter. Returns the length of
-    /// the longest edge.
+    /// Orders a block in which that leaves long edges breadth first from a far end, if they are then shorter. Returns
+    /// the length of the longest edge.
     pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize) -> usize {
         let longest = self.longest(graph, block);
         if longest <= LONG {

@@ -4,8 +4,8 @@ use crate::dot::dot;
 
 /// The Laplacian of a block, of which L - shift·I can be factorised.
 pub(crate) trait ShiftInvert {
-    /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned, is
-    /// that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off.
+    /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
+    /// is that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off.
     fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize;
 
     /// The number of eigenvalues below a shift, by the pivots alone.
@@ -51,10 +51,11 @@ impl Second {
     /// The second eigenvalue λ of a block whose first is 0, with the unit eigenvector `zero`.
     ///
     /// Inverse iteration, orthogonal to `zero`. The Rayleigh quotient of the vector is at least λ, and λ is above every
-    /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to, and
-    /// with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns out to be
-    /// above λ, the next one halves what is between. What comes out are both, once the upper one has converged and four
-    /// digits of it are proved, or once the two differ by rounding alone; `None` if they do not come so near.
+    /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to,
+    /// and with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns
+    /// out to be above λ, the next one halves what is between. What comes out are both, once the upper one has
+    /// converged and four digits of it are proved, or once the two differ by rounding alone; `None` if they do not come
+    /// so near.
     pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
@@ -97,9 +98,10 @@ impl Second {
         self.solution.clone_from(&self.vector);
     }
 
-    /// One step of inverse iteration: `solution`, y = (L - shift·I)⁻¹ x, is made orthogonal to `zero`. As (L - shift·I) y = x, the Rayleigh
-    /// quotient of y is q = shift + xᵀy / yᵀy and its residual ‖Ly - qy‖² / yᵀy = xᵀx / yᵀy - (q - shift)². The error of q is at
-    /// most residual² / (λ_3 - q) (Temple), where λ_3 is taken to be 2q.
+    /// One step of inverse iteration: `solution`, y = (L - shift·I)⁻¹ x, is made orthogonal to `zero`. As
+    /// (L - shift·I) y = x, the Rayleigh quotient of y is q = shift + xᵀy / yᵀy and its residual
+    /// ‖Ly - qy‖² / yᵀy = xᵀx / yᵀy - (q - shift)². The error of q is at most residual² / (λ_3 - q) (Temple), where λ_3
+    /// is taken to be 2q.
     fn step(&mut self, zero: &[f64], shift: f64) -> Estimate {
         make_orthogonal(&mut self.solution, zero);
         let square = dot(&self.solution, &self.solution);

@@ -35,14 +35,14 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 /// Entries of D^-1/2 W D^-1/2 below 1e-15 set aside, L is block diagonal. Of each block B:
 ///
 /// 1. Its returns are ordered so that L_B is narrow (Cuthill, McKee): what lies outside its envelope is not worked on.
-/// 2. D^1/2 (L_B - τI) D^1/2 = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of inertia). So k is known
-///    before any eigenvector.
-/// 3. Block Krylov spaces of (L_B - τI)⁻¹ from random columns give the lowest eigenvalues and their eigenvectors, until all
-///    residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is decomposed in
-///    full, with a note.
+/// 2. D^1/2 (L_B - τI) D^1/2 = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of
+///    inertia). So k is known before any eigenvector.
+/// 3. Block Krylov spaces of (L_B - τI)⁻¹ from random columns give the lowest eigenvalues and their eigenvectors, until
+///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
+///    decomposed in full, with a note.
 ///
-/// The zeros are found to 1e-10 and better, and their span to 100·n·ε / (λ_k+1 - λ_k). k is that of a full decomposition unless an
-/// eigenvalue is within 100·n·ε of τ.
+/// The zeros are found to 1e-10 and better, and their span to 100·n·ε / (λ_k+1 - λ_k). k is that of a full
+/// decomposition unless an eigenvalue is within 100·n·ε of τ.
 pub struct Slicing {
     rule: ZeroRule,
     eigenvalues: usize,
@@ -129,7 +129,8 @@ impl SpectralStage for Slicing {
     }
 
     fn memory_bytes(&self, n: usize) -> u64 {
-        // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is a few columns.
+        // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is
+        // a few columns.
         dense_bytes(n).saturating_mul(3).saturating_add(Decomposition::memory_bytes(n))
     }
 }

@@ -21,12 +21,12 @@ const MOST_BYTES: u64 = 1 << 30;
 /// A shift that meets an eigenvalue of a leading part exactly is moved by this, so often.
 const NUDGE: f64 = f64::EPSILON;
 const NUDGES: usize = 8;
-/// With more entries in a column of the factor, on average, columns are worked on in blocks. A return of a cloud is tied to three
-/// others, and its column has little in common with the next.
+/// With more entries in a column of the factor, on average, columns are worked on in blocks. A return of a cloud is
+/// tied to three others, and its column has little in common with the next.
 const FULL: usize = 64;
 
-/// The Laplacian of one block, the links to others set aside, by the columns of its upper triangle; and its LDLᵀ with rows
-/// in an order of little fill (approximate minimum degree).
+/// The Laplacian of one block, the links to others set aside, by the columns of its upper triangle; and its LDLᵀ with
+/// rows in an order of little fill (approximate minimum degree).
 pub(crate) struct Sparse {
     column_starts: Vec<usize>,
     rows: Vec<usize>,
@@ -92,8 +92,8 @@ impl Sparse {
         self.plan()
     }
 
-    /// How rows are ordered: if a few are far longer than the others, as of the one return to which all around it are tied, they
-    /// go last, in the order of the block. Minimum degree would look through them again and again.
+    /// How rows are ordered: if a few are far longer than the others, as of the one return to which all around it are
+    /// tied, they go last, in the order of the block. Minimum degree would look through them again and again.
     fn ordering(&self) -> Control {
         let n = self.column_starts.len() - 1;
         let mut lengths = vec![0; n];

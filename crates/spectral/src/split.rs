@@ -9,9 +9,9 @@ use crate::graph::{Edge, Graph};
 
 /// The returns in m blocks: what is tied by more than weak links, and the links between them.
 ///
-/// With Z (n×m) the columns D^1/2 1_B / ‖D^1/2 1_B‖ of the blocks B, and E = D^-1/2 (D_w - W_w) D^-1/2 the part of L that
-/// the weak links make (W_w their weights, D_w the degrees of W_w), L = L_0 + E. L_0 is block diagonal with L_0 Z = 0, and
-/// E is positive semidefinite. The Laplacian of the graph of blocks,
+/// With Z (n×m) the columns D^1/2 1_B / ‖D^1/2 1_B‖ of the blocks B, and E = D^-1/2 (D_w - W_w) D^-1/2 the part of L
+/// that the weak links make (W_w their weights, D_w the degrees of W_w), L = L_0 + E. L_0 is block diagonal with
+/// L_0 Z = 0, and E is positive semidefinite. The Laplacian of the graph of blocks,
 ///
 /// Q = ZᵀLZ = ZᵀEZ: Q_AA = w(A, rest) / vol A, Q_AB = -w(A, B) / √(vol A · vol B),
 ///
@@ -20,8 +20,8 @@ use crate::graph::{Edge, Graph};
 /// λ_m <= θ_m (Courant, Fischer) and μ <= λ_m+1 (Weyl, E >= 0).
 ///
 /// So L has exactly m eigenvalues below τ if θ_m < τ <= μ. Blocks are therefore joined until θ_m < τ; what μ is, is not
-/// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns of
-/// Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
+/// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns
+/// of Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
 pub(crate) struct Split {
     forest: Forest,
     /// Edges between blocks, which are set aside.
@@ -58,7 +58,8 @@ impl Default for Split {
 }
 
 impl Split {
-    /// Splits the graph along its links of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until θ_m < `tolerance`.
+    /// Splits the graph along its links of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until
+    /// θ_m < `tolerance`.
     ///
     /// # Errors
     /// When Q cannot be decomposed.
@@ -121,8 +122,8 @@ impl Split {
         &self.eigenvalues
     }
 
-    /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm² (s² / vol A + Σ_B s_B² / vol B) / D_ii,
-    /// s_B what its links to block B weigh, s = Σ s_B.
+    /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm²
+    /// (s² / vol A + Σ_B s_B² / vol B) / D_ii, s_B what its links to block B weigh, s = Σ s_B.
     pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
         let per_link = |link: &Edge| {
             let half = |near: u32, far: u32| {

@@ -8,13 +8,14 @@ const NONE: u32 = u32::MAX;
 
 /// The nodes of a graph: returns, or the twins among them.
 ///
-/// Twins are tied to the same others by the same weights, and not to each other, as are all returns of a cloud for which one of a
-/// wall stands. On the m_A twins i of a node A, a vector that sums to 0 there and is 0 elsewhere is an eigenvector,
+/// Twins are tied to the same others by the same weights, and not to each other, as are all returns of a cloud for
+/// which one of a wall stands. On the m_A twins i of a node A, a vector that sums to 0 there and is 0 elsewhere is an
+/// eigenvector,
 ///
 /// L x = (1 - 1 / D_ii) x,
 ///
-/// so that 1 - 1 / D_ii is an eigenvalue m_A - 1 times. All others are even on twins: with y_A = √m_A x_i, they are those of the
-/// Laplacian of the graph of nodes,
+/// so that 1 - 1 / D_ii is an eigenvalue m_A - 1 times. All others are even on twins: with y_A = √m_A x_i, they are
+/// those of the Laplacian of the graph of nodes,
 ///
 /// W_AB = m_A m_B W_ij, W_AA = m_A, D_AA = m_A D_ii.
 ///

@@ -13,7 +13,8 @@ pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ZeroRule {
-    /// Those below τ, which is in (0, 2]. The paper gives none; how far τ could be moved before k changes is the margin.
+    /// Those below τ, which is in (0, 2]. The paper gives none; how far τ could be moved before k changes is the
+    /// margin.
     Tolerance(f64),
 }
 
@@ -29,8 +30,8 @@ impl ZeroRule {
         Self::Tolerance(params.number(ZERO_TOLERANCE.name))
     }
 
-    /// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the next,
-    /// ascending.
+    /// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the
+    /// next, ascending.
     pub(crate) fn count(self, spectrum: &mut Spectrum, n: usize) {
         let Self::Tolerance(tolerance) = self;
         (spectrum.zeros_bound, spectrum.span_bound) = (0.0, 0.0);

@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release --no-default-features --example growth [-- FIGURE.svg]`
 //!
-//! Places with 2, 3 and 4 branches 4 to 5 m wide, seen by a 2D lidar of more and more beams, as dense 2D clouds, and by a lidar
-//! of many rings. Of each size: the processor time of a revolution, from its points to its walls and openings; how many of the
-//! answers have the true count; and the exponent a of the fit time = c·nᵃ, of each kind, and from sweeps to clouds: of one line fitted
-//! through both, and from the smallest sweep to the largest cloud.
+//! Places with 2, 3 and 4 branches 4 to 5 m wide, seen by a 2D lidar of more and more beams, as dense 2D clouds, and by
+//! a lidar of many rings. Of each size: the processor time of a revolution, from its points to its walls and openings;
+//! how many of the answers have the true count; and the exponent a of the fit time = c·nᵃ, of each kind, and from
+//! sweeps to clouds: of one line fitted through both, and from the smallest sweep to the largest cloud.
 
 mod plot;
 

@@ -46,13 +46,14 @@ struct Representative {
 impl Carrying {
     /// Writes W and D of `cloud` into `out`. `seen` is the graph of `view.seen()`.
     ///
-    /// 1. The level returns of each beam are coarsened: walking outward, each is represented by the last representative that is
-    ///    no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen represent themselves.
-    /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps first:
-    ///    each is tied to the one that it was reached from, so that nothing unseen joins two walls.
-    /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied to.
-    ///    So what ties the parts of a wall grows with its number of returns as the parts do, and the second eigenvalue of its
-    ///    block does not fall with it.
+    /// 1. The level returns of each beam are coarsened: walking outward, each is represented by the last representative
+    ///    that is no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen
+    ///    represent themselves.
+    /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps
+    ///    first: each is tied to the one that it was reached from, so that nothing unseen joins two walls.
+    /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied
+    ///    to. So what ties the parts of a wall grows with its number of returns as the parts do, and the second
+    ///    eigenvalue of its block does not fall with it.
     ///
     /// What is not level, or not reached, is tied to nothing.
     pub(super) fn write(
@@ -188,7 +189,8 @@ fn ties_through(at: u32, representative: &Representative) -> impl Iterator<Item 
     itself.into_iter().chain(nearest.into_iter().flatten())
 }
 
-/// The beams in which all places lie that are no farther than `reach_m` from a return; in two stretches over the last beam.
+/// The beams in which all places lie that are no farther than `reach_m` from a return; in two stretches over the last
+/// beam.
 fn beams_within(reach_m: f64, of: LevelReturn, beams: usize) -> [Range<usize>; 2] {
     let (beam, step_rad) = (of.beam as usize, TAU / beams as f64);
     let spread_rad = if of.range_m > reach_m { (reach_m / of.range_m).asin() } else { TAU };

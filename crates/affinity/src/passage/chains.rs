@@ -21,8 +21,8 @@ pub(super) struct Chains {
     pub(super) neighbours: usize,
     /// The numbers of their returns, one chain after the other.
     numbers: Vec<u32>,
-    /// Of each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those after it; 0
-    /// beyond the ends.
+    /// Of each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those
+    /// after it; 0 beyond the ends.
     weights: Vec<f64>,
     chains: Vec<Chain>,
     /// The weights of one chain's edges from each return to the next.
@@ -109,8 +109,8 @@ impl Chains {
         self.weights.resize(start + chain.len() * width, 0.0);
         let mut ahead_of_all = 0.0;
         for at in 0..chain.len() {
-            // From the return itself on: the next entries are those of its edges ahead, and `width - 1` farther each is that of
-            // the same edge from its other end.
+            // From the return itself on: the next entries are those of its edges ahead, and `width - 1` farther each is
+            // that of the same edge from its other end.
             let row = &mut self.weights[start + at * width + neighbours..];
             let (mut product, mut ahead) = (1.0, 0.0);
             row[0] = product;
@@ -129,8 +129,8 @@ impl Chains {
     }
 
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
-    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, or less, the more decided the verdict is;
-    /// half, because two edges at one wall may add up.
+    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, or less, the more decided the verdict
+    /// is; half, because two edges at one wall may add up.
     fn tie_across(&mut self, ring: &Ring, judge: &Judge<'_>, walls: &Pieces, leak: f64) {
         let gaps = match walls.len() {
             0 | 1 => 0,
@@ -172,8 +172,8 @@ impl Chains {
         for (number, place) in (0..).zip(&self.places) {
             let (columns, weights) = self.row_along(&number, *place);
             let has_others = others.peek().is_some_and(|&&(from, ..)| from == number);
-            // A chain runs around the sensor once at most: if it runs anticlockwise by numbers, only a row over the first
-            // beam is not in order.
+            // A chain runs around the sensor once at most: if it runs anticlockwise by numbers, only a row over the
+            // first beam is not in order.
             if !ring.clockwise && columns[0] <= columns[columns.len() - 1] && !has_others {
                 csr.push_row(columns, weights);
                 out.degrees.push(weights.iter().sum());
@@ -192,7 +192,8 @@ impl Chains {
         self.row = row;
     }
 
-    /// The numbers of the returns that a return is tied to along its chain, itself among them, with the weights of those edges.
+    /// The numbers of the returns that a return is tied to along its chain, itself among them, with the weights of
+    /// those edges.
     fn row_along<'a>(&'a self, number: &'a u32, place: Option<(u32, u32)>) -> (&'a [u32], &'a [f64]) {
         let Some((chain, at)) = place else { return (std::slice::from_ref(number), &[1.0]) };
         let (chain, at, neighbours) = (&self.chains[chain as usize].places, at as usize, self.neighbours);

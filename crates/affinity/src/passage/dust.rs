@@ -23,8 +23,8 @@ pub(super) struct Dust {
 }
 
 impl Dust {
-    /// The returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both sides. A ring
-    /// so small that a return is its own neighbour has none.
+    /// The returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both
+    /// sides. A ring so small that a return is its own neighbour has none.
     pub(super) fn find(&mut self, ring: &Ring) -> &[bool] {
         let n = ring.len();
         self.is_dust.clear();

@@ -7,12 +7,13 @@ use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
 use super::tangent::{End, Tangents, has_direction, tangent};
 
-/// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for that.
+/// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
+/// that.
 const HALL_M: f64 = 6.0;
 /// A gap whose walls recede from each other is a way on if it is at least so wide, as a share of the place's size.
 const WAY_SHARE: f64 = 0.3;
-/// A gap in which the view ends with nothing seen, likewise: at the end of the range, and nearer, where a dark surface is as
-/// likely.
+/// A gap in which the view ends with nothing seen, likewise: at the end of the range, and nearer, where a dark surface
+/// is as likely.
 const DARK_SHARE: f64 = 0.45;
 const DARK_NEAR_SHARE: f64 = 0.7;
 /// Beams without return over so many beams and so wide an angle are such a view;
@@ -22,18 +23,18 @@ const DARK_RAD: f64 = 3.5 * PI / 180.0;
 const FAR_SHARE: f64 = 0.8;
 /// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
-/// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle. Its
-/// width is that between its ends, and it is a way on from this share of the place's size.
+/// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle.
+/// Its width is that between its ends, and it is a way on from this share of the place's size.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const BLANK_SHARE: f64 = 0.9;
 /// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
-/// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between them, or
-/// if both are at least this share of the place's size.
+/// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between
+/// them, or if both are at least this share of the place's size.
 const SEEN_INSIDE_SHARE: f64 = 0.5;
-/// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones. The gap before it
-/// is a way on from this share of the place's size.
+/// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones. The gap
+/// before it is a way on from this share of the place's size.
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 70.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.9;
@@ -167,7 +168,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// How many times the room that a way on needs there is between two walls with directions, if that is enough for one.
+    /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
+    /// one.
     pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let [before, after] = self.directions(a, b);
         let (bend, ends) = (self.bend(a, b, [before?, after?]), (a[a.len() - 1], b[0]));
@@ -182,8 +184,8 @@ impl<'a> Judge<'a> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
-    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing is seen
-    /// over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
+    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
+    /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
     fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turn_rad: f64) -> f64 {
         let (p, q) = (a[a.len() - 1], b[0]);
         let blank = if turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
@@ -205,8 +207,9 @@ impl<'a> Judge<'a> {
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
-    /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side of a side
-    /// passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only been hidden.
+    /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
+    /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
+    /// been hidden.
     fn room_before_face(&self, a: &[usize], b: &[usize]) -> f64 {
         let (p, q) = (a[a.len() - 1], b[0]);
         let room = self.ring.distance_m(p, q) / (FACE_SHARE * self.size_m);
@@ -217,13 +220,15 @@ impl<'a> Judge<'a> {
         if self.bend(a, b, ends).turn_rad() >= FACE_RAD { room } else { 0.0 }
     }
 
-    /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer one.
+    /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
+    /// one.
     fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
         let [of_q, of_p] = bend.aside_m();
         if self.ring.range_m(p) < self.ring.range_m(q) { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
     }
 
-    /// How wide a way on is as a share of the place's size, where the wall turns by `turn_rad`; none where it goes straight on.
+    /// How wide a way on is as a share of the place's size, where the wall turns by `turn_rad`; none where it goes
+    /// straight on.
     fn share_of_place(&self, turn_rad: f64, (p, q): (usize, usize)) -> Option<f64> {
         let turns = turn_rad >= self.limits.straight_rad;
         if turn_rad >= self.limits.way_rad {
@@ -233,8 +238,8 @@ impl<'a> Judge<'a> {
         dark.or_else(|| turns.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }))
     }
 
-    /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the wall
-    /// turned by [`DOUBT_RAD`] less or more; at least [`LEAST_DECIDED`].
+    /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
+    /// wall turned by [`DOUBT_RAD`] less or more; at least [`LEAST_DECIDED`].
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);
@@ -243,8 +248,8 @@ impl<'a> Judge<'a> {
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
-    /// How wide a way on is as a share of the place's size, where beams into the gap came back with nothing because there is
-    /// nothing, rather than being lost.
+    /// How wide a way on is as a share of the place's size, where beams into the gap came back with nothing because
+    /// there is nothing, rather than being lost.
     fn dark_share(&self, p: usize, q: usize) -> Option<f64> {
         let dark = self.ring.dark_between(p, q);
         let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;

@@ -11,11 +11,11 @@ const STEEP: f64 = 0.363_970_234_266_202_36;
 const STEP_BEAMS: usize = 3;
 /// And so many times farther than the island's own spacing.
 const SPACINGS: f64 = 2.0;
-/// Between a wall and an island a vehicle can pass, so the island is as far off the line of the wall, and so many times the
-/// roughness of the walls more, by which bumps may stand out.
+/// Between a wall and an island a vehicle can pass, so the island is as far off the line of the wall, and so many times
+/// the roughness of the walls more, by which bumps may stand out.
 const BUMPS: f64 = 8.0;
-/// The tip between two branches hides its own walls, and the more so the rougher they are: both run towards it, and miss
-/// it by so many times their roughness, or less, together.
+/// The tip between two branches hides its own walls, and the more so the rougher they are: both run towards it, and
+/// miss it by so many times their roughness, or less, together.
 const TIP_BUMPS: f64 = 120.0;
 /// Lines of walls are taken over at most so many returns, none farther from the next than this.
 const LINE_RETURNS: usize = 14;
@@ -37,8 +37,8 @@ pub(super) struct Limits {
     pub(super) roughness_m: f64,
 }
 
-/// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is found
-/// after it. Two beside each other, neither of them behind the other, are found together.
+/// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is
+/// found after it. Two beside each other, neither of them behind the other, are found together.
 pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
     islands.clear();
     loop {
@@ -85,8 +85,8 @@ fn stand_free(
         && (0..together).all(|step| !is_of_wall_beside(ring, (pieces, islands), run, piece(step), limits))
 }
 
-/// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two. Beyond
-/// the shadow of an island that was found before, nothing says so.
+/// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two.
+/// Beyond the shadow of an island that was found before, nothing says so.
 fn is_of_wall_beside(
     ring: &Ring,
     (pieces, islands): (&Pieces, &Pieces),
@@ -121,8 +121,8 @@ fn hides(ring: &Ring, piece: &[usize], end: End, next: &[usize]) -> bool {
         && ring.distance_m(tip, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
 }
 
-/// How far a return lies off the line of the wall of which these are the returns `beside` it, nearest first, if that runs
-/// towards it.
+/// How far a return lies off the line of the wall of which these are the returns `beside` it, nearest first, if that
+/// runs towards it.
 fn off_line_m(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, stretch_m: f64) -> Option<f64> {
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
     for i in beside.take(LINE_RETURNS) {

@@ -31,8 +31,8 @@ pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m
 }
 
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
-/// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the view
-/// cuts is not known, so it counts from [`LEAST_RETURNS`] on. Returns what was taken out.
+/// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the
+/// view cuts is not known, so it counts from [`LEAST_RETURNS`] on. Returns what was taken out.
 pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_returns: usize) -> Vec<usize> {
     let gap = |pieces: &Pieces, at: usize| {
         let next = (at + 1) % pieces.len();
@@ -73,13 +73,14 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
 }
 
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
-/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not cut.
+/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not
+/// cut.
 pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) {
     cut(walls, |wall| sharpest_peak(ring, judge, wall, passage_m));
 }
 
-/// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed while
-/// one side of it was too short to have a direction, or to have the right one. Whether any was cut.
+/// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed
+/// while one side of it was too short to have a direction, or to have the right one. Whether any was cut.
 pub(super) fn cut_at_ways(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) -> bool {
     let before = walls.len();
     cut(walls, |wall| widest_way(ring, judge, wall, passage_m));

@@ -115,22 +115,22 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 /// 3. Short pieces that stand free in front of what is on both sides of them are islands.
 /// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
 ///    the wall turns by T = ∠(t, c) + ∠(c, t'), and its clear width is the distance of the nearer end from the line of
-///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams), if no vehicle fits into the clear width, or if
-///    that is small beside the place, whose size is the median range: less than `clear_share` of it, less than that if the
-///    gap is dark or T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a tunnel recede. It can as well
-///    where nothing is seen over a wide angle, and before the face of a corner. Pieces join at the least |T| first, so that
-///    directions come from ever longer walls.
-/// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small, or
-///    alone, joins anew.
+///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams), if no vehicle fits into the clear width,
+///    or if that is small beside the place, whose size is the median range: less than `clear_share` of it, less than
+///    that if the gap is dark or T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a tunnel recede.
+///    It can as well where nothing is seen over a wide angle, and before the face of a corner. Pieces join at the least
+///    |T| first, so that directions come from ever longer walls.
+/// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small,
+///    or alone, joins anew.
 /// 6. A wall that still turns around somewhere is cut there.
 ///
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
-/// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so the
-/// second eigenvalue of its block does not either. From wall to wall there is one weak edge over each way on: its
+/// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so
+/// the second eigenvalue of its block does not either. From wall to wall there is one weak edge over each way on: its
 /// eigenvalue is half of `leak`, divided by the fourth power of how many times the room that a way on needs there is.
 ///
-/// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the returns
-/// that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
+/// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the
+/// returns that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
 #[derive(Clone, Debug)]
 pub struct Passage {
     limits: Limits,

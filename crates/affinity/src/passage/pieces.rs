@@ -2,8 +2,8 @@
 
 use std::ops::Index;
 
-/// Pieces as they follow each other, none of them empty. They lie in one buffer, so that joining and cutting them moves no
-/// returns.
+/// Pieces as they follow each other, none of them empty. They lie in one buffer, so that joining and cutting them moves
+/// no returns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     /// The returns of all pieces, one piece after the other.

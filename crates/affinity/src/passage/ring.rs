@@ -130,7 +130,8 @@ impl Ring {
         around + to.dark_before - from.dark_before
     }
 
-    /// Whether an end of a limited view cuts a piece: beyond it there is no return, and no beam that came back with nothing.
+    /// Whether an end of a limited view cuts a piece: beyond it there is no return, and no beam that came back with
+    /// nothing.
     pub(super) fn ends_with_view(&self, piece: &[usize]) -> bool {
         let (first, last) = (piece[0], piece[piece.len() - 1]);
         let begins = first == 0 && self.returns[first].dark_before == 0;

@@ -26,8 +26,8 @@ pub(super) fn roughness_m(ring: &Ring, pieces: &Pieces) -> f64 {
     if offs_m.is_empty() { 0.0 } else { *offs_m.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Root of the mean square distance of returns from their principal axis, whose square is the lesser eigenvalue of their
-/// covariance.
+/// Root of the mean square distance of returns from their principal axis, whose square is the lesser eigenvalue of
+/// their covariance.
 fn off_line_m(ring: &Ring, stretch: &[usize]) -> f64 {
     let n = stretch.len() as f64;
     let mean = stretch.iter().fold(Position::zeros(), |sum, &i| sum + ring.position_m(i)) / n;

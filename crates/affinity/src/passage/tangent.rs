@@ -22,8 +22,8 @@ pub(super) fn has_direction(ring: &Ring, piece: &[usize]) -> bool {
     piece.len() >= LEAST_RETURNS && ring.are_apart(piece[0], piece[piece.len() - 1], LEAST_LENGTH_M)
 }
 
-/// The directions of the ends of pieces over one length of wall. Pieces are joined and cut, but their ends seldom change, so
-/// the last direction at each return is kept, both ways.
+/// The directions of the ends of pieces over one length of wall. Pieces are joined and cut, but their ends seldom
+/// change, so the last direction at each return is kept, both ways.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tangents {
     stretch_m: f64,

@@ -6,8 +6,9 @@ use crate::ring::{Position, Ring};
 /// The line of a wall behind its end is taken over this stretch.
 const LINE_M: f64 = 1.5;
 
-/// How far the walls leave each other's line at the edge: a wall that goes on leaves none. The distance of the nearer end
-/// from the line of the farther wall, or twice that of the farther end from the line of the nearer wall, if that is less.
+/// How far the walls leave each other's line at the edge: a wall that goes on leaves none. The distance of the nearer
+/// end from the line of the farther wall, or twice that of the farther end from the line of the nearer wall, if that is
+/// less.
 pub(crate) fn clearance_m(sides: &Sides<'_>) -> f64 {
     let [near, far] = sides.by_range();
     let end_m = |side: Side| sides.ring.entries[side.at].position_m;

@@ -1,14 +1,14 @@
 //! Edges of the visible free space that the vehicle can pass.
 //!
-//! Going around the sensor anticlockwise, every two returns p, q of walls that follow each other bound an edge. It is an
-//! opening when
+//! Going around the sensor anticlockwise, every two returns p, q of walls that follow each other bound an edge. It is
+//! an opening when
 //!
 //! 1. ‖p - q‖ is at least the vehicle's width,
-//! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on
-//!    one line: either the two belong to different walls and beams between them came back with nothing
+//! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on one
+//!    line: either the two belong to different walls and beams between them came back with nothing
 //!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge: the nearer end clears the
-//!    line of the farther wall by the vehicle's width, and the farther end leaves the line of the nearer wall by half of
-//!    it;
+//!    line of the farther wall by the vehicle's width, and the farther end leaves the line of the nearer wall by half
+//!    of it;
 //! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
 //! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
 //!
@@ -19,13 +19,13 @@
 //! at most one opening then, the widest of those in free space.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
-//! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return, there
-//! is a way on of which a part is seen ([`Opening::cut_by_view`]).
+//! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
+//! there is a way on of which a part is seen ([`Opening::cut_by_view`]).
 //!
 //! Bearing and width are those of the branch behind the edge, [`LOOKOUT_M`] from the sensor or where its centreline is
-//! last seen, if that is nearer. Walls are lines from return to return. With N the one whose end is nearer to the sensor, F
-//! the other, ρ_F(x) the distance of x from F, and n (f) the place where N (F), followed
-//! from its end, comes within 8 m:
+//! last seen, if that is nearer. Walls are lines from return to return. With N the one whose end is nearer to the
+//! sensor, F the other, ρ_F(x) the distance of x from F, and n (f) the place where N (F), followed from its end, comes
+//! within 8 m:
 //! ```text
 //! width = min(ρ_F(n), ρ_N(f))
 //! bearing of x, the first on the beam through n from n to the circle of 8 m, then on the circle towards F,

@@ -48,7 +48,8 @@ impl Side {
         self.line(ring).map(|piece| piece.map(|entry| entry.position_m))
     }
 
-    /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does not.
+    /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does
+    /// not.
     pub(super) fn anchor_m(self, ring: &Ring) -> Position {
         let within = self.line(ring).find(|[_, after]| after.range_m <= LOOKOUT_M);
         within.map_or(ring.entries[self.at].position_m, |[before, after]| {

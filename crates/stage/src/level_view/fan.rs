@@ -35,8 +35,8 @@ impl Fan {
         wrap_angle_rad(self.first_rad + beam as f64 * self.step_rad())
     }
 
-    /// The beam in which a place lies. Most clouds come beam by beam, so it is looked for around a `guess`, that of the place
-    /// before; only if it is not there does it take an arc tangent.
+    /// The beam in which a place lies. Most clouds come beam by beam, so it is looked for around a `guess`, that of the
+    /// place before; only if it is not there does it take an arc tangent.
     pub(super) fn beam(&self, place_m: Vector2<f64>, guess: usize) -> usize {
         let next = if guess + 1 == self.beams { 0 } else { guess + 1 };
         let previous = if guess == 0 { self.beams - 1 } else { guess - 1 };

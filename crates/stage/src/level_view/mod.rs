@@ -95,7 +95,8 @@ impl LevelView {
         &self.numbers
     }
 
-    /// All level returns, those that are not seen too: beam by beam from the first of the view, those of a beam by range.
+    /// All level returns, those that are not seen too: beam by beam from the first of the view, those of a beam by
+    /// range.
     pub fn level(&self) -> &[LevelReturn] {
         &self.level
     }

@@ -6,8 +6,8 @@ const SHARE: f64 = 0.25;
 const RANGES: usize = 28;
 const STEP: f64 = 1.25;
 
-/// The number of returns, at whatever range, that a beam has in the angles |z| / range <= height / (2r) that are level at a
-/// range r: the median over the beams that have any, at each of [`RANGES`] ranges r.
+/// The number of returns, at whatever range, that a beam has in the angles |z| / range <= height / (2r) that are level
+/// at a range r: the median over the beams that have any, at each of [`RANGES`] ranges r.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Usual {
     ranges_m: [f64; RANGES],
