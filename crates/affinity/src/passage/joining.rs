@@ -75,15 +75,15 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
 /// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not
 /// cut.
-pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) {
-    cut(walls, |wall| sharpest_peak(ring, judge, wall, passage_m));
+pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces) {
+    cut(walls, |wall| sharpest_peak(ring, judge, wall));
 }
 
 /// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed
 /// while one side of it was too short to have a direction, or to have the right one. Whether any was cut.
-pub(super) fn cut_at_ways(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces, passage_m: f64) -> bool {
+pub(super) fn cut_at_ways(judge: &Judge<'_>, walls: &mut Pieces) -> bool {
     let before = walls.len();
-    cut(walls, |wall| widest_way(ring, judge, wall, passage_m));
+    cut(walls, |wall| widest_way(judge, wall));
     walls.len() > before
 }
 
@@ -98,19 +98,23 @@ fn cut(walls: &mut Pieces, place: impl Fn(&[usize]) -> Option<usize>) {
     }
 }
 
-fn widest_way(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) -> Option<usize> {
-    let gaps = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
-    let wide = gaps.filter(|&at| ring.are_apart(wall[at - 1], wall[at], passage_m));
-    let ways = wide.filter_map(|at| Some((judge.way_room(&wall[..at], &wall[at..])?, at)));
+/// Where a wall has a gap, with enough returns for a wall on both sides.
+fn gaps(judge: &Judge<'_>, wall: &[usize]) -> impl Iterator<Item = usize> {
+    let places = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
+    places.filter(|&at| judge.is_gap(wall[at - 1], wall[at]))
+}
+
+fn widest_way(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
+    let ways = gaps(judge, wall).filter_map(|at| Some((judge.way_room(&wall[..at], &wall[at..])?, at)));
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 
-fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize], passage_m: f64) -> Option<usize> {
+fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
     let mut sharpest = None;
     let mut least_rad = PEAK_RAD.start;
-    for cut in LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1) {
+    for cut in gaps(judge, wall) {
         let (a, b) = wall.split_at(cut);
-        if !ring.are_apart(a[cut - 1], b[0], passage_m) || judge.is_hidden(a[cut - 1], b[0]) {
+        if judge.is_hidden(a[cut - 1], b[0]) {
             continue;
         }
         let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);

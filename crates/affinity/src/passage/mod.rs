@@ -225,10 +225,10 @@ impl Passage {
         islands::take(ring, walls, &of_island, islands);
         let judge = Judge::new(ring, tangents, walls, islands, *limits);
         let mut left_over = joining::join(ring, &judge, walls, least_returns);
-        if joining::cut_at_ways(ring, &judge, walls, limits.passage_m) {
+        if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));
         }
-        joining::cut_at_peaks(ring, &judge, walls, limits.passage_m);
+        joining::cut_at_peaks(ring, &judge, walls);
 
         let dropped = dust.iter().filter(|dust| **dust).count();
         if dropped > 0 {
