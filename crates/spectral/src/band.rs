@@ -9,6 +9,7 @@ use crate::split::Split;
 const USUAL_WIDTHS: [usize; 2] = [4, 8];
 /// Entries of a column of such a band: the diagonal and what is below it.
 const NARROW: usize = USUAL_WIDTHS[0] + 1;
+const WIDER: usize = USUAL_WIDTHS[1] + 1;
 
 /// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near
 /// the diagonal if rows stand in the order of returns along a wall.
@@ -92,7 +93,7 @@ impl ShiftInvert for Band {
         x.resize(n + stride, 0.0);
         let negative = match stride {
             NARROW => solve_narrow::<NARROW>(&self.entries, shift, &mut self.factor, x),
-            9 => solve_narrow::<9>(&self.entries, shift, &mut self.factor, x),
+            WIDER => solve_narrow::<WIDER>(&self.entries, shift, &mut self.factor, x),
             _ => {
                 self.factor.clone_from(&self.entries);
                 let negative = eliminate_wide(&mut self.factor, n, stride, shift, |i, column, inverse| {
@@ -111,7 +112,7 @@ impl ShiftInvert for Band {
     fn count_below(&mut self, shift: f64) -> usize {
         match self.stride {
             NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, |_, _, _| ()),
-            9 => eliminate_narrow::<9>(&self.entries, self.n, shift, |_, _, _| ()),
+            WIDER => eliminate_narrow::<WIDER>(&self.entries, self.n, shift, |_, _, _| ()),
             stride => {
                 self.factor.clone_from(&self.entries);
                 eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())

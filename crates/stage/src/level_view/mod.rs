@@ -70,7 +70,7 @@ impl LevelView {
         let is_level = |point: &Point| point.z.abs() <= half_height_m && point.coords.xy().norm() > nearest_m;
         let mut level = cloud.points_m.iter().filter(|point| is_level(point));
         let first_rad = level.next().map(|first| first.y.atan2(first.x));
-        let beams = first_rad.map_or(0, |_| MOST_BEAMS.min(1 + level.count()));
+        let beams = first_rad.map_or(0, |_| 1 + level.take(MOST_BEAMS - 1).count());
         self.fan.open(first_rad.unwrap_or(0.0), beams);
         self.level.clear();
         self.met.clear();
