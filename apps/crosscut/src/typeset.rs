@@ -5,9 +5,12 @@ use crosscut_evaluate::tables::Table;
 
 /// For a terminal.
 pub(crate) fn text(tables: &[Table]) -> String {
-    let text = |table: &Table| match table.rows.is_empty() {
-        true => format!("{}: none\n\n", table.title),
-        false => format!("{}\n{}\n\n", table.title, drawn(table, presets::NOTHING)),
+    let text = |table: &Table| {
+        if table.rows.is_empty() {
+            format!("{}: none\n\n", table.title)
+        } else {
+            format!("{}\n{}\n\n", table.title, drawn(table, presets::NOTHING))
+        }
     };
     tables.iter().map(text).collect()
 }

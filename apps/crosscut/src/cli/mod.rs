@@ -22,6 +22,9 @@ const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 failed, what came before is saved; 2 wrong usage or configuration; 3 done, but something was \
 lost (damaged input, incomplete recording); 130 interrupted, what was made is saved.";
 
+/// Where viewers connect if no address is given: on this machine alone.
+const SERVED_AT: &str = "127.0.0.1:9877";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Count the walls of every revolution in a recorded flight.
@@ -105,7 +108,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "FLIGHT.mcap", conflicts_with = "beside")]
     pub(crate) with: Vec<PathBuf>,
     /// Do not open the viewer: let viewers connect, until Ctrl-C. Port 0 takes a free one.
-    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:9877")]
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
 }
 

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::SERVED_AT;
+
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]
 pub(crate) struct RecordArgs {
@@ -18,7 +20,7 @@ pub(crate) struct RecordArgs {
     pub(crate) view: bool,
     /// Let viewers connect while the flight runs, and afterwards until Ctrl-C. Late ones see what came, up to 1 GiB.
     /// Port 0 takes a free one.
-    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:9877")]
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
     /// Which page the viewer opens with; the others are a click away.
     #[arg(long, value_enum, default_value = "stages")]
