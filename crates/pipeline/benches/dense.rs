@@ -59,7 +59,8 @@ fn main() -> Fallible<()> {
     Ok(())
 }
 
-/// The least time of each solver over the passes, of a W that was just made, as in the pipeline.
+/// The least time of each solver over the passes, each of a W that was just made, and with what the pass before left in
+/// the caches: as in the pipeline, which runs one solver only.
 fn times_ns(
     rbf: &mut Rbf,
     solvers: &mut [Box<dyn SpectralStage>; 3],
@@ -67,8 +68,8 @@ fn times_ns(
 ) -> Result<[u64; 3], StageError> {
     let mut least_ns = [u64::MAX; 3];
     let (mut affinity, mut out) = (Affinity::default(), Spectrum::default());
-    for _ in 0..PASSES {
-        for (solver, least_ns) in solvers.iter_mut().zip(&mut least_ns) {
+    for (solver, least_ns) in solvers.iter_mut().zip(&mut least_ns) {
+        for _ in 0..PASSES {
             rbf.affinity(revolution, &mut affinity, &mut Notes::default())?;
             let start = Instant::now();
             solver.spectrum(&affinity, &mut out, &mut Notes::default())?;

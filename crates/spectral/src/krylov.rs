@@ -13,12 +13,13 @@ use crate::normalised::{Normalised, product};
 const COLUMNS: usize = 4;
 const SPARE: usize = 2;
 /// Before so many blocks, and so many columns for each eigenvalue, it is not looked whether they suffice.
-const LEAST_BLOCKS: usize = 3;
+const LEAST_BLOCKS: usize = 4;
 const LEAST_SHARE: usize = 3;
 /// Columns at most, for each eigenvalue and beside.
 const MOST_SHARE: usize = 6;
 const MOST_BESIDE: usize = 48;
-/// Small enough for a residual, whatever else is near.
+/// Errors of eigenvalues that are not zero, and what is small enough for a residual, whatever else is near.
+const ERROR: f64 = 1e-10;
 const RESIDUAL: f64 = 1e-8;
 /// What may be left of a column, of what it was, before it is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
@@ -81,9 +82,8 @@ impl Krylov {
         let least = (LEAST_BLOCKS * columns).max(LEAST_SHARE * wanted);
         self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
         while self.space.grow(envelope) {
-            let dimension = self.space.dimension - columns;
-            if dimension >= least
-                && let Some(lowest) = self.try_at(l, envelope, dimension, wanted)?
+            if self.space.dimension >= least
+                && let Some(lowest) = self.try_at(l, envelope, wanted)?
             {
                 return Ok(Some(lowest));
             }
@@ -96,10 +96,10 @@ impl Krylov {
         &mut self,
         l: &Normalised<'_>,
         envelope: &mut Envelope,
-        dimension: usize,
         wanted: usize,
     ) -> Result<Option<Lowest>, StageError> {
         let Self { space, small, values } = self;
+        let dimension = space.dimension - space.columns;
         small.decompose(space.projected.submatrix(0, 0, dimension, dimension), values)?;
         // λ = shift + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
         let negative = values.partition_point(|&nu| nu < 0.0);
@@ -173,11 +173,10 @@ impl Needed {
     /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their
     /// residuals over the gap. The others are off by residual² over the distance of what is outside.
     fn is_met(&self, j: usize, eigenvalue: f64, residual: f64) -> bool {
-        let rounding = 10.0 * self.n as f64 * f64::EPSILON;
         if j < self.below {
-            return residual <= rounding;
+            return residual <= 10.0 * self.n as f64 * f64::EPSILON;
         }
-        residual <= RESIDUAL || residual * residual <= rounding * (self.outside - eigenvalue)
+        residual <= RESIDUAL || residual * residual <= ERROR * (self.outside - eigenvalue)
     }
 }
 
