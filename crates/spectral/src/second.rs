@@ -15,9 +15,9 @@ pub(crate) trait ShiftInvert {
 /// The shift of the first step: L itself is singular.
 const FIRST_SHIFT: f64 = -1e-9;
 /// How near its two bounds must come, relative to the eigenvalue.
-const PROVED: f64 = 1e-4;
+const PROVED: f64 = 1e-2;
 /// How near the upper one must be to it, by what is known of the residual: relative, and what rounding leaves.
-const RELATIVE: f64 = 1e-12;
+const RELATIVE: f64 = 1e-10;
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 /// Factorisations at most. Halving alone takes 2 to 2e-14 in 47.
 const MOST_STEPS: usize = 100;
@@ -54,7 +54,7 @@ impl Second {
     /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to,
     /// and with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns
     /// out to be above λ, the next one halves what is between. What comes out are both, once the upper one has
-    /// converged and four digits of it are proved, or once the two differ by rounding alone; `None` if they do not come
+    /// converged and two digits of it are proved, or once the two differ by rounding alone; `None` if they do not come
     /// so near.
     pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
@@ -82,7 +82,8 @@ impl Second {
         None
     }
 
-    /// Along a wall of even weights the eigenvector is D^1/2 times half a wave of a cosine: nearly a ramp.
+    /// Along a wall of even weights the eigenvector is D^1/2 times half a wave of a cosine: nearly a cubic that is flat
+    /// at both ends.
     fn start(&mut self, zero: &[f64]) {
         let middle = 0.5 * zero.len() as f64;
         let mut state = 0x9E37_79B9_u32;
@@ -90,7 +91,8 @@ impl Second {
         self.vector.extend(zero.iter().enumerate().map(|(at, zero)| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = f64::from(state) / f64::from(u32::MAX) - 0.5;
-            zero * ((at as f64 + 0.5) / middle - 1.0 + NOISE * noise)
+            let place = (at as f64 + 0.5) / middle - 1.0;
+            zero * (0.5 * place * (3.0 - place * place) + NOISE * noise)
         }));
         make_orthogonal(&mut self.vector, zero);
         let norm = dot(&self.vector, &self.vector).sqrt();
