@@ -85,16 +85,17 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
     let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
+    let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
     let (mut walked_m, mut taken) = (0.0, 1);
     let (mut sum, mut moment, mut square) = (1.0, Position::zeros(), [0.0; 3]);
     while taken < piece.len().min(MOST_RETURNS) {
         let offset = at(taken) - tip;
         walked_m += (at(taken) - at(taken - 1)).norm();
-        if taken >= LEAST_RETURNS && offset.norm().max(0.5 * walked_m) > stretch_m {
+        if taken >= LEAST_RETURNS && (offset.norm_squared() > squared || 0.5 * walked_m > stretch_m) {
             break;
         }
-        let weight = (-offset.norm_squared() / (stretch_m * stretch_m)).exp();
+        let weight = (-offset.norm_squared() / squared).exp();
         sum += weight;
         moment += offset * weight;
         square[0] += weight * offset.x * offset.x;

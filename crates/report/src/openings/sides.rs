@@ -9,7 +9,7 @@ use crate::ring::{Entry, Position, Ring};
 const BISECTIONS: usize = 10;
 /// What is farther by this factor is so for certain, whatever was rounded.
 const ROUNDING: f64 = 1.001;
-/// Seldom are more pieces of a wall near a way.
+/// Seldom are more pieces of a wall near where a branch is last seen.
 const NEAR_PIECES: usize = 32;
 
 /// The wall on one side of an edge.
@@ -144,31 +144,20 @@ impl<'a> Sides<'a> {
         let turn_rad = corner_m.perp(&opposite_m).atan2(corner_m.dot(&opposite_m));
         let on_beam = |share: f64| corner_m + (at_lookout_m - corner_m) * share;
         let on_circle = |share: f64| nalgebra::Rotation2::new(share * turn_rad) * at_lookout_m;
-        let far_wall_m = || far.line_m(self.ring);
-        first_within_m(on_beam, far_wall_m, 0.5 * width_m)
-            .or_else(|| first_within_m(on_circle, far_wall_m, 0.5 * width_m))
+        // Only what is near the start of both ways can be near a point of one, with room for rounding.
+        let near_m = 0.5 * width_m;
+        let reach_m = [corner_m, on_circle(1.0)].map(|end_m| (end_m - at_lookout_m).norm());
+        let reach_m = ROUNDING * (reach_m[0].max(reach_m[1]) + near_m);
+        let mut wall_m = Vec::with_capacity(NEAR_PIECES);
+        wall_m.extend(far.line_m(self.ring).filter(|&piece_m| is_within(piece_m, at_lookout_m, reach_m * reach_m)));
+        first_within_m(on_beam, &wall_m, near_m).or_else(|| first_within_m(on_circle, &wall_m, near_m))
     }
 }
 
-/// The first point of a way that is within this distance of a wall, if its end is. The way is a line, or at most half a
-/// circle.
-fn first_within_m<W: Iterator<Item = [Position; 2]>>(
-    way: impl Fn(f64) -> Position,
-    wall_m: impl Fn() -> W,
-    distance_m: f64,
-) -> Option<Position> {
-    let end_m = way(1.0);
-    let squared = distance_m * distance_m;
-    if !wall_m().any(|piece_m| is_within(piece_m, end_m, squared)) {
-        return None;
-    }
-    // Only what is near the circle around the way, with room for rounding, can be near a point of it.
-    let middle_m = way(0.5);
-    let reach_m = ROUNDING * (distance_m + (end_m - middle_m).norm());
-    let mut near_m = Vec::with_capacity(NEAR_PIECES);
-    near_m.extend(wall_m().filter(|&piece_m| is_within(piece_m, middle_m, reach_m * reach_m)));
-    let is_reached = |point_m| near_m.iter().any(|&piece_m| is_within(piece_m, point_m, squared));
-    Some(bisect(way, is_reached))
+/// The first point of a way that is within this distance of a wall, if its end is.
+fn first_within_m(way: impl Fn(f64) -> Position, wall_m: &[[Position; 2]], distance_m: f64) -> Option<Position> {
+    let is_reached = |point_m| wall_m.iter().any(|&piece_m| is_within(piece_m, point_m, distance_m * distance_m));
+    is_reached(way(1.0)).then(|| bisect(way, is_reached))
 }
 
 /// Whether a piece of a line comes within the root of `squared` of a point.
