@@ -16,9 +16,8 @@ pub(crate) trait ShiftInvert {
 const FIRST_SHIFT: f64 = -1e-9;
 /// How near its two bounds must come, relative to the eigenvalue.
 const PROVED: f64 = 1e-2;
-/// How near the upper one must be to it, by what is known of the residual: relative, and what rounding leaves.
-const RELATIVE: f64 = 1e-10;
-const ROUNDING: f64 = 32.0 * f64::EPSILON;
+/// How near the upper one must be to it, by what is known of the residual: for each return.
+const ROUNDING: f64 = 10.0 * f64::EPSILON;
 /// Factorisations at most. Halving alone takes 2 to 2e-14 in 47.
 const MOST_STEPS: usize = 100;
 /// How much of the start vector is noise, in case the rest has nothing of the eigenvector.
@@ -58,12 +57,12 @@ impl Second {
     /// so near.
     pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
+        let rounding = ROUNDING * zero.len() as f64;
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
         matrix.solve(below, &mut self.solution);
         let mut estimate = self.step(zero, below);
         for _ in 0..MOST_STEPS {
             let upper = estimate.quotient.min(above);
-            let rounding = RELATIVE * upper.abs() + ROUNDING;
             let is_of_lambda = estimate.quotient <= above;
             let converged = is_of_lambda && estimate.error <= rounding && upper - below <= PROVED * upper;
             if converged || upper - below <= 2.0 * rounding {
