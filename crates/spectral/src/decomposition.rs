@@ -4,7 +4,7 @@ use crosscut_stage::StageError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::{Mat, MatRef, Par, Spec};
+use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use crate::laplacian::dense_bytes;
 
@@ -28,25 +28,16 @@ impl Decomposition {
     /// When it does not converge.
     pub(crate) fn decompose(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         let n = matrix.nrows();
-        eigenvalues.clear();
-        eigenvalues.resize(n, 0.0);
         self.eigenvectors.resize_with(n, n, |_, _| 0.0);
-        if n == 0 {
-            return Ok(());
-        }
-        let needed = scratch(n);
-        if self.scratch.len() < needed.size_bytes() {
-            self.scratch = MemBuffer::new(needed);
-        }
-        self_adjoint_evd(
-            matrix,
-            DiagMut::from_slice_mut(eigenvalues),
-            Some(self.eigenvectors.as_mut()),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-            Spec::default(),
-        )
-        .map_err(|_| StageError::NoConvergence { n })
+        evd(matrix, eigenvalues, Some(self.eigenvectors.as_mut()), &mut self.scratch)
+    }
+
+    /// Writes the n eigenvalues of a symmetric matrix, ascending, without its eigenvectors.
+    ///
+    /// # Errors
+    /// When it does not converge.
+    pub(crate) fn values(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
+        evd(matrix, eigenvalues, None, &mut self.scratch)
     }
 
     /// The unit eigenvector of the eigenvalue at `j`.
@@ -57,12 +48,34 @@ impl Decomposition {
     /// Bytes that a decomposition of n rows takes beside its input.
     pub(crate) fn memory_bytes(n: usize) -> u64 {
         // faer adds without looking for overflow; what 2^28 returns would need is more than any machine has.
-        let scratch_bytes = if n == 0 { 0 } else { scratch(n.min(1 << 28)).unaligned_bytes_required() as u64 };
+        let scratch_bytes = if n == 0 { 0 } else { scratch_of(n.min(1 << 28)).unaligned_bytes_required() as u64 };
         dense_bytes(n).saturating_add(scratch_bytes)
     }
 }
 
+/// Makes `scratch` as large as it has to be.
+fn evd(
+    matrix: MatRef<'_, f64>,
+    eigenvalues: &mut Vec<f64>,
+    eigenvectors: Option<MatMut<'_, f64>>,
+    scratch: &mut MemBuffer,
+) -> Result<(), StageError> {
+    let n = matrix.nrows();
+    eigenvalues.clear();
+    eigenvalues.resize(n, 0.0);
+    if n == 0 {
+        return Ok(());
+    }
+    let needed = scratch_of(n);
+    if scratch.len() < needed.size_bytes() {
+        *scratch = MemBuffer::new(needed);
+    }
+    let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
+    self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default())
+        .map_err(|_| StageError::NoConvergence { n })
+}
+
 /// Working memory of one decomposition, n > 0.
-fn scratch(n: usize) -> StackReq {
+fn scratch_of(n: usize) -> StackReq {
     self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default())
 }

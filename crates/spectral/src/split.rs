@@ -76,7 +76,7 @@ impl Split {
             let mut leaking: Vec<usize> = (0..self.quotient.nrows()).collect();
             leaking.retain(|&a| self.quotient[(a, a)] >= tolerance);
             if leaking.is_empty() {
-                self.decomposition.decompose(self.quotient.as_ref(), &mut self.eigenvalues)?;
+                self.decomposition.values(self.quotient.as_ref(), &mut self.eigenvalues)?;
                 if self.eigenvalues.last().is_none_or(|&largest| largest < tolerance) {
                     return Ok(());
                 }
