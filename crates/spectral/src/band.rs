@@ -57,15 +57,16 @@ impl Band {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NarrowBands {
     columns: Vec<[f64; NARROW]>,
-    is_wide: Vec<bool>,
+    /// The longest edge of each block that is not whole, else 0.
+    too_long: Vec<usize>,
 }
 
 impl NarrowBands {
     /// Takes the blocks of `graph`, the links between them set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
         let (places, leaks) = (order.places(), split.leaks());
-        self.is_wide.clear();
-        self.is_wide.resize(split.len(), false);
+        self.too_long.clear();
+        self.too_long.resize(split.len(), 0);
         self.columns.clear();
         self.columns.resize(places.len() + NARROW, [0.0; NARROW]);
         for (i, &place) in places.iter().enumerate() {
@@ -73,16 +74,19 @@ impl NarrowBands {
         }
         for tie in split.ties() {
             let [from, to] = [tie.from, tie.to].map(|i| places[i as usize] as usize);
-            match self.columns[from.min(to)].get_mut(from.abs_diff(to)) {
-                Some(entry) => *entry = -tie.scaled,
-                None => self.is_wide[split.block_of_return()[tie.from as usize] as usize] = true,
+            let length = from.abs_diff(to);
+            if let Some(entry) = self.columns[from.min(to)].get_mut(length) {
+                *entry = -tie.scaled;
+            } else {
+                let too_long = &mut self.too_long[split.block_of_return()[tie.from as usize] as usize];
+                *too_long = length.max(*too_long);
             }
         }
     }
 
-    /// Whether a block is not whole, because its edges are too long.
-    pub(crate) fn is_wide(&self, block: usize) -> bool {
-        self.is_wide[block]
+    /// The longest edge of a block, in places, if that is too long: then the block is not whole.
+    pub(crate) fn too_long(&self, block: usize) -> Option<usize> {
+        Some(self.too_long[block]).filter(|&length| length > 0)
     }
 }
 

@@ -205,11 +205,11 @@ fn take<'a>(
     block: usize,
     (narrow, band, sparse): (&NarrowBands, &'a mut Band, &'a mut Sparse),
 ) -> Result<&'a mut dyn ShiftInvert, StageError> {
-    if !narrow.is_wide(block) {
+    let Some(longest) = narrow.too_long(block) else {
         band.take(narrow, order, block);
         return Ok(band);
-    }
-    let longest = order.shorten(graph, block);
+    };
+    let longest = order.shorten(graph, block, longest);
     if longest <= WIDEST_BAND {
         band.form(graph, split.leaks(), order, block, longest);
         return Ok(band);

@@ -31,10 +31,9 @@ impl Order {
         }
     }
 
-    /// Orders a block in which that leaves long edges breadth first from a far end, if they are then shorter. Returns
-    /// the length of the longest edge.
-    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize) -> usize {
-        let longest = self.longest(graph, block);
+    /// Orders a block in which that leaves long edges, the `longest` of this length, breadth first from a far end, if
+    /// they are then shorter. Returns the length of the longest edge.
+    pub(crate) fn shorten(&mut self, graph: &Graph<'_>, block: usize, longest: usize) -> usize {
         if longest <= LONG {
             return longest;
         }
