@@ -1,7 +1,7 @@
 //! Whether a wall goes on across a gap, or a vehicle can pass.
 
 use std::cell::RefCell;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
@@ -23,6 +23,11 @@ const DARK_RAD: f64 = 3.5 * PI / 180.0;
 const FAR_SHARE: f64 = 0.8;
 /// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
+/// Where nothing is seen over more than this angle, a wall that turns by less than this in either direction has no
+/// corner that could be missing: the gap is a way on from this share of the place's size.
+const WIDE_DARK_RAD: f64 = 11.5 * PI / 180.0;
+const CORNER_RAD: f64 = 75.0 * PI / 180.0;
+const WIDE_DARK_SHARE: f64 = 0.5;
 /// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle.
 /// Its width is that between its ends, and it is a way on from this share of the place's size.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
@@ -38,6 +43,11 @@ const SEEN_INSIDE_SHARE: f64 = 0.5;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 70.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.9;
+/// Behind the nearer wall's end, at which it turns right by a right angle or more, the farther one comes back along the
+/// line of sight, turned left by at least this: between them it goes on, from this share of the place's size.
+const LONG_RAD: f64 = 100.0 * PI / 180.0;
+const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
+const BEHIND_SHARE: f64 = 0.5;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -194,8 +204,10 @@ impl<'a> Judge<'a> {
             0.0
         };
         let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
-        let Some(share) = self.share_of_place(turn_rad, (p, q)) else {
-            return self.room_before_face(a, b).min(clear_m / self.limits.passage_m).max(blank);
+        let share = self.share_of_place(turn_rad, (p, q));
+        let Some(share) = share.filter(|_| turn_rad >= self.limits.way_rad || !self.is_inner_corner(bend, (a, b))) else {
+            let behind = if self.leads_behind(bend, (p, q)) { clear_m / (BEHIND_SHARE * self.size_m) } else { 0.0 };
+            return self.room_before_face(a, b).max(behind).min(clear_m / self.limits.passage_m).max(blank);
         };
         let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
             let deep_m = -farther_aside_m;
@@ -220,6 +232,25 @@ impl<'a> Judge<'a> {
         if self.bend(a, b, ends).turn_rad() >= FACE_RAD { room } else { 0.0 }
     }
 
+    /// Whether the farther wall is a long one that the line of the nearer one meets in an inner corner, with next to no
+    /// beam lost between them.
+    fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
+        let ring = self.ring;
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let (far, direction) = if ring.range_m(p) < ring.range_m(q) { (b, bend.after) } else { (a, bend.before) };
+        let span_rad = ring.beams_from(far[0], far[far.len() - 1]) as f64 * ring.step_rad;
+        let dark_rad = f64::from(ring.dark_between(p, q)) * ring.step_rad;
+        span_rad > LONG_RAD && dark_rad < DARK_RAD && direction.dot(&bend.chord) > 0.0 && !self.is_shaded(p, q)
+    }
+
+    /// Whether the gap leads behind the nearer wall.
+    fn leads_behind(&self, bend: &Bend, (p, q): (usize, usize)) -> bool {
+        let [before_rad, after_rad] = bend.turns_rad();
+        let p_is_nearer = self.ring.range_m(p) < self.ring.range_m(q);
+        let [near_rad, far_rad] = if p_is_nearer { [before_rad, after_rad] } else { [after_rad, before_rad] };
+        near_rad <= -FRAC_PI_2 && far_rad >= BEHIND_RAD
+    }
+
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
     /// one.
     fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
@@ -233,6 +264,10 @@ impl<'a> Judge<'a> {
         let turns = turn_rad >= self.limits.straight_rad;
         if turn_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
+        }
+        let dark_rad = f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad;
+        if dark_rad > WIDE_DARK_RAD && turn_rad < DARK_TURN_RAD && turn_rad > -CORNER_RAD && self.dark_share(p,q).is_some() {
+            return Some(WIDE_DARK_SHARE);
         }
         let dark = self.dark_share(p, q).filter(|_| turn_rad >= DARK_TURN_RAD);
         dark.or_else(|| turns.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }))
