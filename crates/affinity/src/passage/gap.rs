@@ -178,6 +178,13 @@ impl<'a> Judge<'a> {
         }
     }
 
+    pub(super) fn is_clear(&self, a: &[usize], b: &[usize]) -> bool {
+        let [Some(before), Some(after)] = self.directions(a, b) else { return true };
+        let bend = self.bend(a, b, [before, after]);
+        let (p, q) = (a[a.len() - 1], b[0]);
+        self.clear_and_farther_m(&bend, (p, q))[0] >= 0.15 * self.size_m || self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
+    }
+
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
     /// one.
     pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
