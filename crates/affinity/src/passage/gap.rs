@@ -1,7 +1,7 @@
 //! Whether a wall goes on across a gap, or a vehicle can pass.
 
 use std::cell::RefCell;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
@@ -48,6 +48,9 @@ const FACE_SHARE: f64 = 0.9;
 const LONG_RAD: f64 = 100.0 * PI / 180.0;
 const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
 const BEHIND_SHARE: f64 = 0.5;
+const RECEDE_RAD: f64 = 40.0 * PI / 180.0;
+const RECEDE_FAR_RAD: f64 = 20.0 * PI / 180.0;
+const RECEDE_SHARE: f64 = 0.25;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -159,7 +162,7 @@ impl<'a> Judge<'a> {
                 let turns_rad = bend.turns_rad();
                 let turn_rad = whole_turn_rad(turns_rad);
                 // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-                let is_way = self.room(&bend, (a, b), turn_rad) >= 1.0;
+                let is_way = self.room(&bend, (a, b), turns_rad, 0.0) >= 1.0;
                 let detour_rad = turns_rad[0].abs().min(turns_rad[1].abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
                 (!is_way).then(|| 0.1 + turn_rad.abs() + 0.2 * detour_rad + far)
@@ -195,7 +198,7 @@ impl<'a> Judge<'a> {
         if clear_m < self.limits.passage_m && !self.is_blank(ends.0, ends.1) {
             return None;
         }
-        Some(self.room(&bend, (a, b), bend.turn_rad())).filter(|&room| room >= 1.0)
+        Some(self.room(&bend, (a, b), bend.turns_rad(), 0.0)).filter(|&room| room >= 1.0)
     }
 
     /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
@@ -203,8 +206,10 @@ impl<'a> Judge<'a> {
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turn_rad: f64) -> f64 {
+    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns_rad: [f64; 2], more_rad: f64) -> f64 {
         let (p, q) = (a[a.len() - 1], b[0]);
+        let turn_rad = whole_turn_rad(turns_rad) + more_rad;
+        let near_far_rad = if self.ring.range_m(p) < self.ring.range_m(q) { turns_rad } else { [turns_rad[1], turns_rad[0]] };
         let blank = if turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
             self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
         } else {
@@ -212,9 +217,11 @@ impl<'a> Judge<'a> {
         };
         let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
         let share = self.share_of_place(turn_rad, (p, q));
-        let Some(share) = share.filter(|_| turn_rad >= self.limits.way_rad || !self.is_inner_corner(bend, (a, b))) else {
-            let behind = if self.leads_behind(bend, (p, q)) { clear_m / (BEHIND_SHARE * self.size_m) } else { 0.0 };
-            return self.room_before_face(a, b).max(behind).min(clear_m / self.limits.passage_m).max(blank);
+        let share = share.filter(|_| turn_rad >= self.limits.way_rad || !self.is_inner_corner(bend, (a, b)));
+        let certain = self.certain_share(near_far_rad, (p, q));
+        let share = match (share, certain) { (Some(a), Some(b)) => Some(a.min(b)), (a, b) => a.or(b) };
+        let Some(share) = share else {
+            return self.room_before_face(a, b).min(clear_m / self.limits.passage_m).max(blank);
         };
         let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
             let deep_m = -farther_aside_m;
@@ -250,12 +257,11 @@ impl<'a> Judge<'a> {
         span_rad > LONG_RAD && dark_rad < DARK_RAD && direction.dot(&bend.chord) > 0.0 && !self.is_shaded(p, q)
     }
 
-    /// Whether the gap leads behind the nearer wall.
-    fn leads_behind(&self, bend: &Bend, (p, q): (usize, usize)) -> bool {
-        let [before_rad, after_rad] = bend.turns_rad();
-        let p_is_nearer = self.ring.range_m(p) < self.ring.range_m(q);
-        let [near_rad, far_rad] = if p_is_nearer { [before_rad, after_rad] } else { [after_rad, before_rad] };
-        near_rad <= -FRAC_PI_2 && far_rad >= BEHIND_RAD
+    fn certain_share(&self, [near_rad, far_rad]: [f64; 2], (p, q): (usize, usize)) -> Option<f64> {
+        let dark = self.ring.dark_between(p, q);
+        let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
+        let recedes = (near_rad >= RECEDE_RAD && far_rad < RECEDE_FAR_RAD && wide).then_some(RECEDE_SHARE);
+        recedes.or((far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE))
     }
 
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
@@ -285,8 +291,8 @@ impl<'a> Judge<'a> {
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);
-        let turn_rad = bend.turn_rad();
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, (a, b), turn_rad + more_rad));
+        let turns_rad = bend.turns_rad();
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, (a, b), turns_rad, more_rad));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
