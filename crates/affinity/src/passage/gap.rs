@@ -45,7 +45,8 @@ const FACE_RAD: f64 = 70.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.9;
 /// Behind the nearer wall's end, at which it turns right by a right angle or more, the farther one comes back along the
 /// line of sight, turned left by at least this: between them it goes on, from this share of the place's size.
-const LONG_RAD: f64 = 100.0 * PI / 180.0;
+const LONG_RAD: f64 = 60.0 * PI / 180.0;
+const ON_LINE_RAD: f64 = -17.0 * PI / 180.0;
 const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
 const BEHIND_SHARE: f64 = 0.5;
 const RECEDE_RAD: f64 = 40.0 * PI / 180.0;
@@ -217,7 +218,7 @@ impl<'a> Judge<'a> {
         };
         let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
         let share = self.share_of_place(turn_rad, (p, q));
-        let share = share.filter(|_| turn_rad >= self.limits.way_rad || !self.is_inner_corner(bend, (a, b)));
+        let share = share.filter(|_| turn_rad >= self.limits.way_rad || near_far_rad[0] < ON_LINE_RAD || !self.is_inner_corner(bend, (a, b)));
         let certain = self.certain_share(near_far_rad, (p, q));
         let share = match (share, certain) { (Some(a), Some(b)) => Some(a.min(b)), (a, b) => a.or(b) };
         let Some(share) = share else {
