@@ -23,11 +23,16 @@ const DARK_RAD: f64 = 3.5 * PI / 180.0;
 const FAR_SHARE: f64 = 0.8;
 /// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
-/// Where nothing is seen over more than this angle, a wall that turns by less than this in either direction has no
-/// corner that could be missing: the gap is a way on from this share of the place's size.
+/// Over more than this angle, nothing seen is a way on even where the wall turns less or to the right, as long as it
+/// turns by less than a corner that could be missing; from this share of the place's size.
 const WIDE_DARK_RAD: f64 = 11.5 * PI / 180.0;
-const CORNER_RAD: f64 = 75.0 * PI / 180.0;
 const WIDE_DARK_SHARE: f64 = 0.5;
+const CORNER_RAD: f64 = 75.0 * PI / 180.0;
+/// The nearer wall turns away from the line to the farther one by this much, the farther one by less than that: two
+/// walls that recede, with nothing seen between them. It is a way on from this share of the place's size.
+const RECEDING_RAD: f64 = 40.0 * PI / 180.0;
+const GOING_ON_RAD: f64 = 20.0 * PI / 180.0;
+const RECEDING_SHARE: f64 = 0.25;
 /// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle.
 /// Its width is that between its ends, and it is a way on from this share of the place's size.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
@@ -43,15 +48,18 @@ const SEEN_INSIDE_SHARE: f64 = 0.5;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 70.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.9;
-/// Behind the nearer wall's end, at which it turns right by a right angle or more, the farther one comes back along the
-/// line of sight, turned left by at least this: between them it goes on, from this share of the place's size.
-const LONG_RAD: f64 = 60.0 * PI / 180.0;
-const ON_LINE_RAD: f64 = -17.0 * PI / 180.0;
+/// At a gap with nothing seen in it, a wall that turns by a corner and more, and over that short a stretch by this much,
+/// ends there.
+const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
+/// The farther wall comes back from behind the nearer one, turned by this much or more: what is between them leads
+/// there. It is a way on from this share of the place's size.
 const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
 const BEHIND_SHARE: f64 = 0.5;
-const RECEDE_RAD: f64 = 40.0 * PI / 180.0;
-const RECEDE_FAR_RAD: f64 = 20.0 * PI / 180.0;
-const RECEDE_SHARE: f64 = 0.25;
+/// A wall that is seen over a wider angle is the other side of the place itself; where it turns to meet the line of the
+/// nearer one, the place ends in a corner.
+const AROUND_RAD: f64 = 100.0 * PI / 180.0;
+/// Two walls are apart where one turns around if the clear width is this share of the place's size.
+const PEAK_SHARE: f64 = 0.15;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
 const SHADE_SHARE: f64 = 1.5;
 /// Nothing seen is a way on even where the wall turns as little as this.
@@ -91,6 +99,14 @@ pub(super) struct Judge<'a> {
     size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
     lost_beams: u32,
+}
+
+/// How much a wall turns left at a gap: at its nearer end, at its farther one, and in all.
+#[derive(Clone, Copy)]
+struct Turns {
+    near_rad: f64,
+    far_rad: f64,
+    whole_rad: f64,
 }
 
 /// A gap between two pieces that have directions.
@@ -136,7 +152,7 @@ impl<'a> Judge<'a> {
         let bend = self.bend(a, b, [before, after]);
         let [of_q, of_p] = bend.aside_m();
         let off_m = of_q.abs().max(of_p.abs());
-        off_m < LOST_OFF_SHARE * self.size_m && bend.turn_rad() < LOST_TURN_RAD
+        off_m < LOST_OFF_SHARE * self.size_m && whole_turn_rad(bend.turns_rad()) < LOST_TURN_RAD
     }
 
     /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
@@ -160,13 +176,12 @@ impl<'a> Judge<'a> {
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
                 let bend = Bend { before, chord, after };
-                let turns_rad = bend.turns_rad();
-                let turn_rad = whole_turn_rad(turns_rad);
+                let turns = self.turns(&bend, (p, q));
                 // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-                let is_way = self.room(&bend, (a, b), turns_rad, 0.0) >= 1.0;
-                let detour_rad = turns_rad[0].abs().min(turns_rad[1].abs());
+                let is_way = self.room(&bend, (a, b), turns) >= 1.0;
+                let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
-                (!is_way).then(|| 0.1 + turn_rad.abs() + 0.2 * detour_rad + far)
+                (!is_way).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far)
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
@@ -182,11 +197,13 @@ impl<'a> Judge<'a> {
         }
     }
 
-    pub(super) fn is_clear(&self, a: &[usize], b: &[usize]) -> bool {
-        let [Some(before), Some(after)] = self.directions(a, b) else { return true };
-        let bend = self.bend(a, b, [before, after]);
+    /// Whether two walls are apart where they end, or so far away that the clear width may be small: at the end of the
+    /// range the sides of a tunnel seem to meet.
+    pub(super) fn are_apart(&self, a: &[usize], b: &[usize]) -> bool {
         let (p, q) = (a[a.len() - 1], b[0]);
-        self.clear_and_farther_m(&bend, (p, q))[0] >= 0.15 * self.size_m || self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
+        let [Some(before), Some(after)] = self.directions(a, b) else { return true };
+        let [clear_m, _] = self.clear_and_farther_m(&self.bend(a, b, [before, after]), (p, q));
+        clear_m >= PEAK_SHARE * self.size_m || self.is_far(p, q)
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
@@ -199,38 +216,32 @@ impl<'a> Judge<'a> {
         if clear_m < self.limits.passage_m && !self.is_blank(ends.0, ends.1) {
             return None;
         }
-        Some(self.room(&bend, (a, b), bend.turns_rad(), 0.0)).filter(|&room| room >= 1.0)
+        Some(self.room(&bend, (a, b), self.turns(&bend, ends))).filter(|&room| room >= 1.0)
     }
 
-    /// How many times the room that a way on needs there is at the gap, if the wall turned by `turn_rad`.
+    /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns_rad: [f64; 2], more_rad: f64) -> f64 {
+    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns: Turns) -> f64 {
         let (p, q) = (a[a.len() - 1], b[0]);
-        let turn_rad = whole_turn_rad(turns_rad) + more_rad;
-        let near_far_rad = if self.ring.range_m(p) < self.ring.range_m(q) { turns_rad } else { [turns_rad[1], turns_rad[0]] };
-        let blank = if turn_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
+        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
+        let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
+        let is_corner = turns_somewhat && self.is_inner_corner(bend, (a, b));
+        let room = match self.share_of_place((a, b), turns, is_corner) {
+            None => self.room_before_face(a, b),
+            Some(share) => {
+                let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
+                let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
+                seen_inside.max(clear_m / (share * self.size_m))
+            }
+        };
+        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
             self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
         } else {
             0.0
         };
-        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
-        let share = self.share_of_place(turn_rad, (p, q));
-        let share = share.filter(|_| turn_rad >= self.limits.way_rad || near_far_rad[0] < ON_LINE_RAD || !self.is_inner_corner(bend, (a, b)));
-        let certain = self.certain_share(near_far_rad, (p, q));
-        let share = match (share, certain) { (Some(a), Some(b)) => Some(a.min(b)), (a, b) => a.or(b) };
-        let Some(share) = share else {
-            return self.room_before_face(a, b).min(clear_m / self.limits.passage_m).max(blank);
-        };
-        let seen_inside = if (self.limits.straight_rad..self.limits.way_rad).contains(&turn_rad) {
-            let deep_m = -farther_aside_m;
-            (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m))
-        } else {
-            0.0
-        };
-        let room = (clear_m / (share * self.size_m)).max(seen_inside);
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
@@ -243,26 +254,24 @@ impl<'a> Judge<'a> {
         if room < 1.0 {
             return 0.0;
         }
-        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
-        if self.bend(a, b, ends).turn_rad() >= FACE_RAD { room } else { 0.0 }
+        if self.face_turn_rad(a, b) >= FACE_RAD { room } else { 0.0 }
     }
 
-    /// Whether the farther wall is a long one that the line of the nearer one meets in an inner corner, with next to no
-    /// beam lost between them.
+    /// How much the wall turns over [`FACE_M`].
+    fn face_turn_rad(&self, a: &[usize], b: &[usize]) -> f64 {
+        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
+        whole_turn_rad(self.bend(a, b, ends).turns_rad())
+    }
+
+    /// Whether the farther wall, the other side of the place, meets the line of the nearer one in a corner, with next to
+    /// no beam lost before it.
     fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
         let (far, direction) = if ring.range_m(p) < ring.range_m(q) { (b, bend.after) } else { (a, bend.before) };
         let span_rad = ring.beams_from(far[0], far[far.len() - 1]) as f64 * ring.step_rad;
-        let dark_rad = f64::from(ring.dark_between(p, q)) * ring.step_rad;
-        span_rad > LONG_RAD && dark_rad < DARK_RAD && direction.dot(&bend.chord) > 0.0 && !self.is_shaded(p, q)
-    }
-
-    fn certain_share(&self, [near_rad, far_rad]: [f64; 2], (p, q): (usize, usize)) -> Option<f64> {
-        let dark = self.ring.dark_between(p, q);
-        let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
-        let recedes = (near_rad >= RECEDE_RAD && far_rad < RECEDE_FAR_RAD && wide).then_some(RECEDE_SHARE);
-        recedes.or((far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE))
+        let turns_less_than_right = direction.dot(&bend.chord) > 0.0;
+        span_rad > AROUND_RAD && turns_less_than_right && !self.is_dark(p, q) && !self.is_shaded(p, q)
     }
 
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
@@ -272,19 +281,34 @@ impl<'a> Judge<'a> {
         if self.ring.range_m(p) < self.ring.range_m(q) { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
     }
 
-    /// How wide a way on is as a share of the place's size, where the wall turns by `turn_rad`; none where it goes
-    /// straight on.
-    fn share_of_place(&self, turn_rad: f64, (p, q): (usize, usize)) -> Option<f64> {
-        let turns = turn_rad >= self.limits.straight_rad;
-        if turn_rad >= self.limits.way_rad {
+    /// How wide a way on is as a share of the place's size, where the wall turns like that; none where it goes on
+    /// whatever its width is.
+    fn share_of_place(&self, (a, b): (&[usize], &[usize]), turns: Turns, is_corner: bool) -> Option<f64> {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        if turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
-        let dark_rad = f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad;
-        if dark_rad > WIDE_DARK_RAD && turn_rad < DARK_TURN_RAD && turn_rad > -CORNER_RAD && self.dark_share(p,q).is_some() {
-            return Some(WIDE_DARK_SHARE);
+        let behind = (turns.far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE);
+        let dark = if self.is_dark(p, q) { self.dark_share((a, b), turns) } else { None };
+        let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner && dark.is_none();
+        let turned = turned.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share });
+        [behind, dark, turned].into_iter().flatten().min_by(f64::total_cmp)
+    }
+
+    /// The same of a gap in which nothing is seen.
+    fn dark_share(&self, (a, b): (&[usize], &[usize]), turns: Turns) -> Option<f64> {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        if turns.near_rad >= RECEDING_RAD && turns.far_rad < GOING_ON_RAD {
+            return Some(RECEDING_SHARE);
         }
-        let dark = self.dark_share(p, q).filter(|_| turn_rad >= DARK_TURN_RAD);
-        dark.or_else(|| turns.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share }))
+        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(a, b) >= DARK_FACE_RAD {
+            return Some(WAY_SHARE);
+        }
+        let share = self.unlost_share(p, q)?;
+        if turns.whole_rad >= DARK_TURN_RAD {
+            return Some(share);
+        }
+        (turns.whole_rad > -CORNER_RAD && self.dark_rad(p, q) > WIDE_DARK_RAD).then_some(WIDE_DARK_SHARE)
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
@@ -292,31 +316,48 @@ impl<'a> Judge<'a> {
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);
-        let turns_rad = bend.turns_rad();
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| self.room(&bend, (a, b), turns_rad, more_rad));
+        let turns = self.turns(&bend, (a[a.len() - 1], b[0]));
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| {
+            let whole_rad = turns.whole_rad + more_rad;
+            self.room(&bend, (a, b), Turns { whole_rad, ..turns })
+        });
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
-    /// How wide a way on is as a share of the place's size, where beams into the gap came back with nothing because
-    /// there is nothing, rather than being lost.
-    fn dark_share(&self, p: usize, q: usize) -> Option<f64> {
-        let dark = self.ring.dark_between(p, q);
-        let wide = dark >= DARK_BEAMS && f64::from(dark) * self.ring.step_rad > DARK_RAD;
-        if wide && self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m {
+    /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
+    /// with nothing because there is nothing, rather than being lost.
+    fn unlost_share(&self, p: usize, q: usize) -> Option<f64> {
+        if self.is_far(p, q) {
             return Some(DARK_SHARE);
         }
-        (wide && dark > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
+        (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
+    }
+
+    /// Whether the gap lies at the end of the range.
+    fn is_far(&self, p: usize, q: usize) -> bool {
+        self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
+    }
+
+    /// The angle in which nothing is seen.
+    fn dark_rad(&self, p: usize, q: usize) -> f64 {
+        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
+    }
+
+    /// Whether nothing is seen in the gap, or most of it.
+    fn is_dark(&self, p: usize, q: usize) -> bool {
+        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
     }
 
     /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
     fn is_blank(&self, p: usize, q: usize) -> bool {
-        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad > BLANK_RAD
+        self.dark_rad(p, q) > BLANK_RAD
     }
 
     /// Whether what is in the gap cannot be seen: half of the beams into it, or more, end at islands, or were lost.
     pub(super) fn is_hidden(&self, p: usize, q: usize) -> bool {
         let dark = self.ring.dark_between(p, q) as usize;
-        self.is_shaded(p, q) || (2 * dark >= self.ring.beams_from(p, q) && self.dark_share(p, q).is_none())
+        let is_lost = || !self.is_dark(p, q) || self.unlost_share(p, q).is_none();
+        self.is_shaded(p, q) || (2 * dark >= self.ring.beams_from(p, q) && is_lost())
     }
 
     /// Whether islands hide what is in the gap.
@@ -335,6 +376,13 @@ impl<'a> Judge<'a> {
         let chord = self.ring.position_m(b[0]) - self.ring.position_m(a[a.len() - 1]);
         Bend { before, chord, after }
     }
+
+    fn turns(&self, bend: &Bend, (p, q): (usize, usize)) -> Turns {
+        let turns_rad @ [before_rad, after_rad] = bend.turns_rad();
+        let p_is_nearer = self.ring.range_m(p) < self.ring.range_m(q);
+        let (near_rad, far_rad) = if p_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
+        Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
+    }
 }
 
 impl Bend {
@@ -346,10 +394,6 @@ impl Bend {
     /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
     fn aside_m(&self) -> [f64; 2] {
         [self.before.perp(&self.chord), self.after.perp(&-self.chord)]
-    }
-
-    fn turn_rad(&self) -> f64 {
-        whole_turn_rad(self.turns_rad())
     }
 }
 
