@@ -58,6 +58,9 @@ const BEHIND_SHARE: f64 = 0.5;
 /// A wall that is seen over a wider angle is the other side of the place itself; where it turns to meet the line of the
 /// nearer one, the place ends in a corner.
 const AROUND_RAD: f64 = 100.0 * PI / 180.0;
+/// So does one that is seen over less, if it bends there: less than a right angle off at its end, more over this stretch.
+const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
+const BENDING_M: f64 = 4.0;
 /// Two walls are apart where one turns around if the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
 /// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
@@ -263,15 +266,27 @@ impl<'a> Judge<'a> {
         whole_turn_rad(self.bend(a, b, ends).turns_rad())
     }
 
+    /// The angle over which a piece is seen.
+    fn span_rad(&self, piece: &[usize]) -> f64 {
+        self.ring.beams_from(piece[0], piece[piece.len() - 1]) as f64 * self.ring.step_rad
+    }
+
     /// Whether the farther wall, the other side of the place, meets the line of the nearer one in a corner, with next to
     /// no beam lost before it.
     fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
-        let (far, direction) = if ring.range_m(p) < ring.range_m(q) { (b, bend.after) } else { (a, bend.before) };
-        let span_rad = ring.beams_from(far[0], far[far.len() - 1]) as f64 * ring.step_rad;
-        let turns_less_than_right = direction.dot(&bend.chord) > 0.0;
-        span_rad > AROUND_RAD && turns_less_than_right && !self.is_dark(p, q) && !self.is_shaded(p, q)
+        let (far, end, direction) = if ring.range_m(p) < ring.range_m(q) {
+            (b, End::First, bend.after)
+        } else {
+            (a, End::Last, bend.before)
+        };
+        if direction.dot(&bend.chord) <= 0.0 || self.is_dark(p, q) || self.is_shaded(p, q) {
+            return false;
+        }
+        let span_rad = self.span_rad(far);
+        let bends = || tangent(ring, far, end, BENDING_M).dot(&bend.chord) < 0.0;
+        span_rad > AROUND_RAD || (span_rad > ACROSS_RAD && bends())
     }
 
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
