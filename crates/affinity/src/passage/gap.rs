@@ -240,6 +240,7 @@ impl<'a> Judge<'a> {
                 seen_inside.max(clear_m / (share * self.size_m))
             }
         };
+        let room = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) { room.max(farther_aside_m / (0.65 * self.size_m)) } else { room };
         let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
             self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
         } else {
