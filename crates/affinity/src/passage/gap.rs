@@ -33,6 +33,9 @@ const CORNER_RAD: f64 = 75.0 * PI / 180.0;
 const RECEDING_RAD: f64 = 40.0 * PI / 180.0;
 const GOING_ON_RAD: f64 = 20.0 * PI / 180.0;
 const RECEDING_SHARE: f64 = 0.25;
+/// There, a farther wall that ends so far in front of the line of the nearer one, as a share of the place's size, is
+/// another one if no corner could be missing.
+const IN_FRONT_SHARE: f64 = 0.65;
 /// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle.
 /// Its width is that between its ends, and it is a way on from this share of the place's size.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
@@ -240,13 +243,17 @@ impl<'a> Judge<'a> {
                 seen_inside.max(clear_m / (share * self.size_m))
             }
         };
-        let room = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) { room.max(farther_aside_m / (0.65 * self.size_m)) } else { room };
+        let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
+            farther_aside_m / (IN_FRONT_SHARE * self.size_m)
+        } else {
+            0.0
+        };
         let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
             self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
         } else {
             0.0
         };
-        room.min(clear_m / self.limits.passage_m).max(blank)
+        room.max(in_front).min(clear_m / self.limits.passage_m).max(blank)
     }
 
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
@@ -277,11 +284,8 @@ impl<'a> Judge<'a> {
     fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
-        let (far, end, direction) = if ring.range_m(p) < ring.range_m(q) {
-            (b, End::First, bend.after)
-        } else {
-            (a, End::Last, bend.before)
-        };
+        let (far, end, direction) =
+            if ring.range_m(p) < ring.range_m(q) { (b, End::First, bend.after) } else { (a, End::Last, bend.before) };
         if direction.dot(&bend.chord) <= 0.0 || self.is_dark(p, q) || self.is_shaded(p, q) {
             return false;
         }
