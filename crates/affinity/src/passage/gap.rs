@@ -5,71 +5,16 @@ use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction, tangent};
+use super::tangent::{End, Tangents, has_direction};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
 const HALL_M: f64 = 6.0;
-/// A gap whose walls recede from each other is a way on if it is at least so wide, as a share of the place's size.
-const WAY_SHARE: f64 = 0.3;
-/// A gap in which the view ends with nothing seen, likewise: at the end of the range, and nearer, where a dark surface
-/// is as likely.
-const DARK_SHARE: f64 = 0.45;
-const DARK_NEAR_SHARE: f64 = 0.7;
-/// Beams without return over so many beams and so wide an angle are such a view;
-const DARK_BEAMS: u32 = 4;
-const DARK_RAD: f64 = 3.5 * PI / 180.0;
-/// if one of its ends lies farther than this share of the sensor's range,
-const FAR_SHARE: f64 = 0.8;
-/// or if they are so many times more than are lost in a row where a wall clearly goes on.
-const LOST_TIMES: u32 = 2;
-/// Over more than this angle, nothing seen is a way on even where the wall turns less or to the right, as long as it
-/// turns by less than a corner that could be missing; from this share of the place's size.
-const WIDE_DARK_RAD: f64 = 11.5 * PI / 180.0;
-const WIDE_DARK_SHARE: f64 = 0.5;
-const CORNER_RAD: f64 = 75.0 * PI / 180.0;
-/// The nearer wall turns away from the line to the farther one by this much, the farther one by less than that: two
-/// walls that recede, with nothing seen between them. It is a way on from this share of the place's size.
-const RECEDING_RAD: f64 = 40.0 * PI / 180.0;
-const GOING_ON_RAD: f64 = 20.0 * PI / 180.0;
-const RECEDING_SHARE: f64 = 0.25;
-/// There, a farther wall that ends so far in front of the line of the nearer one, as a share of the place's size, is
-/// another one if no corner could be missing.
-const IN_FRONT_SHARE: f64 = 0.65;
-/// A gap that neither a patch of lost beams nor a hidden corner explains: nothing is seen over more than this angle.
-/// Its width is that between its ends, and it is a way on from this share of the place's size.
-const BLANK_RAD: f64 = 30.0 * PI / 180.0;
-const BLANK_SHARE: f64 = 0.9;
 /// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
-/// The farther wall is the far side of a branch if it is seen behind the nearer one deeper than there is room between
-/// them, or if both are at least this share of the place's size.
-const SEEN_INSIDE_SHARE: f64 = 0.5;
-/// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones. The gap
-/// before it is a way on from this share of the place's size.
-const FACE_M: f64 = 0.3;
-const FACE_RAD: f64 = 70.0 * PI / 180.0;
-const FACE_SHARE: f64 = 0.9;
-/// At a gap with nothing seen in it, a wall that turns by a corner and more, and over that short a stretch by this much,
-/// ends there.
-const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
-/// The farther wall comes back from behind the nearer one, turned by this much or more: what is between them leads
-/// there. It is a way on from this share of the place's size.
-const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
-const BEHIND_SHARE: f64 = 0.5;
-/// A wall that is seen over a wider angle is the other side of the place itself; where it turns to meet the line of the
-/// nearer one, the place ends in a corner.
-const AROUND_RAD: f64 = 100.0 * PI / 180.0;
-/// So does one that is seen over less, if it bends there: less than a right angle off at its end, more over this stretch.
-const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
-const BENDING_M: f64 = 4.0;
 /// Two walls are apart where one turns around if the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
-/// In the shadow of islands nothing is known: a way on is wider than this share of the place's size.
-const SHADE_SHARE: f64 = 1.5;
-/// Nothing seen is a way on even where the wall turns as little as this.
-const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
 /// How decided a verdict is at least, and one on pieces without directions.
@@ -96,31 +41,31 @@ pub(super) struct Limits {
 /// Judges the gaps of one scan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge<'a> {
-    ring: &'a Ring,
+    pub(super) ring: &'a Ring,
     /// Those of the same ring.
     tangents: &'a RefCell<Tangents>,
     islands: &'a Pieces,
-    limits: Limits,
+    pub(super) limits: Limits,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
-    size_m: f64,
+    pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
-    lost_beams: u32,
+    pub(super) lost_beams: u32,
 }
 
 /// How much a wall turns left at a gap: at its nearer end, at its farther one, and in all.
 #[derive(Clone, Copy)]
-struct Turns {
-    near_rad: f64,
-    far_rad: f64,
-    whole_rad: f64,
+pub(super) struct Turns {
+    pub(super) near_rad: f64,
+    pub(super) far_rad: f64,
+    pub(super) whole_rad: f64,
 }
 
 /// A gap between two pieces that have directions.
-struct Bend {
-    before: Position,
+pub(super) struct Bend {
+    pub(super) before: Position,
     /// From the end of the one piece to the start of the other.
-    chord: Position,
-    after: Position,
+    pub(super) chord: Position,
+    pub(super) after: Position,
 }
 
 impl<'a> Judge<'a> {
@@ -225,110 +170,11 @@ impl<'a> Judge<'a> {
         Some(self.room(&bend, (a, b), self.turns(&bend, ends))).filter(|&room| room >= 1.0)
     }
 
-    /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
-    ///
-    /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
-    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
-    /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns: Turns) -> f64 {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
-        let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_corner = turns_somewhat && self.is_inner_corner(bend, (a, b));
-        let room = match self.share_of_place((a, b), turns, is_corner) {
-            None => self.room_before_face(a, b),
-            Some(share) => {
-                let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
-                let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
-                seen_inside.max(clear_m / (share * self.size_m))
-            }
-        };
-        let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
-            farther_aside_m / (IN_FRONT_SHARE * self.size_m)
-        } else {
-            0.0
-        };
-        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
-            self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
-        } else {
-            0.0
-        };
-        room.max(in_front).min(clear_m / self.limits.passage_m).max(blank)
-    }
-
-    /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
-    /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
-    /// been hidden.
-    fn room_before_face(&self, a: &[usize], b: &[usize]) -> f64 {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let room = self.ring.distance_m(p, q) / (FACE_SHARE * self.size_m);
-        if room < 1.0 {
-            return 0.0;
-        }
-        if self.face_turn_rad(a, b) >= FACE_RAD { room } else { 0.0 }
-    }
-
-    /// How much the wall turns over [`FACE_M`].
-    fn face_turn_rad(&self, a: &[usize], b: &[usize]) -> f64 {
-        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
-        whole_turn_rad(self.bend(a, b, ends).turns_rad())
-    }
-
-    /// The angle over which a piece is seen.
-    fn span_rad(&self, piece: &[usize]) -> f64 {
-        self.ring.beams_from(piece[0], piece[piece.len() - 1]) as f64 * self.ring.step_rad
-    }
-
-    /// Whether the farther wall, the other side of the place, meets the line of the nearer one in a corner, with next to
-    /// no beam lost before it.
-    fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
-        let ring = self.ring;
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let (far, end, direction) =
-            if ring.range_m(p) < ring.range_m(q) { (b, End::First, bend.after) } else { (a, End::Last, bend.before) };
-        if direction.dot(&bend.chord) <= 0.0 || self.is_dark(p, q) || self.is_shaded(p, q) {
-            return false;
-        }
-        let span_rad = self.span_rad(far);
-        let bends = || tangent(ring, far, end, BENDING_M).dot(&bend.chord) < 0.0;
-        span_rad > AROUND_RAD || (span_rad > ACROSS_RAD && bends())
-    }
-
     /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
     /// one.
-    fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
+    pub(super) fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
         let [of_q, of_p] = bend.aside_m();
         if self.ring.range_m(p) < self.ring.range_m(q) { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
-    }
-
-    /// How wide a way on is as a share of the place's size, where the wall turns like that; none where it goes on
-    /// whatever its width is.
-    fn share_of_place(&self, (a, b): (&[usize], &[usize]), turns: Turns, is_corner: bool) -> Option<f64> {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        if turns.whole_rad >= self.limits.way_rad {
-            return Some(WAY_SHARE);
-        }
-        let behind = (turns.far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE);
-        let dark = if self.is_dark(p, q) { self.dark_share((a, b), turns) } else { None };
-        let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner && dark.is_none();
-        let turned = turned.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share });
-        [behind, dark, turned].into_iter().flatten().min_by(f64::total_cmp)
-    }
-
-    /// The same of a gap in which nothing is seen.
-    fn dark_share(&self, (a, b): (&[usize], &[usize]), turns: Turns) -> Option<f64> {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        if turns.near_rad >= RECEDING_RAD && turns.far_rad < GOING_ON_RAD {
-            return Some(RECEDING_SHARE);
-        }
-        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(a, b) >= DARK_FACE_RAD {
-            return Some(WAY_SHARE);
-        }
-        let share = self.unlost_share(p, q)?;
-        if turns.whole_rad >= DARK_TURN_RAD {
-            return Some(share);
-        }
-        (turns.whole_rad > -CORNER_RAD && self.dark_rad(p, q) > WIDE_DARK_RAD).then_some(WIDE_DARK_SHARE)
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
@@ -344,35 +190,6 @@ impl<'a> Judge<'a> {
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
-    /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
-    /// with nothing because there is nothing, rather than being lost.
-    fn unlost_share(&self, p: usize, q: usize) -> Option<f64> {
-        if self.is_far(p, q) {
-            return Some(DARK_SHARE);
-        }
-        (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
-    }
-
-    /// Whether the gap lies at the end of the range.
-    fn is_far(&self, p: usize, q: usize) -> bool {
-        self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
-    }
-
-    /// The angle in which nothing is seen.
-    fn dark_rad(&self, p: usize, q: usize) -> f64 {
-        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
-    }
-
-    /// Whether nothing is seen in the gap, or most of it.
-    fn is_dark(&self, p: usize, q: usize) -> bool {
-        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
-    }
-
-    /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
-    fn is_blank(&self, p: usize, q: usize) -> bool {
-        self.dark_rad(p, q) > BLANK_RAD
-    }
-
     /// Whether what is in the gap cannot be seen: half of the beams into it, or more, end at islands, or were lost.
     pub(super) fn is_hidden(&self, p: usize, q: usize) -> bool {
         let dark = self.ring.dark_between(p, q) as usize;
@@ -381,7 +198,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether islands hide what is in the gap.
-    fn is_shaded(&self, p: usize, q: usize) -> bool {
+    pub(super) fn is_shaded(&self, p: usize, q: usize) -> bool {
         self.ring.is_shaded(self.islands.returns(), p, q)
     }
 
@@ -392,7 +209,7 @@ impl<'a> Judge<'a> {
         [of(a, End::Last), of(b, End::First)]
     }
 
-    fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Position; 2]) -> Bend {
+    pub(super) fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Position; 2]) -> Bend {
         let chord = self.ring.position_m(b[0]) - self.ring.position_m(a[a.len() - 1]);
         Bend { before, chord, after }
     }
@@ -407,7 +224,7 @@ impl<'a> Judge<'a> {
 
 impl Bend {
     /// How much the wall turns left at the one end and at the other.
-    fn turns_rad(&self) -> [f64; 2] {
+    pub(super) fn turns_rad(&self) -> [f64; 2] {
         [turn_rad(self.before, self.chord), turn_rad(self.chord, self.after)]
     }
 
@@ -418,7 +235,7 @@ impl Bend {
 }
 
 /// How far the wall turns at the gap, to the left; around a tip it may turn right by more than π.
-fn whole_turn_rad([before_rad, after_rad]: [f64; 2]) -> f64 {
+pub(super) fn whole_turn_rad([before_rad, after_rad]: [f64; 2]) -> f64 {
     let turn_rad = before_rad + after_rad;
     if turn_rad < -1.15 * PI {
         turn_rad + TAU

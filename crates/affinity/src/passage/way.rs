@@ -1,0 +1,184 @@
+//! What makes a gap a way on: how much room there is, and how much it needs.
+
+use std::f64::consts::PI;
+
+use super::gap::{Bend, Judge, Turns, whole_turn_rad};
+use super::tangent::{End, tangent};
+
+// Widths are shares of the place's size: so wide at least is a gap that is a way on.
+
+/// Both walls recede from each other.
+const WAY_SHARE: f64 = 0.3;
+/// In the shadow of islands nothing is known.
+const SHADE_SHARE: f64 = 1.5;
+/// The farther wall is the far side of a branch: it is seen behind the nearer one deeper than there is room between
+/// them, or both are that much.
+const SEEN_INSIDE_SHARE: f64 = 0.5;
+/// The farther wall comes back from behind the nearer one, turned by this much or more: what is between them leads
+/// there.
+const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
+const BEHIND_SHARE: f64 = 0.5;
+/// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones.
+const FACE_M: f64 = 0.3;
+const FACE_RAD: f64 = 70.0 * PI / 180.0;
+const FACE_SHARE: f64 = 0.9;
+
+/// A farther wall that is seen over a wider angle is the other side of the place itself: where it meets the line of the
+/// nearer one, the place ends in a corner.
+const AROUND_RAD: f64 = 100.0 * PI / 180.0;
+/// So it does where a wall that is seen over less bends: less than a right angle off that line at its end, more over
+/// this stretch.
+const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
+const BENDING_M: f64 = 4.0;
+
+/// Nothing is seen in a gap into which so many beams, over so wide an angle, came back with nothing.
+const DARK_BEAMS: u32 = 4;
+const DARK_RAD: f64 = 3.5 * PI / 180.0;
+/// There is nothing if one of its ends lies farther than this share of the sensor's range,
+const FAR_SHARE: f64 = 0.8;
+/// or if they are so many times more than are lost in a row where a wall clearly goes on; less surely so, as a dark
+/// surface is as likely.
+const LOST_TIMES: u32 = 2;
+const DARK_SHARE: f64 = 0.45;
+const DARK_NEAR_SHARE: f64 = 0.7;
+/// That is a way on where the wall turns by this much,
+const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
+/// or by less, also to the right, if it is seen over more than this angle and no corner of so much can be missing.
+const WIDE_DARK_RAD: f64 = 11.5 * PI / 180.0;
+const CORNER_RAD: f64 = 75.0 * PI / 180.0;
+const WIDE_DARK_SHARE: f64 = 0.5;
+/// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the nearer wall turns away from the line to
+/// the farther one by this much, and that one by less than the other: they recede;
+const RECEDING_RAD: f64 = 40.0 * PI / 180.0;
+const GOING_ON_RAD: f64 = 20.0 * PI / 180.0;
+const RECEDING_SHARE: f64 = 0.25;
+/// if the wall turns by a corner, and over a short stretch by this much;
+const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
+/// if no corner can be missing, and the farther wall ends so far in front of the line of the nearer one;
+const IN_FRONT_SHARE: f64 = 0.65;
+/// or if nothing is seen over more than this angle: no patch of lost beams is so wide, and no corner hides in it. Its
+/// width is that between its ends.
+const BLANK_RAD: f64 = 30.0 * PI / 180.0;
+const BLANK_SHARE: f64 = 0.9;
+
+impl Judge<'_> {
+    /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
+    ///
+    /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
+    /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
+    /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
+    pub(super) fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns: Turns) -> f64 {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
+        let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
+        let is_corner = turns_somewhat && self.is_inner_corner(bend, (a, b));
+        let room = match self.share_of_place((a, b), turns, is_corner) {
+            None if is_corner => 0.0,
+            None => self.room_before_face(a, b),
+            Some(share) => {
+                let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
+                let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
+                seen_inside.max(clear_m / (share * self.size_m))
+            }
+        };
+        let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
+            farther_aside_m / (IN_FRONT_SHARE * self.size_m)
+        } else {
+            0.0
+        };
+        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
+            self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
+        } else {
+            0.0
+        };
+        room.max(in_front).min(clear_m / self.limits.passage_m).max(blank)
+    }
+
+    /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
+    /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
+    /// been hidden.
+    fn room_before_face(&self, a: &[usize], b: &[usize]) -> f64 {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let room = self.ring.distance_m(p, q) / (FACE_SHARE * self.size_m);
+        if room >= 1.0 && self.face_turn_rad(a, b) >= FACE_RAD { room } else { 0.0 }
+    }
+
+    /// How much the wall turns over [`FACE_M`].
+    fn face_turn_rad(&self, a: &[usize], b: &[usize]) -> f64 {
+        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
+        whole_turn_rad(self.bend(a, b, ends).turns_rad())
+    }
+
+    /// Whether the farther wall meets the line of the nearer one in a corner, with next to no beam lost before it.
+    fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
+        let ring = self.ring;
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let (far, end, direction) =
+            if ring.range_m(p) < ring.range_m(q) { (b, End::First, bend.after) } else { (a, End::Last, bend.before) };
+        if direction.dot(&bend.chord) <= 0.0 || self.is_dark(p, q) || self.is_shaded(p, q) {
+            return false;
+        }
+        let span_rad = ring.beams_from(far[0], far[far.len() - 1]) as f64 * ring.step_rad;
+        let bends = || tangent(ring, far, end, BENDING_M).dot(&bend.chord) < 0.0;
+        span_rad > AROUND_RAD || (span_rad > ACROSS_RAD && bends())
+    }
+
+    /// How wide a way on is as a share of the place's size, where the wall turns like that; none where it goes on
+    /// whatever its width is.
+    fn share_of_place(&self, (a, b): (&[usize], &[usize]), turns: Turns, is_corner: bool) -> Option<f64> {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        if turns.whole_rad >= self.limits.way_rad {
+            return Some(WAY_SHARE);
+        }
+        let behind = (turns.far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE);
+        let dark = if self.is_dark(p, q) { self.dark_share((a, b), turns) } else { None };
+        let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner && dark.is_none();
+        let turned = turned.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share });
+        [behind, dark, turned].into_iter().flatten().min_by(f64::total_cmp)
+    }
+
+    /// The same of a gap in which nothing is seen.
+    fn dark_share(&self, (a, b): (&[usize], &[usize]), turns: Turns) -> Option<f64> {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        if turns.near_rad >= RECEDING_RAD && turns.far_rad < GOING_ON_RAD {
+            return Some(RECEDING_SHARE);
+        }
+        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(a, b) >= DARK_FACE_RAD {
+            return Some(WAY_SHARE);
+        }
+        let share = self.unlost_share(p, q)?;
+        if turns.whole_rad >= DARK_TURN_RAD {
+            return Some(share);
+        }
+        (turns.whole_rad > -CORNER_RAD && self.dark_rad(p, q) > WIDE_DARK_RAD).then_some(WIDE_DARK_SHARE)
+    }
+
+    /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
+    /// with nothing because there is nothing, rather than being lost.
+    pub(super) fn unlost_share(&self, p: usize, q: usize) -> Option<f64> {
+        if self.is_far(p, q) {
+            return Some(DARK_SHARE);
+        }
+        (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
+    }
+
+    /// Whether the gap lies at the end of the range.
+    pub(super) fn is_far(&self, p: usize, q: usize) -> bool {
+        self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
+    }
+
+    /// The angle in which nothing is seen.
+    fn dark_rad(&self, p: usize, q: usize) -> f64 {
+        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
+    }
+
+    /// Whether nothing is seen in the gap, or most of it.
+    pub(super) fn is_dark(&self, p: usize, q: usize) -> bool {
+        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
+    }
+
+    /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
+    pub(super) fn is_blank(&self, p: usize, q: usize) -> bool {
+        self.dark_rad(p, q) > BLANK_RAD
+    }
+}
