@@ -60,6 +60,8 @@ const IN_FRONT_SHARE: f64 = 0.65;
 /// width is that between its ends.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const BLANK_SHARE: f64 = 0.9;
+const FAR_OFF_SHARE: f64 = 2.5;
+const PATCH_SHARE: f64 = 0.78;
 
 impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
@@ -179,6 +181,10 @@ impl Judge<'_> {
 
     /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
     pub(super) fn is_blank(&self, p: usize, q: usize) -> bool {
-        self.dark_rad(p, q) > BLANK_RAD
+        let (dark_rad, nearer_m) = (self.dark_rad(p, q), self.ring.range_m(p).min(self.ring.range_m(q)));
+        dark_rad > BLANK_RAD
+            || (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
+                && nearer_m > FAR_OFF_SHARE * self.size_m
+                && dark_rad * nearer_m > PATCH_SHARE * self.size_m)
     }
 }
