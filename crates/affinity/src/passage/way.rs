@@ -41,27 +41,20 @@ const FAR_SHARE: f64 = 0.8;
 const LOST_TIMES: u32 = 2;
 const DARK_SHARE: f64 = 0.45;
 const DARK_NEAR_SHARE: f64 = 0.7;
-/// That is a way on where the wall turns by this much,
+/// That is a way on where the wall turns by this much.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
-/// or by less, also to the right, if it is seen over more than this angle and no corner of so much can be missing.
-const WIDE_DARK_RAD: f64 = 11.5 * PI / 180.0;
+/// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the wall turns by a corner, and over a
+/// short stretch by so much;
 const CORNER_RAD: f64 = 75.0 * PI / 180.0;
-const WIDE_DARK_SHARE: f64 = 0.5;
-/// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the nearer wall turns away from the line to
-/// the farther one by this much, and that one by less than the other: they recede;
-const RECEDING_RAD: f64 = 40.0 * PI / 180.0;
-const GOING_ON_RAD: f64 = 20.0 * PI / 180.0;
-const RECEDING_SHARE: f64 = 0.25;
-/// if the wall turns by a corner, and over a short stretch by this much;
 const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
-/// if no corner can be missing, and the farther wall ends so far in front of the line of the nearer one;
+/// or if no corner can be missing, and the farther wall ends so far in front of the line of the nearer one.
 const IN_FRONT_SHARE: f64 = 0.65;
-/// or if nothing is seen over more than this angle: no patch of lost beams is so wide, and no corner hides in it. Its
-/// width is that between its ends.
+/// No patch of lost beams explains that nothing is seen over more than this angle, or far off over so wide a patch, and
+/// no corner hides in it. The width of the gap is that between its ends.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
-const BLANK_SHARE: f64 = 0.9;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
+const BLANK_SHARE: f64 = 0.9;
 
 impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
@@ -141,18 +134,10 @@ impl Judge<'_> {
 
     /// The same of a gap in which nothing is seen.
     fn dark_share(&self, (a, b): (&[usize], &[usize]), turns: Turns) -> Option<f64> {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        if turns.near_rad >= RECEDING_RAD && turns.far_rad < GOING_ON_RAD {
-            return Some(RECEDING_SHARE);
-        }
         if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(a, b) >= DARK_FACE_RAD {
             return Some(WAY_SHARE);
         }
-        let share = self.unlost_share(p, q)?;
-        if turns.whole_rad >= DARK_TURN_RAD {
-            return Some(share);
-        }
-        (turns.whole_rad > -CORNER_RAD && self.dark_rad(p, q) > WIDE_DARK_RAD).then_some(WIDE_DARK_SHARE)
+        self.unlost_share(a[a.len() - 1], b[0]).filter(|_| turns.whole_rad >= DARK_TURN_RAD)
     }
 
     /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
@@ -161,7 +146,12 @@ impl Judge<'_> {
         if self.is_far(p, q) {
             return Some(DARK_SHARE);
         }
-        (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams).then_some(DARK_NEAR_SHARE)
+        self.is_unlost(p, q).then_some(DARK_NEAR_SHARE)
+    }
+
+    /// Whether more beams came back with nothing than get lost elsewhere.
+    fn is_unlost(&self, p: usize, q: usize) -> bool {
+        self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
     }
 
     /// Whether the gap lies at the end of the range.
@@ -179,12 +169,10 @@ impl Judge<'_> {
         self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
     }
 
-    /// Whether nothing is seen over so wide an angle that there is nothing, whatever gets lost elsewhere.
+    /// Whether nothing is seen over so wide an angle, or patch, that there is nothing.
     pub(super) fn is_blank(&self, p: usize, q: usize) -> bool {
         let (dark_rad, nearer_m) = (self.dark_rad(p, q), self.ring.range_m(p).min(self.ring.range_m(q)));
-        dark_rad > BLANK_RAD
-            || (self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
-                && nearer_m > FAR_OFF_SHARE * self.size_m
-                && dark_rad * nearer_m > PATCH_SHARE * self.size_m)
+        let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
+        dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(p, q))
     }
 }
