@@ -46,7 +46,7 @@ const STRETCH_M: ParamSpec = ParamSpec {
 const STRAIGHT_DEG: ParamSpec = ParamSpec {
     name: "straight_deg",
     unit: "°",
-    shape: Shape::Number { default: 40.0, range: Interval::closed(0.0, 180.0) },
+    shape: Shape::Number { default: 36.0, range: Interval::closed(0.0, 180.0) },
     doc: "a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more",
 };
 

@@ -67,15 +67,13 @@ impl Judge<'_> {
         let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
         let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
         let is_corner = turns_somewhat && self.is_inner_corner(bend, (a, b));
-        let room = match self.share_of_place((a, b), turns, is_corner) {
-            None if is_corner => 0.0,
-            None => self.room_before_face(a, b),
-            Some(share) => {
-                let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
-                let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
-                seen_inside.max(clear_m / (share * self.size_m))
-            }
-        };
+        let share = self.share_of_place((a, b), turns, is_corner);
+        let by_width = share.map_or(0.0, |share| clear_m / (share * self.size_m));
+        let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
+        let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
+        let sees_face = !is_corner && (share.is_none() || (!self.is_dark(p, q) && !self.is_shaded(p, q)));
+        let before_face = if by_width.max(seen_inside) < 1.0 && sees_face { self.room_before_face(a, b) } else { 0.0 };
+        let room = by_width.max(seen_inside).max(before_face);
         let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
             farther_aside_m / (IN_FRONT_SHARE * self.size_m)
         } else {
