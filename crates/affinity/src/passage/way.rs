@@ -20,8 +20,8 @@ const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
 const BEHIND_SHARE: f64 = 0.5;
 /// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones.
 const FACE_M: f64 = 0.3;
-const FACE_RAD: f64 = 70.0 * PI / 180.0;
-const FACE_SHARE: f64 = 0.9;
+const FACE_RAD: f64 = 80.0 * PI / 180.0;
+const FACE_SHARE: f64 = 0.75;
 
 /// A farther wall that is seen over a wider angle is the other side of the place itself: where it meets the line of the
 /// nearer one, the place ends in a corner.
