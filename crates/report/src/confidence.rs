@@ -29,7 +29,7 @@ const LEAST_RATIO: f64 = 0.2;
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
 /// β.
-const BETA: [f64; Grounds::INPUTS] = [-0.27, 0.51, -0.76, -0.61, 0.78, 5.46, -0.35];
+const BETA: [f64; Grounds::INPUTS] = [0.25, 0.31, -0.74, -0.48, 1.40, 5.44, -0.57];
 
 /// Beams this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 and 50 % with 60).
