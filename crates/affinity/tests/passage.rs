@@ -164,6 +164,12 @@ fn a_side_passage_is_a_way_on_also_where_only_the_face_of_its_corner_tells_it_fr
 }
 
 #[test]
+fn a_side_passage_half_as_wide_as_the_tunnel_is_a_way_on_from_afar() {
+    let walls = |near_m, width_m| components(&scan(&with_branch_at(near_m, width_m), all), &[]).len();
+    assert_eq!((walls(4.0, 2.0), walls(8.0, 2.0), walls(9.0, 2.5)), (3, 3, 3));
+}
+
+#[test]
 fn a_passage_that_leads_back_behind_a_wall_is_a_way_on_though_the_wall_behind_it_runs_almost_as_that_one() {
     let near = [[-7.5, 12.0], [-4.5, 1.5]];
     let behind = [[[-20.0, 12.0], [-4.5, -3.5]], [[-4.5, -3.5], [-4.5, -30.0]]];
