@@ -95,7 +95,7 @@ impl Decomposed {
         let bytes = full.memory_bytes(members.len()).saturating_add(dense_bytes(members.len()));
         if bytes > MOST_BYTES {
             return Err(StageError::Unsupported(format!(
-                "a component of {} returns has several eigenvalues below the tolerance, and would need {} MB to be decomposed \
+                "a component of {} returns may have several eigenvalues below the tolerance, and would need {} MB to be decomposed \
                  in full, more than {} MB: choose a smaller spectral.zero_tolerance",
                 members.len(),
                 bytes.div_ceil(1 << 20),

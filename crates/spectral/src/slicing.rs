@@ -41,8 +41,9 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 ///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
 ///    decomposed in full, with a note.
 ///
-/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10. k is that
-/// of a full decomposition unless an eigenvalue is within 100·n·ε of τ.
+/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10, or to 1e-8
+/// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
+/// within 100·n·ε of τ.
 pub struct Slicing {
     rule: ZeroRule,
     eigenvalues: usize,

@@ -204,6 +204,27 @@ fn a_block_in_which_all_are_tied_to_all_has_the_second_eigenvalue_of_a_complete_
 }
 
 #[test]
+fn an_edge_of_weight_0_that_w_stores_changes_nothing_however_long_it_is() {
+    // A path of which each node is tied to the 20 next ones.
+    let (n, reach) = (80u32, 20);
+    let rule = ZeroRule::Tolerance(1e-8);
+    let of_path = |zeros: &[(u32, u32)]| {
+        let mut affinity = Affinity::default();
+        let w = affinity.weights.make_sparse();
+        for i in 0..n {
+            let is_zero = |j: u32| zeros.contains(&(i, j)) || zeros.contains(&(j, i));
+            let edges = (0..n).filter(|&j| i.abs_diff(j) <= reach || is_zero(j));
+            edges.for_each(|j| w.push(j, if is_zero(j) { 0.0 } else { 1.0 }));
+            w.end_row();
+        }
+        affinity.degrees = (0..n).map(|i| f64::from(1 + i.min(reach) + (n - 1 - i).min(reach))).collect();
+        spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity)
+    };
+    let (with, without) = (of_path(&[(3, 24), (10, 60)]), of_path(&[]));
+    assert_eq!((with.0.k, &with.0.eigenvalues, with.1), (1, &without.0.eigenvalues, without.1));
+}
+
+#[test]
 fn a_component_too_large_to_be_decomposed_in_full_is_refused_with_the_size_that_it_would_need() {
     // A ring of 30,000: its second eigenvalue is 3e-8, and it comes twice.
     let n = 30_000u32;

@@ -10,10 +10,10 @@ use super::tangent::{End, Tangents, has_direction};
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
 const HALL_M: f64 = 6.0;
-/// It clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
+/// A wall clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
-/// Two walls are apart where one turns around if the clear width is this share of the place's size.
+/// A wall turns around where the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
@@ -148,9 +148,9 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether two walls are apart where they end, or so far away that the clear width may be small: at the end of the
-    /// range the sides of a tunnel seem to meet.
-    pub(super) fn are_apart(&self, a: &[usize], b: &[usize]) -> bool {
+    /// Whether a wall may turn around between two pieces: they are apart where they end, or so far away that the clear
+    /// width may be small, as at the end of the range the sides of a tunnel seem to meet.
+    pub(super) fn may_turn_around(&self, a: &[usize], b: &[usize]) -> bool {
         let (p, q) = (a[a.len() - 1], b[0]);
         let [Some(before), Some(after)] = self.directions(a, b) else { return true };
         let [clear_m, _] = self.clear_and_farther_m(&self.bend(a, b, [before, after]), (p, q));
@@ -178,7 +178,7 @@ impl<'a> Judge<'a> {
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
-    /// wall turned by [`DOUBT_RAD`] less or more; at least [`LEAST_DECIDED`].
+    /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
         let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
         let bend = self.bend(a, b, [before, after]);

@@ -121,7 +121,7 @@ fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize]) -> Option<usize
         let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);
         let after = tangent(ring, b, End::First, PEAK_STRETCH_M);
         let turn_rad = turn_rad(before, chord) + turn_rad(chord, after);
-        if (least_rad..PEAK_RAD.end).contains(&turn_rad) && judge.are_apart(a, b) {
+        if (least_rad..PEAK_RAD.end).contains(&turn_rad) && judge.may_turn_around(a, b) {
             (least_rad, sharpest) = (turn_rad, Some(cut));
         }
     }

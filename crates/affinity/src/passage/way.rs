@@ -23,11 +23,10 @@ const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
 
-/// A farther wall that is seen over a wider angle is the other side of the place itself: where it meets the line of the
-/// nearer one, the place ends in a corner.
+/// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
+/// other side of the place itself: where it meets the line of the nearer one, the place ends in a corner.
 const AROUND_RAD: f64 = 100.0 * PI / 180.0;
-/// So it does where a wall that is seen over less bends: less than a right angle off that line at its end, more over
-/// this stretch.
+/// So it does where such a wall is seen over less, but bends: over this stretch it turns by more than a right angle.
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 const BENDING_M: f64 = 4.0;
 
@@ -36,12 +35,12 @@ const DARK_BEAMS: u32 = 4;
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// There is nothing if one of its ends lies farther than this share of the sensor's range,
 const FAR_SHARE: f64 = 0.8;
-/// or if they are so many times more than are lost in a row where a wall clearly goes on; less surely so, as a dark
-/// surface is as likely.
+/// or if they are so many times more than are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
+/// That is a way on at the end of the range, and nearer, where a dark surface is as likely,
 const DARK_SHARE: f64 = 0.45;
 const DARK_NEAR_SHARE: f64 = 0.7;
-/// That is a way on where the wall turns by this much.
+/// if the wall turns by this much.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
 /// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the wall turns by a corner, and over a
 /// short stretch by so much;
@@ -49,8 +48,8 @@ const CORNER_RAD: f64 = 75.0 * PI / 180.0;
 const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
 /// or if no corner can be missing, and the farther wall ends so far in front of the line of the nearer one.
 const IN_FRONT_SHARE: f64 = 0.65;
-/// No patch of lost beams explains that nothing is seen over more than this angle, or far off over so wide a patch, and
-/// no corner hides in it. The width of the gap is that between its ends.
+/// No patch of lost beams explains that nothing is seen over more than this angle, or, far off, over so wide a patch of
+/// more beams than get lost elsewhere, and no corner hides in it. The width of the gap is that between its ends.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
@@ -72,7 +71,7 @@ impl Judge<'_> {
         let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
         let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
         let sees_face = !is_corner && (share.is_none() || (!self.is_dark(p, q) && !self.is_shaded(p, q)));
-        let before_face = if by_width.max(seen_inside) < 1.0 && sees_face { self.room_before_face(a, b) } else { 0.0 };
+        let before_face = if sees_face { self.room_before_face(a, b) } else { 0.0 };
         let room = by_width.max(seen_inside).max(before_face);
         let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
             farther_aside_m / (IN_FRONT_SHARE * self.size_m)
@@ -147,7 +146,7 @@ impl Judge<'_> {
         self.is_unlost(p, q).then_some(DARK_NEAR_SHARE)
     }
 
-    /// Whether more beams came back with nothing than get lost elsewhere.
+    /// Whether [`LOST_TIMES`] as many beams came back with nothing as get lost elsewhere, or more.
     fn is_unlost(&self, p: usize, q: usize) -> bool {
         self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
     }
@@ -162,12 +161,13 @@ impl Judge<'_> {
         f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
     }
 
-    /// Whether nothing is seen in the gap, or most of it.
+    /// Whether so many beams into the gap came back with nothing that what is there is not seen.
     pub(super) fn is_dark(&self, p: usize, q: usize) -> bool {
         self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
     }
 
-    /// Whether nothing is seen over so wide an angle, or patch, that there is nothing.
+    /// Whether nothing is seen over so wide an angle that there is nothing; or, far off, over so wide a patch, by more
+    /// beams than get lost elsewhere.
     pub(super) fn is_blank(&self, p: usize, q: usize) -> bool {
         let (dark_rad, nearer_m) = (self.dark_rad(p, q), self.ring.range_m(p).min(self.ring.range_m(q)));
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
