@@ -53,7 +53,8 @@ impl Decomposition {
     }
 }
 
-/// Makes `scratch` as large as it has to be.
+/// The eigenvalues of a symmetric matrix, and its eigenvectors if there is a place for them; makes `scratch` as large as
+/// it has to be.
 fn evd(
     matrix: MatRef<'_, f64>,
     eigenvalues: &mut Vec<f64>,

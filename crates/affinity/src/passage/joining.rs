@@ -114,14 +114,14 @@ fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize]) -> Option<usize
     let mut least_rad = PEAK_RAD.start;
     for cut in gaps(judge, wall) {
         let (a, b) = wall.split_at(cut);
-        if judge.is_hidden(a[cut - 1], b[0]) {
+        if judge.is_hidden(a[cut - 1], b[0]) || !judge.may_turn_around(a, b) {
             continue;
         }
         let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);
         let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);
         let after = tangent(ring, b, End::First, PEAK_STRETCH_M);
         let turn_rad = turn_rad(before, chord) + turn_rad(chord, after);
-        if (least_rad..PEAK_RAD.end).contains(&turn_rad) && judge.may_turn_around(a, b) {
+        if (least_rad..PEAK_RAD.end).contains(&turn_rad) {
             (least_rad, sharpest) = (turn_rad, Some(cut));
         }
     }
