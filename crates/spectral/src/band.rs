@@ -35,8 +35,7 @@ impl Band {
         self.entries.resize((self.n + self.stride) * self.stride, 0.0);
         for (at, &i) in members.iter().enumerate() {
             self.entries[at * self.stride] = graph.diagonal(i as usize, leaks[i as usize]);
-            // An edge of weight 0, which W may store, may be longer than the band is wide.
-            for edge in graph.edges_back(i as usize).filter(|edge| edge.scaled > 0.0) {
+            for edge in graph.edges_back(i as usize) {
                 if let Some(rank) = rank(edge.to as usize) {
                     self.entries[at.min(rank) * self.stride + at.abs_diff(rank)] = -edge.scaled;
                 }

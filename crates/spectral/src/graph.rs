@@ -44,15 +44,17 @@ impl GraphBuffers {
 }
 
 impl Graph<'_> {
-    /// The edges of return `i` to earlier ones, each with W_ij and W_ij / √(D_ii D_jj).
+    /// The edges of return `i` to earlier ones, each with W_ij and W_ij / √(D_ii D_jj); an entry of W that is 0, or where
+    /// that is 0, is none.
     #[inline]
     pub(crate) fn edges_back(&self, i: usize) -> impl Iterator<Item = Edge> {
         let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
         let earlier = others.iter().zip(weights).take_while(move |&(&j, _)| (j as usize) < i);
-        earlier.map(move |(&to, &weight)| {
+        let edges = earlier.map(move |(&to, &weight)| {
             let scaled = weight * (scale * self.inverse_sqrt_degrees[to as usize]);
             Edge { from: i as u32, to, weight, scaled }
-        })
+        });
+        edges.filter(|edge| edge.scaled > 0.0)
     }
 
     /// L_ii, if so much of the weights of its edges is set aside.

@@ -106,9 +106,7 @@ impl Order {
     fn longest(&self, graph: &Graph<'_>, block: usize) -> usize {
         let rank = self.ranks(block);
         let members = self.members(block).iter().map(|&i| i as usize).enumerate();
-        let edges = members.flat_map(|(at, i)| {
-            graph.edges_back(i).filter(|edge| edge.scaled > 0.0).map(move |edge| (at, edge.to as usize))
-        });
+        let edges = members.flat_map(|(at, i)| graph.edges_back(i).map(move |edge| (at, edge.to as usize)));
         edges.filter_map(|(at, j)| Some(at.abs_diff(rank(j)?))).max().unwrap_or(0)
     }
 

@@ -145,10 +145,10 @@ impl Split {
         self.ties.clear();
         for i in 0..n {
             for edge in graph.edges_back(i) {
-                if edge.scaled >= weak && edge.scaled > 0.0 {
+                if edge.scaled >= weak {
                     self.forest.join(i, edge.to as usize);
                     self.ties.push(edge);
-                } else if edge.scaled > 0.0 {
+                } else {
                     self.links.push(edge);
                 }
             }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction};
+use super::tangent::{End, Tangents, has_direction, tangent};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
@@ -60,12 +60,18 @@ pub(super) struct Turns {
     pub(super) whole_rad: f64,
 }
 
-/// A gap between two pieces that have directions.
-pub(super) struct Bend {
+/// A gap between two pieces that have directions there.
+pub(super) struct Gap<'p> {
+    pub(super) a: &'p [usize],
+    pub(super) b: &'p [usize],
+    /// The last return of `a`, and the first of `b`.
+    pub(super) ends: (usize, usize),
     pub(super) before: Position,
     /// From the end of the one piece to the start of the other.
     pub(super) chord: Position,
     pub(super) after: Position,
+    /// The end of `a` is nearer to the sensor than that of `b`.
+    pub(super) a_is_nearer: bool,
 }
 
 impl<'a> Judge<'a> {
@@ -99,11 +105,10 @@ impl<'a> Judge<'a> {
     }
 
     fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
-        let [Some(before), Some(after)] = self.directions(a, b) else { return false };
-        let bend = self.bend(a, b, [before, after]);
-        let [of_q, of_p] = bend.aside_m();
+        let Some(gap) = self.gap(a, b) else { return false };
+        let [of_q, of_p] = gap.aside_m();
         let off_m = of_q.abs().max(of_p.abs());
-        off_m < LOST_OFF_SHARE * self.size_m && whole_turn_rad(bend.turns_rad()) < LOST_TURN_RAD
+        off_m < LOST_OFF_SHARE * self.size_m && whole_turn_rad(gap.turns_rad()) < LOST_TURN_RAD
     }
 
     /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
@@ -126,10 +131,10 @@ impl<'a> Judge<'a> {
         let chord_m = chord.norm();
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
-                let bend = Bend { before, chord, after };
-                let turns = self.turns(&bend, (p, q));
+                let gap = Gap::new(ring, [a, b], [before, after]);
+                let turns = gap.turns();
                 // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-                let is_way = self.room(&bend, (a, b), turns) >= 1.0;
+                let is_way = self.room(&gap, turns) >= 1.0;
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
                 (!is_way).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far)
@@ -151,55 +156,56 @@ impl<'a> Judge<'a> {
     /// Whether a wall may turn around between two pieces: they are apart where they end, or so far away that the clear
     /// width may be small, as at the end of the range the sides of a tunnel seem to meet.
     pub(super) fn may_turn_around(&self, a: &[usize], b: &[usize]) -> bool {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let [Some(before), Some(after)] = self.directions(a, b) else { return true };
-        let [clear_m, _] = self.clear_and_farther_m(&self.bend(a, b, [before, after]), (p, q));
-        clear_m >= PEAK_SHARE * self.size_m || self.is_far(p, q)
+        let Some(gap) = self.gap(a, b) else { return true };
+        let [clear_m, _] = gap.clear_and_farther_m();
+        clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends)
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
     /// one.
     pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let [before, after] = self.directions(a, b);
-        let (bend, ends) = (self.bend(a, b, [before?, after?]), (a[a.len() - 1], b[0]));
-        let [clear_m, _] = self.clear_and_farther_m(&bend, ends);
+        let gap = self.gap(a, b)?;
+        let [clear_m, _] = gap.clear_and_farther_m();
         // Where no vehicle fits in, how far the wall turns does not matter.
-        if clear_m < self.limits.passage_m && !self.is_blank(ends.0, ends.1) {
+        if clear_m < self.limits.passage_m && !self.is_blank(gap.ends) {
             return None;
         }
-        Some(self.room(&bend, (a, b), self.turns(&bend, ends))).filter(|&room| room >= 1.0)
-    }
-
-    /// The clear width of a gap, and how far the end of the farther wall lies to the left of the line of the nearer
-    /// one.
-    pub(super) fn clear_and_farther_m(&self, bend: &Bend, (p, q): (usize, usize)) -> [f64; 2] {
-        let [of_q, of_p] = bend.aside_m();
-        if self.ring.range_m(p) < self.ring.range_m(q) { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
+        Some(self.room(&gap, gap.turns())).filter(|&room| room >= 1.0)
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
     /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
     pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
-        let [Some(before), Some(after)] = self.directions(a, b) else { return WITHOUT_DIRECTION };
-        let bend = self.bend(a, b, [before, after]);
-        let turns = self.turns(&bend, (a[a.len() - 1], b[0]));
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| {
-            let whole_rad = turns.whole_rad + more_rad;
-            self.room(&bend, (a, b), Turns { whole_rad, ..turns })
-        });
+        let Some(gap) = self.gap(a, b) else { return WITHOUT_DIRECTION };
+        let turns = gap.turns();
+        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD]
+            .map(|more_rad| self.room(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
     /// Whether what is in the gap cannot be seen: half of the beams into it, or more, end at islands, or were lost.
-    pub(super) fn is_hidden(&self, p: usize, q: usize) -> bool {
+    pub(super) fn is_hidden(&self, (p, q): (usize, usize)) -> bool {
         let dark = self.ring.dark_between(p, q) as usize;
-        let is_lost = || !self.is_dark(p, q) || self.unlost_share(p, q).is_none();
-        self.is_shaded(p, q) || (2 * dark >= self.ring.beams_from(p, q) && is_lost())
+        let is_lost = || !self.is_dark((p, q)) || self.unlost_share((p, q)).is_none();
+        self.is_shaded((p, q)) || (2 * dark >= self.ring.beams_from(p, q) && is_lost())
     }
 
     /// Whether islands hide what is in the gap.
-    pub(super) fn is_shaded(&self, p: usize, q: usize) -> bool {
+    pub(super) fn is_shaded(&self, (p, q): (usize, usize)) -> bool {
         self.ring.is_shaded(self.islands.returns(), p, q)
+    }
+
+    /// How much the wall turns left at both ends of a gap, over this stretch of either piece.
+    pub(super) fn turns_over_rad(&self, a: &[usize], b: &[usize], stretch_m: f64) -> [f64; 2] {
+        let directions =
+            [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, stretch_m));
+        Gap::new(self.ring, [a, b], directions).turns_rad()
+    }
+
+    /// The gap between two pieces; `None` if one of them has no direction.
+    fn gap<'p>(&self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>> {
+        let [before, after] = self.directions(a, b);
+        Some(Gap::new(self.ring, [a, b], [before?, after?]))
     }
 
     fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
@@ -208,23 +214,29 @@ impl<'a> Judge<'a> {
         };
         [of(a, End::Last), of(b, End::First)]
     }
-
-    pub(super) fn bend(&self, a: &[usize], b: &[usize], [before, after]: [Position; 2]) -> Bend {
-        let chord = self.ring.position_m(b[0]) - self.ring.position_m(a[a.len() - 1]);
-        Bend { before, chord, after }
-    }
-
-    fn turns(&self, bend: &Bend, (p, q): (usize, usize)) -> Turns {
-        let turns_rad @ [before_rad, after_rad] = bend.turns_rad();
-        let p_is_nearer = self.ring.range_m(p) < self.ring.range_m(q);
-        let (near_rad, far_rad) = if p_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
-        Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
-    }
 }
 
-impl Bend {
+impl<'p> Gap<'p> {
+    fn new(ring: &Ring, [a, b]: [&'p [usize]; 2], [before, after]: [Position; 2]) -> Self {
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let chord = ring.position_m(q) - ring.position_m(p);
+        Self { a, b, ends: (p, q), before, chord, after, a_is_nearer: ring.range_m(p) < ring.range_m(q) }
+    }
+
+    fn turns(&self) -> Turns {
+        let turns_rad @ [before_rad, after_rad] = self.turns_rad();
+        let (near_rad, far_rad) = if self.a_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
+        Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
+    }
+
+    /// The clear width, and how far the end of the farther wall lies to the left of the line of the nearer one.
+    pub(super) fn clear_and_farther_m(&self) -> [f64; 2] {
+        let [of_q, of_p] = self.aside_m();
+        if self.a_is_nearer { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
+    }
+
     /// How much the wall turns left at the one end and at the other.
-    pub(super) fn turns_rad(&self) -> [f64; 2] {
+    fn turns_rad(&self) -> [f64; 2] {
         [turn_rad(self.before, self.chord), turn_rad(self.chord, self.after)]
     }
 

@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use super::gap::Judge;
 use super::pieces::Pieces;
-use super::ring::{Ring, turn_rad};
-use super::tangent::{End, tangent};
+use super::ring::Ring;
 
 /// Pieces of fewer returns are no wall.
 pub(super) const LEAST_RETURNS: usize = 3;
@@ -75,8 +74,8 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
 /// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, so what is hidden is not
 /// cut.
-pub(super) fn cut_at_peaks(ring: &Ring, judge: &Judge<'_>, walls: &mut Pieces) {
-    cut(walls, |wall| sharpest_peak(ring, judge, wall));
+pub(super) fn cut_at_peaks(judge: &Judge<'_>, walls: &mut Pieces) {
+    cut(walls, |wall| sharpest_peak(judge, wall));
 }
 
 /// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed
@@ -109,18 +108,15 @@ fn widest_way(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 
-fn sharpest_peak(ring: &Ring, judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
+fn sharpest_peak(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
     let mut sharpest = None;
     let mut least_rad = PEAK_RAD.start;
     for cut in gaps(judge, wall) {
         let (a, b) = wall.split_at(cut);
-        if judge.is_hidden(a[cut - 1], b[0]) || !judge.may_turn_around(a, b) {
+        if judge.is_hidden((a[cut - 1], b[0])) || !judge.may_turn_around(a, b) {
             continue;
         }
-        let chord = ring.position_m(b[0]) - ring.position_m(a[cut - 1]);
-        let before = tangent(ring, a, End::Last, PEAK_STRETCH_M);
-        let after = tangent(ring, b, End::First, PEAK_STRETCH_M);
-        let turn_rad = turn_rad(before, chord) + turn_rad(chord, after);
+        let turn_rad = judge.turns_over_rad(a, b, PEAK_STRETCH_M).iter().sum();
         if (least_rad..PEAK_RAD.end).contains(&turn_rad) {
             (least_rad, sharpest) = (turn_rad, Some(cut));
         }

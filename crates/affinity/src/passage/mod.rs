@@ -230,7 +230,7 @@ impl Passage {
         if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));
         }
-        joining::cut_at_peaks(ring, &judge, walls);
+        joining::cut_at_peaks(&judge, walls);
 
         let dropped = dust.iter().filter(|dust| **dust).count();
         if dropped > 0 {

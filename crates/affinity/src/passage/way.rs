@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::gap::{Bend, Judge, Turns, whole_turn_rad};
+use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::tangent::{End, tangent};
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
@@ -61,116 +61,111 @@ impl Judge<'_> {
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    pub(super) fn room(&self, bend: &Bend, (a, b): (&[usize], &[usize]), turns: Turns) -> f64 {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let [clear_m, farther_aside_m] = self.clear_and_farther_m(bend, (p, q));
+    pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+        let (is_dark, is_shaded) = (self.is_dark(gap.ends), self.is_shaded(gap.ends));
+        let [clear_m, farther_aside_m] = gap.clear_and_farther_m();
         let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_corner = turns_somewhat && self.is_inner_corner(bend, (a, b));
-        let share = self.share_of_place((a, b), turns, is_corner);
+        let is_corner = turns_somewhat && !is_dark && !is_shaded && self.is_inner_corner(gap);
+        let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner;
+        let turned = turned.then_some(if is_shaded { SHADE_SHARE } else { self.limits.clear_share });
+        let share = self.share_of_place(gap, turns, turned);
         let by_width = share.map_or(0.0, |share| clear_m / (share * self.size_m));
         let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
         let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
-        let sees_face = !is_corner && (share.is_none() || (!self.is_dark(p, q) && !self.is_shaded(p, q)));
-        let before_face = if sees_face { self.room_before_face(a, b) } else { 0.0 };
-        let room = by_width.max(seen_inside).max(before_face);
-        let in_front = if turns.whole_rad < CORNER_RAD && self.is_dark(p, q) {
+        let sees_face = !is_corner && (share.is_none() || (!is_dark && !is_shaded));
+        let before_face = if sees_face { self.room_before_face(gap) } else { 0.0 };
+        let in_front = if turns.whole_rad < CORNER_RAD && is_dark {
             farther_aside_m / (IN_FRONT_SHARE * self.size_m)
         } else {
             0.0
         };
-        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(p, q) {
-            self.ring.distance_m(p, q) / (BLANK_SHARE * self.size_m)
+        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(gap.ends) {
+            gap.chord.norm() / (BLANK_SHARE * self.size_m)
         } else {
             0.0
         };
-        room.max(in_front).min(clear_m / self.limits.passage_m).max(blank)
+        let room = by_width.max(seen_inside).max(before_face).max(in_front);
+        room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
     /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
     /// been hidden.
-    fn room_before_face(&self, a: &[usize], b: &[usize]) -> f64 {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let room = self.ring.distance_m(p, q) / (FACE_SHARE * self.size_m);
-        if room >= 1.0 && self.face_turn_rad(a, b) >= FACE_RAD { room } else { 0.0 }
+    fn room_before_face(&self, gap: &Gap<'_>) -> f64 {
+        let room = gap.chord.norm() / (FACE_SHARE * self.size_m);
+        if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
     }
 
     /// How much the wall turns over [`FACE_M`].
-    fn face_turn_rad(&self, a: &[usize], b: &[usize]) -> f64 {
-        let ends = [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, FACE_M));
-        whole_turn_rad(self.bend(a, b, ends).turns_rad())
+    fn face_turn_rad(&self, gap: &Gap<'_>) -> f64 {
+        whole_turn_rad(self.turns_over_rad(gap.a, gap.b, FACE_M))
     }
 
-    /// Whether the farther wall meets the line of the nearer one in a corner, with next to no beam lost before it.
-    fn is_inner_corner(&self, bend: &Bend, (a, b): (&[usize], &[usize])) -> bool {
-        let ring = self.ring;
-        let (p, q) = (a[a.len() - 1], b[0]);
+    /// Whether the farther wall meets the line of the nearer one in a corner.
+    fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
         let (far, end, direction) =
-            if ring.range_m(p) < ring.range_m(q) { (b, End::First, bend.after) } else { (a, End::Last, bend.before) };
-        if direction.dot(&bend.chord) <= 0.0 || self.is_dark(p, q) || self.is_shaded(p, q) {
+            if gap.a_is_nearer { (gap.b, End::First, gap.after) } else { (gap.a, End::Last, gap.before) };
+        if direction.dot(&gap.chord) <= 0.0 {
             return false;
         }
-        let span_rad = ring.beams_from(far[0], far[far.len() - 1]) as f64 * ring.step_rad;
-        let bends = || tangent(ring, far, end, BENDING_M).dot(&bend.chord) < 0.0;
+        let span_rad = self.ring.beams_from(far[0], far[far.len() - 1]) as f64 * self.ring.step_rad;
+        let bends = || tangent(self.ring, far, end, BENDING_M).dot(&gap.chord) < 0.0;
         span_rad > AROUND_RAD || (span_rad > ACROSS_RAD && bends())
     }
 
-    /// How wide a way on is as a share of the place's size, where the wall turns like that; none where it goes on
-    /// whatever its width is.
-    fn share_of_place(&self, (a, b): (&[usize], &[usize]), turns: Turns, is_corner: bool) -> Option<f64> {
-        let (p, q) = (a[a.len() - 1], b[0]);
+    /// How wide a way on is as a share of the place's size, where the wall turns like that, `turned` unless something
+    /// else tells; none where it goes on whatever its width is.
+    fn share_of_place(&self, gap: &Gap<'_>, turns: Turns, turned: Option<f64>) -> Option<f64> {
         if turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
         let behind = (turns.far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE);
-        let dark = if self.is_dark(p, q) { self.dark_share((a, b), turns) } else { None };
-        let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner && dark.is_none();
-        let turned = turned.then(|| if self.is_shaded(p, q) { SHADE_SHARE } else { self.limits.clear_share });
-        [behind, dark, turned].into_iter().flatten().min_by(f64::total_cmp)
+        let dark = if self.is_dark(gap.ends) { self.dark_share(gap, turns) } else { None };
+        [behind, dark.or(turned)].into_iter().flatten().min_by(f64::total_cmp)
     }
 
     /// The same of a gap in which nothing is seen.
-    fn dark_share(&self, (a, b): (&[usize], &[usize]), turns: Turns) -> Option<f64> {
-        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(a, b) >= DARK_FACE_RAD {
+    fn dark_share(&self, gap: &Gap<'_>, turns: Turns) -> Option<f64> {
+        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(gap) >= DARK_FACE_RAD {
             return Some(WAY_SHARE);
         }
-        self.unlost_share(a[a.len() - 1], b[0]).filter(|_| turns.whole_rad >= DARK_TURN_RAD)
+        self.unlost_share(gap.ends).filter(|_| turns.whole_rad >= DARK_TURN_RAD)
     }
 
     /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
     /// with nothing because there is nothing, rather than being lost.
-    pub(super) fn unlost_share(&self, p: usize, q: usize) -> Option<f64> {
-        if self.is_far(p, q) {
+    pub(super) fn unlost_share(&self, (p, q): (usize, usize)) -> Option<f64> {
+        if self.is_far((p, q)) {
             return Some(DARK_SHARE);
         }
-        self.is_unlost(p, q).then_some(DARK_NEAR_SHARE)
+        self.is_unlost((p, q)).then_some(DARK_NEAR_SHARE)
     }
 
     /// Whether [`LOST_TIMES`] as many beams came back with nothing as get lost elsewhere, or more.
-    fn is_unlost(&self, p: usize, q: usize) -> bool {
+    fn is_unlost(&self, (p, q): (usize, usize)) -> bool {
         self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
     }
 
     /// Whether the gap lies at the end of the range.
-    pub(super) fn is_far(&self, p: usize, q: usize) -> bool {
+    pub(super) fn is_far(&self, (p, q): (usize, usize)) -> bool {
         self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
     }
 
     /// The angle in which nothing is seen.
-    fn dark_rad(&self, p: usize, q: usize) -> f64 {
+    fn dark_rad(&self, (p, q): (usize, usize)) -> f64 {
         f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
     }
 
     /// Whether so many beams into the gap came back with nothing that what is there is not seen.
-    pub(super) fn is_dark(&self, p: usize, q: usize) -> bool {
-        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad(p, q) > DARK_RAD
+    pub(super) fn is_dark(&self, (p, q): (usize, usize)) -> bool {
+        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad((p, q)) > DARK_RAD
     }
 
     /// Whether nothing is seen over so wide an angle that there is nothing; or, far off, over so wide a patch, by more
     /// beams than get lost elsewhere.
-    pub(super) fn is_blank(&self, p: usize, q: usize) -> bool {
-        let (dark_rad, nearer_m) = (self.dark_rad(p, q), self.ring.range_m(p).min(self.ring.range_m(q)));
+    pub(super) fn is_blank(&self, (p, q): (usize, usize)) -> bool {
+        let (dark_rad, nearer_m) = (self.dark_rad((p, q)), self.ring.range_m(p).min(self.ring.range_m(q)));
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
-        dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(p, q))
+        dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)))
     }
 }
