@@ -186,6 +186,15 @@ fn a_dead_end_is_one_wall_though_its_end_goes_on_past_the_line_of_the_nearer_sid
 }
 
 #[test]
+fn a_narrow_dead_end_is_one_wall_though_its_nearer_side_meets_the_end_with_few_returns() {
+    // The nearer side is seen at a grazing angle, so its last returns are as far from each other as a vehicle is wide;
+    // the farther side runs back beside it.
+    let end_m = 5.7;
+    let sides = [[[-30.0, -0.7], [end_m, -0.7]], [[-30.0, 1.5], [end_m, 1.5]]];
+    assert_eq!(components(&scan(&[sides[0], sides[1], [[end_m, -0.7], [end_m, 1.5]]], all), &[]).len(), 1);
+}
+
+#[test]
 fn walls_that_two_far_returns_have_joined_are_cut_where_a_vehicle_passes_between_all_of_them() {
     // Of the far side of a branch 14.8 m ahead two returns are seen. They have no direction, so each gap beside them is
     // closed by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long

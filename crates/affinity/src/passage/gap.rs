@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction, tangent};
+use super::tangent::{End, Tangents, has_direction, reach_m, tangent};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
@@ -15,6 +15,9 @@ const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
 /// A wall turns around where the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
+/// A wall that turns by less, seen so far from both of its ends, is seen to turn a corner and no more.
+const CORNER_RAD: f64 = 90.0 * PI / 180.0;
+const CORNER_SEEN_M: f64 = 0.3;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
 /// How decided a verdict is at least, and one on pieces without directions.
@@ -159,6 +162,14 @@ impl<'a> Judge<'a> {
         let Some(gap) = self.gap(a, b) else { return true };
         let [clear_m, _] = gap.clear_and_farther_m();
         clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends)
+    }
+
+    /// Whether a wall turns by no more than a corner between two pieces, as far as both are seen from there: not just by
+    /// a stray return.
+    pub(super) fn is_corner_seen(&self, a: &[usize], b: &[usize]) -> bool {
+        let Some(gap) = self.gap(a, b) else { return false };
+        let is_seen = |piece, end| reach_m(self.ring, piece, end, self.limits.stretch_m) > CORNER_SEEN_M;
+        whole_turn_rad(gap.turns_rad()) < CORNER_RAD && is_seen(a, End::Last) && is_seen(b, End::First)
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
