@@ -186,12 +186,32 @@ fn a_dead_end_is_one_wall_though_its_end_goes_on_past_the_line_of_the_nearer_sid
 }
 
 #[test]
-fn a_narrow_dead_end_is_one_wall_though_its_nearer_side_meets_the_end_with_few_returns() {
-    // The nearer side is seen at a grazing angle, so its last returns are as far from each other as a vehicle is wide;
-    // the farther side runs back beside it.
-    let end_m = 5.7;
-    let sides = [[[-30.0, -0.7], [end_m, -0.7]], [[-30.0, 1.5], [end_m, 1.5]]];
-    assert_eq!(components(&scan(&[sides[0], sides[1], [[end_m, -0.7], [end_m, 1.5]]], all), &[]).len(), 1);
+fn a_dead_end_is_one_wall_from_wherever_its_end_is_seen() {
+    // Its sides are seen at a grazing angle: their last returns are farther from each other than a vehicle is wide.
+    for (width_m, share) in [1.2, 1.6, 2.2, 3.0, 4.0].into_iter().flat_map(|m| [0.3, 0.4, 0.5].map(|share| (m, share)))
+    {
+        let (right_m, left_m) = (-share * width_m, (1.0 - share) * width_m);
+        for end_m in (1..=24).map(|half| 0.5 * f64::from(half)) {
+            let side = |y_m: f64| [[-30.0, y_m], [end_m, y_m]];
+            let dead_end = [side(right_m), side(left_m), [[end_m, right_m], [end_m, left_m]]];
+            let walls = components(&scan(&dead_end, all), &[]).len();
+            assert_eq!(walls, 1, "{width_m} m wide, {share} of it to the right, end {end_m} m ahead");
+        }
+    }
+}
+
+#[test]
+fn a_bend_by_more_than_a_right_angle_is_no_dead_end_though_its_outer_wall_comes_back() {
+    let half_m = 1.5;
+    let (sin, cos) = (120.0_f64).to_radians().sin_cos();
+    let corner_m = half_m * (60.0_f64).to_radians().tan();
+    for ahead_m in [3.0, 4.0, 5.0, 6.0] {
+        let walls = [(-corner_m, half_m), (corner_m, -half_m)].map(|(x, y)| {
+            let corner = [ahead_m + x, y];
+            [[[-30.0, y], corner], [corner, [corner[0] + 30.0 * cos, corner[1] + 30.0 * sin]]]
+        });
+        assert_eq!(components(&scan(walls.as_flattened(), all), &[]).len(), 2, "bend {ahead_m} m ahead");
+    }
 }
 
 #[test]

@@ -164,12 +164,14 @@ impl<'a> Judge<'a> {
         clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends)
     }
 
-    /// Whether a wall turns by no more than a corner between two pieces, as far as both are seen from there: not just by
-    /// a stray return.
+    /// Whether nothing is hidden between two pieces, or the wall turns by no more than a corner there, as far as both are
+    /// seen from it: not just by a stray return.
     pub(super) fn is_corner_seen(&self, a: &[usize], b: &[usize]) -> bool {
         let Some(gap) = self.gap(a, b) else { return false };
+        let turns = gap.turns();
         let is_seen = |piece, end| reach_m(self.ring, piece, end, self.limits.stretch_m) > CORNER_SEEN_M;
-        whole_turn_rad(gap.turns_rad()) < CORNER_RAD && is_seen(a, End::Last) && is_seen(b, End::First)
+        let turns_corner = || turns.whole_rad < CORNER_RAD && is_seen(a, End::Last) && is_seen(b, End::First);
+        self.hides_nothing(&gap, turns) || turns_corner()
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
+use super::ring::turn_rad;
 use super::tangent::{End, tangent};
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
@@ -23,12 +24,18 @@ const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
 
+/// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
+/// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
+const BEHIND_LINE_SHARE: f64 = 0.3;
+
 /// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
 /// other side of the place itself: where it meets the line of the nearer one, the place ends in a corner.
 const AROUND_RAD: f64 = 100.0 * PI / 180.0;
 /// So it does where such a wall is seen over less, but bends: over this stretch it turns by more than a right angle.
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 const BENDING_M: f64 = 4.0;
+/// But if it is seen so far behind that line, the nearer wall has ended before it.
+const PAST_CORNER_RAD: f64 = 17.5 * PI / 180.0;
 
 /// Nothing is seen in a gap into which so many beams, over so wide an angle, came back with nothing.
 const DARK_BEAMS: u32 = 4;
@@ -62,10 +69,13 @@ impl Judge<'_> {
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
     pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+        if self.hides_nothing(gap, turns) {
+            return 0.0;
+        }
         let (is_dark, is_shaded) = (self.is_dark(gap.ends), self.is_shaded(gap.ends));
         let [clear_m, farther_aside_m] = gap.clear_and_farther_m();
         let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_corner = turns_somewhat && !is_dark && !is_shaded && self.is_inner_corner(gap);
+        let is_corner = turns_somewhat && !is_dark && !is_shaded && self.is_inner_corner(gap, turns);
         let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner;
         let turned = turned.then_some(if is_shaded { SHADE_SHARE } else { self.limits.clear_share });
         let share = self.share_of_place(gap, turns, turned);
@@ -101,11 +111,22 @@ impl Judge<'_> {
         whole_turn_rad(self.turns_over_rad(gap.a, gap.b, FACE_M))
     }
 
+    /// Whether the nearer wall goes on as far as it is seen, and what is seen next is where it meets the farther one: so it
+    /// is in the corner of a dead end, whose side wall shows few returns at a grazing angle, and none of them far apart
+    /// from the next by more than a beam.
+    pub(super) fn hides_nothing(&self, gap: &Gap<'_>, turns: Turns) -> bool {
+        let (p, q) = gap.ends;
+        let (end, onward) = if gap.a_is_nearer { (p, gap.before) } else { (q, -gap.after) };
+        let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
+        let seen = -BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad;
+        self.ring.beams_from(p, q) == 1 && seen.contains(&turns.near_rad)
+    }
+
     /// Whether the farther wall meets the line of the nearer one in a corner.
-    fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
+    fn is_inner_corner(&self, gap: &Gap<'_>, turns: Turns) -> bool {
         let (far, end, direction) =
             if gap.a_is_nearer { (gap.b, End::First, gap.after) } else { (gap.a, End::Last, gap.before) };
-        if direction.dot(&gap.chord) <= 0.0 {
+        if direction.dot(&gap.chord) <= 0.0 || turns.near_rad < -PAST_CORNER_RAD {
             return false;
         }
         let span_rad = self.ring.beams_from(far[0], far[far.len() - 1]) as f64 * self.ring.step_rad;
