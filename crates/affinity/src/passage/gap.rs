@@ -15,8 +15,9 @@ const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
 /// A wall turns around where the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
-/// A wall that turns by less, seen so far from both of its ends, is seen to turn a corner and no more.
-const CORNER_RAD: f64 = 90.0 * PI / 180.0;
+/// A wall that turns by less, a right angle and the doubt of both directions, seen so far from both of its ends, is seen
+/// to turn a corner and no more.
+const CORNER_RAD: f64 = 100.0 * PI / 180.0;
 const CORNER_SEEN_M: f64 = 0.3;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
