@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction, reach_m, tangent};
+use super::tangent::{End, Tangents, has_direction, tangent};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
@@ -15,10 +15,6 @@ const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
 /// A wall turns around where the clear width is this share of the place's size.
 const PEAK_SHARE: f64 = 0.15;
-/// A wall that turns by less, a right angle and the doubt of both directions, seen so far from both of its ends, is seen
-/// to turn a corner and no more.
-const CORNER_RAD: f64 = 100.0 * PI / 180.0;
-const CORNER_SEEN_M: f64 = 0.3;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
 /// How decided a verdict is at least, and one on pieces without directions.
@@ -165,14 +161,9 @@ impl<'a> Judge<'a> {
         clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends)
     }
 
-    /// Whether nothing is hidden between two pieces, or the wall turns by no more than a corner there, as far as both are
-    /// seen from it: not just by a stray return.
-    pub(super) fn is_corner_seen(&self, a: &[usize], b: &[usize]) -> bool {
-        let Some(gap) = self.gap(a, b) else { return false };
-        let turns = gap.turns();
-        let is_seen = |piece, end| reach_m(self.ring, piece, end, self.limits.stretch_m) > CORNER_SEEN_M;
-        let turns_corner = || turns.whole_rad < CORNER_RAD && is_seen(a, End::Last) && is_seen(b, End::First);
-        self.hides_nothing(&gap, turns) || turns_corner()
+    /// Whether nothing is hidden between two pieces with directions.
+    pub(super) fn is_all_seen(&self, a: &[usize], b: &[usize]) -> bool {
+        self.gap(a, b).is_some_and(|gap| self.hides_nothing(&gap, gap.turns()))
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for

@@ -112,12 +112,6 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
     (if axis.dot(&onward) < 0.0 { -axis } else { axis }, taken)
 }
 
-/// How far from the end the returns reach that this direction rests on.
-pub(super) fn reach_m(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> f64 {
-    let (_, taken) = tangent_and_taken(ring, piece, end, stretch_m);
-    ring.distance_m(end.at(piece, 0), end.at(piece, taken - 1))
-}
-
 /// The unit eigenvector of the larger eigenvalue of a covariance: it halves the angle of (xx - yy, 2 xy).
 fn principal_axis(xx: f64, xy: f64, yy: f64) -> Position {
     let (along, across) = (xx - yy, 2.0 * xy);

@@ -34,8 +34,10 @@ const AROUND_RAD: f64 = 100.0 * PI / 180.0;
 /// So it does where such a wall is seen over less, but bends: over this stretch it turns by more than a right angle.
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 const BENDING_M: f64 = 4.0;
-/// But if it is seen so far behind that line, the nearer wall has ended before it.
+/// But if it is seen so far behind that line, where the wall turns by so much, the nearer wall has ended before it: a
+/// bend that leads back.
 const PAST_CORNER_RAD: f64 = 17.5 * PI / 180.0;
+const BACK_RAD: f64 = 52.0 * PI / 180.0;
 
 /// Nothing is seen in a gap into which so many beams, over so wide an angle, came back with nothing.
 const DARK_BEAMS: u32 = 4;
@@ -126,7 +128,8 @@ impl Judge<'_> {
     fn is_inner_corner(&self, gap: &Gap<'_>, turns: Turns) -> bool {
         let (far, end, direction) =
             if gap.a_is_nearer { (gap.b, End::First, gap.after) } else { (gap.a, End::Last, gap.before) };
-        if direction.dot(&gap.chord) <= 0.0 || turns.near_rad < -PAST_CORNER_RAD {
+        let leads_back = turns.near_rad < -PAST_CORNER_RAD && turns.whole_rad > BACK_RAD;
+        if direction.dot(&gap.chord) <= 0.0 || leads_back {
             return false;
         }
         let span_rad = self.ring.beams_from(far[0], far[far.len() - 1]) as f64 * self.ring.step_rad;
