@@ -113,9 +113,8 @@ impl Judge<'_> {
         whole_turn_rad(self.turns_over_rad(gap.a, gap.b, FACE_M))
     }
 
-    /// Whether the nearer wall goes on as far as it is seen, and what is seen next is where it meets the farther one: so it
-    /// is in the corner of a dead end, whose side wall shows few returns at a grazing angle, and none of them far apart
-    /// from the next by more than a beam.
+    /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
+    /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     pub(super) fn hides_nothing(&self, gap: &Gap<'_>, turns: Turns) -> bool {
         let (p, q) = gap.ends;
         let (end, onward) = if gap.a_is_nearer { (p, gap.before) } else { (q, -gap.after) };
