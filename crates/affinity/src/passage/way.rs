@@ -117,10 +117,12 @@ impl Judge<'_> {
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     pub(super) fn hides_nothing(&self, gap: &Gap<'_>, turns: Turns) -> bool {
         let (p, q) = gap.ends;
+        if self.ring.beams_from(p, q) != 1 || turns.near_rad >= self.limits.straight_rad {
+            return false;
+        }
         let (end, onward) = if gap.a_is_nearer { (p, gap.before) } else { (q, -gap.after) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        let seen = -BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad;
-        self.ring.beams_from(p, q) == 1 && seen.contains(&turns.near_rad)
+        turns.near_rad >= -BEHIND_LINE_SHARE * seen_at_rad
     }
 
     /// Whether the farther wall meets the line of the nearer one in a corner.
