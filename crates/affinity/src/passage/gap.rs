@@ -153,17 +153,13 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether a wall may turn around between two pieces: they are apart where they end, or so far away that the clear
-    /// width may be small, as at the end of the range the sides of a tunnel seem to meet.
+    /// Whether a wall may turn around between two pieces: something is hidden there, and they are apart where they end, or
+    /// so far away that the clear width may be small, as at the end of the range the sides of a tunnel seem to meet.
     pub(super) fn may_turn_around(&self, a: &[usize], b: &[usize]) -> bool {
         let Some(gap) = self.gap(a, b) else { return true };
         let [clear_m, _] = gap.clear_and_farther_m();
-        clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends)
-    }
-
-    /// Whether nothing is hidden between two pieces with directions.
-    pub(super) fn is_all_seen(&self, a: &[usize], b: &[usize]) -> bool {
-        self.gap(a, b).is_some_and(|gap| self.hides_nothing(&gap, gap.turns()))
+        let are_apart = clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends);
+        are_apart && !self.hides_nothing(&gap, gap.turns())
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for

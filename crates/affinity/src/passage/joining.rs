@@ -72,8 +72,8 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
 }
 
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
-/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, or short, so nothing is cut
-/// where something is hidden that may be that, or where nothing is.
+/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, or short: where lost beams
+/// or islands hide what there is, or nothing is hidden, it is not cut.
 pub(super) fn cut_at_peaks(judge: &Judge<'_>, walls: &mut Pieces) {
     cut(walls, |wall| sharpest_peak(judge, wall));
 }
@@ -113,7 +113,7 @@ fn sharpest_peak(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
     let mut least_rad = PEAK_RAD.start;
     for cut in gaps(judge, wall) {
         let (a, b) = wall.split_at(cut);
-        if judge.is_hidden((a[cut - 1], b[0])) || !judge.may_turn_around(a, b) || judge.is_all_seen(a, b) {
+        if judge.is_hidden((a[cut - 1], b[0])) || !judge.may_turn_around(a, b) {
             continue;
         }
         let turn_rad = judge.turns_over_rad(a, b, PEAK_STRETCH_M).iter().sum();
