@@ -46,6 +46,8 @@ pub(super) struct Judge<'a> {
     tangents: &'a RefCell<Tangents>,
     islands: &'a Pieces,
     pub(super) limits: Limits,
+    /// See [`roughness_m`](super::roughness::roughness_m).
+    pub(super) roughness_m: f64,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
     pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
@@ -82,6 +84,7 @@ impl<'a> Judge<'a> {
         pieces: &Pieces,
         islands: &'a Pieces,
         limits: Limits,
+        roughness_m: f64,
     ) -> Self {
         tangents.borrow_mut().start(ring, limits.stretch_m);
         let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
@@ -89,7 +92,7 @@ impl<'a> Judge<'a> {
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
-        let mut judge = Self { ring, tangents, islands, limits, size_m, lost_beams: 0 };
+        let mut judge = Self { ring, tangents, islands, limits, roughness_m, size_m, lost_beams: 0 };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
             judge.lost_beams = judge.lost_beams.max(ring.dark_between(pair[0], pair[1]));
         }
@@ -228,6 +231,11 @@ impl<'p> Gap<'p> {
         let turns_rad @ [before_rad, after_rad] = self.turns_rad();
         let (near_rad, far_rad) = if self.a_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
         Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
+    }
+
+    /// The farther piece, and its end at the gap.
+    pub(super) fn farther(&self) -> (&'p [usize], End) {
+        if self.a_is_nearer { (self.b, End::First) } else { (self.a, End::Last) }
     }
 
     /// The clear width, and how far the end of the farther wall lies to the left of the line of the nearer one.

@@ -219,14 +219,15 @@ impl Passage {
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
         joining::cut_ring(ring, kept, limits.passage_m, walls);
+        let roughness_m = roughness::roughness_m(ring, walls);
         let of_island = islands::Limits {
             island_m: self.island_m,
             passage_m: limits.passage_m,
             stretch_m: limits.stretch_m,
-            roughness_m: roughness::roughness_m(ring, walls),
+            roughness_m,
         };
         islands::take(ring, walls, &of_island, islands);
-        let judge = Judge::new(ring, tangents, walls, islands, *limits);
+        let judge = Judge::new(ring, tangents, walls, islands, *limits, roughness_m);
         let mut left_over = joining::join(ring, &judge, walls, least_returns);
         if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));

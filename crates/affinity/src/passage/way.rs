@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::ring::turn_rad;
-use super::tangent::{End, tangent};
+use super::tangent::tangent;
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
 
@@ -23,6 +23,11 @@ const BEHIND_SHARE: f64 = 0.5;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
+/// So wide a gap before a face is a way on in any place, if no bump of these walls can hide what is in it, and so many
+/// returns of the face are seen.
+const FACE_GAP_M: f64 = 1.0;
+const FACE_BUMPS: f64 = 40.0;
+const FACE_RETURNS: usize = 3;
 
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
@@ -104,8 +109,19 @@ impl Judge<'_> {
     /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
     /// been hidden.
     fn room_before_face(&self, gap: &Gap<'_>) -> f64 {
-        let room = gap.chord.norm() / (FACE_SHARE * self.size_m);
+        let mut needed_m = FACE_SHARE * self.size_m;
+        if self.is_face_seen(gap) {
+            needed_m = needed_m.min(FACE_GAP_M + FACE_BUMPS * self.roughness_m);
+        }
+        let room = gap.chord.norm() / needed_m;
         if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
+    }
+
+    /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.
+    fn is_face_seen(&self, gap: &Gap<'_>) -> bool {
+        let (far, end) = gap.farther();
+        let position_m = |k| self.ring.position_m(end.at(far, k));
+        far.len() >= FACE_RETURNS && (position_m(FACE_RETURNS - 1) - position_m(0)).norm() <= FACE_M
     }
 
     /// How much the wall turns over [`FACE_M`].
@@ -127,8 +143,8 @@ impl Judge<'_> {
 
     /// Whether the farther wall meets the line of the nearer one in a corner.
     fn is_inner_corner(&self, gap: &Gap<'_>, turns: Turns) -> bool {
-        let (far, end, direction) =
-            if gap.a_is_nearer { (gap.b, End::First, gap.after) } else { (gap.a, End::Last, gap.before) };
+        let (far, end) = gap.farther();
+        let direction = if gap.a_is_nearer { gap.after } else { gap.before };
         let leads_back = turns.near_rad < -PAST_CORNER_RAD && turns.whole_rad > BACK_RAD;
         if direction.dot(&gap.chord) <= 0.0 || leads_back {
             return false;
