@@ -152,9 +152,11 @@ fn no_way_on_is_narrower_than_the_vehicle_however_deep_it_is_seen() {
 }
 
 #[test]
-fn a_gap_much_narrower_than_the_place_ends_no_wall_and_one_as_wide_does() {
-    let walls = |width_m| components(&scan(&with_branch(width_m), all), &[]).len();
+fn a_gap_much_narrower_than_the_place_ends_no_wall_whose_bumps_may_hide_it_and_one_as_wide_does() {
+    let bumps = |beam: usize, range_m: Option<f64>| range_m.map(|range_m| range_m + [0.0, 0.06, -0.06][beam % 3]);
+    let walls = |width_m| components(&scan(&with_branch(width_m), bumps), &[]).len();
     assert_eq!((walls(0.8), walls(4.0)), (2, 3));
+    assert_eq!(components(&scan(&with_branch(0.8), all), &[]).len(), 3, "smooth");
 }
 
 #[test]

@@ -61,7 +61,7 @@ pub struct ScanDescription {
     pub step_rad: f64,
     /// Angle from the first beam to the last, as used; 0 if no beam has a bearing.
     pub field_of_view_rad: f64,
-    /// The beams go all the way round.
+    /// The beams go all the way round, and look out everywhere.
     pub full_turn: bool,
     /// Shortest and longest range, as the scan states them, m.
     pub range_m: [f32; 2],
@@ -141,7 +141,7 @@ fn describe_first(
         returns: revolution.len(),
         step_rad: sweep.step_rad,
         field_of_view_rad: if sweep.step_rad < TAU { sweep.step_rad * (sweep.len() - 1) as f64 } else { 0.0 },
-        full_turn: sweep.full_turn,
+        full_turn: sweep.view().full_turn,
         range_m: [scan.range_min, scan.range_max],
         notes: notes.iter().map(str::to_owned).collect(),
     })

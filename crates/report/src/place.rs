@@ -7,10 +7,10 @@ use crosscut_stage::{Opening, Place, wrap_angle_rad};
 /// Two openings at least this far apart make a corridor, nearer ones a bend.
 const CORRIDOR_RAD: f64 = 0.75 * PI;
 
-/// Names a place by its openings. What lies outside a limited view could be anything, and so could a place of which no
-/// wall is seen, so then it has no name.
-pub fn name(full_turn: bool, walls: usize, openings: &[Opening]) -> Place {
-    if !full_turn || walls == 0 {
+/// Names a place by its openings. If the view does not go all the way round, or nothing is known between two walls,
+/// there could be more; and a place of which no wall is seen could be anything. Then it has no name.
+pub fn name(sees_all: bool, walls: usize, openings: &[Opening]) -> Place {
+    if !sees_all || walls == 0 {
         return Place::PartialView;
     }
     match openings {
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
     use crosscut_stage::{Evidence, Point};
 
-    fn named(full_turn: bool, walls: usize, bearings_deg: &[f64]) -> String {
+    fn named(sees_all: bool, walls: usize, bearings_deg: &[f64]) -> String {
         let opening = |deg: &f64| Opening {
             bearing_rad: deg.to_radians(),
             width_m: 3.0,
@@ -38,7 +38,7 @@ mod tests {
             edge_m: [Point::origin(); 2],
             cut_by_view: false,
         };
-        name(full_turn, walls, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
+        name(sees_all, walls, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
     }
 
     #[test]

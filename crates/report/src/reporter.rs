@@ -99,7 +99,8 @@ impl Reporter {
         islands::mark(revolution, &limits, ring, out);
         openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        out.place = place::name(sweep.full_turn, out.junctions, &out.openings);
+        let sees_all = ring.full_turn && openings::sides(ring, f64::INFINITY).all(|sides| sides.is_known());
+        out.place = place::name(sees_all, out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
             if sweep.step_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let step_deg = sweep.step_rad.to_degrees();

@@ -10,7 +10,7 @@ pub(crate) type Position = Vector2<f64>;
 #[derive(Clone, Debug, Default)]
 pub struct Ring {
     pub(crate) entries: Vec<Entry>,
-    /// What each beam saw, anticlockwise.
+    /// What each beam in view saw, anticlockwise.
     pub(crate) beams: Vec<Beam>,
     /// Angle from one beam to the next.
     pub(crate) step_rad: f64,
@@ -32,9 +32,10 @@ impl Ring {
     /// Takes in the returns of walls, whatever was there before; those that `wall_of_return` (n entries) gives no wall
     /// are passed over.
     pub fn fill(&mut self, revolution: &Revolution, sweep: &Sweep, wall_of_return: &[Option<u32>]) {
-        (self.step_rad, self.full_turn) = (sweep.step_rad, sweep.full_turn);
+        let view = sweep.view();
+        (self.step_rad, self.full_turn) = (sweep.step_rad, view.full_turn);
         self.beams.clear();
-        self.beams.extend_from_slice(&sweep.beams);
+        self.beams.extend(sweep.beams.iter().cycle().skip(view.first).take(view.len));
         if sweep.is_clockwise() {
             self.beams.reverse();
         }

@@ -35,7 +35,7 @@ pub use kind::{Kind, StageKind};
 pub use level_view::{LevelReturn, LevelView};
 pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
 pub use partition::Partition;
-pub use revolution::{Beam, Revolution, Sweep, wrap_angle_rad};
+pub use revolution::{Beam, Revolution, Sweep, View, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use traits::{
     AffinityStage, KmeansStage, Observer, ObserverError, ReportStage, Source, SourceError, SpectralStage, StageError,

@@ -49,6 +49,21 @@ pub enum Beam {
     Unknown,
 }
 
+/// The beams of a sweep that look out, in message order: so many from `first` on, and on from the last beam to beam 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct View {
+    /// The first of them.
+    pub first: usize,
+    /// How many they are.
+    pub len: usize,
+    /// They cover the full turn.
+    pub full_turn: bool,
+}
+
+/// A wider sector of a full turn in which nothing is known, as where part of the vehicle stands before the sensor, leaves
+/// a limited view. Behind a narrower one a wall may be seen to go on.
+const BLIND_RAD: f64 = 30.0 * PI / 180.0;
+
 /// A sweep of more beams is worked on as a cloud: neighbouring returns are nearer to each other than a range is exact.
 const MOST_BEAMS: usize = 4096;
 
@@ -103,6 +118,32 @@ impl Sweep {
         self.beams.is_empty()
     }
 
+    /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.
+    pub fn view(&self) -> View {
+        let whole = View { first: 0, len: self.len(), full_turn: self.full_turn };
+        let is_blind = |beam: &Beam| *beam == Beam::Unknown;
+        // Blind all around, it has no end.
+        let Some(seen) = self.beams.iter().position(|beam| !is_blind(beam)).filter(|_| self.full_turn) else {
+            return whole;
+        };
+        let (mut widest, mut next, mut blind) = (0, 0, 0);
+        for at in (seen..self.len()).chain(0..=seen) {
+            if is_blind(&self.beams[at]) {
+                blind += 1;
+                continue;
+            }
+            if blind > widest {
+                (widest, next) = (blind, at);
+            }
+            blind = 0;
+        }
+        if widest as f64 * self.step_rad > BLIND_RAD {
+            View { first: next, len: self.len() - widest, full_turn: false }
+        } else {
+            whole
+        }
+    }
+
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
     pub fn is_clockwise(&self) -> bool {
         let [Some(first), Some(last)] = [self.bearings_rad.first(), self.bearings_rad.last()] else { return false };
@@ -133,6 +174,34 @@ pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn view(beams: &[Beam], full_turn: bool) -> View {
+        let step_rad = TAU / 36.0;
+        Sweep { beams: beams.to_vec(), step_rad, full_turn, ..Sweep::default() }.view()
+    }
+
+    #[test]
+    fn a_blind_sector_of_a_full_turn_is_outside_the_view_wherever_the_message_begins() {
+        let mut beams = vec![Beam::NoReturn; 36];
+        beams[..4].fill(Beam::Unknown);
+        beams[20] = Beam::Unknown;
+        for _ in 0..36 {
+            beams.rotate_left(1);
+            let View { first, len, full_turn } = view(&beams, true);
+            assert_eq!((len, full_turn), (32, false));
+            assert!((0..len).all(|at| at == 16 || beams[(first + at) % 36] == Beam::NoReturn), "{first}");
+        }
+    }
+
+    #[test]
+    fn a_narrow_blind_sector_leaves_the_full_turn_and_a_limited_view_stays_as_it_is() {
+        let mut beams = vec![Beam::NoReturn; 36];
+        beams[10..13].fill(Beam::Unknown);
+        assert_eq!(view(&beams, true), View { first: 0, len: 36, full_turn: true });
+        beams[10..20].fill(Beam::Unknown);
+        assert_eq!(view(&beams, false), View { first: 0, len: 36, full_turn: false });
+        assert_eq!(view(&[Beam::Unknown; 36], true), View { first: 0, len: 36, full_turn: true }, "blind all around");
+    }
 
     #[test]
     fn wrapping_keeps_the_direction_and_lands_in_the_half_open_interval() {

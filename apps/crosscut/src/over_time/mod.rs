@@ -47,7 +47,7 @@ impl OverTime {
             confidence: frame.junction.confidence,
             grounds: Grounds::of(&frame.revolution, self.vehicle_width_m, &frame.junction),
             walls: reason::arcs(&frame.junction),
-            limited_view: frame.revolution.as_sweep().is_some_and(|sweep| !sweep.full_turn),
+            limited_view: frame.revolution.as_sweep().is_some_and(|sweep| !sweep.view().full_turn),
         });
     }
 

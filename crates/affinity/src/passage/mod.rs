@@ -33,7 +33,7 @@ const PASSAGE_M: ParamSpec = ParamSpec {
     name: "passage_m",
     unit: "m",
     shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "the vehicle's width: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
+    doc: "vehicle.width_m if that is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
 };
 
 const STRETCH_M: ParamSpec = ParamSpec {
@@ -89,7 +89,7 @@ const HEIGHT_M: ParamSpec = ParamSpec {
     name: "height_m",
     unit: "m",
     shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "the vehicle's height: of a cloud, returns farther above or below the sensor than half of it are of no wall",
+    doc: "vehicle.height_m if that is set: of a cloud, returns farther above or below the sensor than half of it are of no wall",
 };
 
 const LEAK: ParamSpec = ParamSpec {

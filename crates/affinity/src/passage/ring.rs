@@ -10,7 +10,7 @@ pub(super) type Position = Vector2<f64>;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     pub(super) returns: Vec<Entry>,
-    /// Number of beams, with or without a return.
+    /// Number of beams in view, with or without a return.
     pub(super) beams: usize,
     pub(super) step_rad: f64,
     /// The last return is followed by the first.
@@ -42,7 +42,8 @@ impl Ring {
         let clockwise = sweep.is_clockwise(); // the direction is summed over all beams
         self.returns.clear();
         self.clockwise = clockwise;
-        (self.beams, self.step_rad, self.full_turn) = (sweep.len(), sweep.step_rad, sweep.full_turn);
+        let view = sweep.view();
+        (self.beams, self.step_rad, self.full_turn) = (view.len, sweep.step_rad, view.full_turn);
         self.range_max_m = sweep.range_max_m;
         self.dark = 0;
         for (beam, seen) in sweep.beams.iter().enumerate() {
@@ -61,13 +62,29 @@ impl Ring {
             let (beams, returns) = (self.returns.len(), points_m.len());
             return Err(StageError::Unsupported(format!("{beams} beams with a return, but {returns} returns")));
         }
+        if view.first > 0 {
+            self.begin_at(view.first, sweep);
+        }
         if clockwise {
             self.returns.reverse();
             for entry in &mut self.returns {
-                (entry.beam, entry.dark_before) = (sweep.len() - 1 - entry.beam, self.dark - entry.dark_before);
+                (entry.beam, entry.dark_before) = (view.len - 1 - entry.beam, self.dark - entry.dark_before);
             }
         }
         Ok(())
+    }
+
+    /// Counts the beams from `first` on.
+    fn begin_at(&mut self, first: usize, sweep: &Sweep) {
+        let dark = sweep.beams[..first].iter().filter(|beam| **beam == Beam::NoReturn).count() as u32;
+        let before = self.returns.partition_point(|entry| entry.beam < first);
+        for entry in &mut self.returns[..before] {
+            (entry.beam, entry.dark_before) = (entry.beam + sweep.len(), entry.dark_before + self.dark);
+        }
+        self.returns.rotate_left(before);
+        for entry in &mut self.returns {
+            (entry.beam, entry.dark_before) = (entry.beam - first, entry.dark_before - dark);
+        }
     }
 
     pub(super) fn len(&self) -> usize {

@@ -7,6 +7,12 @@ use super::layer::Layer;
 use super::schema::{Body, Choice, Schema, Section};
 use crate::Registry;
 
+/// Parameters that are those of the vehicle unless they are set themselves: the two, each by section and name.
+const OF_VEHICLE: [[(&str, &str); 2]; 2] =
+    [[("affinity", "passage_m"), ("vehicle", "width_m")], [("affinity", "height_m"), ("vehicle", "height_m")]];
+/// The layer of what nobody set.
+const DEFAULT: &str = "default";
+
 /// Every parameter with its value and the layer that set it.
 #[derive(Clone, Debug)]
 pub struct Config {
@@ -42,7 +48,26 @@ impl Config {
             refuse_unknown_sections(schema, layer)?;
         }
         let sections = schema.sections.iter().map(|section| resolve_section(section, layers));
-        Ok(Self { sections: sections.collect::<Result<_, _>>()? })
+        let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
+        OF_VEHICLE.into_iter().for_each(|[to, from]| config.follow(to, from));
+        Ok(config)
+    }
+
+    /// Sets a parameter to another that was set, unless it was set itself, or its kind does not have it.
+    fn follow(&mut self, (section, name): (&str, &'static str), (of, other): (&str, &str)) {
+        let of = self.section(of);
+        let place = of.specs.iter().position(|spec| spec.name == other).expect("a parameter of the vehicle");
+        if of.layers[place] == DEFAULT {
+            return;
+        }
+        let (value, layer) = (Value::Number(of.params.number(other)), format!("{}.{other}", of.name));
+        let to = self.sections.iter_mut().find(|resolved| resolved.name == section).expect("a section of the method");
+        if let Some(place) = to.specs.iter().position(|spec| spec.name == name)
+            && to.layers[place] == DEFAULT
+        {
+            to.params.set(name, value);
+            to.layers[place] = layer;
+        }
     }
 
     /// A preset alone, for the sections of the method.
@@ -139,7 +164,7 @@ fn defaults(section: &Section) -> Resolved {
         Body::Fixed(specs) => (None, *specs),
         Body::Kinds(choices) => (Some(choices[0]), choices[0].params),
     };
-    Resolved::new(section.name, kind, specs, "default")
+    Resolved::new(section.name, kind, specs, DEFAULT)
 }
 
 impl Resolved {
@@ -149,7 +174,7 @@ impl Resolved {
             kind: kind.map(|kind| ResolvedKind { name: kind.name, doc: kind.doc, layer: layer.to_owned() }),
             specs,
             params: Params::defaults(specs),
-            layers: vec!["default".to_owned(); specs.len()],
+            layers: vec![DEFAULT.to_owned(); specs.len()],
         }
     }
 

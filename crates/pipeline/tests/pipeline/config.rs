@@ -28,6 +28,22 @@ fn later_layers_win_and_the_printout_says_who_set_what() {
 }
 
 #[test]
+fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
+    let passage = |settings: &[&str]| {
+        let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+        let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
+        let config = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
+        let text = config.to_string();
+        text.lines().find(|line| line.starts_with("passage_m")).expect("a passage").to_owned()
+    };
+    assert_eq!(passage(&[]), "passage_m = 0.6  # default");
+    assert_eq!(passage(&["vehicle.width_m=2"]), "passage_m = 2.0  # vehicle.width_m");
+    assert_eq!(passage(&["vehicle.width_m=2", "affinity.passage_m=1"]), "passage_m = 1.0  # --set");
+    let paper = resolve("", &["vehicle.width_m=2"]).expect("a kind without it is left alone");
+    assert!(!paper.to_string().contains("passage_m"));
+}
+
+#[test]
 fn every_preset_prints_a_file_that_resolves_to_itself() {
     for (name, _) in PRESETS {
         let config = Config::preset(name, &Registry::standard()).expect("a preset");

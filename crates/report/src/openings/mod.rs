@@ -10,12 +10,14 @@
 //!    line of the farther wall by the vehicle's width, and the farther end leaves the line of the nearer wall by half
 //!    of it;
 //! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
-//! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside a limited view.
+//! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside the view
+//!    ([`Sweep::view`](crosscut_stage::Sweep::view)).
 //!
 //! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
 //!
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
-//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
+//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree; but for those whose
+//! branch is too narrow for the vehicle, where the walls were told apart for a smaller one. One wall all around has
 //! at most one opening then, the widest of those in free space.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
@@ -77,6 +79,9 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     if !ring.full_turn {
         out.extend(view.cut_by_its_ends());
     }
+    if rule == Rule::BetweenWalls {
+        out.retain(|opening| opening.width_m >= vehicle_width_m);
+    }
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
@@ -132,9 +137,8 @@ struct View<'a> {
 impl View<'_> {
     /// Every edge between two walls that is not masked throughout.
     fn between_walls(&self) -> Vec<Branch> {
-        let between_two = |sides: &Sides<'_>| sides.walls()[0] != sides.walls()[1];
         sides(self.ring, self.vehicle_width_m)
-            .filter(|sides| between_two(sides) && self.is_known(sides))
+            .filter(|sides| sides.are_two_walls() && sides.is_known())
             .map(|sides| self.branch(&sides))
             .collect()
     }
@@ -160,17 +164,12 @@ impl View<'_> {
         branches
     }
 
-    fn is_known(&self, sides: &Sides<'_>) -> bool {
-        let mut between = sides.between().peekable();
-        between.peek().is_none() || between.any(|beam| beam != Beam::Unknown)
-    }
-
     fn is_passable(&self, sides: &Sides<'_>) -> bool {
         let edge_m = sides.edge_m();
-        if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !self.is_known(sides) {
+        if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !sides.is_known() {
             return false;
         }
-        let dark_between_two = sides.walls()[0] != sides.walls()[1] && sides.is_dark();
+        let dark_between_two = sides.are_two_walls() && sides.is_dark();
         let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());
         (dark_between_two || clearance_m(sides) >= self.vehicle_width_m)
             && depth_m(returns_m, edge_m, self.vehicle_width_m) >= DEPTH_M

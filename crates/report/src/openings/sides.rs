@@ -87,6 +87,18 @@ impl<'a> Sides<'a> {
         Self { ring, clockwise, anticlockwise }
     }
 
+    /// Whether the returns beside the edge are of two walls.
+    pub(super) fn are_two_walls(&self) -> bool {
+        let [a, b] = self.walls();
+        a != b
+    }
+
+    /// Whether anything is known of what is in the edge.
+    pub(crate) fn is_known(&self) -> bool {
+        let mut between = self.between().peekable();
+        between.peek().is_none() || between.any(|beam| beam != Beam::Unknown)
+    }
+
     /// The walls clockwise and anticlockwise of the edge.
     pub(crate) fn walls(&self) -> [u32; 2] {
         [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].wall)

@@ -1,0 +1,102 @@
+//! What the default method says of simulated scans when the vehicle is another.
+
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_simulator::{Split, Suite, suites};
+use crosscut_stage::{Beam, Frame, Junction, Notes, Params, Place, Revolution, Sweep};
+
+/// A scan is taken of so many that follow each other.
+const SCENES_STEP: usize = 60;
+
+/// The blind sector: from a fifth of the turn to two fifths.
+fn sector(beams: usize) -> std::ops::Range<usize> {
+    beams / 5..2 * beams / 5
+}
+
+/// The scan with nothing known in the sector.
+fn blinded(scan: &Revolution) -> Revolution {
+    let of = scan.sweep.as_ref().expect("beams");
+    let (mut points_m, mut beams) = (Vec::new(), Vec::new());
+    for (at, beam) in of.beams.iter().enumerate() {
+        beams.push(match *beam {
+            _ if sector(of.len()).contains(&at) => Beam::Unknown,
+            Beam::Return(i) => {
+                points_m.push(scan.points_m[i as usize]);
+                Beam::Return(points_m.len() as u32 - 1)
+            }
+            other => other,
+        });
+    }
+    Revolution { points_m, sweep: Some(Sweep { beams, ..of.clone() }), ..Revolution::default() }
+}
+
+/// The same by a sensor that does not look there.
+fn limited(scan: &Revolution) -> Revolution {
+    let of = scan.sweep.as_ref().expect("beams");
+    let (mut points_m, mut beams, mut bearings_rad) = (Vec::new(), Vec::new(), Vec::new());
+    for at in (sector(of.len()).end..of.len()).chain(0..sector(of.len()).start) {
+        bearings_rad.push(of.bearings_rad[at]);
+        beams.push(match of.beams[at] {
+            Beam::Return(i) => {
+                points_m.push(scan.points_m[i as usize]);
+                Beam::Return(points_m.len() as u32 - 1)
+            }
+            other => other,
+        });
+    }
+    let sweep = Sweep { beams, bearings_rad, full_turn: false, ..of.clone() };
+    Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }
+}
+
+fn engine(settings: &[&str]) -> Engine {
+    let registry = Registry::standard();
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
+    Engine::new(&Config::resolve(&Schema::new(&registry), &layers).expect("allowed"), &registry)
+}
+
+/// Some scans of a suite, each with what it is called.
+fn scans(suite: &Suite) -> impl Iterator<Item = (String, Revolution)> {
+    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    suite.scenes(Split::Dev).enumerate().step_by(SCENES_STEP).map(move |(number, scene)| {
+        let mut scan = Revolution::default();
+        sensor.revolution(&scene.scan, &mut scan, &mut Notes::default());
+        (format!("{} {number}", suite.name), scan)
+    })
+}
+
+fn answer(engine: &mut Engine, revolution: Revolution) -> Junction {
+    let mut frame = Frame { revolution, ..Frame::default() };
+    engine.process(&mut frame).expect("a sound scan");
+    frame.junction
+}
+
+#[test]
+fn what_a_vehicle_hides_all_the_time_is_outside_the_view() {
+    let mut engine = engine(&[]);
+    let mut compared = 0;
+    for (name, scan) in suites().iter().flat_map(scans) {
+        if !scan.sweep.as_ref().is_some_and(|sweep| sweep.full_turn) {
+            continue;
+        }
+        let (ours, other) = (answer(&mut engine, blinded(&scan)), answer(&mut engine, limited(&scan)));
+        assert_eq!((ours.place, ours.junctions), (Place::PartialView, other.junctions), "{name}");
+        let ways = |answer: &Junction| -> Vec<_> {
+            answer.openings.iter().map(|opening| (opening.bearing_rad, opening.width_m)).collect()
+        };
+        assert_eq!(ways(&ours), ways(&other), "{name}");
+        compared += 1;
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+#[test]
+fn no_opening_is_narrower_than_the_vehicle() {
+    const WIDTH_M: f64 = 1.8;
+    let mut engine = engine(&["vehicle.width_m=1.8"]);
+    let mut widths_m = Vec::new();
+    for (_, scan) in suites().iter().filter(|suite| ["narrow", "wet"].contains(&suite.name)).flat_map(scans) {
+        widths_m.extend(answer(&mut engine, scan).openings.iter().map(|opening| opening.width_m));
+    }
+    assert!(widths_m.len() > 10 && widths_m.iter().all(|&width_m| width_m >= WIDTH_M), "{widths_m:?}");
+}
