@@ -8,8 +8,8 @@
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
 //! ```
-//! with w the width of the vehicle. Beams more than 4° apart do not show walls as lines: what is seen as clear may not
-//! be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development
+//! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
+//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development
 //! scenes; `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it
 //! with what it means.
 
@@ -31,8 +31,8 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// β.
 const BETA: [f64; Grounds::INPUTS] = [0.25, 0.31, -0.74, -0.48, 1.40, 5.44, -0.57];
 
-/// Beams this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
-/// right with 90 and 50 % with 60).
+/// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
+/// right with 90 beams and 50 % with 60).
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 
 /// What speaks for and against an answer.
@@ -72,8 +72,11 @@ impl Grounds {
         if ring.entries.is_empty() {
             return None;
         }
-        let is_opening = |edge_m: [Position; 2]| {
-            answer.openings.iter().any(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()) == edge_m)
+        // A stray return inside an opening splits its edge: the first part begins where the opening does, the last ends
+        // where it does.
+        let is_opening = |[from_m, to_m]: [Position; 2]| {
+            let edges_m = answer.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
+            edges_m.into_iter().any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
         };
         let mut grounds = Self {
             least_at_openings_m: f64::INFINITY,
@@ -130,13 +133,24 @@ fn apart_rad(answer: &Junction) -> f64 {
 pub(crate) fn of_scene(revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, answer: &Junction) -> f64 {
     let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, answer) else { return 0.0 };
     let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-    of_step(ring.step_rad) / (1.0 + (-logit).exp())
+    of_spacing(spacing_rad(ring)) / (1.0 + (-logit).exp())
 }
 
-/// What is left of the share of right answers when beams are `step_rad` apart, about as found by leaving beams out of
-/// the development scenes: 1 up to [`COARSE_RAD`], half of it at 60 beams a turn, an eighth at 24.
-fn of_step(step_rad: f64) -> f64 {
-    (COARSE_RAD / step_rad).powf(1.5).min(1.0)
+/// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost.
+pub(crate) fn spacing_rad(ring: &Ring) -> f64 {
+    let pairs = (0..ring.edges()).map(|at| [at, ring.after(at)].map(|at| &ring.entries[at]));
+    let (mut beams, mut spacings) = (0, 0);
+    for [from, to] in pairs.filter(|[from, to]| from.wall == to.wall) {
+        beams += if from.beam < to.beam { to.beam - from.beam } else { to.beam + ring.beams.len() - from.beam };
+        spacings += 1;
+    }
+    ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
+}
+
+/// What is left of the share of right answers when returns are so far apart, about as found by leaving beams out of
+/// scans, every so many or at random: 1 up to [`COARSE_RAD`], half of it at 60 returns a turn, an eighth at 24.
+fn of_spacing(spacing_rad: f64) -> f64 {
+    (COARSE_RAD / spacing_rad).powf(1.5).min(1.0)
 }
 
 /// 1 - 10^-margin: 0 on the tolerance, 0.9 one decade away, 0.99 two.
@@ -156,8 +170,8 @@ mod tests {
     }
 
     #[test]
-    fn beams_too_far_apart_to_tell_walls_from_gaps_make_no_answer_sure() {
-        let of_beams = |beams: f64| of_step(TAU / beams);
+    fn returns_too_far_apart_to_tell_walls_from_gaps_make_no_answer_sure() {
+        let of_beams = |beams: f64| of_spacing(TAU / beams);
         assert_eq!((of_beams(4096.0), of_beams(90.0)), (1.0, 1.0));
         assert!((0.5..0.6).contains(&of_beams(60.0)) && of_beams(24.0) < 0.14);
     }

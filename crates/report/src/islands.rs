@@ -33,7 +33,10 @@ pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut
         out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
-    let mut others = out.walls.len();
+    let mut seen: Vec<u32> = ring.entries.iter().map(|entry| entry.wall).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    let mut others = seen.len();
     while let Some(free) = first_free(ring, &candidates, limits, &is_short).filter(|free| free.len() < others) {
         others -= free.len();
         for id in free {
@@ -84,6 +87,7 @@ fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u3
             && stands_between(ring, [a, b], limits.vehicle_width_m)
     };
     match &steps[..] {
+        [] => false, // of a cloud, a wall that the level view does not see
         _ if behind == steps.len() => true,
         [a, b] if behind == 1 => in_way([a, b]),
         _ => false,

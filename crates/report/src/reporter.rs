@@ -102,10 +102,11 @@ impl Reporter {
         let sees_all = ring.full_turn && openings::sides(ring, f64::INFINITY).all(|sides| sides.is_known());
         out.place = place::name(sees_all, out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
-            if sweep.step_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
-                let step_deg = sweep.step_rad.to_degrees();
+            let spacing_rad = confidence::spacing_rad(ring);
+            if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
+                let spacing_deg = spacing_rad.to_degrees();
                 notes.add(format!(
-                    "report: beams stand {step_deg:.1}° apart, too far to tell walls from gaps: less confidence"
+                    "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
             confidence::of_scene(revolution, ring, *vehicle_width_m, out)

@@ -2,7 +2,7 @@
 
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Frame, Junction, Params, Partition, ReportStage, Revolution, Value};
+use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, ReportStage, Revolution, Value};
 use scenes::{Segment, scan, tee, tunnel};
 
 mod scenes;
@@ -66,6 +66,53 @@ fn openings_close_together_and_pillars_speak_against_an_answer() {
     let (with_pillar, unsure) = grounds(&with_pillar);
     assert_eq!((plain.islands, with_pillar.islands), (false, true));
     assert!(unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
+fn a_stray_return_in_the_way_out_of_a_dead_end_makes_no_doubtful_gap_of_half_of_it() {
+    let dead_end = [
+        (Segment([-30.0, 1.75], [4.0, 1.75]), 0),
+        (Segment([4.0, 1.75], [4.0, -1.75]), 0),
+        (Segment([4.0, -1.75], [-30.0, -1.75]), 0),
+        (Segment([-12.0, -0.2], [-12.0, 0.0]), 0),
+    ];
+    let (grounds, _) = grounds(&dead_end);
+    assert!(grounds.most_within_walls_m < 0.1 && grounds.least_at_openings_m.is_finite(), "{grounds:?}");
+}
+
+#[test]
+fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
+    let of_each = |each: usize| {
+        let (mut revolution, walls) = scan(&tunnel(), 360, |_| false);
+        let sweep = revolution.sweep.as_mut().expect("a sweep");
+        let (mut points_m, mut labels) = (Vec::new(), Vec::new());
+        for (at, beam) in sweep.beams.iter_mut().enumerate() {
+            if let Beam::Return(i) = *beam {
+                *beam = if at % each == 0 { Beam::Return(points_m.len() as u32) } else { Beam::NoReturn };
+                if at % each == 0 {
+                    points_m.push(revolution.points_m[i as usize]);
+                    labels.push(walls[i as usize]);
+                }
+            }
+        }
+        revolution.points_m = points_m;
+        answer((revolution, labels)).1.confidence
+    };
+    assert!(of_each(1) > 0.9 && of_each(3) > 0.9, "{} and {}", of_each(1), of_each(3));
+    assert!(of_each(10) < 0.3, "{}", of_each(10));
+}
+
+#[test]
+fn of_a_cloud_a_small_wall_that_the_level_view_does_not_see_is_no_island() {
+    let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
+    revolution.sweep = None;
+    for at in 0..5 {
+        revolution.points_m.push(Point::new(0.1 * f64::from(at), 0.0, 2.0)); // the roof
+        walls.push(Some(2));
+    }
+    let (_, answer) = answer((revolution, walls));
+    assert_eq!(answer.walls.iter().map(|wall| wall.island).collect::<Vec<_>>(), [false; 3]);
+    assert_eq!((answer.place, answer.openings.len()), (Place::Corridor, 2));
 }
 
 #[test]
