@@ -91,7 +91,7 @@ impl NarrowBands {
 }
 
 impl ShiftInvert for Band {
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize> {
         let (n, stride) = (self.n, self.stride);
         self.factor.resize(n * stride, 0.0);
         x.resize(n + stride, 0.0);
@@ -110,18 +110,18 @@ impl ShiftInvert for Band {
             }
         };
         x.truncate(n);
-        negative
+        Some(negative)
     }
 
-    fn count_below(&mut self, shift: f64) -> usize {
-        match self.stride {
+    fn count_below(&mut self, shift: f64) -> Option<usize> {
+        Some(match self.stride {
             NARROW => eliminate_narrow::<NARROW>(&self.entries, self.n, shift, |_, _, _| ()),
             WIDER => eliminate_narrow::<WIDER>(&self.entries, self.n, shift, |_, _, _| ()),
             stride => {
                 self.factor.clone_from(&self.entries);
                 eliminate_wide(&mut self.factor, self.n, stride, shift, |_, _, _| ())
             }
-        }
+        })
     }
 }
 

@@ -141,7 +141,7 @@ impl Solver {
             }
             let Self { split, order, narrow, band, sparse, second, zero, .. } = self;
             let laplacian = take(graph, split, order, block, (narrow, band, sparse))?;
-            if self.next.is_some_and(|next| laplacian.count_below(next) <= 1) {
+            if self.next.is_some_and(|next| laplacian.count_below(next).is_some_and(|below| below <= 1)) {
                 continue;
             }
             let volume = split.volumes()[block];

@@ -118,7 +118,7 @@ impl Envelope {
         reserve(&mut self.work, most, PANEL);
         reserve(&mut self.scaled, PANEL, most.max(PANEL));
         let needed = cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default());
-        if self.scratch.len() < needed.unaligned_bytes_required() {
+        if self.scratch.len() < needed.size_bytes() {
             self.scratch = MemBuffer::new(needed);
         }
     }

@@ -5,11 +5,12 @@ use crate::dot::dot;
 /// The Laplacian of a block, of which L - shift·I can be factorised.
 pub(crate) trait ShiftInvert {
     /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
-    /// is that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off.
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize;
+    /// is that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off. `None` if there is
+    /// no factorisation at the shift, nor just beside it.
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize>;
 
-    /// The number of eigenvalues below a shift, by the pivots alone.
-    fn count_below(&mut self, shift: f64) -> usize;
+    /// The number of eigenvalues below a shift, by the pivots alone; `None` likewise.
+    fn count_below(&mut self, shift: f64) -> Option<usize>;
 }
 
 /// The shift of the first step: L itself is singular.
@@ -59,7 +60,7 @@ impl Second {
         self.start(zero);
         let rounding = ROUNDING * zero.len() as f64;
         let (mut below, mut above) = (FIRST_SHIFT, f64::INFINITY);
-        matrix.solve(below, &mut self.solution);
+        matrix.solve(below, &mut self.solution)?;
         let mut estimate = self.step(zero, below);
         for _ in 0..MOST_STEPS {
             let upper = estimate.quotient.min(above);
@@ -71,7 +72,7 @@ impl Second {
             let guess = upper - 2.0 * estimate.error - rounding;
             let shift = if is_of_lambda && guess > below { guess } else { 0.5 * (below + upper) };
             self.solution.clone_from(&self.vector);
-            if matrix.solve(shift, &mut self.solution) > 1 {
+            if matrix.solve(shift, &mut self.solution)? > 1 {
                 above = shift;
             } else {
                 below = shift;

@@ -144,18 +144,18 @@ impl Sparse {
 }
 
 impl ShiftInvert for Sparse {
-    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> usize {
-        let below = self.count_below(shift);
-        let Some(symbolic) = &self.symbolic else { return below };
+    fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize> {
+        let below = self.count_below(shift)?;
+        let symbolic = self.symbolic.as_ref()?;
         let x = MatMut::from_column_major_slice_mut(x, symbolic.nrows(), 1);
         let stack = MemStack::new(&mut self.scratch);
         LdltRef::new(symbolic, &self.factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
-        below
+        Some(below)
     }
 
-    fn count_below(&mut self, shift: f64) -> usize {
+    fn count_below(&mut self, shift: f64) -> Option<usize> {
         let n = self.column_starts.len() - 1;
-        let Some(symbolic) = &self.symbolic else { return 0 };
+        let symbolic = self.symbolic.as_ref()?;
         for nudge in 0..NUDGES {
             let shift = shift + NUDGE * nudge as f64;
             self.shifted.clone_from(&self.values);
@@ -172,10 +172,10 @@ impl ShiftInvert for Sparse {
                 Spec::default(),
             );
             if done.is_ok() {
-                break;
+                return Some(negative_pivots(symbolic, &self.factor));
             }
         }
-        negative_pivots(symbolic, &self.factor)
+        None
     }
 }
 
