@@ -33,9 +33,9 @@ impl MemoryBudget {
 
     /// Whether the decomposition fits beside W, once per worker.
     pub(crate) fn admit_spectral(&self, stage: &dyn SpectralStage, affinity: &Affinity) -> Result<(), StageError> {
-        let n = affinity.weights.n();
+        let (n, stored) = (affinity.weights.n(), affinity.weights.stored());
         let held = self.frames.saturating_mul(affinity.weights.memory_bytes());
-        self.admit(n, held.saturating_add(self.workers.saturating_mul(stage.memory_bytes(n))))
+        self.admit(n, held.saturating_add(self.workers.saturating_mul(stage.memory_bytes(n, stored))))
     }
 
     fn admit(&self, n: usize, bytes: u64) -> Result<(), StageError> {
@@ -45,7 +45,7 @@ impl MemoryBudget {
         }
         Err(StageError::Unsupported(format!(
             "{n} returns would need {needed_mb} MB ({} frames in flight, {} workers), pipeline.memory_mb is {}; raise it, \
-             lower pipeline.in_flight or pipeline.workers, or choose a sparse affinity",
+             lower pipeline.in_flight or pipeline.workers, or choose an affinity with fewer edges",
             self.frames, self.workers, self.limit_mb
         )))
     }

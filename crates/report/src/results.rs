@@ -21,7 +21,8 @@ pub struct ResultsLine {
     pub junctions: usize,
     /// What the eigenvalues say.
     pub k: usize,
-    /// Decades between the zero tolerance and the nearest eigenvalue; null at n = 0.
+    /// Decades by which the zero tolerance could be moved before `k` changes; null if no eigenvalue is known but exact
+    /// zeros, as from `components`, or at n = 0.
     pub margin: Option<f64>,
     /// 0 to 1.
     pub confidence: f64,

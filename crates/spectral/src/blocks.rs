@@ -8,11 +8,11 @@ use crosscut_stage::{
 use crate::FaerEvd;
 use crate::band::{Band, NarrowBands};
 use crate::degrees::check_degrees;
-use crate::graph::{Graph, GraphBuffers};
+use crate::graph::{Edge, Graph, GraphBuffers};
 use crate::laplacian::dense_bytes;
 use crate::order::Order;
 use crate::second::{Second, ShiftInvert};
-use crate::sparse::Sparse;
+use crate::sparse::{MOST_BYTES, Sparse};
 use crate::split::Split;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
@@ -25,9 +25,9 @@ const WEAK_LINK: ParamSpec = ParamSpec {
 
 /// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
 const WIDEST_BAND: usize = 64;
-/// More memory than this is not taken for the full decomposition of a block.
-const MOST_BYTES: u64 = 1 << 30;
 const BYTES_PER_RETURN: u64 = 512;
+/// Each edge is two entries of W, and is held in a list that doubles as it grows; the entries of a dense W are copied.
+const BYTES_PER_ENTRY: u64 = (size_of::<Edge>() + size_of::<f64>() + size_of::<u32>()) as u64;
 
 pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
     name: "blocks",
@@ -92,7 +92,7 @@ impl Decomposed {
         block: usize,
         notes: &mut Notes,
     ) -> Result<Self, StageError> {
-        let bytes = full.memory_bytes(members.len()).saturating_add(dense_bytes(members.len()));
+        let bytes = full.memory_bytes(members.len(), 0).saturating_add(dense_bytes(members.len()));
         if bytes > MOST_BYTES {
             return Err(StageError::Unsupported(format!(
                 "a component of {} returns may have several eigenvalues below the tolerance, and would need {} MB to be decomposed \
@@ -267,9 +267,10 @@ impl SpectralStage for Blocks {
         Ok(())
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
-        // Buffers of a few numbers a return. What a factor or the full decomposition of a block takes beyond that
-        // depends on the graph, and is refused where it is known, if it is too much.
-        (n as u64).saturating_mul(BYTES_PER_RETURN)
+    fn memory_bytes(&self, n: usize, stored: usize) -> u64 {
+        // Buffers of a few numbers a return, and of the edges. What the graph of blocks, a factor or the full
+        // decomposition of a block takes beyond that is refused where it is known, if it is too much.
+        let of_edges = (stored as u64).saturating_mul(BYTES_PER_ENTRY);
+        (n as u64).saturating_mul(BYTES_PER_RETURN).saturating_add(of_edges)
     }
 }

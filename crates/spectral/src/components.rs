@@ -50,7 +50,7 @@ impl SpectralStage for Components {
         Ok(())
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
         // A parent and at most one volume a return.
         (n as u64).saturating_mul(4 + 8)
     }

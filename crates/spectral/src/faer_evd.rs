@@ -41,7 +41,7 @@ impl SpectralStage for FaerEvd {
         embed(self.rule, |j| self.decomposition.eigenvector(j), out)
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
         // L, and what its decomposition takes.
         dense_bytes(n).saturating_add(Decomposition::memory_bytes(n))
     }

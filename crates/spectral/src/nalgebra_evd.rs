@@ -57,7 +57,7 @@ impl SpectralStage for NalgebraEvd {
         embed(self.rule, |j| &entries[order[j] * n..][..n], out)
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
         // L, the copy that is tridiagonalised in place, and the eigenvectors.
         dense_bytes(n).saturating_mul(3)
     }

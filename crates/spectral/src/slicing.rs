@@ -129,7 +129,7 @@ impl SpectralStage for Slicing {
         self.assemble(&parts, affinity.degrees.len(), out)
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
         // A copy of W if it is sparse, the factor of L, and at worst L and what a full decomposition takes; the rest is
         // a few columns.
         dense_bytes(n).saturating_mul(3).saturating_add(Decomposition::memory_bytes(n))

@@ -16,8 +16,8 @@ use crate::graph::Graph;
 use crate::order::Order;
 use crate::second::ShiftInvert;
 
-/// Larger factors are refused.
-const MOST_BYTES: u64 = 1 << 30;
+/// No block and no graph of blocks takes more memory than this.
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 /// A shift that meets an eigenvalue of a leading part exactly is moved by this, so often.
 const NUDGE: f64 = f64::EPSILON;
 const NUDGES: usize = 8;

@@ -6,6 +6,8 @@ use faer::Mat;
 use crate::decomposition::Decomposition;
 use crate::forest::Forest;
 use crate::graph::{Edge, Graph};
+use crate::laplacian::dense_bytes;
+use crate::sparse::MOST_BYTES;
 
 /// The returns in m blocks: what is tied by more than weak links, and the links between them.
 ///
@@ -62,7 +64,7 @@ impl Split {
     /// θ_m < `tolerance`.
     ///
     /// # Errors
-    /// When Q cannot be decomposed.
+    /// When Q cannot be decomposed, or would take too much memory.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, weak: f64, tolerance: f64) -> Result<(), StageError> {
         self.cut(graph, weak);
         loop {
@@ -71,7 +73,7 @@ impl Split {
                 self.eigenvalues.clear();
                 return Ok(());
             }
-            self.form_quotient();
+            self.form_quotient()?;
             // λ_max(Q) >= Q_AA: as long as there is such a block, it cannot stay alone.
             let mut leaking: Vec<usize> = (0..self.quotient.nrows()).collect();
             leaking.retain(|&a| self.quotient[(a, a)] >= tolerance);
@@ -178,7 +180,7 @@ impl Split {
     }
 
     /// Q, of the blocks that have weak links.
-    fn form_quotient(&mut self) {
+    fn form_quotient(&mut self) -> Result<(), StageError> {
         self.place.clear();
         self.place.resize(self.volumes.len(), None);
         let mut linked = 0;
@@ -188,6 +190,15 @@ impl Split {
                 *place = Some(linked);
                 linked += 1;
             }
+        }
+        let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
+        if bytes > MOST_BYTES {
+            return Err(StageError::Unsupported(format!(
+                "the graph of {linked} blocks with weak links between them would need {} MB, more than {} MB: set \
+                 spectral.weak_link = 0, or choose an affinity without weak links",
+                bytes >> 20,
+                MOST_BYTES >> 20
+            )));
         }
         self.quotient.resize_with(linked, linked, |_, _| 0.0);
         self.quotient.fill(0.0);
@@ -199,6 +210,7 @@ impl Split {
             self.quotient[(a, b)] -= between;
             self.quotient[(b, a)] -= between;
         }
+        Ok(())
     }
 
     /// The place in Q and the volume of the block of return `i`, which has weak links.

@@ -244,3 +244,20 @@ fn a_component_too_large_to_be_decomposed_in_full_is_refused_with_the_size_that_
         "{refused}"
     );
 }
+
+#[test]
+fn very_many_blocks_with_weak_links_are_refused_before_their_graph_takes_the_memory() {
+    let n = 20_000;
+    let mut affinity = Affinity::default();
+    let w = affinity.weights.make_sparse();
+    for i in 0..n as u32 {
+        let link = |j: u32| (j, if j == i { 1.0 } else { 1e-9 });
+        (i.saturating_sub(1)..n as u32).take(if i == 0 { 2 } else { 3 }).map(link).for_each(|(j, x)| w.push(j, x));
+        w.end_row();
+    }
+    affinity.degrees = vec![1.0; n];
+    let mut blocks = Blocks::new(ZeroRule::Tolerance(1e-8), 1e-3).expect("allowed");
+    let refused = blocks.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default());
+    let words = refused.expect_err("3 GB and more").to_string();
+    assert!(words.contains("20000 blocks with weak links") && words.contains("spectral.weak_link"), "{words}");
+}

@@ -246,7 +246,7 @@ fn a_tolerance_outside_0_to_2_is_refused() {
 #[test]
 fn memory_grows_with_n_and_is_never_too_large_to_say() {
     for kind in KINDS {
-        let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n)).into();
+        let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n, n)).into();
         assert!(bytes.is_sorted(), "{}: {bytes:?}", kind.name);
     }
 }

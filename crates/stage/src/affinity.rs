@@ -36,13 +36,21 @@ impl Weights {
         }
     }
 
+    /// How many entries are stored.
+    pub fn stored(&self) -> usize {
+        match self {
+            Self::Dense(w) => w.nrows() * w.ncols(),
+            Self::Sparse(w) => w.nonzeros(),
+        }
+    }
+
     /// Bytes that the stored entries take.
     pub fn memory_bytes(&self) -> u64 {
-        let entries = |count: usize, bytes: usize| (count * bytes) as u64;
-        match self {
-            Self::Dense(w) => entries(w.nrows() * w.ncols(), size_of::<f64>()),
-            Self::Sparse(w) => entries(w.nonzeros(), size_of::<f64>() + size_of::<u32>()),
-        }
+        let entry_bytes = match self {
+            Self::Dense(_) => size_of::<f64>(),
+            Self::Sparse(_) => size_of::<f64>() + size_of::<u32>(),
+        };
+        (self.stored() * entry_bytes) as u64
     }
 
     /// Calls `entry(i, j, W_ij)` for every stored entry, row by row for `Sparse`, column by column for `Dense`.

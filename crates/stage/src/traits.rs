@@ -52,8 +52,8 @@ pub trait SpectralStage: Send {
     /// When the decomposition fails.
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError>;
 
-    /// Bytes of working memory that a decomposition of n returns takes, beyond W.
-    fn memory_bytes(&self, n: usize) -> u64;
+    /// Bytes of working memory that a decomposition of n returns takes, beyond W, of which so many entries are stored.
+    fn memory_bytes(&self, n: usize, stored: usize) -> u64;
 }
 
 /// Third stage: the clusters of the rows of U.

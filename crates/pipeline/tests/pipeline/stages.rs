@@ -81,7 +81,7 @@ impl SpectralStage for Failing {
         Ok(())
     }
 
-    fn memory_bytes(&self, n: usize) -> u64 {
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
         8 * (n * n) as u64
     }
 }
