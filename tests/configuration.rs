@@ -33,19 +33,3 @@ fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
     assert!(refused(&["--rate", "0"]).contains("above 0"));
     assert!(refused(&["--from", "3", "--to", "2"]).contains("--from 3"));
 }
-
-#[test]
-fn the_input_is_never_overwritten() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let flight = folder.path().join("flight.mcap");
-    std::fs::copy(shipped_flight(), &flight).expect("a copy");
-    let path = flight.to_str().expect("a path in UTF-8");
-    for option in ["--results", "--save"] {
-        let ran = run(["run", path, option, path]).expect_code(2);
-        assert!(ran.stderr.contains("would be overwritten"), "{}", ran.stderr);
-    }
-    let folder = folder.path().to_str().expect("a path in UTF-8");
-    assert!(run(["run", folder, "--save", path]).expect_code(2).stderr.contains("would be overwritten"), "in a folder");
-    let size = |path: &std::path::Path| path.metadata().expect("it is there").len();
-    assert_eq!(size(&flight), size(&shipped_flight()));
-}

@@ -8,6 +8,7 @@ mod flight;
 mod input;
 mod interruption;
 mod over_time;
+mod overwriting;
 mod paper;
 mod program;
 #[cfg(feature = "rerun")]

@@ -1,6 +1,6 @@
 //! Configurations side by side: what `--with` names.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crosscut_pipeline::{Config, PRESETS, Registry};
 
@@ -12,6 +12,8 @@ use crate::exit::UsageError;
 pub(crate) struct Configuration {
     pub(crate) name: String,
     pub(crate) config: Config,
+    /// Where its settings were read from, unless from a preset.
+    pub(crate) file: Option<PathBuf>,
 }
 
 /// What each of `with` names: `PRESET|FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top.
@@ -37,7 +39,7 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = settings.map_or_else(|| stem.clone().into_owned(), |settings| format!("{stem},{settings}"));
-    Ok(Configuration { name, config: config::resolve(&layers, registry)? })
+    Ok(Configuration { name, config: config::resolve(&layers, registry)?, file: layers.config })
 }
 
 fn split(text: &str) -> (&str, Option<&str>) {

@@ -24,7 +24,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let columns = configurations::named(with, &args.set, &registry)?;
     let recordings = recordings_in(&args.input)?;
     let revolutions = revolutions_in(&recordings, args, &columns)?;
-    let mut outputs = Outputs::open(args, &recordings)?;
+    let configuration_files = columns.iter().filter_map(|column| column.file.clone());
+    let read: Vec<_> = recordings.iter().cloned().chain(configuration_files).collect();
+    let mut outputs = Outputs::open(args, &read)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 
@@ -120,11 +122,13 @@ struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    fn open(args: &'a EvaluateArgs, recordings: &[PathBuf]) -> anyhow::Result<Self> {
+    fn open(args: &'a EvaluateArgs, read: &[PathBuf]) -> anyhow::Result<Self> {
         if args.json.is_some() && args.json == args.markdown {
             return Err(UsageError("--json and --markdown name the same place".to_owned()).into());
         }
-        let open = |path: &PathBuf| overwriting::create(path, recordings);
+        let outputs: Vec<_> = args.json.iter().chain(&args.markdown).map(PathBuf::as_path).collect();
+        overwriting::refuse(&outputs, read)?;
+        let open = |path: &PathBuf| overwriting::create(path, read);
         let (json, markdown) = (args.json.as_ref().map(open), args.markdown.as_ref().map(open));
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }

@@ -1,5 +1,6 @@
-//! What is written must not be what is read.
+//! What is written must not be what is read, nor what else is written.
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,26 +9,91 @@ use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A new file that is none of the `inputs`, or standard output for `-`.
-pub(crate) fn create(path: &Path, inputs: &[PathBuf]) -> anyhow::Result<Box<dyn Write>> {
+/// A new file that is none of those `read`, or standard output for `-`.
+pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
     }
-    refuse(&[path], inputs)?;
+    refuse(&[path], read)?;
     Ok(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?))
 }
 
-/// Refuses an output that is one of the inputs, or that another output is written to already.
-pub(crate) fn refuse(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), UsageError> {
+/// Refuses an output that is one of the files `read`, or that another output is written to already.
+pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
     for (i, output) in outputs.iter().enumerate() {
-        let is_input = inputs.iter().any(|input| is_same_file(input, output));
-        if is_input || outputs[..i].iter().any(|other| is_same_file(other, output)) {
+        let is_read = read.iter().any(|read| is_same_file(read, output));
+        if is_read || outputs[..i].iter().any(|other| is_same_file(other, output)) {
             return Err(UsageError(format!("{} would be overwritten; write to another file", output.display())));
         }
     }
     Ok(())
 }
 
+/// Refuses a recording of which a later part (FLIGHT-2.rrd...) would be written over one of the `others`.
+pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
+    let Some((folder, first)) = place(recording) else { return Ok(()) };
+    // Parts that are there already may be known by other names as well.
+    let files = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+    let parts: Vec<_> =
+        files.filter(|file| is_part(first, &file.file_name())).map(|file| folder.join(file.file_name())).collect();
+    for other in others {
+        let would_be_part = place(other).is_some_and(|(of, name)| of == folder && is_part(first, name));
+        if would_be_part || parts.iter().any(|part| is_same_file(part, other)) {
+            let (other, recording) = (other.display(), recording.display());
+            return Err(UsageError(format!(
+                "{other} would be overwritten by a later part of {recording}; save under another name"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a recording whose first file is `first` may have a later part of this name.
+fn is_part(first: &OsStr, name: &OsStr) -> bool {
+    let extension = |name| Path::new(name).extension().map(OsStr::to_string_lossy);
+    let stem = |name| Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    let part = stem(name).strip_prefix(&*stem(first)).and_then(|rest| rest.strip_prefix('-')?.parse::<u64>().ok());
+    extension(name) == extension(first) && part.is_some()
+}
+
+/// Whether both names lead to the same file, or would if it were made.
 fn is_same_file(a: &Path, b: &Path) -> bool {
-    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    match (identity(a), identity(b)) {
+        (Some(a), Some(b)) => a == b,
+        (None, None) => a == b || place(a).is_some_and(|a| place(b) == Some(a)),
+        _ => false,
+    }
+}
+
+/// What a file is, whatever its name: links of both kinds lead to it. It is not opened, as the crate `same-file` would:
+/// a pipe would keep us waiting for its other end.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    path.metadata().ok().map(|file| (file.dev(), file.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok()
+}
+
+/// The folder, without links, and the name of a file that need not be there.
+fn place(path: &Path) -> Option<(PathBuf, &OsStr)> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Some((folder.canonicalize().ok()?, path.file_name()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn later_parts_are_told_from_other_files_by_their_names() {
+        let is_part = |first: &str, name: &str| is_part(OsStr::new(first), OsStr::new(name));
+        assert!(is_part("z.rrd", "z-2.rrd") && is_part("z.rrd", "z-117.rrd") && is_part("z", "z-2"));
+        for other in ["z.rrd", "z-2.mcap", "z-2", "z-b.rrd", "z-.rrd", "zz-2.rrd", "z2.rrd"] {
+            assert!(!is_part("z.rrd", other), "{other}");
+        }
+    }
 }

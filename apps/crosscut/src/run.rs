@@ -24,7 +24,12 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let list = args.over_time.as_deref().map(over_time::list_beside);
     let outputs = args.record.save.iter().chain(&args.results).chain(&args.over_time).chain(&list);
     let outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
-    overwriting::refuse(&outputs, &recordings_in(&args.flight.input)?)?;
+    let mut read = recordings_in(&args.flight.input)?;
+    read.extend(args.config.config.clone());
+    overwriting::refuse(&outputs, &read)?;
+    if let Some(save) = &args.record.save {
+        overwriting::refuse_parts(save, read.iter().map(PathBuf::as_path).chain(outputs))?;
+    }
     let mut recording = flight::open(&args.flight, &config)?;
     let mut results = open_results(args.results.as_deref())?;
     let mut over_time = args.over_time.as_ref().map(|_| OverTime::new(config.params("vehicle").number("width_m")));

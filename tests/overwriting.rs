@@ -1,0 +1,103 @@
+//! What a command reads is never written, nor is one file written twice.
+
+use std::path::{Path, PathBuf};
+
+use crate::program::{run, shipped_flight};
+
+/// A folder with a flight `flight.mcap` and a configuration `settings.toml`.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::copy(shipped_flight(), folder.path().join("flight.mcap")).expect("a copy");
+    std::fs::write(folder.path().join("settings.toml"), "[affinity]\n").expect("written");
+    folder
+}
+
+/// Everything in the folder, by name.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<_> = files.map(|path| (path.clone(), std::fs::read(path).expect("a file"))).collect();
+    files.sort();
+    files
+}
+
+/// Runs the command, whose words `@NAME` are files of the folder: it is wrong usage, and nothing is touched.
+#[track_caller]
+fn refused(folder: &Path, command: &str) {
+    let before = contents(folder);
+    let word = |word: &str| match word.strip_prefix('@') {
+        Some(name) => folder.join(name).into_os_string(),
+        None => word.into(),
+    };
+    let ran = run(command.split(' ').map(word)).expect_code(2);
+    assert!(ran.stderr.contains("would be overwritten"), "{command}: {}", ran.stderr);
+    assert!(contents(folder) == before, "{command}: nothing is touched");
+}
+
+#[test]
+fn the_input_is_never_overwritten() {
+    let folder = folder();
+    for input in ["@flight.mcap", "@"] {
+        refused(folder.path(), &format!("run {input} --results @flight.mcap"));
+        refused(folder.path(), &format!("run {input} --save @flight.mcap"));
+        refused(folder.path(), &format!("run {input} --results @../{}/flight.mcap", name(folder.path())));
+        refused(folder.path(), &format!("evaluate {input} --json @flight.mcap"));
+    }
+}
+
+fn name(folder: &Path) -> &str {
+    folder.file_name().and_then(|name| name.to_str()).expect("a name in UTF-8")
+}
+
+#[test]
+#[cfg(unix)]
+fn the_input_is_not_overwritten_through_a_link_of_either_kind() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::hard_link(at("flight.mcap"), at("hard")).expect("a link");
+    std::os::unix::fs::symlink(at("flight.mcap"), at("soft")).expect("a link");
+    for link in ["hard", "soft"] {
+        refused(folder.path(), &format!("run @flight.mcap --results @{link}"));
+        refused(folder.path(), &format!("run @flight.mcap --save @{link}"));
+        refused(folder.path(), &format!("evaluate @flight.mcap --json @{link}"));
+        refused(folder.path(), &format!("evaluate @flight.mcap --markdown @{link}"));
+        refused(folder.path(), &format!("compare @flight.mcap --with default --with paper --json @{link}"));
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn one_file_under_two_names_is_not_written_twice() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("a.out"), "").expect("written");
+    std::fs::hard_link(at("a.out"), at("b.out")).expect("a link");
+    refused(folder.path(), "evaluate @flight.mcap --json @a.out --markdown @b.out");
+    refused(folder.path(), "run @flight.mcap --results @a.out --save @b.out");
+    let other_way = format!("@../{}/new", name(folder.path()));
+    refused(folder.path(), &format!("run @flight.mcap --results @new --save {other_way}"));
+}
+
+#[test]
+fn the_configuration_file_is_never_overwritten() {
+    let folder = folder();
+    refused(folder.path(), "run @flight.mcap --config @settings.toml --results @settings.toml");
+    refused(folder.path(), "run @flight.mcap --config @settings.toml --save @settings.toml");
+    refused(folder.path(), "evaluate @flight.mcap --with @settings.toml --json @settings.toml");
+    refused(folder.path(), "evaluate @flight.mcap --with @settings.toml,affinity.kind=rbf --markdown @settings.toml");
+}
+
+#[test]
+fn a_later_part_of_a_recording_never_replaces_another_file_of_the_run() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::rename(at("flight.mcap"), at("in-2.rrd")).expect("renamed");
+    std::fs::rename(at("settings.toml"), at("in-7.rrd")).expect("renamed");
+    refused(folder.path(), "run @in-2.rrd --save @in.rrd --record-part 50");
+    refused(folder.path(), "run @in-2.rrd --save @z.rrd --results @z-2.rrd --record-part 50");
+    refused(folder.path(), "run @in-2.rrd --config @in-7.rrd --save @in.rrd");
+    #[cfg(unix)]
+    {
+        std::fs::hard_link(at("in-2.rrd"), at("z-3.rrd")).expect("a link");
+        refused(folder.path(), "run @in-2.rrd --save @z.rrd --record-part 50");
+    }
+}
