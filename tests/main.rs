@@ -21,3 +21,4 @@ mod serving;
 mod simulation;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod words;

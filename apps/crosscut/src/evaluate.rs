@@ -13,6 +13,7 @@ use crate::cli::EvaluateArgs;
 use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
+use crate::say::say;
 use crate::scoring::{self, Scored};
 use crate::{overwriting, progress, typeset};
 
@@ -50,7 +51,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
 
     for problem in &problems.sentences {
-        eprintln!("{problem}");
+        say(problem);
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
     Ok(if stop.is_set() { Outcome::Interrupted } else { problems.outcome() })

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::process::ExitCode;
 
+use crate::say::say;
+
 /// The outcome of a command, as its exit code tells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -59,7 +61,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if causes.any(is_closed_pipe) {
         return Outcome::Interrupted.into();
     }
-    eprintln!("error: {error:#}");
+    say(format_args!("error: {error:#}"));
     if error.is::<UsageError>() { ExitCode::from(2) } else { Outcome::Failed.into() }
 }
 

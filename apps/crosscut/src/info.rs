@@ -10,6 +10,7 @@ use crosscut_pipeline::Registry;
 use crate::cli::InfoArgs;
 use crate::config;
 use crate::exit::Outcome;
+use crate::say::say;
 
 /// Prints the description of a recording; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
@@ -17,7 +18,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let description = describe(&args.input, &Sensor::new(config.params("ingest")))?;
     std::io::stdout().write_all(text(&description).as_bytes()).context("standard output")?;
     for loss in &description.losses {
-        eprintln!("lost: {loss}");
+        say(format_args!("lost: {loss}"));
     }
     Ok(if description.losses.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
 }

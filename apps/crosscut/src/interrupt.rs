@@ -6,6 +6,7 @@ use anyhow::Context;
 use crosscut_pipeline::StopFlag;
 
 use crate::exit::INTERRUPTED;
+use crate::say::say;
 
 /// Ctrl-C stops ingest and lets the rest drain; a second one quits.
 pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
@@ -14,7 +15,7 @@ pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
         if asked.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        eprintln!("stopping; what is in flight is finished and saved (again to quit at once)");
+        say("stopping; what is in flight is finished and saved (again to quit at once)");
         stop.set();
     })
     .context("cannot listen for Ctrl-C")

@@ -20,6 +20,7 @@ mod record;
 #[cfg(feature = "rerun")]
 mod rrd;
 mod run;
+mod say;
 mod scoring;
 mod simulate;
 mod summary;

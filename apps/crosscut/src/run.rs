@@ -15,6 +15,7 @@ use crate::cli::RunArgs;
 use crate::exit::{Outcome, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::over_time::{self, OverTime};
+use crate::say::say;
 use crate::{config, flight, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
@@ -61,7 +62,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let summary = ran.context("a thread could not be started")?;
 
     if !args.quiet {
-        eprint!("{}", summary::table(&summary, start.elapsed()));
+        say(summary::table(&summary, start.elapsed()).trim_end());
     }
     if let (Some(over_time), Some(svg)) = (&over_time, &args.over_time)
         && let Err(error) = over_time.write(svg)
@@ -71,11 +72,11 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     lost.extend(recording.losses().iter().map(ToString::to_string));
     lost.extend(summary.observer_errors.iter().cloned());
     for loss in &lost {
-        eprintln!("lost: {loss}");
+        say(format_args!("lost: {loss}"));
     }
     let outcome = outcome(&summary, !lost.is_empty());
     if served && !stopped.is_set() {
-        eprintln!("the flight is over and still served; Ctrl-C ends it");
+        say("the flight is over and still served; Ctrl-C ends it");
         while !stopped.is_set() {
             std::thread::sleep(Duration::from_millis(100));
         }
@@ -96,12 +97,12 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
 fn outcome(summary: &Summary, something_lost: bool) -> Outcome {
     match &summary.end {
         End::Failed(failure) => {
-            eprintln!("error: {failure}; the {} revolutions before it are saved", summary.revolutions);
+            say(format_args!("error: {failure}; the {} revolutions before it are saved", summary.revolutions));
             Outcome::Failed
         }
         End::ResultsLost(error) if is_closed_pipe(error) => Outcome::Interrupted,
         End::ResultsLost(error) => {
-            eprintln!("error: results cannot be written after {} revolutions: {error}", summary.revolutions);
+            say(format_args!("error: results cannot be written after {} revolutions: {error}", summary.revolutions));
             Outcome::Failed
         }
         End::Interrupted => Outcome::Interrupted,

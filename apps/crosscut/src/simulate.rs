@@ -9,6 +9,7 @@ use crosscut_simulator::{SCENES, Scene, Split, Suite, scenarios, suites, write_m
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::progress;
+use crate::say::say;
 
 /// Writes the flight of a scenario, or a suite, or lists both.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
@@ -64,7 +65,7 @@ fn write(path: &Path, scenes: impl Iterator<Item = Scene>, total: Option<u64>) -
     let bar = progress::bar(total, false);
     let written = write_mcap(path, bar.wrap_iter(scenes))?;
     bar.finish_and_clear();
-    eprintln!("{written} revolutions with their truth: {}", path.display());
+    say(format_args!("{written} revolutions with their truth: {}", path.display()));
     Ok(())
 }
 

@@ -6,6 +6,7 @@ use crosscut_recorder::{Served, Show};
 use crate::cli::ViewArgs;
 use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
+use crate::say::say;
 
 /// Shows recordings until the viewer is closed, or until Ctrl-C.
 pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
@@ -24,15 +25,15 @@ pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
         }
     };
     for damage in &damages {
-        eprintln!("lost: {damage}");
+        say(format_args!("lost: {damage}"));
     }
     Ok(if damages.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
 }
 
 /// Says where viewers can connect.
 pub(crate) fn say_where(served: &Served) {
-    eprintln!("serving; to see it: rerun --connect {}", served.url);
+    say(format_args!("serving; to see it: rerun --connect {}", served.url));
     if let Some(page) = &served.web_url {
-        eprintln!("or in a browser: {page}");
+        say(format_args!("or in a browser: {page}"));
     }
 }
