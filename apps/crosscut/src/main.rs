@@ -2,6 +2,9 @@
 //!
 //! One file per command. Results go to files or standard output, words for people to standard error.
 
+// They panic when they cannot write: words are for `say`, and results are written with their error.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
 mod cli;
 mod compare;
 mod config;

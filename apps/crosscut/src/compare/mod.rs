@@ -19,6 +19,7 @@ use crate::cli::CompareArgs;
 use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
+use crate::say::say;
 use crate::{flight, overwriting, progress, typeset};
 
 /// Answers that a configuration may be ahead of the slowest.
@@ -55,7 +56,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
 
     let (problems, outcome) = problems(&configurations, &recordings, &compared.summaries);
     for problem in &problems {
-        eprintln!("{problem}");
+        say(problem);
     }
     let failed = "the outcome cannot be written";
     if let Some(out) = &mut json {

@@ -9,6 +9,7 @@ use super::selection::Selection;
 use crate::cli::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
 use crate::overwriting;
+use crate::say::say;
 
 /// Writes what was asked for; what is damaged, or was made by another version, makes the exit code 3.
 pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
@@ -25,7 +26,7 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
         return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for")).into());
     }
     for loss in &lost {
-        eprintln!("lost: {loss}");
+        say(format_args!("lost: {loss}"));
     }
     let outcome = say_damages(&recording);
     Ok(if lost.is_empty() { outcome } else { Outcome::SomethingLost })

@@ -14,6 +14,7 @@ use crosscut_recorder::Recording;
 
 use crate::cli::RrdCommand;
 use crate::exit::Outcome;
+use crate::say::say;
 
 /// Lists, exports or compares.
 pub(crate) fn rrd(command: &RrdCommand) -> anyhow::Result<Outcome> {
@@ -27,7 +28,7 @@ pub(crate) fn rrd(command: &RrdCommand) -> anyhow::Result<Outcome> {
 /// Says what is missing of a recording; what there is was read.
 fn say_damages(recording: &Recording) -> Outcome {
     for damage in recording.damages() {
-        eprintln!("lost: {damage}");
+        say(format_args!("lost: {damage}"));
     }
     if recording.damages().is_empty() { Outcome::Done } else { Outcome::SomethingLost }
 }
