@@ -12,8 +12,6 @@ use crate::exit::UsageError;
 pub(crate) struct Configuration {
     pub(crate) name: String,
     pub(crate) config: Config,
-    /// Where its settings were read from, unless from a preset.
-    pub(crate) file: Option<PathBuf>,
 }
 
 /// What each of `with` names: `PRESET|FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top.
@@ -21,11 +19,19 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
     with.iter().map(|text| resolve(text, set, registry)).collect()
 }
 
+/// The files among what `with` names.
+pub(crate) fn files(with: &[String]) -> impl Iterator<Item = PathBuf> {
+    with.iter().map(|text| split(text).0).filter(|base| !is_preset(base)).map(PathBuf::from)
+}
+
+fn is_preset(base: &str) -> bool {
+    PRESETS.iter().any(|(preset, _)| *preset == base)
+}
+
 fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Configuration> {
-    // A file may have a comma in its name.
-    let (base, settings) = if Path::new(text).exists() { (text, None) } else { split(text) };
+    let (base, settings) = split(text);
     let path = Path::new(base);
-    let is_preset = PRESETS.iter().any(|(preset, _)| *preset == base);
+    let is_preset = is_preset(base);
     if !is_preset && !path.exists() {
         let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
         let presets = presets.join(", ");
@@ -39,11 +45,15 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = settings.map_or_else(|| stem.clone().into_owned(), |settings| format!("{stem},{settings}"));
-    Ok(Configuration { name, config: config::resolve(&layers, registry)?, file: layers.config })
+    Ok(Configuration { name, config: config::resolve(&layers, registry)? })
 }
 
+/// A preset or file, and the settings after it. A file may have a comma in its name.
 fn split(text: &str) -> (&str, Option<&str>) {
-    text.split_once(',').map_or((text, None), |(base, settings)| (base, Some(settings)))
+    match text.split_once(',') {
+        Some((base, settings)) if !Path::new(text).exists() => (base, Some(settings)),
+        _ => (text, None),
+    }
 }
 
 /// Settings with commas between them. A comma that no `KEY=` follows belongs to the value: `a.b=[[0,1],[2,3]],c.d=4`.

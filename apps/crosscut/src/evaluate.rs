@@ -25,8 +25,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let columns = configurations::named(with, &args.set, &registry)?;
     let recordings = recordings_in(&args.input)?;
     let revolutions = revolutions_in(&recordings, args, &columns)?;
-    let configuration_files = columns.iter().filter_map(|column| column.file.clone());
-    let read: Vec<_> = recordings.iter().cloned().chain(configuration_files).collect();
+    let read: Vec<_> = recordings.iter().cloned().chain(configurations::files(with)).collect();
     let mut outputs = Outputs::open(args, &read)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
@@ -37,14 +36,15 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     'all: for path in &recordings {
         let family = path.file_stem().unwrap_or_default().to_string_lossy();
         for (place, column) in columns.iter().enumerate() {
+            if stop.is_set() {
+                problems.interrupted = true;
+                break 'all;
+            }
             let scored = scoring::score(path, args.topic.as_deref(), &column.config, &registry, &stop, &bar)?;
             problems.note(path, &column.name, &scored);
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
                 scored.wrong.write(folder, &family, &column.name)?;
-            }
-            if stop.is_set() {
-                break 'all;
             }
         }
     }
@@ -54,7 +54,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
         say(problem);
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
-    Ok(if stop.is_set() { Outcome::Interrupted } else { problems.outcome() })
+    Ok(problems.outcome())
 }
 
 /// How many revolutions there are to go through, if that is known. Refuses what cannot be evaluated, before hours are
@@ -78,6 +78,8 @@ fn revolutions_in(
 struct Problems {
     sentences: Vec<String>,
     failed: bool,
+    /// Something was left to do.
+    interrupted: bool,
 }
 
 impl Problems {
@@ -96,7 +98,15 @@ impl Problems {
                 self.failed = true;
                 self.say(format!("error: no scan could be compared with its truth, in {path}"));
             }
-            End::Complete | End::Interrupted | End::ResultsLost(_) => {}
+            // Nothing is written here: it is a defect of the scoring, which must not pass for a shorter flight.
+            End::ResultsLost(error) => {
+                self.failed = true;
+                self.say(format!(
+                    "error: {configuration}: a result cannot be scored: {error}; the {compared} before it count, in {path}"
+                ));
+            }
+            End::Interrupted => self.interrupted = true,
+            End::Complete => {}
         }
     }
 
@@ -107,10 +117,14 @@ impl Problems {
     }
 
     fn outcome(&self) -> Outcome {
-        match (self.failed, self.sentences.is_empty()) {
-            (true, _) => Outcome::Failed,
-            (false, false) => Outcome::SomethingLost,
-            (false, true) => Outcome::Done,
+        if self.failed {
+            Outcome::Failed
+        } else if self.interrupted {
+            Outcome::Interrupted
+        } else if !self.sentences.is_empty() {
+            Outcome::SomethingLost
+        } else {
+            Outcome::Done
         }
     }
 }
@@ -176,4 +190,28 @@ fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> St
         "problems": problems,
     });
     format!("{document:#}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcome_of(end: End) -> (Outcome, Vec<String>) {
+        let mut problems = Problems::default();
+        let scored = Scored { evaluation: Evaluation::default(), wrong: Default::default(), end, losses: Vec::new() };
+        problems.note(Path::new("tee.mcap"), "paper", &scored);
+        (problems.outcome(), problems.sentences)
+    }
+
+    #[test]
+    fn figures_that_a_defect_cut_short_do_not_count_as_complete() {
+        let (outcome, sentences) = outcome_of(End::ResultsLost(std::io::Error::other("it panicked: no wall 3")));
+        assert_eq!(outcome, Outcome::Failed);
+        assert!(sentences[0].contains("paper") && sentences[0].contains("no wall 3"), "{sentences:?}");
+    }
+
+    #[test]
+    fn an_evaluation_is_interrupted_only_if_something_was_left_to_do() {
+        assert_eq!(outcome_of(End::Interrupted), (Outcome::Interrupted, Vec::new()));
+    }
 }

@@ -1,8 +1,8 @@
 //! The streaming pipeline: the engine's steps, each in a thread of its own, over a whole source.
 //!
 //! Frames are dealt to the lanes in rotation and collected in the same rotation, so results keep the order of the
-//! source whatever the number of lanes. Each frame has one owner at a time; the pool bounds how many there are, and a
-//! full pool is what holds ingest back.
+//! source whatever the number of lanes. Each frame has one owner at a time; the pool bounds how many there are, and an
+//! empty pool is what holds ingest back.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -81,8 +81,8 @@ pub fn stream(
 
         let mut summary = collect.join().expect("the report thread catches panics");
         summary.observer_errors = observing.join().expect("the observer thread catches panics");
-        ingest.join().expect("the ingest thread catches panics");
-        if options.stop.is_set() && matches!(summary.end, End::Complete) {
+        let stopped_early = ingest.join().expect("the ingest thread catches panics");
+        if stopped_early && matches!(summary.end, End::Complete) {
             summary.end = End::Interrupted;
         }
         Ok(summary)
@@ -126,13 +126,18 @@ struct Ingest<'a> {
 }
 
 impl Ingest<'_> {
-    fn run(mut self) {
+    /// Whether it stopped because it was asked to, with revolutions left.
+    fn run(mut self) -> bool {
         let mut pace = self.options.rate.map(Pace::new);
         let mut seq = 0;
         for lane in (0..self.lanes.len()).cycle() {
-            let Ok(mut frame) = self.pool.recv() else { return };
-            if self.options.stop.is_set() || !self.fill(&mut frame, seq) {
-                return;
+            let Ok(mut frame) = self.pool.recv() else { return false };
+            if !self.fill(&mut frame, seq) {
+                return false;
+            }
+            // Only now is it known whether there was something left.
+            if self.options.stop.is_set() {
+                return true;
             }
             seq = frame.revolution.seq + 1;
             let due = match &mut pace {
@@ -143,9 +148,10 @@ impl Ingest<'_> {
             };
             let last = frame.failure.is_some();
             if self.lanes[lane].send(Arrived { frame, due }).is_err() || last {
-                return;
+                return false;
             }
         }
+        false
     }
 
     /// The next revolution; `false` at the end. An error of the source becomes the failure of revolution `seq`.

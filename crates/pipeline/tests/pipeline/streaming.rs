@@ -163,6 +163,47 @@ fn stopping_finishes_what_is_in_flight_and_writes_no_gap() {
     assert!(written.len() >= 10 && written.iter().copied().eq(0..written.len() as u64), "{written:?}");
 }
 
+/// Asks the run to stop when everything has been seen.
+struct LateStop(StopFlag);
+
+impl Observer for LateStop {
+    fn observe(&mut self, _: &Frame) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), ObserverError> {
+        self.0.set();
+        Ok(())
+    }
+}
+
+#[test]
+fn a_run_that_was_read_to_its_end_is_complete_however_late_it_was_asked_to_stop() {
+    for in_flight in [1, 8] {
+        let stop = StopFlag::default();
+        let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
+        let mut stop_at_last = |frame: &Frame| {
+            if frame.revolution.seq == 9 {
+                stop.set();
+            }
+            Ok(())
+        };
+        let config = settings(1, in_flight, "");
+        let summary = stream(&mut Count::to(10), &config, &registry(), &mut stop_at_last, &mut [], &options);
+        let summary = summary.expect("threads");
+        assert!(
+            matches!(summary.end, End::Complete) && summary.revolutions == 10,
+            "{in_flight} in flight: {summary:?}"
+        );
+    }
+    let stop = StopFlag::default();
+    let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
+    let mut observers: [Box<dyn Observer>; 1] = [Box::new(LateStop(stop))];
+    let summary =
+        stream(&mut Count::to(10), &settings(2, 4, ""), &registry(), &mut |_| Ok(()), &mut observers, &options);
+    assert!(matches!(summary.expect("threads").end, End::Complete), "observers were finishing");
+}
+
 #[test]
 fn playing_at_a_rate_takes_the_time_that_the_stamps_say() {
     // Stamps are 1 ms apart: 41 revolutions at half the pace are released over 80 ms. Only the lower bound is sure.
