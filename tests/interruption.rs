@@ -1,23 +1,28 @@
 //! Ctrl-C and kill: what was made is kept.
 
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{Ran, column, crosscut, lines, shipped_flight};
+use crate::program::{Ran, column, crosscut, lines, run, shipped_flight};
 
 /// Starts a flight of a minute at the sensor's pace and waits until some results are on disk.
-fn start(folder: &std::path::Path) -> (Child, std::path::PathBuf) {
+fn start(folder: &Path) -> (Child, std::path::PathBuf) {
     let flight = file(folder, "flight.mcap", &tunnel(600, &Writing::default()));
     let results = folder.join("results.jsonl");
     let args = ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--results".as_ref()];
     let child = crosscut(args).arg(&results).stderr(Stdio::piped()).spawn().expect("the program starts");
+    await_or_panic(|| std::fs::read_to_string(&results).unwrap_or_default().lines().count() >= 5);
+    (child, results)
+}
+
+fn await_or_panic(is_there: impl Fn() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(60);
-    while std::fs::read_to_string(&results).unwrap_or_default().lines().count() < 5 {
-        assert!(Instant::now() < deadline, "no results within a minute");
+    while !is_there() {
+        assert!(Instant::now() < deadline, "nothing within a minute");
         std::thread::sleep(Duration::from_millis(20));
     }
-    (child, results)
 }
 
 fn signal(child: &Child, name: &str) {
@@ -36,6 +41,40 @@ fn an_interrupted_flight_ends_with_130_and_whole_results_without_a_gap() {
     assert!(ran.stderr.contains("stopping"), "{}", ran.stderr);
     let lines = lines(&std::fs::read_to_string(results).expect("results"));
     assert!(lines.len() < 600 && column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
+}
+
+/// Starts the command, interrupts it as soon as `made` is there, and says how it ended.
+fn interrupted(command: &[&str], made: &Path) -> Ran {
+    let child = crosscut(command).stderr(Stdio::piped()).spawn().expect("the program starts");
+    await_or_panic(|| made.exists());
+    signal(&child, "INT");
+    Ran::from(child.wait_with_output().expect("it ends")).expect_code(130)
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_simulation_leaves_files_that_can_be_read_and_says_how_much_they_hold() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().to_str().expect("UTF-8");
+    let said = interrupted(&["simulate", "--suite", "all", "--out", path], &folder.path().join("clean35.mcap")).stderr;
+    assert!(said.contains("interrupted: "), "{said}");
+    let made: Vec<_> =
+        std::fs::read_dir(folder.path()).expect("a folder").map(|e| e.expect("an entry").path()).collect();
+    assert!((2..14).contains(&made.len()), "{made:?}");
+    for file in made {
+        run(["info".as_ref(), file.as_os_str()]).expect_code(0);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_evaluation_of_the_paper_leaves_its_figures_and_no_page_with_half_a_table() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let last = folder.path().join("families.svg");
+    let said = interrupted(&["paper", "--out", folder.path().to_str().expect("UTF-8")], &last).stderr;
+    assert!(said.contains("paper.md is not written"), "{said}");
+    assert!(std::fs::read_to_string(last).expect("a figure").ends_with("</svg>\n"));
+    assert!(!folder.path().join("paper.md").exists());
 }
 
 #[test]

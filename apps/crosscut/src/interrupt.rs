@@ -8,14 +8,14 @@ use crosscut_pipeline::StopFlag;
 use crate::exit::INTERRUPTED;
 use crate::say::say;
 
-/// Ctrl-C stops ingest and lets the rest drain; a second one quits.
+/// Ctrl-C stops what sees to `stop`, and lets the rest drain; a second one quits.
 pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
     let asked = AtomicBool::new(false);
     ctrlc::set_handler(move || {
         if asked.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        say("stopping; what is in flight is finished and saved (again to quit at once)");
+        say("stopping (again to quit at once)");
         stop.set();
     })
     .context("cannot listen for Ctrl-C")

@@ -4,26 +4,29 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
+use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
+use crate::interrupt::stop_on_interrupt;
 use crate::progress;
 use crate::say::say;
 
 /// Writes the flight of a scenario, or a suite, or lists both.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
     let out = args.out.as_deref();
     match (&args.scenario, &args.suite, out) {
-        _ if args.list => list()?,
-        (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out)?,
-        (None, Some(suite), Some(out)) => suite_into(suite, args.split, out)?,
-        _ => return Err(UsageError("say a scenario or --suite NAME, and --out; --list shows them".to_owned()).into()),
+        _ if args.list => list(),
+        (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out, &stop),
+        (None, Some(suite), Some(out)) => suite_into(suite, args.split, out, &stop),
+        _ => Err(UsageError("say a scenario or --suite NAME, and --out; --list shows them".to_owned()).into()),
     }
-    Ok(Outcome::Done)
 }
 
-fn list() -> anyhow::Result<()> {
+fn list() -> anyhow::Result<Outcome> {
     let mut text = String::from("scenarios, each one flight:\n");
     for scenario in scenarios() {
         text += &format!("  {:<16}{}\n", scenario.name, scenario.doc);
@@ -32,16 +35,17 @@ fn list() -> anyhow::Result<()> {
     for suite in suites() {
         text += &format!("  {:<16}{}\n", suite.name, suite.doc);
     }
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    Ok(Outcome::Done)
 }
 
-fn flight(name: &str, seed: u64, out: &Path) -> anyhow::Result<()> {
+fn flight(name: &str, seed: u64, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
-    write(out, (scenario.fly)(seed), None)
+    write(out, (scenario.fly)(seed), None, stop)
 }
 
-fn suite_into(name: &str, split: SplitArg, folder: &Path) -> anyhow::Result<()> {
+fn suite_into(name: &str, split: SplitArg, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     let chosen: Vec<&Suite> = suites().iter().filter(|suite| name == ALL || suite.name == name).collect();
     if chosen.is_empty() {
         return Err(unknown("suite", name, suites().iter().map(|s| s.name)).into());
@@ -53,20 +57,41 @@ fn suite_into(name: &str, split: SplitArg, folder: &Path) -> anyhow::Result<()> 
     };
     for suite in chosen {
         let path = folder.join(format!("{}.mcap", suite.name));
-        write(&path, suite.scenes(split), Some(SCENES as u64))?;
+        let outcome = if stop.is_set() {
+            Outcome::Interrupted
+        } else {
+            write(&path, suite.scenes(split), Some(SCENES as u64), stop)?
+        };
+        if outcome != Outcome::Done {
+            return Ok(outcome);
+        }
     }
-    Ok(())
+    Ok(Outcome::Done)
 }
 
 /// Stands for every suite.
 const ALL: &str = "all";
 
-fn write(path: &Path, scenes: impl Iterator<Item = Scene>, total: Option<u64>) -> anyhow::Result<()> {
+/// Writes a whole file, of fewer scenes when asked to stop.
+fn write(
+    path: &Path,
+    scenes: impl Iterator<Item = Scene>,
+    total: Option<u64>,
+    stop: &StopFlag,
+) -> anyhow::Result<Outcome> {
+    let mut outcome = Outcome::Done;
+    let scenes = scenes.take_while(|_| {
+        if stop.is_set() {
+            outcome = Outcome::Interrupted;
+        }
+        outcome == Outcome::Done
+    });
     let bar = progress::bar(total, false);
     let written = write_mcap(path, bar.wrap_iter(scenes))?;
     bar.finish_and_clear();
-    say(format_args!("{written} revolutions with their truth: {}", path.display()));
-    Ok(())
+    let interrupted = if outcome == Outcome::Done { "" } else { "interrupted: " };
+    say(format_args!("{interrupted}{written} revolutions with their truth: {}", path.display()));
+    Ok(outcome)
 }
 
 fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> UsageError {

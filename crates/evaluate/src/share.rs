@@ -16,13 +16,13 @@ pub struct Share {
 
 impl Share {
     /// Counts one more.
-    pub(crate) fn count(&mut self, hit: bool) {
+    pub fn count(&mut self, hit: bool) {
         self.hits += u64::from(hit);
         self.of += 1;
     }
 
     /// Counts all that `other` counted.
-    pub(crate) fn merge(&mut self, other: Self) {
+    pub fn merge(&mut self, other: Self) {
         self.hits += other.hits;
         self.of += other.of;
     }

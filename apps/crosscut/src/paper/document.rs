@@ -59,10 +59,11 @@ pub(crate) fn document(figures: &[Figure], families: &[Family]) -> String {
 /// All families as one.
 fn together(families: &[Family]) -> Family {
     let sum = |of: fn(&Family) -> &[Share; EXPONENTS.len()]| {
-        std::array::from_fn(|at| {
-            let shares = families.iter().map(|family| of(family)[at]);
-            shares.fold(Share::default(), |sum, part| Share { hits: sum.hits + part.hits, of: sum.of + part.of })
-        })
+        let mut sums = [Share::default(); EXPONENTS.len()];
+        for family in families {
+            sums.iter_mut().zip(of(family)).for_each(|(sum, share)| sum.merge(*share));
+        }
+        sums
     };
     Family { name: "all", right_count: sum(|family| &family.right_count), right: sum(|family| &family.right) }
 }

@@ -8,24 +8,35 @@ mod tolerance;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_pipeline::Registry;
+use crosscut_pipeline::{Registry, StopFlag};
 use crosscut_simulator::suites;
 
 use crate::cli::PaperArgs;
 use crate::exit::Outcome;
+use crate::interrupt::stop_on_interrupt;
 use crate::progress;
+use crate::say::say;
 
 /// Writes the figures, the table, and a page that shows them all. The same program always writes the same bytes.
 pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let figures = figures::figures(&registry)?;
     for figure in &figures {
         write(&args.out.join(figure.file()), &figure.svg())?;
     }
     let bar = progress::bar(Some((args.scenes * suites().len()) as u64), args.quiet);
-    let families = tolerance::families(args.scenes, &registry, &bar)?;
+    let families = tolerance::families(args.scenes, &registry, &stop, &bar)?;
     bar.finish_and_clear();
+    let Some(families) = families else {
+        say(format_args!(
+            "interrupted: the figures are in {}; paper.md is not written, its tables need every scene",
+            args.out.display()
+        ));
+        return Ok(Outcome::Interrupted);
+    };
     write(&args.out.join("paper.md"), &document::document(&figures, &families))?;
     Ok(Outcome::Done)
 }

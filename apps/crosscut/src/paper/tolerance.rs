@@ -7,9 +7,9 @@
 
 use crosscut_evaluate::{Score, Share};
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::Registry;
+use crosscut_pipeline::{Registry, StopFlag};
 use crosscut_report::{Reporter, ResultsLine};
-use crosscut_simulator::{Scene, Split, Suite, suites};
+use crosscut_simulator::{Scene, Split, suites};
 use crosscut_stage::{AffinityStage, Frame, KmeansStage, ReportStage, SpectralStage};
 use indicatif::ProgressBar;
 
@@ -27,27 +27,33 @@ pub(crate) struct Family {
     pub(crate) right: [Share; EXPONENTS.len()],
 }
 
-/// Every family over its first `scenes` development scenes, the paper's tolerance being a choice made there.
-pub(crate) fn families(scenes: usize, registry: &Registry, bar: &ProgressBar) -> anyhow::Result<Vec<Family>> {
+/// Every family over its first `scenes` development scenes, the paper's tolerance being a choice made there. `None` if
+/// asked to stop before the last.
+pub(crate) fn families(
+    scenes: usize,
+    registry: &Registry,
+    stop: &StopFlag,
+    bar: &ProgressBar,
+) -> anyhow::Result<Option<Vec<Family>>> {
     let mut method = Method::new(registry)?;
     let nothing = [Share::default(); EXPONENTS.len()];
-    let family = |suite: &Suite| {
+    let mut families = Vec::new();
+    for suite in suites() {
         let mut family = Family { name: suite.name, right_count: nothing, right: nothing };
         for scene in suite.scenes(Split::Dev).take(scenes) {
+            if stop.is_set() {
+                return Ok(None);
+            }
             let (right_counts, walls_right) = method.judge(&scene)?;
             for (at, &right_count) in right_counts.iter().enumerate() {
-                count(&mut family.right_count[at], right_count);
-                count(&mut family.right[at], right_count && walls_right);
+                family.right_count[at].count(right_count);
+                family.right[at].count(right_count && walls_right);
             }
             bar.inc(1);
         }
-        Ok(family)
-    };
-    suites().iter().map(family).collect()
-}
-
-fn count(share: &mut Share, hit: bool) {
-    *share = Share { hits: share.hits + u64::from(hit), of: share.of + 1 };
+        families.push(family);
+    }
+    Ok(Some(families))
 }
 
 /// The preset `paper`, step by step.
