@@ -30,6 +30,8 @@ fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
     assert!(refused(&["--set", "ingest.yaw_rad=up"]).contains("a number in"));
     assert!(refused(&["--preset", "papper"]).contains("did you mean paper?"));
     assert!(refused(&["--config", "/nowhere/mine.toml"]).contains("/nowhere/mine.toml"));
+    let blind = refused(&["--set", "ingest.min_range_m=10", "--set", "ingest.max_range_m=5"]);
+    assert!(blind.contains("no return would be left"), "{blind}");
     assert!(refused(&["--rate", "0"]).contains("above 0"));
     assert!(refused(&["--from", "3", "--to", "2"]).contains("--from 3"));
 }

@@ -154,3 +154,23 @@ fn info_shows_the_topics_and_what_a_scan_looks_like() {
         assert!(ran.stdout.contains(fact), "{fact} is missing:\n{}", ran.stdout);
     }
 }
+
+#[test]
+fn a_selection_that_holds_no_scan_is_a_failure_that_says_where_the_scans_are() {
+    let folder = folder();
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let said = |selection: &[&str]| {
+        let (ran, lines) = results_of(&flight, selection);
+        assert!(lines.is_empty());
+        ran.expect_code(1).stderr
+    };
+    let text = said(&["--from", "100"]);
+    assert!(
+        text.contains("no scan of /scan was recorded from 100 s on; the last one before that is at 0.4 s"),
+        "{text}"
+    );
+    let text = said(&["--from", "0.25", "--to", "0.26"]);
+    assert!(text.contains("from 0.25 s to 0.26 s; the last one before that is at 0.2 s"), "{text}");
+    let text = said(&["--from", "0.1", "--every", "9"]);
+    assert!(text.contains("whose number is a multiple of 9 "), "{text}");
+}

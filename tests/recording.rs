@@ -27,12 +27,13 @@ fn a_recording_that_cannot_be_written_leaves_the_results_complete_and_is_exit_co
 }
 
 #[test]
-fn a_saved_recording_of_an_empty_flight_is_no_failure() {
+fn a_recording_without_a_revolution_can_be_read_all_the_same() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let saved = folder.path().join("none.rrd");
-    run(["run", flight.to_str().expect("UTF-8"), "--from", "100", "--save", saved.to_str().expect("UTF-8")])
-        .expect_code(0);
+    let saved = saved.to_str().expect("UTF-8");
+    run(["run", flight.to_str().expect("UTF-8"), "--from", "100", "--save", saved]).expect_code(1);
+    run(["rrd", "ls", saved]).expect_code(0);
 }
 
 #[test]

@@ -24,7 +24,15 @@ pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<
         layers.push(Layer::file(path, &text).map_err(usage)?);
     }
     layers.push(Layer::settings(&args.set).map_err(usage)?);
-    Ok(Config::resolve(&schema, &layers).map_err(usage)?)
+    let config = Config::resolve(&schema, &layers).map_err(usage)?;
+    let [nearest_m, farthest_m] = ["min_range_m", "max_range_m"].map(|limit| config.params("ingest").number(limit));
+    if nearest_m >= farthest_m {
+        return Err(usage(format!(
+            "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}): no return would be left"
+        ))
+        .into());
+    }
+    Ok(config)
 }
 
 fn usage(error: impl ToString) -> UsageError {

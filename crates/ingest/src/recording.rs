@@ -42,6 +42,10 @@ pub struct Recording {
     scan: LaserScan,
     next_seq: u64,
     first_log_time_ns: Option<u64>,
+    /// When the last message was recorded that was looked at, seconds after the first.
+    since_first_s: f64,
+    /// Whether any message lay in the time asked for.
+    any_selected: bool,
     previous: Option<Previous>,
     last_log_time_ns: u64,
     reordered: u64,
@@ -89,6 +93,8 @@ impl Recording {
             scan: LaserScan::default(),
             next_seq: 0,
             first_log_time_ns: None,
+            since_first_s: 0.0,
+            any_selected: false,
             previous: None,
             last_log_time_ns: 0,
             reordered: 0,
@@ -155,7 +161,36 @@ impl Recording {
             }
             return false;
         }
-        seq.is_multiple_of(self.options.every.get()) && self.options.from_s.is_none_or(|from_s| since_first_s >= from_s)
+        self.since_first_s = since_first_s;
+        let is_selected = seq.is_multiple_of(self.options.every.get())
+            && self.options.from_s.is_none_or(|from_s| since_first_s >= from_s);
+        self.any_selected |= is_selected;
+        is_selected
+    }
+
+    /// Why there was nothing to give although there are scans, if that is so: nobody asks for nothing.
+    fn nothing_selected(&self) -> Option<SourceError> {
+        let topic = &self.topic;
+        if let Some(wanted) = self.sensor.frame_id()
+            && self.previous.is_none()
+            && self.of_other_frames > 0
+        {
+            return Some(SourceError(format!(
+                "ingest.frame_id is {wanted:?}, but none of the {} scans of {topic} is of that frame; the last one is of {:?}",
+                self.of_other_frames, self.scan.header.frame_id
+            )));
+        }
+        if self.any_selected || self.first_log_time_ns.is_none() {
+            return None;
+        }
+        let ReadOptions { from_s, to_s, every, .. } = self.options;
+        let from_s = from_s.unwrap_or(0.0);
+        let to = to_s.map_or_else(|| "on".to_owned(), |to_s| format!("to {to_s} s"));
+        let nth = if every.get() > 1 { format!("whose number is a multiple of {every} ") } else { String::new() };
+        Some(SourceError(format!(
+            "no scan of {topic} {nth}was recorded from {from_s} s {to}; the last one before that is at {:.1} s",
+            self.since_first_s
+        )))
     }
 
     /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
@@ -242,13 +277,7 @@ impl Source for Recording {
                 return Ok(true);
             }
         }
-        match self.sensor.frame_id() {
-            Some(wanted) if self.previous.is_none() && self.of_other_frames > 0 => Err(SourceError(format!(
-                "ingest.frame_id is {wanted:?}, but none of the {} scans of {} is of that frame; the last one is of {:?}",
-                self.of_other_frames, self.topic, self.scan.header.frame_id
-            ))),
-            _ => Ok(false),
-        }
+        self.nothing_selected().map_or(Ok(false), Err)
     }
 }
 

@@ -80,7 +80,7 @@ pub(crate) struct FlightArgs {
     /// Scan topic; found by itself when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
-    /// Start this many seconds after the first scan.
+    /// Start this many seconds after the first scan. When no scan is left the command fails (exit code 1).
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) from: Option<f64>,
     /// Stop this many seconds after the first scan.
@@ -157,7 +157,8 @@ pub(crate) enum SplitArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// MCAP recordings with /truth, or folders of them; each file is a family of scenes, named after it.
+    /// MCAP recordings with /truth, or folders of them; each file is a family of scenes, named after it;
+    /// no two of one name.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// A configuration to evaluate: a preset, or a file of settings over the preset `default`, and single settings over

@@ -34,7 +34,7 @@ pub const PARAMS: &[ParamSpec] = &[
         name: "max_range_m",
         unit: "m",
         shape: Shape::Number { default: f64::INFINITY, range: Interval::above(0.0, f64::INFINITY) },
-        doc: "returns farther than this are read as no return",
+        doc: "returns farther than this are read as no return; above min_range_m",
     },
     ParamSpec {
         name: "masked_sectors_rad",
