@@ -176,3 +176,19 @@ fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
     let svg = draw(other).expect("a figure");
     assert!(svg.contains("scene 0: 3 walls") && svg.contains("answer: 2 walls"), "{svg}");
 }
+
+#[test]
+fn two_families_or_configurations_of_one_name_are_refused() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_str().expect("a path in UTF-8").to_owned();
+    for sub in ["a", "b"] {
+        std::fs::create_dir(at(sub)).expect("made");
+        recording(folder.path(), &format!("{sub}/tunnel.mcap"), &[Some(tunnel_truth())]);
+        std::fs::write(at(&format!("{sub}/mine.toml")), "").expect("written");
+    }
+    let said = |command: &[&str]| run([&["evaluate"], command].concat()).expect_code(2).stderr;
+    let text = said(&[&at("a/tunnel.mcap"), &at("b/tunnel.mcap")]);
+    assert!(text.contains("two families are named tunnel"), "{text}");
+    let text = said(&[&at("a"), "--with", &at("a/mine.toml"), "--with", &at("b/mine.toml")]);
+    assert!(text.contains("two configurations are named mine"), "{text}");
+}

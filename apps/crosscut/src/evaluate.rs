@@ -1,5 +1,6 @@
 //! `crosscut evaluate`: configurations side by side, against the truth in recordings.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, &registry)?;
     let recordings = recordings_in(&args.input)?;
+    refuse_equal("families", recordings.iter().map(|path| family_of(path)))?;
+    refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
     let revolutions = revolutions_in(&recordings, args, &columns)?;
     let read: Vec<_> = recordings.iter().cloned().chain(configurations::files(with)).collect();
     let mut outputs = Outputs::open(args, &read)?;
@@ -34,7 +37,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
     let mut problems = Problems::default();
     'all: for path in &recordings {
-        let family = path.file_stem().unwrap_or_default().to_string_lossy();
+        let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
             if stop.is_set() {
                 problems.interrupted = true;
@@ -55,6 +58,22 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
     Ok(problems.outcome())
+}
+
+/// The family that a recording is.
+fn family_of(recording: &Path) -> String {
+    recording.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Two of the same name could not be told apart in the tables, and pictures of one would replace those of the other.
+fn refuse_equal(what: &str, names: impl Iterator<Item = String>) -> Result<(), UsageError> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if !known.insert(name.clone()) {
+            return Err(UsageError(format!("two {what} are named {name}; rename a file, or leave one out")));
+        }
+    }
+    Ok(())
 }
 
 /// How many revolutions there are to go through, if that is known. Refuses what cannot be evaluated, before hours are
