@@ -1,6 +1,7 @@
 //! Figures as SVG: scans from above, each wall in its own colour, the ways on, and a title above each.
 
 use crosscut_messages::Truth;
+use crosscut_report::openings::LOOKOUT_M;
 use crosscut_stage::{Beam, Frame, Revolution};
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
@@ -18,8 +19,6 @@ const TITLE_M: f64 = 3.0;
 const WIDTH_M: f64 = 2.0 * HALF_M + 1.0;
 const HEIGHT_M: f64 = 2.0 * HALF_M + TITLE_M + 1.0;
 const PIXELS_PER_M: f64 = 6.0;
-/// Openings are drawn at this distance, where their bearing and width are defined.
-const OPENING_AT_M: f64 = 8.0;
 
 /// One scan in a square of its own. The vehicle is in the middle, its nose up.
 pub(crate) struct Panel {
@@ -97,14 +96,14 @@ fn positions(revolution: &Revolution) -> Vec<[f64; 2]> {
     revolution.points_m.iter().map(|point| [point.x, point.y]).collect()
 }
 
-/// A line along the bearing, and across it one as long as the opening is wide.
+/// A line along the bearing, and across it, where both are defined, one as long as the opening is wide.
 fn way_on([bearing_rad, width_m]: [f64; 2]) -> Group {
-    let dashed = Line::new().set("y1", -1.5).set("y2", -OPENING_AT_M).set("stroke-dasharray", "0.3 0.3");
+    let dashed = Line::new().set("y1", -1.5).set("y2", -LOOKOUT_M).set("stroke-dasharray", "0.3 0.3");
     let across = Line::new()
         .set("x1", format!("{:.2}", -0.5 * width_m))
         .set("x2", format!("{:.2}", 0.5 * width_m))
-        .set("y1", -OPENING_AT_M)
-        .set("y2", -OPENING_AT_M);
+        .set("y1", -LOOKOUT_M)
+        .set("y2", -LOOKOUT_M);
     Group::new()
         .set("transform", format!("rotate({:.1})", -bearing_rad.to_degrees()))
         .set("stroke", INK)

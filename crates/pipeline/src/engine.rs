@@ -54,7 +54,8 @@ impl Engine {
         }
     }
 
-    /// Fills every part of `frame` after its revolution.
+    /// Fills every part of `frame` after its revolution. Notes are added to those that are there: clear them before the
+    /// next revolution.
     ///
     /// # Errors
     /// When a stage returns an error or panics; the same failure is left in `frame.failure`.

@@ -80,13 +80,13 @@ impl Scene {
 }
 
 fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, moves: bool) -> LaserScan {
-    let turn_s = lidar.step_rad() / std::f64::consts::TAU * lidar.sweep_s;
+    let beam_s = lidar.step_rad() / std::f64::consts::TAU * lidar.sweep_s;
     LaserScan {
         header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".into() },
         angle_min: lidar.bearing_rad(0.0) as f32,
         angle_max: lidar.bearing_rad((lidar.beams - 1) as f64) as f32,
         angle_increment: lidar.step_rad() as f32,
-        time_increment: if moves { turn_s as f32 } else { 0.0 },
+        time_increment: if moves { beam_s as f32 } else { 0.0 },
         scan_time: lidar.sweep_s as f32,
         range_min: lidar.range_min_m as f32,
         range_max: lidar.range_max_m as f32,

@@ -65,9 +65,7 @@ impl Suite {
             ),
         }
     }
-}
 
-impl Suite {
     /// The places of its scenes, each seen by a lidar of `rings`; `None` for flights.
     pub fn clouds(&self, split: Split, rings: Rings) -> Option<impl Iterator<Item = Cloud>> {
         let Scenes::Places(places) = self.scenes else { return None };

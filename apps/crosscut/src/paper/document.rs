@@ -31,7 +31,7 @@ an approximation.
 ";
 
 /// All of it, in Markdown.
-pub(crate) fn document(figures: &[Figure], families: &[Family]) -> String {
+pub(crate) fn document(figures: &[Figure], families: &[Family], tolerance_of_preset: f64) -> String {
     let mut text = OPENING.to_owned();
     for figure in figures {
         text += &format!("\n![{}]({})\n\n{}\n", figure.file(), figure.file(), figure.caption);
@@ -50,7 +50,7 @@ pub(crate) fn document(figures: &[Figure], families: &[Family]) -> String {
     ]);
     let best = (0..EXPONENTS.len()).rev().max_by_key(|&at| all.right[at].hits).unwrap_or(0);
     text += &format!(
-        "The best single tolerance is 1e{}: right in {} of {scenes} scenes. Preset `paper` takes 1e-7.\n",
+        "The best single tolerance is 1e{}: right in {} of {scenes} scenes. Preset `paper` takes {tolerance_of_preset:e}.\n",
         EXPONENTS[best], all.right[best].hits
     );
     text

@@ -8,7 +8,7 @@ mod tolerance;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_pipeline::{Registry, StopFlag};
+use crosscut_pipeline::{Config, Registry, StopFlag};
 use crosscut_simulator::suites;
 
 use crate::cli::PaperArgs;
@@ -20,6 +20,7 @@ use crate::say::say;
 /// Writes the figures, the table, and a page that shows them all. The same program always writes the same bytes.
 pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
+    let tolerance_of_preset = Config::preset("paper", &registry)?.params("spectral").number("zero_tolerance");
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make the folder {}", args.out.display()))?;
@@ -37,7 +38,7 @@ pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
         ));
         return Ok(Outcome::Interrupted);
     };
-    write(&args.out.join("paper.md"), &document::document(&figures, &families))?;
+    write(&args.out.join("paper.md"), &document::document(&figures, &families, tolerance_of_preset))?;
     Ok(Outcome::Done)
 }
 
