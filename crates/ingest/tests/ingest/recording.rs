@@ -105,7 +105,7 @@ fn several_scan_topics_have_to_be_told_apart_by_name() {
     assert_eq!(
         refused(&folder, None).to_string(),
         "there are several scan topics; name one with --topic:\n  \
-         /front  sensor_msgs/msg/LaserScan  cdr  1 messages\n  /rear  sensor_msgs/msg/LaserScan  cdr  1 messages"
+         /front  sensor_msgs/msg/LaserScan  cdr  1 message\n  /rear  sensor_msgs/msg/LaserScan  cdr  1 message"
     );
     let mut rear = Recording::open(&[path], &options(Some("/rear")), sensor(&[])).expect("named");
     assert_eq!(drain(&mut rear).ranges, expected(2).ranges[1..]);
@@ -205,7 +205,18 @@ fn times_and_every_select_and_seq_stays_that_of_the_whole_topic() {
         assert_eq!(seqs(Some(0.5), Some(0.8), 1), [5, 6, 7, 8], "{form:?}");
         assert_eq!(seqs(Some(1.95), None, 4), [20, 24, 28], "{form:?}");
         assert_eq!(seqs(None, Some(0.2), 2), [0, 2], "{form:?}");
-        assert_eq!(seqs(Some(99.0), None, 1), [0; 0], "{form:?}");
+    }
+}
+
+#[test]
+fn a_time_without_scans_is_an_error_of_the_source_and_not_its_end() {
+    let folder = Folder::new();
+    for form in Form::all() {
+        folder.add("f_1.mcap", &form.write(&plain_flight(20)));
+        let options = ReadOptions { from_s: Some(99.0), ..ReadOptions::default() };
+        let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
+        let error = recording.next(&mut Revolution::default(), &mut Notes::default()).expect_err("no scan");
+        assert!(error.to_string().contains("from 99 s on; the last one before that is at 1.9 s"), "{form:?}: {error}");
     }
 }
 
