@@ -26,7 +26,9 @@ fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
         run(args).expect_code(2).stderr
     };
     assert!(refused(&["--preset", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
-    assert!(refused(&["--set", "affinity.kind=rfb"]).contains("did you mean rbf?"));
+    assert!(refused(&["--set", "affinity.kind=rfb"]).contains("did you mean rbf? there are: "));
+    let kinds = refused(&["--set", "spectral.kind=bogus"]);
+    assert!(["faer", "blocks", "slicing"].iter().all(|kind| kinds.contains(kind)), "{kinds}");
     assert!(refused(&["--set", "ingest.yaw_rad=up"]).contains("a number in"));
     assert!(refused(&["--preset", "papper"]).contains("did you mean paper?"));
     assert!(refused(&["--config", "/nowhere/mine.toml"]).contains("/nowhere/mine.toml"));

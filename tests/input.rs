@@ -174,3 +174,27 @@ fn a_selection_that_holds_no_scan_is_a_failure_that_says_where_the_scans_are() {
     let text = said(&["--from", "0.1", "--every", "9"]);
     assert!(text.contains("whose number is a multiple of 9 "), "{text}");
 }
+
+#[test]
+fn a_topic_named_with_control_characters_does_not_reach_the_terminal_as_it_is() {
+    let folder = folder();
+    let writing = Writing { topics: &["/scan\u{1b}[31m", "/rear"], ..Writing::default() };
+    let flight = file(folder.path(), "odd.mcap", &tunnel(1, &writing));
+    let flight = flight.to_str().expect("UTF-8");
+    let shown = run(["info", flight]).expect_code(0).stdout;
+    let said = run(["run", flight]).expect_code(1).stderr;
+    for text in [shown, said] {
+        assert!(!text.contains('\u{1b}') && text.contains(r"/scan\u{1b}[31m"), "{text:?}");
+    }
+}
+
+#[test]
+fn one_of_a_thing_is_not_told_in_the_plural() {
+    let folder = folder();
+    let writing = Writing { topics: &["/front", "/rear"], ..Writing::default() };
+    let flight = file(folder.path(), "one.mcap", &tunnel(1, &writing));
+    let said = run(["run".as_ref(), flight.as_os_str()]).expect_code(1).stderr;
+    assert!(said.contains("1 message") && !said.contains("1 messages"), "{said}");
+    let (ran, _) = results_of(&flight, &["--topic", "/rear"]);
+    assert!(ran.stderr.starts_with("1 revolution in "), "{}", ran.stderr);
+}

@@ -10,13 +10,13 @@ use crosscut_pipeline::Registry;
 use crate::cli::InfoArgs;
 use crate::config;
 use crate::exit::Outcome;
-use crate::say::say;
+use crate::say::{counted, printable, say};
 
 /// Prints the description of a recording; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let description = describe(&args.input, &Sensor::new(config.params("ingest")))?;
-    std::io::stdout().write_all(text(&description).as_bytes()).context("standard output")?;
+    std::io::stdout().write_all(printable(&text(&description)).as_bytes()).context("standard output")?;
     for loss in &description.losses {
         say(format_args!("lost: {loss}"));
     }
@@ -57,7 +57,7 @@ fn size(bytes: u64) -> String {
 fn index(recording: &Description) -> String {
     let compressions = recording.compressions.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
     match recording.indexed_chunks {
-        Some(chunks) => format!("{chunks} chunks, compression: {compressions}"),
+        Some(chunks) => format!("{}, compression: {compressions}", counted(chunks as u64, "chunk")),
         None => "none: messages come in the order of the file".to_owned(),
     }
 }
@@ -87,8 +87,10 @@ fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let view =
         if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
     let mut text = format!(
-        "first scan of {topic}, frame {:?}: {} beams, {} returns\n  {view}, range {range_min_m} to {range_max_m} m",
-        scan.frame_id, scan.beams, scan.returns,
+        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} to {range_max_m} m",
+        scan.frame_id,
+        counted(scan.beams as u64, "beam"),
+        counted(scan.returns as u64, "return"),
     );
     for note in &scan.notes {
         text += &format!("\n  {note}");

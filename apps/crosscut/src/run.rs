@@ -15,7 +15,7 @@ use crate::cli::RunArgs;
 use crate::exit::{Outcome, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::over_time::{self, OverTime};
-use crate::say::say;
+use crate::say::{counted, say};
 use crate::{config, flight, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
@@ -95,14 +95,15 @@ fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Se
 
 /// Says what went wrong, and what the exit code is.
 fn outcome(summary: &Summary, something_lost: bool) -> Outcome {
+    let made = counted(summary.revolutions, "revolution");
     match &summary.end {
         End::Failed(failure) => {
-            say(format_args!("error: {failure}; the {} revolutions before it are saved", summary.revolutions));
+            say(format_args!("error: {failure}; saved before it: {made}"));
             Outcome::Failed
         }
         End::ResultsLost(error) if is_closed_pipe(error) => Outcome::Interrupted,
         End::ResultsLost(error) => {
-            say(format_args!("error: results cannot be written after {} revolutions: {error}", summary.revolutions));
+            say(format_args!("error: results cannot be written after {made}: {error}"));
             Outcome::Failed
         }
         End::Interrupted => Outcome::Interrupted,

@@ -13,6 +13,7 @@ use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError};
 use indicatif::ProgressBar;
 
+use crate::say::counted;
 use crate::wrong::Wrong;
 
 /// What came of it.
@@ -116,10 +117,13 @@ impl NotCompared {
         let path = path.display();
         let mut losses = Vec::new();
         if self.without_truth > 0 {
-            losses.push(format!("{} scans have no truth of the same log time, in {path}", self.without_truth));
+            losses.push(format!("no truth has the log time of {}, in {path}", counted(self.without_truth, "scan")));
         }
         if let Some((count, first)) = self.others {
-            losses.push(format!("{count} scans cannot be compared with their truth, the first: {first}, in {path}"));
+            losses.push(format!(
+                "{} cannot be compared with the truth, the first: {first}, in {path}",
+                counted(count, "scan")
+            ));
         }
         losses
     }

@@ -11,7 +11,7 @@ use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::progress;
-use crate::say::say;
+use crate::say::{counted, say};
 
 /// Writes the flight of a scenario, or a suite, or lists both.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
@@ -90,7 +90,8 @@ fn write(
     let written = write_mcap(path, bar.wrap_iter(scenes))?;
     bar.finish_and_clear();
     let interrupted = if outcome == Outcome::Done { "" } else { "interrupted: " };
-    say(format_args!("{interrupted}{written} revolutions with their truth: {}", path.display()));
+    let written = counted(u64::from(written), "revolution");
+    say(format_args!("{interrupted}{written} with truth: {}", path.display()));
     Ok(outcome)
 }
 

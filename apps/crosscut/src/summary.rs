@@ -6,6 +6,8 @@ use comfy_table::{CellAlignment, Table, presets};
 use crosscut_pipeline::Summary;
 use crosscut_stage::Step;
 
+use crate::say::counted;
+
 /// Kinds of notes that are shown; all of them are in the results.
 const NOTES_SHOWN: usize = 5;
 
@@ -13,8 +15,8 @@ const NOTES_SHOWN: usize = 5;
 pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
     let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
     let mut text = format!(
-        "{} revolutions in {:.2} s ({per_second:.0} a second), {} with notes\n",
-        summary.revolutions,
+        "{} in {:.2} s ({per_second:.0} a second), {} with notes\n",
+        counted(summary.revolutions, "revolution"),
         elapsed.as_secs_f64(),
         summary.noted
     );
@@ -44,8 +46,12 @@ fn notes(summary: &Summary) -> String {
     for kind in kinds.iter().take(NOTES_SHOWN) {
         table.add_row([kind.revolutions.to_string(), kind.first.clone()]);
     }
-    let more = kinds.len().saturating_sub(NOTES_SHOWN);
-    if more > 0 { format!("{table}\n and {more} kinds of notes more, in the results") } else { table.trim_fmt() }
+    let more = kinds.len().saturating_sub(NOTES_SHOWN) as u64;
+    if more > 0 {
+        format!("{table}\n and {} of notes more, in the results", counted(more, "kind"))
+    } else {
+        table.trim_fmt()
+    }
 }
 
 fn times(summary: &Summary) -> Table {

@@ -8,6 +8,7 @@ use crosscut_messages::Truth;
 use crosscut_stage::Frame;
 
 use crate::figure::{Panel, sheet};
+use crate::say::counted;
 
 /// So many scenes are drawn of one recording, the first.
 const MOST_SCENES: usize = 8;
@@ -26,8 +27,9 @@ impl Wrong {
         if score.right || self.panels.len() >= 2 * MOST_SCENES {
             return;
         }
-        let name = format!("scene {}: {}", frame.revolution.seq, walls(score.true_walls));
-        let answer = if score.right_count() { "other walls".to_owned() } else { walls(score.reported_walls) };
+        let name = format!("scene {}: {}", frame.revolution.seq, counted(score.true_walls as u64, "wall"));
+        let answer =
+            if score.right_count() { "other walls".to_owned() } else { counted(score.reported_walls as u64, "wall") };
         self.panels.push(Panel::of_truth(name, &frame.revolution, truth));
         self.panels.push(Panel::of_answer(format!("answer: {answer}"), frame));
     }
@@ -41,8 +43,4 @@ impl Wrong {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
         std::fs::write(&path, sheet(&self.panels, COLUMNS)).with_context(|| format!("cannot write {}", path.display()))
     }
-}
-
-fn walls(count: usize) -> String {
-    if count == 1 { "1 wall".to_owned() } else { format!("{count} walls") }
 }

@@ -19,7 +19,9 @@ pub struct Loss {
 #[non_exhaustive]
 pub enum LossKind {
     /// The file ends before its end: whatever was recorded after that is not there.
-    #[error("cut off at byte {at_byte}: every whole message before it was read, what came after it is missing")]
+    #[error(
+        "cut off within the record that begins at byte {at_byte}: every whole message was read, what came after is missing"
+    )]
     CutOff {
         /// Where the record that is not whole begins.
         at_byte: u64,
@@ -49,7 +51,7 @@ pub enum LossKind {
         damage: Damage,
     },
     /// Scan messages that are there but make no sense; each is an empty revolution in the results.
-    #[error("{count} messages of {topic} cannot be decoded, the first is number {first_seq}: {cause}")]
+    #[error("{} of {topic} cannot be decoded, the first is number {first_seq}: {cause}", counted(*count, "message"))]
     Messages {
         /// Topic of the scans.
         topic: String,
@@ -61,13 +63,13 @@ pub enum LossKind {
         cause: DecodeError,
     },
     /// Messages whose topic is not defined in any part that can be read.
-    #[error("{count} messages are of no known topic: its definition is lost")]
+    #[error("the definition of a topic is lost, and with it {}", counted(*count, "message"))]
     UnknownTopic {
         /// How many.
         count: u64,
     },
     /// The recording counts more scans than can be found, and no damage explains it.
-    #[error("{count} messages of {topic} that the recording counts cannot be found")]
+    #[error("{} of {topic} that the recording counts cannot be found", counted(*count, "message"))]
     Missing {
         /// Topic of the scans.
         topic: String,
@@ -89,11 +91,12 @@ pub enum LossKind {
 }
 
 fn scans_at(scans: Option<u64>) -> String {
-    match scans {
-        Some(1) => "part with 1 scan".to_owned(),
-        Some(scans) => format!("part with {scans} scans"),
-        None => "part".to_owned(),
-    }
+    scans.map_or_else(|| "part".to_owned(), |scans| format!("part with {}", counted(scans, "scan")))
+}
+
+/// `1 scan`, `2 scans`.
+pub(crate) fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// What is wrong with a stretch of bytes.

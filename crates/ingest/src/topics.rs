@@ -7,6 +7,7 @@ use crosscut_messages::{CDR_ENCODING, LaserScan, Message};
 
 use crate::IngestError;
 use crate::container::{Container, Topic};
+use crate::loss::counted;
 
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +30,7 @@ impl fmt::Display for TopicList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, topic) in self.0.iter().enumerate() {
             let TopicInfo { name, type_name, encoding, messages } = topic;
-            let count = messages.map(|count| format!("{count} messages")).unwrap_or_default();
+            let count = messages.map(|count| counted(count, "message")).unwrap_or_default();
             let type_name = if type_name.is_empty() { "(no schema)" } else { type_name };
             let line = format!("  {name}  {type_name}  {encoding}  {count}");
             write!(f, "{}{}", if i == 0 { "" } else { "\n" }, line.trim_end())?;

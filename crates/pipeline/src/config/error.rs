@@ -27,16 +27,22 @@ pub enum ConfigError {
 /// "did you mean ...?" when one of the known names is near, else all of them.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<_> = known.collect();
-    let best = known
-        .iter()
-        .map(|k| (likeness(name, k), *k))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness > 0.66);
-    match best {
-        Some((_, best)) => format!("did you mean {best}?"),
+    match best(name, &known) {
+        Some(best) => format!("did you mean {best}?"),
         None if known.is_empty() => "it has no parameters".to_owned(),
         None => format!("there are: {}", known.join(", ")),
     }
+}
+
+/// All of the known names, where they are few; the nearest before them.
+pub(super) fn nearest_and_all(name: &str, known: &[&str]) -> String {
+    let guess = best(name, known).map_or_else(String::new, |best| format!("did you mean {best}? "));
+    format!("{guess}there are: {}", known.join(", "))
+}
+
+fn best<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let best = known.iter().map(|k| (likeness(name, k), *k)).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(likeness, _)| *likeness > 0.66).map(|(_, best)| best)
 }
 
 /// High for a name begun rightly as well as for one with letters swapped.

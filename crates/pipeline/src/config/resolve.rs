@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
 
-use super::error::{ConfigError, nearest};
+use super::error::{ConfigError, nearest, nearest_and_all};
 use super::layer::Layer;
 use super::schema::{Body, Choice, Schema, Section};
 use crate::Registry;
@@ -185,7 +185,7 @@ impl Resolved {
             layer: layer.name.clone(),
             section: self.name,
             kind: wanted.to_string(),
-            nearest: nearest(name, choices.iter().map(|choice| choice.name)),
+            nearest: nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>()),
         })?;
         match &mut self.kind {
             Some(kind) if kind.name == choice.name => kind.layer.clone_from(&layer.name),
