@@ -37,3 +37,30 @@ fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
     assert!(refused(&["--rate", "0"]).contains("above 0"));
     assert!(refused(&["--from", "3", "--to", "2"]).contains("--from 3"));
 }
+
+#[test]
+fn an_option_that_would_change_nothing_is_refused() {
+    let input = shipped_flight();
+    let run_with = |more: &[&str]| run([&["run", input.to_str().expect("UTF-8")], more].concat()).expect_code(2).stderr;
+    let of_recordings =
+        ["--layout=speed", "--record=light", "--record-every=5", "--record-revolutions=1..2", "--record-seconds=1.."];
+    for option in of_recordings {
+        let text = run_with(&[option]);
+        assert!(["--save", "--view", "--serve"].iter().all(|other| text.contains(other)), "{option}: {text}");
+    }
+    assert!(run_with(&["--record-part=50"]).contains("--save"));
+    assert!(run_with(&["--record-part=50", "--serve"]).contains("--save"));
+    let ran = run(["simulate", "tee", "--split", "dev", "--out", "nowhere"]).expect_code(2);
+    assert!(ran.stderr.contains("--split"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_cannot_be_written_under_the_name_asked_for_is_refused() {
+    let input = shipped_flight();
+    let refused =
+        |more: [&str; 2]| run([&["run", input.to_str().expect("UTF-8")][..], &more].concat()).expect_code(2).stderr;
+    for picture in ["over.png", "over", "-", "svg"] {
+        assert!(refused(["--over-time", picture]).contains("FILE.svg"), "{picture}");
+    }
+    assert!(refused(["--save", "-"]).contains("not standard output"));
+}

@@ -6,6 +6,7 @@ use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use record::{LayoutArg, RecordArgs};
@@ -59,7 +60,7 @@ pub(crate) struct RunArgs {
     pub(crate) results: Option<PathBuf>,
     /// Draw count, margin and confidence over time, and list beside it, as FILE.md, the revolutions whose count is not
     /// that of most around them, with what is different there.
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", value_parser = PathBufValueParser::new().try_map(an_svg))]
     pub(crate) over_time: Option<PathBuf>,
     /// No progress, no summary.
     #[arg(long)]
@@ -134,7 +135,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) suite: Option<String>,
     /// Which scenes of the suite: choose parameters on dev, report on report.
-    #[arg(long, value_enum, default_value = "dev", requires = "suite")]
+    #[arg(long, value_enum, default_value = "dev", requires = "suite", conflicts_with = "scenario")]
     pub(crate) split: SplitArg,
     /// Where to write: FLIGHT.mcap for a scenario, a folder for suites.
     #[arg(long, value_name = "PATH")]
@@ -298,6 +299,14 @@ pub(crate) struct RrdDiffArgs {
 
 fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|s: &f64| s.is_finite() && *s >= 0.0).ok_or_else(|| "seconds, 0 or more".to_owned())
+}
+
+fn an_svg(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
+        Ok(path)
+    } else {
+        Err("pictures are written as SVG: FILE.svg")
+    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -3,17 +3,19 @@
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use super::SERVED_AT;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]
+#[command(group = ArgGroup::new("recorded").args(["save", "view", "serve"]).multiple(true))]
 pub(crate) struct RecordArgs {
     /// Save a recording of every stage for the Rerun viewer.
-    #[arg(long, value_name = "FLIGHT.rrd")]
+    #[arg(long, value_name = "FLIGHT.rrd", value_parser = PathBufValueParser::new().try_map(a_file))]
     pub(crate) save: Option<PathBuf>,
     /// Show every stage live in the Rerun viewer.
     #[arg(long)]
@@ -23,23 +25,28 @@ pub(crate) struct RecordArgs {
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
     /// Which page the viewer opens with; the others are a click away.
-    #[arg(long, value_enum, default_value = "stages")]
+    #[arg(long, value_enum, default_value = "stages", requires = "recorded")]
     pub(crate) layout: LayoutArg,
     /// How much is recorded of each revolution.
-    #[arg(long, value_enum, default_value = "default")]
+    #[arg(long, value_enum, default_value = "default", requires = "recorded")]
     pub(crate) record: DetailArg,
     /// Record W and U exactly at every N-th revolution recorded. [default: 300, with --record full 1, with light never]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "recorded")]
     pub(crate) record_every: Option<NonZeroU64>,
     /// Record these revolutions alone (`seq`, both included): 100..200, 100.. or ..200.
-    #[arg(long, value_name = "A..B", value_parser = range::<u64>)]
+    #[arg(long, value_name = "A..B", value_parser = range::<u64>, requires = "recorded")]
     pub(crate) record_revolutions: Option<Span<u64>>,
     /// Record this time alone, in seconds after the first revolution: 12.5..20, 12.5.. or ..20.
-    #[arg(long, value_name = "A..B", value_parser = range::<f64>)]
+    #[arg(long, value_name = "A..B", value_parser = range::<f64>, requires = "recorded")]
     pub(crate) record_seconds: Option<Span<f64>>,
     /// End a file after N revolutions and go on in FLIGHT-2.rrd, FLIGHT-3.rrd...
-    #[arg(long, value_name = "N", default_value = "6000")]
+    #[arg(long, value_name = "N", default_value = "6000", requires = "save")]
     pub(crate) record_part: NonZeroU64,
+}
+
+/// A recording is written in parts, each ended by an index: a pipe takes none.
+fn a_file(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if path == Path::new("-") { Err("a recording is a file, not standard output: FLIGHT.rrd") } else { Ok(path) }
 }
 
 /// Pages of a recording.
