@@ -10,7 +10,7 @@ const WRONG: [(&str, usize); 1] = [("corridor_cross.mcap", 448)];
 const MOST_FLICKER_PERCENT: [(&str, f64); 4] = [
     ("corridor_cross.mcap", 3.8),
     ("corridor_threeway.mcap", 7.8),
-    ("corridor_dead.mcap", 7.8),
+    ("corridor_dead.mcap", 7.4),
     ("corridor_left.mcap", 7.2),
 ];
 

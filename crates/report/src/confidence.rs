@@ -38,7 +38,8 @@ pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 /// What speaks for and against an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grounds {
-    /// o: how far the walls at an opening leave each other's line, metres; the least of all openings.
+    /// o: how far the walls at an opening, or where one ends and another begins, leave each other's line, metres; the
+    /// least of all.
     pub least_at_openings_m: f64,
     /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the
     /// most of all gaps of the vehicle's width.
@@ -89,7 +90,8 @@ impl Grounds {
         // No opening within a wall is narrower than the vehicle.
         for sides in sides(ring, vehicle_width_m) {
             let (edge_m, walls) = (sides.edge_m(), sides.walls());
-            if is_opening(edge_m) {
+            // Too narrow for an opening, it tells two walls apart all the same.
+            if is_opening(edge_m) || (walls[0] != walls[1] && sides.is_known()) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if walls[0] == walls[1] {
                 let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
