@@ -1,6 +1,6 @@
 //! `--save`: the recording of every stage.
 
-use crate::flight::{Writing, file, tunnel};
+use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
 use crate::program::{Ran, crosscut, lines, results_of, run, shipped_flight};
 
 #[test]
@@ -34,6 +34,26 @@ fn a_recording_without_a_revolution_can_be_read_all_the_same() {
     let saved = saved.to_str().expect("UTF-8");
     run(["run", flight.to_str().expect("UTF-8"), "--from", "100", "--save", saved]).expect_code(1);
     run(["rrd", "ls", saved]).expect_code(0);
+}
+
+#[test]
+fn one_wild_range_in_the_first_scan_makes_a_recording_no_larger() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let saved_bytes = |first_range_m: f32| {
+        let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+        scans.iter_mut().for_each(|scan| scan.range_max = 0.0); // no limit
+        scans[0].ranges[0] = first_range_m;
+        let flight = file(folder.path(), "wild.mcap", &bytes(&scans, &Writing::default()));
+        let saved = folder.path().join("wild.rrd");
+        let saved_to = saved.to_str().expect("UTF-8");
+        run(["run", flight.to_str().expect("UTF-8"), "--save", saved_to, "--quiet"]).expect_code(0);
+        saved.metadata().expect("saved").len()
+    };
+    let usual = saved_bytes(8.0);
+    for wild_m in [1e8, 2e9, 1e30, f32::MAX] {
+        let bytes = saved_bytes(wild_m);
+        assert!(bytes < usual + usual / 4, "{bytes} instead of {usual} bytes for a range of {wild_m} m");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::beam_order::BeamOrder;
 use crate::colors::{GRID, WORDS, color};
 use crate::partition::runs;
 use crate::polyline::simplified;
-use crate::scan::step_m;
+use crate::scan::ticks_m;
 use crate::tracks::Classes;
 
 /// The chart is as wide as this whatever the number of beams, and as high as this whatever the range.
@@ -35,8 +35,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 
 /// The axes: ranges to `reach_m`, and the bearings of some beams.
 pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> RecordingStreamResult<()> {
-    let step_m = step_m(reach_m);
-    let ticks_m: Vec<f64> = (0..).map(|i| f64::from(i) * step_m).take_while(|&tick_m| tick_m <= reach_m).collect();
+    let ticks_m: Vec<f64> = [0.0].into_iter().chain(ticks_m(reach_m)).collect();
     let y = |tick_m: f64| -HEIGHT * (tick_m / reach_m) as f32;
     let grid = LineStrips2D::new(ticks_m.iter().map(|&tick_m| [[0.0, y(tick_m)], [WIDTH, y(tick_m)]]))
         .with_radii([Radius::new_ui_points(0.5)])

@@ -167,21 +167,25 @@ impl BeamGeometry {
     }
 }
 
-/// A round number of metres that goes into `reach_m` four times at most.
+/// A round number of metres that goes into `reach_m` four times at most; views reach 2 km at most.
 pub(crate) fn step_m(reach_m: f64) -> f64 {
-    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(100.0)
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(500.0)
 }
 
-/// Circles to read distances by, every [`step_m`] out to `reach_m`. The titles of the views say how far apart they are.
-pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamResult<()> {
+/// Where to read distances by: every [`step_m`] out to `reach_m`, from the first step on.
+pub(crate) fn ticks_m(reach_m: f64) -> impl Iterator<Item = f64> {
     let step_m = step_m(reach_m);
-    let radii_m: Vec<f64> = (1..=4).map(|ring| f64::from(ring) * step_m).filter(|&r| r <= reach_m).collect();
+    (1..=4).map(move |tick| f64::from(tick) * step_m).filter(move |&tick_m| tick_m <= reach_m)
+}
+
+/// Circles to read distances by, at [`ticks_m`]. The titles of the views say how far apart they are.
+pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamResult<()> {
     let at = |radius_m: f64, degrees: f64| {
         let angle = degrees.to_radians();
         [(radius_m * angle.cos()) as f32, (radius_m * angle.sin()) as f32, 0.0]
     };
-    let circle = |&r: &f64| (0..=72).map(|i| at(r, 5.0 * f64::from(i))).collect::<Vec<_>>();
-    let rings = LineStrips3D::new(radii_m.iter().map(circle))
+    let circle = |radius_m: f64| (0..=72).map(|i| at(radius_m, 5.0 * f64::from(i))).collect::<Vec<_>>();
+    let rings = LineStrips3D::new(ticks_m(reach_m).map(circle))
         .with_radii([Radius::new_ui_points(0.5)])
         .with_colors([color(GRID)]);
     rec.log_static("scan/rings", &rings)

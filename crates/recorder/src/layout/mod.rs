@@ -70,11 +70,15 @@ impl Default for Extent {
     }
 }
 
+/// No lidar sees farther. A return beyond is an error of the sensor, and a view that reached it would show nothing else.
+const FARTHEST_RETURN_M: f64 = 1000.0;
+
 impl Extent {
     /// The sensor's range, but at most twice as far as its returns lie; the sensor's beams.
     pub(crate) fn of(frame: &Frame) -> Self {
         let (default, revolution) = (Self::default(), &frame.revolution);
-        let farthest_m = (0..revolution.len()).map(|i| revolution.range_m(i)).fold(0.0, f64::max);
+        let ranges_m = (0..revolution.len()).map(|i| revolution.range_m(i));
+        let farthest_m = ranges_m.filter(|range_m| *range_m <= FARTHEST_RETURN_M).fold(0.0, f64::max);
         let seen_m = if farthest_m > 0.0 { 2.0 * farthest_m } else { default.range_m };
         let limit_m = revolution.sweep.as_ref().map(|sweep| sweep.range_max_m).filter(|limit| *limit > 0.0);
         let places = BeamOrder::of(revolution).used;
@@ -170,4 +174,24 @@ fn time_panel() -> TimePanel {
         .with_timeline("revolution")
         .with_play_state(PlayState::Following)
         .with_fps(10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_stage::Point;
+
+    #[test]
+    fn a_return_farther_than_any_lidar_sees_does_not_widen_the_views() {
+        let range_m = |ranges_m: &[f64]| {
+            let mut frame = Frame::default();
+            frame.revolution.points_m = ranges_m.iter().map(|&range_m| Point::new(range_m, 0.0, 0.0)).collect();
+            Extent::of(&frame).range_m
+        };
+        assert_eq!(range_m(&[3.0, 40.0]), 80.0);
+        for wild in [2e9, 1e30, f64::MAX, f64::INFINITY, f64::NAN] {
+            assert_eq!(range_m(&[3.0, wild, 40.0]), 80.0, "{wild}");
+            assert_eq!(range_m(&[wild]), Extent::default().range_m, "{wild}");
+        }
+    }
 }
