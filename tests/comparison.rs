@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::flight::file;
+use crate::flight::{Writing, bytes, file, tunnel_scan};
 use crate::program::{Ran, column, results_of, run, shipped_flight};
 
 fn compare(input: &Path, with: &[&str], more: &[&str]) -> Ran {
@@ -52,6 +52,29 @@ fn a_configuration_against_itself_differs_nowhere() {
     for nothing in ["settings that differ: none", "stretches where the walls of default and default differ: none"] {
         assert!(shown.contains(nothing), "{nothing} in:\n{shown}");
     }
+}
+
+#[test]
+fn a_scan_that_one_configuration_leaves_out_shifts_no_answer_to_another_scan() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut scans: Vec<_> = (0..12).map(tunnel_scan).collect();
+    for (seq, scan) in scans.iter_mut().enumerate() {
+        if seq % 3 == 0 {
+            scan.header.frame_id = "front".into();
+        } else {
+            scan.ranges.fill(f32::INFINITY); // an answer that differs from those of the tunnel
+        }
+    }
+    let input = file(folder.path(), "two.mcap", &bytes(&scans, &Writing::default()));
+    for with in [["default", "default,ingest.frame_id=front"], ["default,ingest.frame_id=front", "default"]] {
+        let figures = json(&input, &with)["comparisons"][0]["figures"].clone();
+        assert_eq!(figures["same_walls"]["of"], 4, "{with:?}");
+        assert_eq!(figures["same_walls"]["hits"], 4, "{with:?}");
+        let by_one = if with[0] == "default" { [8, 0] } else { [0, 8] };
+        assert_eq!(figures["answered_by_one"], serde_json::json!(by_one), "{with:?}");
+    }
+    let shown = compare(&input, &["default", "default,ingest.frame_id=front"], &[]).expect_code(0).stdout;
+    assert!(shown.contains("by one alone"), "{shown}");
 }
 
 #[test]

@@ -35,8 +35,11 @@ impl Agreement {
     /// Compares `second` with `first`.
     ///
     /// # Errors
-    /// When they have labels for different numbers of beams.
+    /// When they are for different revolutions, or have labels for different numbers of beams.
     pub fn of(first: &ResultsLine, second: &ResultsLine) -> Result<Self, ScoreError> {
+        if first.seq != second.seq {
+            return Err(ScoreError::Revolutions { first: first.seq, second: second.seq });
+        }
         if first.labels.len() != second.labels.len() {
             return Err(ScoreError::Beams { seq: first.seq, truth: first.labels.len(), reported: second.labels.len() });
         }

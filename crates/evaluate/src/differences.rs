@@ -9,6 +9,8 @@ use crate::{Agreement, Share};
 /// Agreements of consecutive revolutions, summed up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Differences {
+    /// Revolutions that the first alone answered, and those that the second alone did; they are in no other figure.
+    pub answered_by_one: [u64; 2],
     /// Share of the revolutions with the same count.
     pub same_count: Share,
     /// Share with the same number of zero eigenvalues.

@@ -44,6 +44,14 @@ pub enum ScoreError {
         /// Labels in the result.
         reported: usize,
     },
+    /// Two answers are for different scans.
+    #[error("an answer for revolution {first} against one for revolution {second}; they are not of the same scan")]
+    Revolutions {
+        /// The revolution of the first answer.
+        first: u64,
+        /// That of the second.
+        second: u64,
+    },
 }
 
 impl Score {

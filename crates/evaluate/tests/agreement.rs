@@ -80,6 +80,11 @@ fn a_stretch_ends_where_the_answers_agree_or_differ_otherwise() {
 
 #[test]
 fn answers_for_different_scans_are_refused() {
-    let refused = Agreement::of(&answer(&[0, 0], &[]), &answer(&[0], &[]));
-    assert!(refused.is_err_and(|error| error.to_string().contains("not of the same scan")));
+    let is_refused = |first: &ResultsLine, second: &ResultsLine| {
+        Agreement::of(first, second).is_err_and(|error| error.to_string().contains("not of the same scan"))
+    };
+    assert!(is_refused(&answer(&[0, 0], &[]), &answer(&[0], &[])), "other beams");
+    let at = |seq| ResultsLine { seq, ..answer(&[0, 0], &[]) };
+    assert!(is_refused(&at(0), &at(3)), "another revolution");
+    assert!(Agreement::of(&at(3), &at(3)).is_ok());
 }

@@ -3,11 +3,12 @@
 mod shown;
 
 use std::io::{self, Write};
+use std::iter::Peekable;
 use std::path::Path;
 use std::thread::{Builder, ScopedJoinHandle};
 
 use anyhow::Context;
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::{IntoIter, bounded};
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_ingest::{Recording, recordings_in};
 use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
@@ -24,6 +25,10 @@ use crate::{flight, overwriting, progress, typeset};
 
 /// Answers that a configuration may be ahead of the slowest.
 const AHEAD: usize = 64;
+
+/// What a configuration answers, by ascending `seq`; `None` when the flight is over. A channel that closes before that
+/// is of one that stopped early.
+type Answers = Peekable<IntoIter<Option<ResultsLine>>>;
 
 /// What came of it.
 struct Compared {
@@ -85,11 +90,15 @@ fn side_by_side(
             let (answer, of_configuration) = bounded(AHEAD);
             let options = StreamOptions { rate: None, stop: stop.clone() };
             let run = move || {
-                let mut results = |frame: &Frame| answer.send(ResultsLine::of(frame)).map_err(io::Error::other);
-                stream(recording, config, registry, &mut results, &mut [], &options)
+                let mut results = |frame: &Frame| answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other);
+                let summary = stream(recording, config, registry, &mut results, &mut [], &options)?;
+                if matches!(summary.end, End::Complete) {
+                    answer.send(None).ok(); // nobody waits for it where another one stopped
+                }
+                Ok(summary)
             };
             streams.push(Builder::new().name(format!("compare {name}")).spawn_scoped(scope, run)?);
-            answers.push(of_configuration);
+            answers.push(of_configuration.into_iter().peekable());
         }
         let (differences, first_stamp_ns) = meet(answers, bar)?;
         let joined = |stream: ScopedJoinHandle<'_, io::Result<Summary>>| stream.join().expect("streams catch panics");
@@ -99,18 +108,33 @@ fn side_by_side(
 }
 
 /// The differences of every configuration from the first, and the stamp of the first scan.
-fn meet(answers: Vec<Receiver<ResultsLine>>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
+///
+/// A setting may leave scans out (`ingest.frame_id`), so answers meet by `seq`.
+fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
     let mut first_stamp_ns = None;
-    while let Some(lines) = answers.iter().map(|of| of.recv().ok()).collect::<Option<Vec<_>>>() {
+    while let Some(seq) = next_seq(&mut answers) {
+        let is_next = |answer: &Option<ResultsLine>| answer.as_ref().is_some_and(|line| line.seq == seq);
+        let lines: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
+        first_stamp_ns = first_stamp_ns.or_else(|| lines.iter().flatten().map(|line| line.stamp_ns).next());
         let (first, others) = lines.split_first().expect("there are two configurations at least");
-        first_stamp_ns.get_or_insert(first.stamp_ns);
         for (other, differences) in others.iter().zip(&mut differences) {
-            differences.add(&Agreement::of(first, other)?);
+            match (first, other) {
+                (Some(first), Some(other)) => differences.add(&Agreement::of(first, other)?),
+                (Some(_), None) => differences.answered_by_one[0] += 1,
+                (None, Some(_)) => differences.answered_by_one[1] += 1,
+                (None, None) => {}
+            }
         }
         bar.inc(1);
     }
     Ok((differences, first_stamp_ns.unwrap_or(0)))
+}
+
+/// The next revolution that any of them answered; none if the flight is over, or one of them stopped early.
+fn next_seq(answers: &mut [Answers]) -> Option<u64> {
+    let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|line| line.seq)));
+    next.collect::<Option<Vec<_>>>()?.into_iter().flatten().min()
 }
 
 /// What went wrong, and how the command ends for it.

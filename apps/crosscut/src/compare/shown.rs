@@ -46,11 +46,20 @@ fn settings(configurations: &[Configuration]) -> Table {
 }
 
 fn agreement<'a>(first: &str, others: impl Iterator<Item = (&'a str, &'a Differences)>) -> Table {
-    let columns =
-        ["revolutions", "same count", "same k", "same walls", "returns alike", "openings lacking", "openings more"];
+    let columns = [
+        "revolutions",
+        "by one alone",
+        "same count",
+        "same k",
+        "same walls",
+        "returns alike",
+        "openings lacking",
+        "openings more",
+    ];
     let row = |(other, of): (&str, &Differences)| {
         let shares = [of.same_count, of.same_k, of.same_walls, of.returns_alike, of.openings_lacking, of.openings_more];
-        [other.to_owned(), of.same_count.of.to_string()].into_iter().chain(shares.map(percent)).collect()
+        let [by_both, by_one] = [of.same_count.of, of.answered_by_one.iter().sum()];
+        [other.to_owned(), by_both.to_string(), by_one.to_string()].into_iter().chain(shares.map(percent)).collect()
     };
     Table {
         title: format!("against {first}, %"),
