@@ -134,12 +134,13 @@ impl Recorder {
         let Some(mut share) = self.plan.share_of(frame) else { return Ok(()) };
         let revolution = &frame.revolution;
         self.part_is_due |= share.new_part;
-        if self.part_is_due && self.backlog.as_ref().is_none_or(Backlog::is_clear) {
+        let begins_part = self.part_is_due && self.backlog.as_ref().is_none_or(Backlog::is_clear);
+        if begins_part {
             self.begin_part()?;
         }
         self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
-        if share.new_part || self.extent.is_none() {
+        if begins_part || self.extent.is_none() {
             mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
         }
         if self.extent.is_none() {

@@ -112,7 +112,7 @@ fn a_long_flight_is_split_into_parts_that_each_open_alone_and_belong_to_one_reco
     for (part, expected) in parts.iter().zip([0..10, 10..20, 20..25]) {
         assert!(part.revolutions("/scan/returns").into_iter().eq(expected));
         assert!(part.layout_messages > 20 && part.has_footer);
-        for entity in ["/config", "/about", "/", "/scan/beams", "/scan/rings", "/timing/total"] {
+        for entity in ["/config", "/about", "/", "/scan/beams", "/scan/mounting", "/scan/rings", "/timing/total"] {
             assert!(part.of(entity).next().is_some(), "{entity} is missing in a part");
         }
         assert_eq!(part.stores, parts[0].stores, "parts are one recording");

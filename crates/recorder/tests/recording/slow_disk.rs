@@ -6,11 +6,11 @@ use std::process::Command;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use crosscut_recorder::{Recorder, RecorderOptions, Recording, Value};
+use crosscut_recorder::{Recorder, RecorderOptions, Recording, Scope, Value};
 use crosscut_stage::Observer as _;
 
+use crate::reading::{self, options};
 use crate::frames;
-use crate::reading::options;
 
 const REVOLUTIONS: u64 = 3000;
 
@@ -65,4 +65,41 @@ fn a_live_flight_does_not_wait_for_the_disk_and_what_is_left_out_is_counted() {
     let words: Vec<Value> =
         recording.rows("/log").unwrap().map(|row| row.unwrap().value("TextLog:text").unwrap()).collect();
     assert!(format!("{words:?}").contains("slower than the flight"), "{words:?}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_part_that_a_slow_disk_put_off_still_opens_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [pipe, second] = ["pipe.rrd", "pipe-2.rrd"].map(|name| folder.path().join(name));
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let (go_on, may_go_on) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        let pipe = &pipe;
+        let disk = std::thread::Builder::new().name("disk".to_owned()).spawn_scoped(scope, move || {
+            let mut stalled = File::open(pipe).expect("the pipe opens when it is written to");
+            may_go_on.recv_timeout(Duration::from_secs(120)).expect("the flight goes on");
+            std::io::copy(&mut stalled, &mut std::io::sink()).expect("read to the end");
+        });
+        // Flushed after a second, so after 10 revolutions, and the pipe takes less: at the 15th the disk lags behind.
+        let scope = Scope { part_revolutions: 15.try_into().unwrap(), ..Scope::default() };
+        let mut recorder = Recorder::new(RecorderOptions { live: true, scope, ..options(pipe) }).expect("a recorder");
+        let mut record = |seq| recorder.observe(&frames::frame(seq)).expect("the flight goes on");
+        (0..20).for_each(&mut record);
+        assert!(!second.exists(), "the disk kept up, and this test tells nothing");
+        go_on.send(()).expect("the disk waits for this");
+        let begins = |seq| {
+            std::thread::sleep(Duration::from_millis(100));
+            record(seq);
+            second.exists()
+        };
+        assert!((20..600).any(begins), "the part never begins");
+        recorder.finish().expect("nothing is lost");
+        drop(recorder); // closes the pipe
+        disk.expect("a thread").join().expect("no panic");
+    });
+    let part = reading::Recording::read(&second);
+    for entity in ["/config", "/scan/mounting", "/scan/beams", "/scan/rings", "/layout/extent"] {
+        assert!(part.of(entity).next().is_some(), "{entity} is missing in a part");
+    }
 }
