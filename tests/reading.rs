@@ -151,3 +151,42 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes_and_the_exit_code_is_3
     assert!(std::fs::read_to_string(out).expect("exported").lines().count() > 360);
     rrd(&["diff", flight, cut]).expect_code(3);
 }
+
+/// The shipped flight in three parts: their paths.
+fn in_parts(folder: &Path) -> [PathBuf; 3] {
+    let parts = ["tee.rrd", "tee-2.rrd", "tee-3.rrd"].map(|name| folder.join(name));
+    recorded(&parts[0], &["--record-part", "8"]);
+    parts
+}
+
+#[test]
+fn a_missing_part_of_a_recording_is_said_and_the_rest_is_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [first, second, third] = in_parts(folder.path());
+    let listed = |code| rrd(&["ls", first.to_str().expect("UTF-8")]).expect_code(code);
+    let away = folder.path().join("away");
+    assert_eq!(listed(0).stderr, "");
+
+    std::fs::rename(&second, &away).expect("moved");
+    let gap = listed(3);
+    assert!(gap.stderr.contains("part 2 is missing") && gap.stdout.contains("0 to 136"), "{}", gap.stderr);
+    let ranges = folder.path().join("ranges.jsonl");
+    get(&first, "/scan/ranges", &ranges, &[]).expect_code(3);
+    let revolutions = lines(&std::fs::read_to_string(&ranges).expect("exported"));
+    assert!(revolutions.iter().map(|line| line["revolution"].as_u64().expect("a number")).eq((0..64)
+        .chain(128..141)
+        .step_by(8)));
+    std::fs::rename(&away, &second).expect("moved");
+
+    std::fs::rename(&third, &away).expect("moved");
+    let cut = listed(3).stderr;
+    assert!(cut.contains("part 3, in which the recording goes on, is missing"), "{cut}");
+    std::fs::rename(&away, &third).expect("moved");
+
+    let renamed = folder.path().join("other.rrd");
+    std::fs::rename(&first, &renamed).expect("moved");
+    let alone = rrd(&["ls", renamed.to_str().expect("UTF-8")]).expect_code(3).stderr;
+    assert!(alone.contains("part 2, in which the recording goes on, is missing"), "{alone}");
+    let later = rrd(&["ls", second.to_str().expect("UTF-8")]).expect_code(3).stderr;
+    assert!(later.contains("part 1 is missing"), "{later}");
+}

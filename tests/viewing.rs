@@ -68,6 +68,22 @@ fn what_is_damaged_is_shown_up_to_there_and_the_exit_code_is_3() {
 }
 
 #[test]
+fn parts_are_shown_as_one_and_a_missing_one_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let [first, second] = ["long.rrd", "long-2.rrd"].map(|name| folder.path().join(name));
+    let save = ["--quiet".as_ref(), "--record-part".as_ref(), "2".as_ref(), "--save".as_ref(), first.as_os_str()];
+    run(["run".as_ref(), flight.as_os_str()].into_iter().chain(save)).expect_code(0);
+    let (ran, given) = view(folder.path(), &[&first]);
+    ran.expect_code(0);
+    let whole = run(["rrd".as_ref(), "ls".as_ref(), given.as_os_str()]);
+    assert!(whole.stdout.contains("0 to 4") && !whole.stderr.contains("part"), "{}\n{}", whole.stdout, whole.stderr);
+    std::fs::remove_file(second).expect("it was there");
+    let said = view(folder.path(), &[&first]).0.expect_code(3).stderr;
+    assert!(said.contains("part 2 is missing"), "{said}");
+}
+
+#[test]
 fn without_a_viewer_it_says_how_to_get_one() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = recording(folder.path(), "flight.rrd");

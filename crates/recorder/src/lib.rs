@@ -30,6 +30,7 @@
 //! | `/report/why` | why the count is what it is, with all notes | | words |
 //! | `/affinity/scale`, `/report/axis` | what the colours of the pictures stand for; what plots of counts reach at least | | drawing |
 //! | `/timing/<stage>`, `/timing/total`, `/timing/summary` | time of each step; of all, and from scan to scan; a table | ms | exact; words |
+//! | `/recording/part` | which part of a long recording the file is, and whether another follows | | exact |
 //! | `/log`, `/config`, `/about` | what is worth a look; configuration as TOML; what is exact | | words |
 //!
 //! In the pictures, return i stands at the pixel of its beam, so that walls stay in place and openings are dark bands;
@@ -48,7 +49,7 @@
 //! behind lacks at most the last 2.5 s of the flight, of a live one the last second, and opens. Row ids hold the time
 //! of writing, so the bytes of two recordings differ. A write that fails (full disk) is an error of the next call, and
 //! the file ends with its last whole message. After so many revolutions the file is ended and another begins, which
-//! opens alone and together with it: the footer grows in memory with the file, and so memory stays flat.
+//! opens alone and together with it, and each says which it is, so that a missing one is noticed: the footer grows in memory with the file, and so memory stays flat.
 //!
 //! A disk that is slower than the flight: a recorded flight waits for it. A live one (`--rate`) does not: what the disk
 //! has not taken waits in memory, beyond 16 MB revolutions are recorded without matrices, beyond 40 MB not at all,

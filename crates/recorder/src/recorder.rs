@@ -18,7 +18,7 @@ use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
 use crate::notes::Notes;
 use crate::options::{RecorderError, RecorderOptions};
-use crate::parts::part_path;
+use crate::parts::{self, part_path};
 use crate::scan::BeamGeometry;
 use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
@@ -141,6 +141,7 @@ impl Recorder {
         self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
         self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
         if begins_part || self.extent.is_none() {
+            parts::log(&self.rec, self.part, false)?;
             mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
         }
         if self.extent.is_none() {
@@ -185,10 +186,12 @@ impl Recorder {
     /// Ends the file and goes on in another one, which can be opened alone: what never changes is written again.
     fn begin_part(&mut self) -> Result<(), RecorderError> {
         self.part_is_due = false;
+        let (Some(file), Some(first)) = (self.file.clone(), &self.options.path) else { return Ok(()) };
+        let next = part_path(first, self.part + 1);
+        parts::log(&self.rec, self.part, true)?;
         self.flush_to_the_end()?;
-        let (Some(file), Some(first)) = (&self.file, &self.options.path) else { return Ok(()) };
         self.part += 1;
-        file.go_on_in(&part_path(first, self.part))?;
+        file.go_on_in(&next)?;
         log_static(&self.rec, &self.options.config_toml)?;
         self.beams = BeamGeometry::default();
         if let Some(extent) = self.extent {

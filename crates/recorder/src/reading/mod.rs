@@ -121,4 +121,26 @@ pub enum Damage {
         /// What is wrong.
         cause: String,
     },
+    /// Parts of the recording are not there, though later ones are.
+    #[error("{} missing: {}", parts(*first, *last), path.display())]
+    PartsMissing {
+        /// The file that was opened.
+        path: PathBuf,
+        /// The first part that is missing.
+        first: u64,
+        /// The last one.
+        last: u64,
+    },
+    /// The last part that is there says that another one follows.
+    #[error("part {part}, in which the recording goes on, is missing: {}", path.display())]
+    EndMissing {
+        /// The file that was opened.
+        path: PathBuf,
+        /// The part that would follow.
+        part: u64,
+    },
+}
+
+fn parts(first: u64, last: u64) -> String {
+    if first == last { format!("part {first} is") } else { format!("parts {first} to {last} are") }
 }

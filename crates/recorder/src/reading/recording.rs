@@ -11,7 +11,7 @@ use rerun::{StoreKind, TextDocument};
 use super::messages::{Location, Messages, chunk_of};
 use super::rows::{Cell, Rows, cells, stamps_ns, times};
 use super::{Damage, ReadError, Value};
-use crate::parts::part_path;
+use crate::parts::{MARK, Marks, called_like_parts};
 
 /// A recording that can be read by entity and revolution: a file, and those that it goes on in.
 #[derive(Debug)]
@@ -19,6 +19,8 @@ pub struct Recording {
     pub(super) parts: Vec<Part>,
     entities: BTreeMap<String, Entity>,
     damages: Vec<Damage>,
+    /// What the parts say of themselves.
+    marks: Marks,
 }
 
 /// One file of a recording.
@@ -101,16 +103,17 @@ impl Recording {
     /// # Errors
     /// When the file cannot be opened or is no recording. Damage is no error, see [`Recording::damages`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let mut recording = Self { parts: Vec::new(), entities: BTreeMap::new(), damages: Vec::new() };
+        let mut recording =
+            Self { parts: Vec::new(), entities: BTreeMap::new(), damages: Vec::new(), marks: Marks::default() };
         recording.read_part(path, Messages::open(path)?);
-        for next in (2..).map(|part| part_path(path, part)).take_while(|path| path.exists()) {
-            let Ok(mut messages) = Messages::open(&next) else { break };
-            // Files of an older, longer recording of this name may still lie beside.
-            if messages.store() != recording.parts[0].store {
-                break;
+        for next in called_like_parts(path) {
+            if let Ok(mut messages) = Messages::open(&next)
+                && messages.store() == recording.parts[0].store
+            {
+                recording.read_part(&next, messages);
             }
-            recording.read_part(&next, messages);
         }
+        recording.damages.extend(recording.marks.missing(path));
         Ok(recording)
     }
 
@@ -190,7 +193,11 @@ impl Recording {
     }
 
     fn note(&mut self, location: Location, chunk: &Chunk) {
-        let entity = self.entities.entry(chunk.entity_path().to_string()).or_default();
+        let name = chunk.entity_path().to_string();
+        if name == MARK {
+            self.marks.read(chunk);
+        }
+        let entity = self.entities.entry(name).or_default();
         entity.bytes += location.bytes;
         let revolutions = times(chunk);
         for row in 0..chunk.num_rows() {

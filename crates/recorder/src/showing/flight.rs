@@ -8,7 +8,7 @@ use rerun::{CoordinateFrame, StoreKind, Transform3D, components};
 
 use super::ShowError;
 use crate::layout::Extent;
-use crate::parts::part_path;
+use crate::parts::{MARK, Marks, called_like_parts};
 use crate::reading::ReadError;
 use crate::reading::messages::{Messages, chunk_of};
 
@@ -23,6 +23,8 @@ pub(super) struct Facts {
     pub(super) frame: Option<components::TransformFrameId>,
     /// How the sensor is turned in the body frame.
     pub(super) mounting: Option<components::RotationQuat>,
+    /// What its parts say of themselves.
+    marks: Marks,
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
@@ -52,8 +54,8 @@ impl Flight {
             store_of(path)?;
         }
         if let [first] = paths {
-            let others = (2..).map(|part| part_path(first, part));
-            parts.extend(others.take_while(|path| path.exists() && store_of(path).is_ok_and(|other| other == store)));
+            let others = called_like_parts(first).into_iter();
+            parts.extend(others.filter(|path| store_of(path).is_ok_and(|other| other == store)));
         }
         Ok(Self { parts, store })
     }
@@ -85,6 +87,7 @@ impl Flight {
                 }
             }
         }
+        damages.extend(facts.marks.missing(&self.parts[0]).iter().map(ToString::to_string));
         Ok(damages)
     }
 }
@@ -118,6 +121,7 @@ impl Facts {
                 let pairs = times("stamp").iter().zip(times("revolution"));
                 self.revolutions.extend(pairs.map(|(&stamp_ns, &seq)| [stamp_ns, seq]));
             }
+            MARK => self.marks.read(&chunk_of(arrow)?),
             "/layout/extent" => self.extent = Extent::read(&chunk_of(arrow)?).unwrap_or(self.extent),
             "/scan/mounting" => {
                 let chunk = chunk_of(arrow)?;
