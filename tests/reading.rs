@@ -130,6 +130,8 @@ fn a_recording_of_the_same_flight_is_the_same_and_of_another_scale_differs_from_
         |code| rrd(&["diff", flight.to_str().expect("UTF-8"), other.to_str().expect("UTF-8")]).expect_code(code).stdout;
     recorded(&other, &["--set", "pipeline.workers=1"]);
     assert!(compare(0).contains("pipeline.workers = 1"), "settings that differ are said");
+    recorded(&other, &["--record-part", "5"]);
+    assert!(compare(0).starts_with("the same"), "split into parts");
     recorded(&other, &["--set", "affinity.sigma_per_m2=1.4"]);
     let said = compare(1);
     assert!(said.contains("different first at revolution 0, in affinity"), "{said}");
@@ -173,9 +175,12 @@ fn a_missing_part_of_a_recording_is_said_and_the_rest_is_read() {
     let ranges = folder.path().join("ranges.jsonl");
     get(&first, "/scan/ranges", &ranges, &[]).expect_code(3);
     let revolutions = lines(&std::fs::read_to_string(&ranges).expect("exported"));
-    assert!(revolutions.iter().map(|line| line["revolution"].as_u64().expect("a number")).eq((0..64)
-        .chain(128..141)
-        .step_by(8)));
+    assert!(
+        revolutions
+            .iter()
+            .map(|line| line["revolution"].as_u64().expect("a number"))
+            .eq((0..64).chain(128..141).step_by(8))
+    );
     std::fs::rename(&away, &second).expect("moved");
 
     std::fs::rename(&third, &away).expect("moved");

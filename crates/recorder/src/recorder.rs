@@ -229,7 +229,7 @@ impl Recorder {
         self.times.log(rec, frame)?;
         self.notes.log(rec, frame)?;
         if share.exact_refused {
-            let text = "the count changes often: no more exact matrices because of that in this part";
+            let text = "the count changes often: no more exact matrices because of that for a while";
             rec.log("log", &TextLog::new(text).with_level(TextLogLevel::WARN))?;
         }
         Ok(())

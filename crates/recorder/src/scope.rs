@@ -5,9 +5,11 @@ use std::ops::RangeInclusive;
 
 use crosscut_stage::Frame;
 
-/// Exact matrices at most in one part of a recording because the count changed; those of every N-th revolution come on
-/// top. With both, 6000 revolutions of 360 beams stay below 200 MB.
-const EVENTS_PER_PART: u64 = 16;
+/// Exact matrices at most in [`EVENTS_WITHIN`] revolutions because the count changed; those of every N-th revolution
+/// come on top. With both, 6000 revolutions of 360 beams stay below 200 MB.
+const MOST_EVENTS: u64 = 16;
+/// Whatever the parts, which do not change what is recorded.
+const EVENTS_WITHIN: u64 = 6000;
 
 /// How much of each revolution is recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,7 +73,7 @@ pub(crate) struct Share {
     pub(crate) matrices: bool,
     /// W and U as the pipeline had them.
     pub(crate) exact: bool,
-    /// No exact matrices although the count changed: this part has enough of them. Set at the first such revolution.
+    /// No exact matrices although the count changed: there are enough of them. Set at the first such revolution.
     pub(crate) exact_refused: bool,
     /// The first of a part of the recording other than the first.
     pub(crate) new_part: bool,
@@ -83,12 +85,12 @@ pub(crate) struct Plan {
     first_stamp_ns: Option<u64>,
     recorded: u64,
     junctions: Option<usize>,
-    events_in_part: u64,
+    events: u64,
 }
 
 impl Plan {
     pub(crate) fn new(scope: Scope) -> Self {
-        Self { scope, first_stamp_ns: None, recorded: 0, junctions: None, events_in_part: 0 }
+        Self { scope, first_stamp_ns: None, recorded: 0, junctions: None, events: 0 }
     }
 
     /// `None` if nothing of this revolution is recorded.
@@ -101,8 +103,8 @@ impl Plan {
         }
         let part = self.scope.part_revolutions.get();
         let new_part = self.recorded > 0 && self.recorded.is_multiple_of(part);
-        if new_part {
-            self.events_in_part = 0;
+        if self.recorded.is_multiple_of(EVENTS_WITHIN) {
+            self.events = 0;
         }
         let junctions = frame.junction.junctions;
         let changed = self.junctions.replace(junctions).is_some_and(|before| before != junctions);
@@ -111,7 +113,7 @@ impl Plan {
         Some(Share { matrices: self.scope.detail != Detail::Light, exact, exact_refused, new_part })
     }
 
-    /// Whether exact matrices are due, and whether they were for the first time refused in this part.
+    /// Whether exact matrices are due, and whether they were refused for the first time.
     fn exact(&mut self, changed: bool) -> (bool, bool) {
         let every = self.scope.exact_every.or(self.scope.detail.exact_every());
         if every.is_some_and(|every| self.recorded.is_multiple_of(every.get())) {
@@ -120,8 +122,8 @@ impl Plan {
         if !changed || self.scope.detail == Detail::Light {
             return (false, false);
         }
-        self.events_in_part += 1;
-        (self.events_in_part <= EVENTS_PER_PART, self.events_in_part == EVENTS_PER_PART + 1)
+        self.events += 1;
+        (self.events <= MOST_EVENTS, self.events == MOST_EVENTS + 1)
     }
 }
 
@@ -157,16 +159,20 @@ mod tests {
     }
 
     #[test]
-    fn a_count_that_flickers_does_not_fill_the_disk_and_the_refusal_is_told_once_a_part() {
-        let flicker: Vec<usize> = (0..400).map(|i| i % 2).collect();
-        let scope = Scope { part_revolutions: NonZeroU64::new(200).unwrap(), ..Scope::default() };
-        let shares = shares(scope.clone(), &flicker);
-        let in_parts = |what: fn(Share) -> bool| {
-            [0..200, 200..400].map(|part| part.filter(|&i| shares[i].is_some_and(what)).count() as u64)
-        };
-        assert_eq!(in_parts(|share| share.exact), [EVENTS_PER_PART + 1; 2]);
-        assert_eq!(in_parts(|share| share.exact_refused), [1, 1]);
-        assert_eq!(in_parts(|share| share.new_part), [0, 1]);
+    fn a_count_that_flickers_does_not_fill_the_disk_whatever_the_parts_and_the_refusal_is_told() {
+        let flicker: Vec<usize> = (0..2 * EVENTS_WITHIN as usize).map(|i| i % 2).collect();
+        let half = flicker.len() / 2;
+        for part in [50, 6000, 100_000] {
+            let part_revolutions = NonZeroU64::new(part).unwrap();
+            let shares =
+                shares(Scope { part_revolutions, exact_every: NonZeroU64::new(6000), ..Scope::default() }, &flicker);
+            let in_halves = |what: fn(Share) -> bool| {
+                [0..half, half..2 * half].map(|of| of.filter(|&i| shares[i].is_some_and(what)).count() as u64)
+            };
+            assert_eq!(in_halves(|share| share.exact), [MOST_EVENTS + 1; 2]);
+            assert_eq!(in_halves(|share| share.exact_refused), [1, 1]);
+            assert_eq!(in_halves(|share| share.new_part).iter().sum::<u64>(), (2 * EVENTS_WITHIN - 1) / part);
+        }
     }
 
     #[test]

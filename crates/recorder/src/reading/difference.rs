@@ -1,8 +1,9 @@
 //! Two recordings compared row by row, whatever the chunks that they were written in.
 //!
 //! Compared is what was made of each revolution. Left out are the time that it took (`/timing`), what holds for the
-//! whole flight (configuration, colours, explanations), and the layout. U is compared by its span, and what is drawn
-//! from it is left out.
+//! whole flight (configuration, colours, explanations), the layout, and which file it is. What is logged when it
+//! changes, and again where a file begins, is compared as it holds. U is compared by its span, and what is drawn from
+//! it is left out.
 
 use std::iter::Peekable;
 
@@ -12,9 +13,16 @@ use super::recording::is_drawing;
 use super::rows::{Cell, Rows};
 use super::value::Array;
 use super::{ReadError, Recording, Row, Value, span};
+use crate::parts::MARK;
 
 /// Entities of ingest that lie beside those of the report.
 const SCANNED: [&str; 3] = ["/scan/ranges", "/scan/seen", "/scan/beams"];
+
+/// Entities that are not made of revolutions.
+const LEFT_OUT: [&str; 3] = ["/timing", "/report/axis", MARK];
+
+/// Entities that are logged when they change, and where a file begins.
+const HOLDING: [&str; 3] = ["/scan/beams", "/scan/beams/wire", "/kmeans/profile/axes"];
 
 /// Drawings of what stands in the coordinates of U, which other eigenvectors of the same span draw otherwise.
 const DRAWN_FROM_U: [(&str, &str); 2] =
@@ -49,18 +57,18 @@ pub struct Difference {
 }
 
 /// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U
-/// is the same when it spans the same, and centroids when their inner products are the same (`span.rs`). Of a damaged
-/// recording an entity is compared up to its last row.
+/// is the same when it spans the same, and centroids when their inner products are the same (`span.rs`). What a damaged
+/// recording lacks is no difference.
 ///
 /// # Errors
 /// When a file cannot be read again.
 pub fn differences(a: &Recording, b: &Recording, tolerance: f64) -> Result<Differences, ReadError> {
     let mut found = Differences::default();
     let names = a.entities().keys().chain(b.entities().keys().filter(|name| !a.entities().contains_key(*name)));
-    for entity in names.filter(|name| !name.starts_with("/timing")) {
-        let [of_a, of_b] = [of(a, entity)?, of(b, entity)?];
-        let mut entity = EntityComparison { entity, tolerance, found: &mut found };
-        entity.compare(of_a, of_b, [end_of(a, entity.entity), end_of(b, entity.entity)])?;
+    let is_whole = [a, b].map(|recording| recording.damages().is_empty());
+    for entity in names.filter(|name| !LEFT_OUT.iter().any(|left_out| name.starts_with(left_out))) {
+        let rows = [of(a, entity)?, of(b, entity)?];
+        EntityComparison { entity, tolerance, is_whole, found: &mut found }.compare(rows)?;
     }
     found.components.sort_by_key(|d| (d.step as usize, d.revolution, is_drawing(&d.component)));
     found.first = found.components.iter().min_by_key(|d| (d.revolution, d.step as usize)).cloned();
@@ -72,43 +80,41 @@ fn of<'a>(recording: &'a Recording, entity: &str) -> Result<Option<Rows<'a>>, Re
     recording.entities().contains_key(entity).then(|| recording.rows(entity)).transpose()
 }
 
-/// The last revolution up to which an entity can be compared: of a damaged recording what it has.
-fn end_of(recording: &Recording, entity: &str) -> i64 {
-    if recording.damages().is_empty() {
-        return i64::MAX;
-    }
-    recording.entities().get(entity).and_then(|entity| entity.revolutions).map_or(i64::MIN, |[_, last]| last)
-}
-
 struct EntityComparison<'a> {
     entity: &'a str,
     tolerance: f64,
+    /// Whether the first and the second recording lack nothing.
+    is_whole: [bool; 2],
     found: &'a mut Differences,
 }
 
 impl EntityComparison<'_> {
     /// Goes through both by revolution.
-    fn compare(&mut self, a: Option<Rows>, b: Option<Rows>, ends: [i64; 2]) -> Result<(), ReadError> {
+    fn compare(&mut self, [a, b]: [Option<Rows>; 2]) -> Result<(), ReadError> {
         let [mut a, mut b] = [a, b].map(|rows| rows.into_iter().flatten().peekable());
+        let is_held = self.is_whole.map(|is_whole| is_whole && HOLDING.contains(&self.entity));
+        let mut latest: [Option<Row>; 2] = [None, None];
         while let Some(revolution) = next(&mut a).into_iter().chain(next(&mut b)).min() {
-            if revolution > ends[0].min(ends[1]) {
-                break;
+            let rows = [take(&mut a, revolution)?, take(&mut b, revolution)?];
+            let is_there = [0, 1].map(|side| rows[side].is_some() || is_held[side]);
+            for (latest, row) in latest.iter_mut().zip(rows) {
+                *latest = row.or(latest.take());
             }
-            match (take(&mut a, revolution)?, take(&mut b, revolution)?) {
-                (Some(a), Some(b)) => self.compare_rows(&a, &b),
-                (Some(row), None) => self.note_missing(&row, "second"),
-                (None, Some(row)) => self.note_missing(&row, "first"),
-                (None, None) => {}
+            match [0, 1].map(|side| latest[side].as_ref().filter(|_| is_there[side])) {
+                [Some(a), Some(b)] => self.compare_rows(revolution, a, b),
+                [Some(row), None] if self.is_whole[1] => self.note_missing(row, "second"),
+                [None, Some(row)] if self.is_whole[0] => self.note_missing(row, "first"),
+                _ => {}
             }
         }
         Ok(())
     }
 
-    fn compare_rows(&mut self, a: &Row, b: &Row) {
+    fn compare_rows(&mut self, revolution: i64, a: &Row, b: &Row) {
         self.found.compared += 1;
         if a.stamp_ns != b.stamp_ns && self.entity == "/scan/returns" {
             let [a_ns, b_ns] = [a, b].map(|row| row.stamp_ns.unwrap_or_default());
-            self.note("stamp", a.revolution, format!("{a_ns} and {b_ns} ns"));
+            self.note("stamp", revolution, format!("{a_ns} and {b_ns} ns"));
         }
         let mut names: Vec<&str> = a.components().chain(b.components()).collect();
         names.sort_unstable();
@@ -116,7 +122,7 @@ impl EntityComparison<'_> {
         names.retain(|name| !DRAWN_FROM_U.contains(&(self.entity, name)));
         for name in names {
             if let Some(how) = difference([a, b], name, self.tolerance) {
-                self.note(name, a.revolution, how);
+                self.note(name, revolution, how);
             }
         }
     }

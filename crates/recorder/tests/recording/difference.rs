@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crosscut_recorder::{Differences, Recording, differences};
+use crosscut_recorder::{Differences, Recording, Scope, differences};
 use crosscut_stage::{Embedding, Frame, Place, Step};
 
 use crate::frames;
 use crate::read_back::with_other_chunks;
-use crate::reading::record;
+use crate::reading::{record, record_of};
 
 fn flight() -> Vec<Frame> {
     (0..8).map(frames::frame).collect()
@@ -44,6 +44,40 @@ fn equal_flights_are_the_same_in_other_chunks_and_at_another_speed() {
     let found = differences(&open(&a), &open(&with_other_chunks(&b)), 0.0).unwrap();
     assert_eq!(found.components, []);
     assert!(found.first.is_none() && found.compared > 8 * 20, "{} rows compared", found.compared);
+}
+
+#[test]
+fn equal_flights_are_the_same_in_one_file_and_in_parts_and_changed_beams_are_told_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, parts] = ["whole.rrd", "parts.rrd"].map(|name| folder.path().join(name));
+    let in_parts = Scope { part_revolutions: 3.try_into().unwrap(), ..Scope::default() };
+    let mut frames = flight();
+    record(&whole, &frames);
+    record_of(&parts, &frames, in_parts.clone());
+    for pair in [[&whole, &parts], [&parts, &whole]] {
+        let found = differences(&open(pair[0]), &open(pair[1]), 0.0).unwrap();
+        assert_eq!(found.components, []);
+    }
+    for frame in &mut frames[5..] {
+        frame.revolution.sweep.as_mut().unwrap().wire_geometry[3] += 1.0;
+    }
+    record_of(&parts, &frames, in_parts);
+    let found = differences(&open(&whole), &open(&parts), 0.0).unwrap();
+    let wire = found.components.iter().find(|found| found.entity == "/scan/beams/wire").unwrap();
+    assert_eq!((wire.revolution, wire.how.as_str()), (5, "by 1.0e0 at most"));
+}
+
+#[test]
+fn what_a_missing_part_held_is_no_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["a.rrd", "b.rrd"].map(|name| folder.path().join(name));
+    let in_parts = Scope { part_revolutions: 3.try_into().unwrap(), ..Scope::default() };
+    record(&a, &flight());
+    record_of(&b, &flight(), in_parts);
+    std::fs::remove_file(folder.path().join("b-2.rrd")).unwrap();
+    let b = open(&b);
+    assert!(!b.damages().is_empty());
+    assert_eq!(differences(&open(&a), &b, 0.0).unwrap().components, []);
 }
 
 #[test]

@@ -9,8 +9,8 @@ use std::time::Duration;
 use crosscut_recorder::{Recorder, RecorderOptions, Recording, Scope, Value};
 use crosscut_stage::Observer as _;
 
-use crate::reading::{self, options};
 use crate::frames;
+use crate::reading::{self, options};
 
 const REVOLUTIONS: u64 = 3000;
 
