@@ -90,6 +90,28 @@ fn a_killed_flight_leaves_every_result_that_was_made() {
 }
 
 #[test]
+#[cfg(all(unix, feature = "rerun"))]
+fn an_interrupted_export_ends_with_130_and_leaves_what_was_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [saved, out] = ["tee.rrd", "w.csv"].map(|name| folder.path().join(name));
+    let flight = shipped_flight();
+    let args = ["run".as_ref(), flight.as_os_str(), "--quiet".as_ref(), "--save".as_ref()];
+    Ran::from(crosscut(args).arg(&saved).output().expect("the program starts")).expect_code(0);
+    std::fs::write(&out, "good").expect("written");
+    let get = ["rrd".as_ref(), "get".as_ref(), saved.as_os_str(), "/affinity/W".as_ref(), "--out".as_ref()];
+    let child = crosscut(get).arg(&out).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let files = || std::fs::read_dir(folder.path()).expect("a folder").count();
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while files() == 2 {
+        assert!(Instant::now() < deadline, "nothing is written within a minute");
+    }
+    signal(&child, "INT");
+    Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    assert_eq!(std::fs::read_to_string(&out).expect("still there"), "good");
+    assert_eq!(files(), 2, "nothing unfinished beside it");
+}
+
+#[test]
 fn who_has_read_enough_of_the_results_may_close_the_pipe_without_a_word() {
     let mut child = crosscut(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), "-".as_ref()])
         .arg("--quiet")

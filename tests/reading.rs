@@ -110,6 +110,37 @@ fn arrays_for_numpy_have_a_dimension_for_revolutions_unless_one_is_asked_for() {
 }
 
 #[test]
+fn an_export_that_fails_leaves_the_file_that_was_there_and_none_beside_it() {
+    let (folder, flight, _) = folder();
+    let out = folder.path().join("keep.npy");
+    std::fs::write(&out, "good").expect("written");
+    get(&flight, "/affinity/degrees", &out, &[]).expect_code(2); // of different lengths
+    get(&flight, "/report/junctions", &out, &["--revolution", "17"]).expect_code(2); // not recorded
+    assert_eq!(std::fs::read_to_string(&out).expect("still there"), "good");
+    let files = || std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(files(), 2, "the recording and what was there");
+    get(&flight, "/report/junctions", &out, &[]).expect_code(0);
+    assert!(std::fs::read(&out).expect("replaced").starts_with(b"\x93NUMPY"));
+    assert_eq!(files(), 2);
+}
+
+#[test]
+fn what_holds_for_the_whole_flight_is_exported_once_and_of_no_revolution() {
+    let (folder, flight, _) = folder();
+    let text = |name: &str, entity: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        get(&flight, entity, &out, more).expect_code(0);
+        std::fs::read_to_string(out).expect("exported")
+    };
+    let config = lines(&text("config.jsonl", "/config", &[]));
+    assert_eq!((config.len(), &config[0]["revolution"]), (1, &Value::Null));
+    assert!(config[0]["value"][0].as_str().is_some_and(|toml| toml.contains("[affinity]")));
+    let extent = text("extent.csv", "/layout/extent", &["--revolution", "16"]);
+    assert!(extent.starts_with("revolution,stamp_ns,") && extent.lines().nth(1).is_some_and(|l| l.starts_with(",,0,")));
+    get(&flight, "/config", &folder.path().join("config.npy"), &[]).expect_code(2);
+}
+
+#[test]
 fn what_cannot_be_exported_is_said_with_what_can() {
     let (folder, flight, _) = folder();
     let says = |ran: Ran, word: &str| assert!(ran.stderr.contains(word), "{}", ran.stderr);

@@ -1,5 +1,6 @@
 //! `crosscut rrd get`: values of an entity as a file that other programs read.
 
+use anyhow::Context;
 use crosscut_recorder::{Entity, ReadError, Recording, Rows};
 
 use super::exact::Recomputation;
@@ -17,14 +18,15 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
     let recording = Recording::open(&args.recording)?;
     let selection = Selection::new(args, &recording);
     let entity = format!("/{}", args.entity.trim_start_matches('/'));
-    let (written, lost) = if args.exact {
+    let (output, lost) = if args.exact {
         recompute(args, &recording, &entity, &selection)?
     } else {
         (copy(args, &recording, &entity, &selection)?, Vec::new())
     };
-    if written == 0 {
+    if output.values == 0 {
         return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for")).into());
     }
+    output.finish().with_context(|| format!("cannot write {}", args.out.display()))?;
     for loss in &lost {
         say(format_args!("lost: {loss}"));
     }
@@ -32,40 +34,37 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
     Ok(if lost.is_empty() { outcome } else { Outcome::SomethingLost })
 }
 
-/// Recorded values; returns how many there were.
-fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Selection) -> anyhow::Result<usize> {
+/// Recorded values. One that holds for the whole flight is there once, at no revolution.
+fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Selection) -> anyhow::Result<Output> {
     let rows = rows(recording, entity)?;
     let component = component(args, &recording.entities()[entity])?;
+    if let Some(value) = recording.value_throughout(entity, &component)? {
+        let mut output = Output::create(&args.out, true)?;
+        output.add(None, &value)?;
+        return Ok(output);
+    }
     let mut output = Output::create(&args.out, selection.is_one())?;
-    let mut written = 0;
     for row in rows {
         let row = row?;
         for value in row.values(&component).filter(|_| selection.holds(&row)) {
-            output.add(row.revolution, row.stamp_ns, &value?)?;
-            written += 1;
+            output.add(Some(&row), &value?)?;
         }
     }
-    output.finish()?;
-    Ok(written)
+    Ok(output)
 }
 
-/// Values made anew from the recorded ranges; returns how many there were, and what does not agree with the recording.
+/// Values made anew from the recorded ranges, and what does not agree with the recording.
 fn recompute(
     args: &RrdGetArgs,
     recording: &Recording,
     entity: &str,
     selection: &Selection,
-) -> anyhow::Result<(usize, Vec<String>)> {
+) -> anyhow::Result<(Output, Vec<String>)> {
     let recomputation = Recomputation::new(recording, entity)?;
     let ranges = rows(recording, "/scan/ranges")?;
     let mut output = Output::create(&args.out, selection.is_one())?;
-    let mut written = 0;
-    let lost = recomputation.run(ranges, selection, |row, value| {
-        written += 1;
-        output.add(row.revolution, row.stamp_ns, &value)
-    })?;
-    output.finish()?;
-    Ok((written, lost))
+    let lost = recomputation.run(ranges, selection, |row, value| output.add(Some(row), &value))?;
+    Ok((output, lost))
 }
 
 fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> {

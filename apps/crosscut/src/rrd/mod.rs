@@ -9,6 +9,7 @@ mod output;
 mod parquet;
 mod selection;
 mod table;
+mod unfinished;
 
 use crosscut_recorder::Recording;
 

@@ -5,15 +5,24 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use crosscut_recorder::{Array, Numbers, Value};
+use crosscut_recorder::{Array, Numbers, Row, Value};
 
 use super::npy::NpyFile;
 use super::parquet::ParquetFile;
 use super::table::{self, Item};
+use super::unfinished::Unfinished;
 use crate::exit::UsageError;
 
-/// The file that values go to, by its ending.
-pub(super) enum Output {
+/// The file that values go to. It takes the place of an older one when it is finished.
+pub(super) struct Output {
+    format: Format,
+    file: Unfinished,
+    /// How many values it holds.
+    pub(super) values: usize,
+}
+
+/// What is written, by the ending of the file.
+enum Format {
     /// One array; of several revolutions along its first dimension.
     Npy(NpyFile),
     /// One number or text a line, with revolution, stamp and indices before it.
@@ -25,49 +34,65 @@ pub(super) enum Output {
 }
 
 impl Output {
-    /// Creates the file. An array of `one` revolution has no dimension for revolutions.
+    /// To be written to `path`. An array of `one` revolution has no dimension for revolutions.
     pub(super) fn create(path: &Path, one: bool) -> anyhow::Result<Self> {
-        let create = || File::create(path).with_context(|| format!("cannot write {}", path.display()));
-        Ok(match path.extension().and_then(|ending| ending.to_str()) {
-            Some("npy") => Self::Npy(NpyFile::new(create()?, one)?),
-            Some("csv") => Self::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
-            Some("parquet") => Self::Parquet(ParquetFile::new(create()?)),
-            Some("jsonl") => Self::JsonLines(BufWriter::new(create()?)),
+        let file = Unfinished::beside(path);
+        file.remove_on_interrupt()?;
+        let create = || file.create().with_context(|| format!("cannot write {}", path.display()));
+        let format = match path.extension().and_then(|ending| ending.to_str()) {
+            Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
+            Some("csv") => Format::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
+            Some("parquet") => Format::Parquet(ParquetFile::new(create()?)),
+            Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
             _ => {
                 let text =
                     format!("{}: --out takes a file that ends in .npy, .csv, .parquet or .jsonl", path.display());
                 return Err(UsageError(text).into());
             }
-        })
+        };
+        Ok(Self { format, file, values: 0 })
     }
 
-    /// Adds the value of a revolution.
-    pub(super) fn add(&mut self, revolution: i64, stamp_ns: Option<i64>, value: &Value) -> anyhow::Result<()> {
-        self.write(revolution, stamp_ns, value).with_context(|| format!("revolution {revolution}"))
+    /// Adds the value of a revolution, or one that holds for the whole flight.
+    pub(super) fn add(&mut self, of: Option<&Row>, value: &Value) -> anyhow::Result<()> {
+        self.values += 1;
+        match of {
+            Some(row) => {
+                let revolution = || format!("revolution {}", row.revolution);
+                self.format.write(Some(row.revolution), row.stamp_ns, value).with_context(revolution)
+            }
+            None => self.format.write(None, None, value),
+        }
     }
 
-    fn write(&mut self, revolution: i64, stamp_ns: Option<i64>, value: &Value) -> anyhow::Result<()> {
+    /// Brings everything to the disk, under the name that was asked for.
+    pub(super) fn finish(self) -> anyhow::Result<()> {
+        match self.format {
+            Format::Npy(file) => file.finish()?,
+            Format::Csv { mut file, .. } => file.flush()?,
+            Format::Parquet(file) => file.finish()?,
+            Format::JsonLines(mut file) => file.flush()?,
+        }
+        Ok(self.file.finish()?)
+    }
+}
+
+impl Format {
+    fn write(&mut self, revolution: Option<i64>, stamp_ns: Option<i64>, value: &Value) -> anyhow::Result<()> {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
                 other => bail!(UsageError(format!("{other} is no array of numbers: take .csv, .parquet or .jsonl"))),
             },
             Self::Csv { file, columns } => add_lines(file, columns, revolution, stamp_ns, value),
-            Self::Parquet(file) => file.add(revolution, stamp_ns, value),
+            Self::Parquet(file) => match (revolution, stamp_ns) {
+                (Some(revolution), Some(stamp_ns)) => file.add(revolution, stamp_ns, value),
+                _ => bail!(UsageError("it has no revolution or no stamp: take .csv or .jsonl".to_owned())),
+            },
             Self::JsonLines(file) => {
                 let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
                 Ok(writeln!(file, "{line}")?)
             }
-        }
-    }
-
-    /// Brings everything to the disk.
-    pub(super) fn finish(self) -> anyhow::Result<()> {
-        match self {
-            Self::Npy(file) => file.finish(),
-            Self::Csv { mut file, .. } => Ok(file.flush()?),
-            Self::Parquet(file) => file.finish(),
-            Self::JsonLines(mut file) => Ok(file.flush()?),
         }
     }
 }
@@ -76,7 +101,7 @@ impl Output {
 fn add_lines(
     file: &mut csv::Writer<File>,
     columns: &mut usize,
-    revolution: i64,
+    revolution: Option<i64>,
     stamp_ns: Option<i64>,
     value: &Value,
 ) -> anyhow::Result<()> {
@@ -85,7 +110,7 @@ fn add_lines(
         file.write_record(["revolution", "stamp_ns"].into_iter().chain(dims.iter().copied()).chain(["value"]))?;
         *columns = dims.len() + 3;
     }
-    let [revolution, stamp_ns] = [revolution.to_string(), stamp_ns.map_or_else(String::new, |ns| ns.to_string())];
+    let [revolution, stamp_ns] = [revolution, stamp_ns].map(|at| at.map_or_else(String::new, |at| at.to_string()));
     table::for_each(value, |indices, item| {
         let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
         let start = [revolution.as_str(), &stamp_ns].into_iter().chain(indices.iter().map(String::as_str));

@@ -101,8 +101,7 @@ impl ParquetFile {
     }
 
     /// One row for each number or text of the value.
-    pub(super) fn add(&mut self, revolution: i64, stamp_ns: Option<i64>, value: &Value) -> anyhow::Result<()> {
-        let stamp_ns = stamp_ns.context("it has no stamp: take .csv or .jsonl")?;
+    pub(super) fn add(&mut self, revolution: i64, stamp_ns: i64, value: &Value) -> anyhow::Result<()> {
         self.take_columns(value)?;
         table::for_each(value, |indices, item| {
             let indices = indices.iter().map(|&index| index as i64);

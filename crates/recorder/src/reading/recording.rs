@@ -179,17 +179,24 @@ impl Recording {
 
     /// The resolved configuration as TOML, if it is in the recording.
     pub fn config_toml(&self) -> Option<String> {
-        self.fixed_text("/config", TextDocument::descriptor_text().component.as_str())
-    }
-
-    /// Words that hold for the whole flight.
-    fn fixed_text(&self, entity: &str, component: &str) -> Option<String> {
-        let fixed = &self.entities.get(entity)?.fixed;
-        let cell = fixed.iter().find(|cell| cell.component == component)?;
-        match Value::of(cell, fixed) {
-            Ok(Value::Texts(texts)) => texts.into_iter().next(),
+        match self.value_throughout("/config", TextDocument::descriptor_text().component.as_str()) {
+            Ok(Some(Value::Texts(texts))) => texts.into_iter().next(),
             _ => None,
         }
+    }
+
+    /// What a component holds throughout the flight; `None` if it belongs to revolutions, or is not there.
+    ///
+    /// # Errors
+    /// When it holds neither numbers nor words.
+    pub fn value_throughout(&self, entity: &str, component: &str) -> Result<Option<Value>, ReadError> {
+        let fixed = self.entities.get(entity).map_or(&[][..], |entity| &entity.fixed);
+        let Some(cell) = fixed.iter().find(|cell| cell.component == component) else { return Ok(None) };
+        Value::of(cell, fixed).map(Some).map_err(|cause| ReadError::NotAValue {
+            entity: entity.to_owned(),
+            component: component.to_owned(),
+            cause,
+        })
     }
 
     fn note(&mut self, location: Location, chunk: &Chunk) {

@@ -1,0 +1,50 @@
+//! A file that is there under its name when it is whole; until then, what was there before stays.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use crate::exit::INTERRUPTED;
+
+/// A file that is being made beside the one that it will replace. Dropped before it is finished, nothing of it stays.
+pub(super) struct Unfinished {
+    target: PathBuf,
+    path: PathBuf,
+}
+
+impl Unfinished {
+    /// Only beside the target can it take its place at once. Where the target is a link, what it leads to is replaced.
+    pub(super) fn beside(target: &Path) -> Self {
+        let target = target.canonicalize().unwrap_or_else(|_| target.to_owned());
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let path = target.with_file_name(format!(".{name}.{}", std::process::id()));
+        Self { target, path }
+    }
+
+    pub(super) fn create(&self) -> io::Result<File> {
+        File::create(&self.path)
+    }
+
+    /// Takes the place of the target.
+    pub(super) fn finish(self) -> io::Result<()> {
+        std::fs::rename(&self.path, &self.target)
+    }
+
+    /// From now on Ctrl-C quits at once, and nothing of it stays.
+    pub(super) fn remove_on_interrupt(&self) -> anyhow::Result<()> {
+        let path = self.path.clone();
+        ctrlc::set_handler(move || {
+            std::fs::remove_file(&path).ok(); // it may not be there yet, or finished
+            std::process::exit(i32::from(INTERRUPTED));
+        })
+        .context("cannot listen for Ctrl-C")
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        std::fs::remove_file(&self.path).ok(); // finished, it has another name
+    }
+}
