@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::flight::{Writing, bytes, file, tunnel_scan};
 use crate::program::{Ran, lines, run, shipped_flight};
 
 /// Every eighth revolution of the shipped flight, recorded with these settings; and its results.
@@ -72,6 +73,23 @@ fn exported_eigenvalues_are_those_of_the_results_recorded_as_well_as_recomputed(
             let (all, expected) = (numbers(&line["value"]), numbers(&result["eigenvalues"]));
             assert_eq!(all[..expected.len()], expected, "{more:?}");
         }
+    }
+}
+
+#[test]
+fn bearings_that_were_repaired_are_recomputed_from_what_they_were_repaired_with() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+    scans[0].angle_increment = f32::NAN;
+    scans[1].angle_increment = 0.0;
+    scans[1].angle_max = 1.3; // other bearings
+    let flight = file(folder.path(), "repaired.mcap", &bytes(&scans, &Writing::default()));
+    let (flight, saved) = (flight.to_str().expect("UTF-8"), folder.path().join("repaired.rrd"));
+    let out = folder.path().join("w.jsonl");
+    for mounting in [&["--quiet"][..], &["--quiet", "--set", "ingest.upside_down=true", "--set", "ingest.yaw_rad=2.5"]] {
+        run([&["run", flight, "--save", saved.to_str().expect("UTF-8")], mounting].concat()).expect_code(0);
+        get(&saved, "/affinity/W", &out, &["--exact"]).expect_code(0);
+        assert_eq!(std::fs::read_to_string(&out).expect("exported").lines().count(), 3);
     }
 }
 

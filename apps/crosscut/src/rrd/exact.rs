@@ -10,7 +10,7 @@ use crosscut_messages::{Header, LaserScan, Time};
 use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
 use crosscut_recorder::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
 use crosscut_spectral::Laplacian;
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, wrap_angle_rad};
 
 use super::selection::Selection;
 use crate::exit::UsageError;
@@ -64,6 +64,7 @@ fn array(shape: [usize; 2], dims: [&str; 2], values: Vec<f64>) -> Array {
 /// The engine that made the recording, and its ranges.
 pub(super) struct Recomputation<'a> {
     sensor: Sensor,
+    upside_down: bool,
     engine: Engine,
     frame: Frame,
     of_frame: Part,
@@ -86,6 +87,7 @@ impl<'a> Recomputation<'a> {
         let config = Config::resolve(&schema, &[layer]).context("it was recorded by another version of crosscut")?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
+            upside_down: config.params("ingest").flag("upside_down"),
             engine: Engine::new(&config, &registry),
             frame: Frame::default(),
             of_frame,
@@ -122,10 +124,13 @@ impl<'a> Recomputation<'a> {
         let [angle_min, angle_increment, range_min, range_max] = wire[..] else {
             bail!("/scan/beams/wire is not 4 numbers")
         };
+        let bearings_rad = self.bearings_rad.at(row.revolution)?.as_ref().map(numbers).unwrap_or_default();
+        let turned_rad = if self.upside_down { -turn_rad(&bearings_rad) } else { turn_rad(&bearings_rad) };
         let scan = LaserScan {
             header: Header { stamp: Time::from_ns(row.stamp_ns.unwrap_or(0).cast_unsigned()), ..Header::default() },
             angle_min,
-            angle_max: angle_min + angle_increment * ranges_m.len().saturating_sub(1) as f32,
+            // Not recorded. Where the increment is of no use, bearings follow from it; rounded to f32, it is the same.
+            angle_max: (f64::from(angle_min) + turned_rad) as f32,
             angle_increment,
             range_min,
             range_max,
@@ -137,7 +142,7 @@ impl<'a> Recomputation<'a> {
         self.sensor.revolution(&scan, revolution, notes);
         revolution.seq = row.revolution.cast_unsigned();
         let sweep = revolution.sweep.as_ref().context("the sensor makes a sweep of every scan")?;
-        if self.bearings_rad.at(row.revolution)?.as_ref().map(numbers).as_ref() != Some(&sweep.bearings_rad) {
+        if bearings_rad != sweep.bearings_rad {
             bail!("the bearings of revolution {} do not follow from what is recorded of its message", row.revolution);
         }
         self.engine.process(&mut self.frame)?;
@@ -149,6 +154,11 @@ impl<'a> Recomputation<'a> {
             )
         }))
     }
+}
+
+/// The angle from the first bearing on to the last, over all between them: more than half a turn, too.
+fn turn_rad(bearings_rad: &[f64]) -> f64 {
+    bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0])).sum()
 }
 
 /// How far the recorded eigenvalues lie from the recomputed ones, if that is more than rounding.
