@@ -3,7 +3,7 @@
 use crate::Embedding;
 
 /// The returns split into clusters, numbered by their first return in message beam order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Partition {
     /// Number of clusters; may be smaller than k when rows of U coincide.
     pub clusters: usize,
@@ -13,10 +13,4 @@ pub struct Partition {
     pub centroids: Embedding,
     /// f(C, U) = Σ_i min_c ‖u_i - c‖², the objective that k-means minimises.
     pub inertia: f64,
-}
-
-impl Default for Partition {
-    fn default() -> Self {
-        Self { clusters: 0, labels: Vec::new(), centroids: Embedding::default(), inertia: 0.0 }
-    }
 }

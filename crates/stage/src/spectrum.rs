@@ -3,7 +3,7 @@
 use crate::Embedding;
 
 /// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Spectrum {
     /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a
     /// next).
@@ -23,20 +23,6 @@ pub struct Spectrum {
     /// U, n×k: an orthonormal basis of what the eigenvectors of the k zeros span. Column j is the unit eigenvector of
     /// λ_j in a full decomposition; with a repeated eigenvalue only the span is defined.
     pub u: Embedding,
-}
-
-impl Default for Spectrum {
-    fn default() -> Self {
-        Self {
-            eigenvalues: Vec::new(),
-            tolerance: 0.0,
-            k: 0,
-            margin_decades: None,
-            zeros_bound: 0.0,
-            span_bound: 0.0,
-            u: Embedding::default(),
-        }
-    }
 }
 
 impl Spectrum {
