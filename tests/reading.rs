@@ -86,7 +86,8 @@ fn bearings_that_were_repaired_are_recomputed_from_what_they_were_repaired_with(
     let flight = file(folder.path(), "repaired.mcap", &bytes(&scans, &Writing::default()));
     let (flight, saved) = (flight.to_str().expect("UTF-8"), folder.path().join("repaired.rrd"));
     let out = folder.path().join("w.jsonl");
-    for mounting in [&["--quiet"][..], &["--quiet", "--set", "ingest.upside_down=true", "--set", "ingest.yaw_rad=2.5"]] {
+    for mounting in [&["--quiet"][..], &["--quiet", "--set", "ingest.upside_down=true", "--set", "ingest.yaw_rad=2.5"]]
+    {
         run([&["run", flight, "--save", saved.to_str().expect("UTF-8")], mounting].concat()).expect_code(0);
         get(&saved, "/affinity/W", &out, &["--exact"]).expect_code(0);
         assert_eq!(std::fs::read_to_string(&out).expect("exported").lines().count(), 3);

@@ -37,6 +37,21 @@ fn a_recording_without_a_revolution_can_be_read_all_the_same() {
 }
 
 #[test]
+fn a_recording_that_holds_no_revolution_of_a_flight_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let saved = folder.path().join("none.rrd");
+    let said = |more: &[&str]| {
+        let save = ["run", flight.to_str().expect("UTF-8"), "--quiet", "--save", saved.to_str().expect("UTF-8")];
+        run([&save, more].concat()).expect_code(0).stderr
+    };
+    for beyond in [["--record-revolutions", "500.."], ["--record-seconds", "100.."]] {
+        assert!(said(&beyond).contains("nothing is recorded"), "{beyond:?}");
+    }
+    assert_eq!(said(&["--record-revolutions", "4.."]), "");
+}
+
+#[test]
 fn one_wild_range_in_the_first_scan_makes_a_recording_no_larger() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved_bytes = |first_range_m: f32| {

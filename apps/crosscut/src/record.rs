@@ -1,14 +1,30 @@
 //! What is recorded for the Rerun viewer, and how it is looked at.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crosscut_pipeline::Config;
 use crosscut_stage::Observer;
 
 use crate::cli::record::RecordArgs;
 
-/// Who sees the frames, and whether viewers can still connect when the flight is over.
-type Observers = (Vec<Box<dyn Observer>>, bool);
+/// Who sees the frames.
+#[derive(Default)]
+pub(crate) struct Observers {
+    pub(crate) list: Vec<Box<dyn Observer>>,
+    /// Viewers can still connect when the flight is over.
+    pub(crate) served: bool,
+    /// Revolutions that the recorder has taken, if there is one.
+    recorded: Option<Arc<AtomicU64>>,
+}
+
+impl Observers {
+    /// Whether there is a recorder, and of the whole flight nothing lay within what it was to record.
+    pub(crate) fn recorded_nothing(&self) -> bool {
+        self.recorded.as_ref().is_some_and(|recorded| recorded.load(Ordering::Relaxed) == 0)
+    }
+}
 
 /// The recorder, if one is asked for. A recording or a view that cannot be had is lost, the rest is not.
 #[cfg(feature = "rerun")]
@@ -46,8 +62,8 @@ pub(crate) fn observers(
     Ok(match recorder {
         Ok(recorder) => {
             recorder.served().inspect(|served| crate::view::say_where(served));
-            let served = recorder.served().is_some();
-            (vec![Box::new(recorder)], served)
+            let (served, recorded) = (recorder.served().is_some(), Some(recorder.recorded()));
+            Observers { list: vec![Box::new(recorder)], served, recorded }
         }
         Err(error) => {
             lost.push(error.to_string());

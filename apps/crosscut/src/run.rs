@@ -35,7 +35,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let mut results = open_results(args.results.as_deref())?;
     let mut over_time = args.over_time.as_ref().map(|_| OverTime::new(config.params("vehicle").number("width_m")));
     let mut lost = Vec::new();
-    let (mut observers, served) =
+    let mut observers =
         record::observers(&args.record, &args.flight.input[0], &config, args.rate.is_some(), &mut lost)?;
 
     let stop = StopFlag::default();
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         Ok(())
     };
     let options = StreamOptions { rate: args.rate, stop };
-    let ran = stream(&mut recording, &config, &registry, &mut sink, &mut observers, &options);
+    let ran = stream(&mut recording, &config, &registry, &mut sink, &mut observers.list, &options);
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
 
@@ -74,8 +74,11 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     for loss in &lost {
         say(format_args!("lost: {loss}"));
     }
+    if summary.revolutions > 0 && observers.recorded_nothing() {
+        say("note: nothing is recorded: no revolution lies within --record-revolutions or --record-seconds");
+    }
     let outcome = outcome(&summary, !lost.is_empty());
-    if served && !stopped.is_set() {
+    if observers.served && !stopped.is_set() {
         say("the flight is over and still served; Ctrl-C ends it");
         while !stopped.is_set() {
             std::thread::sleep(Duration::from_millis(100));

@@ -1,5 +1,7 @@
 //! The observer: what is logged of each revolution, when it is flushed, and what happens when that fails.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use crosscut_explain::Watch;
@@ -54,6 +56,8 @@ pub struct Recorder {
     /// A new part is begun as soon as that does not hold up a live flight.
     part_is_due: bool,
     plan: Plan,
+    /// Revolutions that the plan has a share of.
+    recorded: Arc<AtomicU64>,
     tracks: Tracks,
     watch: Watch,
     times: Times,
@@ -114,6 +118,7 @@ impl Recorder {
             part_is_due: false,
             plan: Plan::new(options.scope.clone()),
             options,
+            recorded: Arc::default(),
             tracks: Tracks::default(),
             watch: Watch::default(),
             times: Times::default(),
@@ -130,8 +135,15 @@ impl Recorder {
         self.served.as_ref()
     }
 
+    /// How many revolutions lay within what is to be recorded; to be read when the flight is over and has taken the
+    /// recorder with it.
+    pub fn recorded(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.recorded)
+    }
+
     fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
         let Some(mut share) = self.plan.share_of(frame) else { return Ok(()) };
+        self.recorded.fetch_add(1, Ordering::Relaxed);
         let revolution = &frame.revolution;
         self.part_is_due |= share.new_part;
         let begins_part = self.part_is_due && self.backlog.as_ref().is_none_or(Backlog::is_clear);
