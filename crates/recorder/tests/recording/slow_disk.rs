@@ -73,7 +73,7 @@ fn a_part_that_a_slow_disk_put_off_still_opens_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [pipe, second] = ["pipe.rrd", "pipe-2.rrd"].map(|name| folder.path().join(name));
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let (go_on, may_go_on) = mpsc::channel::<()>();
+    let (go_on, may_go_on) = mpsc::sync_channel(1);
     std::thread::scope(|scope| {
         let pipe = &pipe;
         let disk = std::thread::Builder::new().name("disk".to_owned()).spawn_scoped(scope, move || {
