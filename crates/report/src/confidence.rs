@@ -141,7 +141,7 @@ pub(crate) fn of_scene(revolution: &Revolution, ring: &Ring, vehicle_width_m: f6
 /// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost.
 pub(crate) fn spacing_rad(ring: &Ring) -> f64 {
     let pairs = (0..ring.edges()).map(|at| [at, ring.after(at)].map(|at| &ring.entries[at]));
-    let (mut beams, mut spacings) = (0, 0);
+    let (mut beams, mut spacings) = (0, 0_usize);
     for [from, to] in pairs.filter(|[from, to]| from.wall == to.wall) {
         beams += if from.beam < to.beam { to.beam - from.beam } else { to.beam + ring.beams.len() - from.beam };
         spacings += 1;
