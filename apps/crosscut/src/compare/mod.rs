@@ -50,8 +50,9 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     }
     let recordings = configurations.iter().map(|of| flight::open(&args.flight, &of.config));
     let mut recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
-    let inputs = recordings_in(&args.flight.input)?;
-    let mut json = args.json.as_ref().map(|path| overwriting::create(path, &inputs)).transpose()?;
+    let mut read = recordings_in(&args.flight.input)?;
+    read.extend(configurations::files(&args.with));
+    let mut json = args.json.as_ref().map(|path| overwriting::create(path, &read)).transpose()?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 
