@@ -131,21 +131,26 @@ fn apart_rad(answer: &Junction) -> f64 {
     if answer.openings.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
 }
 
-/// The share of right answers among those on such grounds; 0 without any. `ring` holds the walls that are no islands.
-pub(crate) fn of_scene(revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, answer: &Junction) -> f64 {
+/// The share of right answers among those on such grounds; 0 without any. `ring` holds the walls that are no islands,
+/// of whose returns [`spacing_rad`] says how far apart they are.
+pub(crate) fn of_scene(
+    revolution: &Revolution,
+    ring: &Ring,
+    spacing_rad: f64,
+    vehicle_width_m: f64,
+    answer: &Junction,
+) -> f64 {
     let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, answer) else { return 0.0 };
     let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-    of_spacing(spacing_rad(ring)) / (1.0 + (-logit).exp())
+    of_spacing(spacing_rad) / (1.0 + (-logit).exp())
 }
 
 /// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost.
 pub(crate) fn spacing_rad(ring: &Ring) -> f64 {
-    let pairs = (0..ring.edges()).map(|at| [at, ring.after(at)].map(|at| &ring.entries[at]));
-    let (mut beams, mut spacings) = (0, 0_usize);
-    for [from, to] in pairs.filter(|[from, to]| from.wall == to.wall) {
-        beams += if from.beam < to.beam { to.beam - from.beam } else { to.beam + ring.beams.len() - from.beam };
-        spacings += 1;
-    }
+    // Where the last entry is followed by the first changes next to nothing.
+    let of_one_wall = ring.entries.windows(2).filter(|pair| pair[0].wall == pair[1].wall);
+    let [beams, spacings] =
+        of_one_wall.fold([0; 2], |[beams, spacings], pair| [beams + pair[1].beam - pair[0].beam, spacings + 1]);
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
 }
 
@@ -200,7 +205,7 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.6, &Junction::default()), 0.0);
+        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.0, 0.6, &Junction::default()), 0.0);
         assert_eq!(Grounds::of(&cloud, 0.6, &Junction { wall_of_return: vec![None], ..Junction::default() }), None);
     }
 }

@@ -33,10 +33,9 @@ pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut
         out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
-    let mut seen: Vec<u32> = ring.entries.iter().map(|entry| entry.wall).collect();
-    seen.sort_unstable();
-    seen.dedup();
-    let mut others = seen.len();
+    let mut is_seen = vec![false; out.walls.len()];
+    ring.entries.iter().for_each(|entry| is_seen[entry.wall as usize] = true);
+    let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
     while let Some(free) = first_free(ring, &candidates, limits, &is_short).filter(|free| free.len() < others) {
         others -= free.len();
         for id in free {

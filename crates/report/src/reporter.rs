@@ -99,8 +99,7 @@ impl Reporter {
         islands::mark(revolution, &limits, ring, out);
         openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        let sees_all = ring.full_turn && openings::sides(ring, f64::INFINITY).all(|sides| sides.is_known());
-        out.place = place::name(sees_all, out.junctions, &out.openings);
+        out.place = place::name(openings::sees_all(ring), out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(ring);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
@@ -109,7 +108,7 @@ impl Reporter {
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            confidence::of_scene(revolution, ring, *vehicle_width_m, out)
+            confidence::of_scene(revolution, ring, spacing_rad, *vehicle_width_m, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };

@@ -35,7 +35,9 @@ impl Ring {
         let view = sweep.view();
         (self.step_rad, self.full_turn) = (sweep.step_rad, view.full_turn);
         self.beams.clear();
-        self.beams.extend(sweep.beams.iter().cycle().skip(view.first).take(view.len));
+        let (end, all) = (view.first + view.len, sweep.len());
+        self.beams.extend_from_slice(&sweep.beams[view.first..end.min(all)]);
+        self.beams.extend_from_slice(&sweep.beams[..end.saturating_sub(all)]);
         if sweep.is_clockwise() {
             self.beams.reverse();
         }

@@ -48,13 +48,18 @@ impl Graph<'_> {
     /// that is 0, is none.
     #[inline]
     pub(crate) fn edges_back(&self, i: usize) -> impl Iterator<Item = Edge> {
+        self.entries_back(i).filter(|edge| edge.scaled > 0.0)
+    }
+
+    /// The same of all entries of W that are stored, those that are no edges among them.
+    #[inline]
+    pub(crate) fn entries_back(&self, i: usize) -> impl Iterator<Item = Edge> {
         let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
         let earlier = others.iter().zip(weights).take_while(move |&(&j, _)| (j as usize) < i);
-        let edges = earlier.map(move |(&to, &weight)| {
+        earlier.map(move |(&to, &weight)| {
             let scaled = weight * (scale * self.inverse_sqrt_degrees[to as usize]);
             Edge { from: i as u32, to, weight, scaled }
-        });
-        edges.filter(|edge| edge.scaled > 0.0)
+        })
     }
 
     /// L_ii, if so much of the weights of its edges is set aside.

@@ -145,12 +145,13 @@ impl Split {
         self.forest.plant(n);
         self.links.clear();
         self.ties.clear();
+        let weak = weak.max(f64::from_bits(1)); // what is 0 is no tie either
         for i in 0..n {
-            for edge in graph.edges_back(i) {
+            for edge in graph.entries_back(i) {
                 if edge.scaled >= weak {
                     self.forest.join(i, edge.to as usize);
                     self.ties.push(edge);
-                } else {
+                } else if edge.scaled > 0.0 {
                     self.links.push(edge);
                 }
             }

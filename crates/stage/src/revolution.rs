@@ -122,10 +122,11 @@ impl Sweep {
     pub fn view(&self) -> View {
         let whole = View { first: 0, len: self.len(), full_turn: self.full_turn };
         let is_blind = |beam: &Beam| *beam == Beam::Unknown;
-        // Blind all around, it has no end.
-        let Some(seen) = self.beams.iter().position(|beam| !is_blind(beam)).filter(|_| self.full_turn) else {
+        if !self.full_turn || !self.beams.iter().any(is_blind) {
             return whole;
-        };
+        }
+        // Blind all around, it has no end.
+        let Some(seen) = self.beams.iter().position(|beam| !is_blind(beam)) else { return whole };
         let (mut widest, mut next, mut blind) = (0, 0, 0);
         for at in (seen..self.len()).chain(0..=seen) {
             if is_blind(&self.beams[at]) {

@@ -95,6 +95,12 @@ pub(crate) fn sides(ring: &Ring, least_m: f64) -> impl Iterator<Item = Sides<'_>
     pairs.filter(is_edge).map(|(from, to)| Sides::of(ring, from, to))
 }
 
+/// Whether the view goes all the way round, and something is known between any two walls.
+pub(crate) fn sees_all(ring: &Ring) -> bool {
+    let knows_all = || sides(ring, f64::INFINITY).all(|sides| sides.is_known());
+    ring.full_turn && (!ring.beams.contains(&Beam::Unknown) || knows_all())
+}
+
 fn widest(branches: Vec<Branch>) -> Vec<Branch> {
     let widest = branches.into_iter().max_by(|a, b| a.opening.width_m.total_cmp(&b.opening.width_m));
     widest.into_iter().collect()
