@@ -23,8 +23,8 @@ const BEHIND_SHARE: f64 = 0.5;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
-/// So wide a gap before a face is a way on in any place, if no bump of these walls can hide what is in it, and so many
-/// returns of the face are seen.
+/// Before a face of which so many returns are seen, a gap is a way on in any place if it is so wide, and so many times
+/// the roughness of the walls wider: no bump of theirs hides as much.
 const FACE_GAP_M: f64 = 1.0;
 const FACE_BUMPS: f64 = 40.0;
 const FACE_RETURNS: usize = 3;
