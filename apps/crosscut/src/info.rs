@@ -6,11 +6,12 @@ use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe};
 use crosscut_pipeline::Registry;
+use crosscut_stage::counted;
 
 use crate::cli::InfoArgs;
 use crate::config;
 use crate::exit::Outcome;
-use crate::say::{counted, printable, say};
+use crate::say::{printable, say};
 
 /// Prints the description of a recording; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {

@@ -9,13 +9,13 @@ use anyhow::Context;
 use crosscut_ingest::recordings_in;
 use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, counted};
 
 use crate::cli::RunArgs;
 use crate::exit::{Outcome, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::over_time::{self, OverTime};
-use crate::say::{counted, say};
+use crate::say::say;
 use crate::{config, flight, overwriting, progress, record, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.

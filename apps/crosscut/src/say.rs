@@ -22,8 +22,3 @@ pub(crate) fn printable(text: &str) -> String {
     }
     printable
 }
-
-/// `1 scan`, `2 scans`.
-pub(crate) fn counted(count: u64, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}

@@ -10,10 +10,9 @@ use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths};
 use crosscut_messages::{Truth, TruthError};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, stream};
 use crosscut_report::ResultsLine;
-use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError};
+use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError, counted};
 use indicatif::ProgressBar;
 
-use crate::say::counted;
 use crate::wrong::Wrong;
 
 /// What came of it.

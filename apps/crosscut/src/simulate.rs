@@ -6,12 +6,13 @@ use std::path::Path;
 use anyhow::Context;
 use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
+use crosscut_stage::counted;
 
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::progress;
-use crate::say::{counted, say};
+use crate::say::say;
 
 /// Writes the flight of a scenario, or a suite, or lists both.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {

@@ -4,9 +4,7 @@ use std::time::Duration;
 
 use comfy_table::{CellAlignment, Table, presets};
 use crosscut_pipeline::Summary;
-use crosscut_stage::Step;
-
-use crate::say::counted;
+use crosscut_stage::{Step, counted};
 
 /// Kinds of notes that are shown; all of them are in the results.
 const NOTES_SHOWN: usize = 5;

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crosscut_evaluate::Score;
 use crosscut_messages::Truth;
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, counted};
 
 use crate::figure::{Panel, sheet};
-use crate::say::counted;
 
 /// So many scenes are drawn of one recording, the first.
 const MOST_SCENES: usize = 8;

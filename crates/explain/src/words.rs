@@ -1,6 +1,6 @@
 //! The explanation in words.
 
-use crosscut_stage::{Beam, Frame, Spectrum};
+use crosscut_stage::{Beam, Frame, Spectrum, counted};
 
 use crate::{Change, Explanation, Link, WallLinks};
 
@@ -30,11 +30,13 @@ impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
         let place = junction.place.to_string().replace('_', " ");
-        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions, "junction"));
+        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions as u64, "junction"));
         let islands = junction.walls.iter().filter(|wall| wall.island).count();
         let small = k.saturating_sub(junction.junctions + islands);
-        let beside =
-            [(islands, counted(islands, "island")), (small, counted(small, "cluster") + " too small to be a wall")];
+        let beside = [
+            (islands, counted(islands as u64, "island")),
+            (small, counted(small as u64, "cluster") + " too small to be a wall"),
+        ];
         let beside: Vec<String> = beside.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
         if k > junction.junctions && !beside.is_empty() {
             text += &format!("\n\nk also counts {}.", beside.join(" and "));
@@ -99,13 +101,13 @@ impl Words<'_> {
         let frame = self.frame;
         let of_no_wall = frame.junction.wall_of_return.iter().filter(|wall| wall.is_none()).count();
         let mut lines =
-            vec![format!("{}, {of_no_wall} of them in no wall.", counted(frame.revolution.len(), "return"))];
+            vec![format!("{}, {of_no_wall} of them in no wall.", counted(frame.revolution.len() as u64, "return"))];
         if let Some(sweep) = &frame.revolution.sweep {
             let unknown = sweep.beams.iter().filter(|beam| **beam == Beam::Unknown).count();
             let nothing = sweep.beams.iter().filter(|beam| **beam == Beam::NoReturn).count();
             lines.push(format!(
                 "Of {}, {nothing} saw nothing in range, {unknown} are unknown.",
-                counted(sweep.len(), "beam")
+                counted(sweep.len() as u64, "beam")
             ));
         }
         lines.extend(frame.notes.iter().map(|note| format!("- {note}")));
@@ -149,10 +151,6 @@ pub fn inequality(spectrum: &Spectrum) -> String {
 /// A value by its power of ten: 1.2e-8; 0.31.
 fn power(value: f64) -> String {
     if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
-}
-
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crosscut_messages::DecodeError;
+use crosscut_stage::counted;
 
 /// Something that was lost, or had to be read another way. It did not stop the reading of the rest.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -92,11 +93,6 @@ pub enum LossKind {
 
 fn scans_at(scans: Option<u64>) -> String {
     scans.map_or_else(|| "part".to_owned(), |scans| format!("part with {}", counted(scans, "scan")))
-}
-
-/// `1 scan`, `2 scans`.
-pub(crate) fn counted(count: u64, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// What is wrong with a stretch of bytes.

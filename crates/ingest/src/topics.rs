@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use crosscut_messages::{CDR_ENCODING, LaserScan, Message};
+use crosscut_stage::counted;
 
 use crate::IngestError;
 use crate::container::{Container, Topic};
-use crate::loss::counted;
 
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]

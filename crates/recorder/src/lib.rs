@@ -49,7 +49,8 @@
 //! behind lacks at most the last 2.5 s of the flight, of a live one the last second, and opens. Row ids hold the time
 //! of writing, so the bytes of two recordings differ. A write that fails (full disk) is an error of the next call, and
 //! the file ends with its last whole message. After so many revolutions the file is ended and another begins, which
-//! opens alone and together with it, and each says which it is, so that a missing one is noticed: the footer grows in memory with the file, and so memory stays flat.
+//! opens alone and together with it: the footer grows in memory with the file, and so memory stays flat. Each says which
+//! it is, so that a missing one is noticed.
 //!
 //! A disk that is slower than the flight: a recorded flight waits for it. A live one (`--rate`) does not: what the disk
 //! has not taken waits in memory, beyond 16 MB revolutions are recorded without matrices, beyond 40 MB not at all,

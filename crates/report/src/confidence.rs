@@ -9,9 +9,9 @@
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
 //! ```
 //! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
-//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the development
-//! scenes; `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md` writes it
-//! with what it means.
+//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the
+//! development scenes; `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md`
+//! writes it with what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -76,8 +76,8 @@ impl Grounds {
         // A stray return inside an opening splits its edge: the first part begins where the opening does, the last ends
         // where it does.
         let is_opening = |[from_m, to_m]: [Position; 2]| {
-            let edges_m = answer.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
-            edges_m.into_iter().any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
+            let mut edges_m = answer.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
+            edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
         };
         let mut grounds = Self {
             least_at_openings_m: f64::INFINITY,
@@ -89,11 +89,11 @@ impl Grounds {
         };
         // No opening within a wall is narrower than the vehicle.
         for sides in sides(ring, vehicle_width_m) {
-            let (edge_m, walls) = (sides.edge_m(), sides.walls());
+            let edge_m = sides.edge_m();
             // Too narrow for an opening, it tells two walls apart all the same.
-            if is_opening(edge_m) || (walls[0] != walls[1] && sides.is_known()) {
+            if is_opening(edge_m) || (sides.are_two_walls() && sides.is_known()) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
-            } else if walls[0] == walls[1] {
+            } else if !sides.are_two_walls() {
                 let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
                 grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
                 let clearance_m = clearance_m(&sides);

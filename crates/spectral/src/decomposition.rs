@@ -67,13 +67,17 @@ fn evd(
     if n == 0 {
         return Ok(());
     }
-    let needed = scratch_of(n);
-    if scratch.len() < needed.size_bytes() {
-        *scratch = MemBuffer::new(needed);
-    }
+    make_room(scratch, scratch_of(n));
     let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
     self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default())
         .map_err(|_| StageError::NoConvergence { n })
+}
+
+/// Makes `scratch` as large as it has to be.
+pub(crate) fn make_room(scratch: &mut MemBuffer, needed: StackReq) {
+    if scratch.len() < needed.size_bytes() {
+        *scratch = MemBuffer::new(needed);
+    }
 }
 
 /// Working memory of one decomposition, n > 0.

@@ -8,6 +8,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
 use crate::connected::Unseen;
+use crate::decomposition::make_room;
 use crate::normalised::Normalised;
 
 /// Columns that are worked on together.
@@ -117,10 +118,7 @@ impl Envelope {
         reserve(&mut self.inverses, PANEL, most);
         reserve(&mut self.work, most, PANEL);
         reserve(&mut self.scaled, PANEL, most.max(PANEL));
-        let needed = cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default());
-        if self.scratch.len() < needed.size_bytes() {
-            self.scratch = MemBuffer::new(needed);
-        }
+        make_room(&mut self.scratch, cholesky_in_place_scratch::<f64>(PANEL, Par::Seq, Spec::default()));
     }
 
     /// Writes column `j` of the panel from `start` on, as far as members are known.

@@ -12,6 +12,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use crate::decomposition::make_room;
 use crate::graph::Graph;
 use crate::order::Order;
 use crate::second::ShiftInvert;
@@ -134,10 +135,8 @@ impl Sparse {
         self.factor.clear();
         self.factor.resize(symbolic.len_val(), 0.0);
         let factorising = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
-        let needed = factorising.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        if self.scratch.len() < needed.size_bytes() {
-            self.scratch = MemBuffer::new(needed);
-        }
+        let solving = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        make_room(&mut self.scratch, factorising.or(solving));
         self.symbolic = Some(symbolic);
         Ok(())
     }

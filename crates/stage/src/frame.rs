@@ -78,6 +78,11 @@ impl fmt::Display for Step {
     }
 }
 
+/// `1 scan`, `2 scans`: for words of which an s makes the plural.
+pub fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Sentences about one revolution: every drop, repair and fallback stands in the results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes(Vec<String>);

@@ -28,7 +28,7 @@ mod traits;
 
 pub use affinity::{Affinity, Csr, Weights};
 pub use embedding::Embedding;
-pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings};
+pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings, counted};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{Kind, StageKind};

@@ -121,25 +121,13 @@ impl Sweep {
     /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.
     pub fn view(&self) -> View {
         let whole = View { first: 0, len: self.len(), full_turn: self.full_turn };
-        let is_blind = |beam: &Beam| *beam == Beam::Unknown;
-        if !self.full_turn || !self.beams.iter().any(is_blind) {
+        if !self.full_turn || !self.beams.contains(&Beam::Unknown) {
             return whole;
         }
+        let (begin, blind) = widest_run(self.len(), |beam| self.beams[beam] == Beam::Unknown);
         // Blind all around, it has no end.
-        let Some(seen) = self.beams.iter().position(|beam| !is_blind(beam)) else { return whole };
-        let (mut widest, mut next, mut blind) = (0, 0, 0);
-        for at in (seen..self.len()).chain(0..=seen) {
-            if is_blind(&self.beams[at]) {
-                blind += 1;
-                continue;
-            }
-            if blind > widest {
-                (widest, next) = (blind, at);
-            }
-            blind = 0;
-        }
-        if widest as f64 * self.step_rad > BLIND_RAD {
-            View { first: next, len: self.len() - widest, full_turn: false }
+        if blind < self.len() && blind as f64 * self.step_rad > BLIND_RAD {
+            View { first: (begin + blind) % self.len(), len: self.len() - blind, full_turn: false }
         } else {
             whole
         }
@@ -164,6 +152,24 @@ impl Sweep {
         self.full_turn = false;
         self.wire_geometry = [0.0; 4];
     }
+}
+
+/// The widest run of beams of a full turn of which that `holds`, the first of equals: where it begins, and how many they
+/// are. It may go on from the last beam to beam 0.
+pub(crate) fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize) {
+    let Some(start) = (0..beams).find(|&beam| !holds(beam)) else { return (0, beams) };
+    let (mut widest, mut run) = ((0, 0), 0);
+    for beam in start..=start + beams {
+        if holds(beam % beams) {
+            run += 1;
+        } else {
+            if run > widest.1 {
+                widest = (beam - run, run);
+            }
+            run = 0;
+        }
+    }
+    widest
 }
 
 /// The same angle in (-π, π].

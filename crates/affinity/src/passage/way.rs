@@ -120,8 +120,7 @@ impl Judge<'_> {
     /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.
     fn is_face_seen(&self, gap: &Gap<'_>) -> bool {
         let (far, end) = gap.farther();
-        let position_m = |k| self.ring.position_m(end.at(far, k));
-        far.len() >= FACE_RETURNS && (position_m(FACE_RETURNS - 1) - position_m(0)).norm() <= FACE_M
+        far.len() >= FACE_RETURNS && self.ring.distance_m(end.at(far, 0), end.at(far, FACE_RETURNS - 1)) <= FACE_M
     }
 
     /// How much the wall turns over [`FACE_M`].

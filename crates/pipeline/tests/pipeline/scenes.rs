@@ -16,36 +16,33 @@ fn sector(beams: usize) -> std::ops::Range<usize> {
 /// The scan with nothing known in the sector.
 fn blinded(scan: &Revolution) -> Revolution {
     let of = scan.sweep.as_ref().expect("beams");
-    let (mut points_m, mut beams) = (Vec::new(), Vec::new());
-    for (at, beam) in of.beams.iter().enumerate() {
-        beams.push(match *beam {
-            _ if sector(of.len()).contains(&at) => Beam::Unknown,
-            Beam::Return(i) => {
-                points_m.push(scan.points_m[i as usize]);
-                Beam::Return(points_m.len() as u32 - 1)
-            }
-            other => other,
-        });
-    }
-    Revolution { points_m, sweep: Some(Sweep { beams, ..of.clone() }), ..Revolution::default() }
+    let hidden = sector(of.len());
+    let seen = |at: usize| if hidden.contains(&at) { Beam::Unknown } else { of.beams[at] };
+    looking(scan, (0..of.len()).map(|at| (of.bearings_rad[at], seen(at))), true)
 }
 
 /// The same by a sensor that does not look there.
 fn limited(scan: &Revolution) -> Revolution {
     let of = scan.sweep.as_ref().expect("beams");
-    let (mut points_m, mut beams, mut bearings_rad) = (Vec::new(), Vec::new(), Vec::new());
-    for at in (sector(of.len()).end..of.len()).chain(0..sector(of.len()).start) {
-        bearings_rad.push(of.bearings_rad[at]);
-        beams.push(match of.beams[at] {
-            Beam::Return(i) => {
-                points_m.push(scan.points_m[i as usize]);
-                Beam::Return(points_m.len() as u32 - 1)
-            }
-            other => other,
-        });
+    let hidden = sector(of.len());
+    let order = (hidden.end..of.len()).chain(0..hidden.start);
+    looking(scan, order.map(|at| (of.bearings_rad[at], of.beams[at])), false)
+}
+
+/// Of a scan what these beams saw, each with its bearing.
+fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>, full_turn: bool) -> Revolution {
+    let of = scan.sweep.clone().expect("beams");
+    let mut revolution = Revolution::default();
+    let sweep = revolution.sweep.insert(Sweep { beams: Vec::new(), bearings_rad: Vec::new(), full_turn, ..of });
+    for (bearing_rad, mut beam) in seen {
+        if let Beam::Return(i) = &mut beam {
+            revolution.points_m.push(scan.points_m[*i as usize]);
+            *i = revolution.points_m.len() as u32 - 1;
+        }
+        sweep.bearings_rad.push(bearing_rad);
+        sweep.beams.push(beam);
     }
-    let sweep = Sweep { beams, bearings_rad, full_turn: false, ..of.clone() };
-    Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }
+    revolution
 }
 
 fn engine(settings: &[&str]) -> Engine {

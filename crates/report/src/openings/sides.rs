@@ -88,7 +88,7 @@ impl<'a> Sides<'a> {
     }
 
     /// Whether the returns beside the edge are of two walls.
-    pub(super) fn are_two_walls(&self) -> bool {
+    pub(crate) fn are_two_walls(&self) -> bool {
         let [a, b] = self.walls();
         a != b
     }

@@ -5,6 +5,7 @@ mod usual;
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::revolution::widest_run;
 use crate::{Beam, Point, Revolution, Sweep};
 use fan::Fan;
 use usual::Usual;
@@ -153,7 +154,7 @@ impl LevelView {
         let sweep = seen.sweep.get_or_insert_with(Sweep::default);
         sweep.step_rad = fan.step_rad();
         sweep.range_max_m = f64::INFINITY;
-        let (begin, unseen) = widest_empty(met);
+        let (begin, unseen) = widest_run(met.len(), |beam| met[beam].is_none());
         sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
         let turn = if sweep.full_turn { 0..met.len() } else { begin + unseen..begin + met.len() };
         if !sweep.full_turn {
@@ -190,24 +191,6 @@ fn first_met(returns: &[LevelReturn], usual: &Usual, width_m: f64) -> Option<Lev
         last.is_some_and(|last| last.range_m <= one.range_m + width_m)
     };
     returns.iter().enumerate().find(is_met).map(|(_, one)| *one)
-}
-
-/// The first beam and the number of beams of the longest run without a return, the first of equals; around the turn.
-fn widest_empty(beams: &[Option<LevelReturn>]) -> (usize, usize) {
-    let Some(start) = beams.iter().position(Option::is_some) else { return (0, beams.len()) };
-    let mut widest = (0, 0);
-    let mut run = 0;
-    for beam in start..=start + beams.len() {
-        if beams[beam % beams.len()].is_none() {
-            run += 1;
-        } else {
-            if run > widest.1 {
-                widest = (beam - run, run);
-            }
-            run = 0;
-        }
-    }
-    widest
 }
 
 #[cfg(test)]
