@@ -2,7 +2,7 @@
 
 use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par, unzip, zip};
+use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 
 use crate::decomposition::Decomposition;
 use crate::dot::dot;
@@ -23,6 +23,8 @@ const ERROR: f64 = 1e-10;
 const RESIDUAL: f64 = 1e-8;
 /// What may be left of a column, of what it was, before it is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
+/// So many eigenvalues that are not zero are few.
+const FEW: usize = 2;
 /// Corrections of the eigenvectors at most, after a factorisation that was inaccurate.
 const CORRECTIONS: usize = 2;
 /// What is left of a column that depends on those before it.
@@ -36,7 +38,7 @@ pub(crate) struct Krylov {
     values: Vec<f64>,
 }
 
-/// The lowest eigenvalues, ascending, and a unit eigenvector of each.
+/// The lowest eigenvalues, ascending, and a unit eigenvector of each that is below the shift.
 pub(crate) struct Lowest {
     pub(crate) eigenvalues: Vec<f64>,
     pub(crate) vectors: Mat<f64>,
@@ -67,8 +69,13 @@ impl Krylov {
     ///
     /// z = X V y / ν = V y + (the next block) R y / ν, with (L - λ) z = (V y - z) / ν,
     ///
-    /// so the residual of z is known before z is: ‖R y‖ / ν². If all are small, L in the span of these vectors
-    /// (Rayleigh, Ritz) gives the eigenvalues, with the residuals that count.
+    /// so the residual of z is known before z is: ‖R y‖ / ν², and its Rayleigh quotient is
+    ///
+    /// λ = shift + 1 / (ν (1 + ‖R y / ν‖²)).
+    ///
+    /// Of the zeros, L in the span of their vectors (Rayleigh, Ritz) gives the eigenvalues, with residuals that count.
+    /// Of the others it is enough that (L - shift) z = V y / ν holds for a random sum of them: what a factorisation or a
+    /// decomposition did wrong would show there.
     ///
     /// # Errors
     /// When a small decomposition does not converge.
@@ -108,22 +115,27 @@ impl Krylov {
         let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
         let needed = Needed { n: envelope.n(), below: envelope.below(), outside };
 
-        let turn = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
-        let last = turn.subrows(dimension - space.columns, space.columns);
-        let mut beyond = product(space.remainder.as_ref(), last);
-        for (j, &chosen) in chosen.iter().enumerate() {
-            let inverse = values[chosen].recip();
-            beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
-            if !needed.is_met(j, envelope.shift() + inverse, beyond.col(j).norm_l2() * inverse.abs()) {
-                return Ok(None);
-            }
+        let y = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
+        let inverses: Vec<f64> = chosen.iter().map(|&j| values[j].recip()).collect();
+        let (z, beyond) = space.step(y.as_ref(), &inverses);
+        let small_enough = |j: usize| needed.is_met(j, envelope.shift() + inverses[j], beyond[j] * inverses[j].abs());
+        if !(0..wanted).all(small_enough) {
+            return Ok(None);
         }
-        let mut turn = Mat::from_fn(dimension + space.columns, wanted, |i, j| {
-            if i < dimension { turn[(i, j)] } else { beyond[(i - dimension, j)] }
-        });
+        let below = envelope.below().min(wanted);
+        let [of_others, stepped] = [&y, &z].map(|columns| columns.subcols(below, wanted - below));
+        // Of few it costs as much to know whether they are right as to settle them.
+        let sound =
+            wanted - below > FEW && space.step_error(l, envelope, of_others, stepped, &inverses[below..]) <= ERROR;
+        let unsettled = if sound { below } else { wanted };
+        let mut turn = z.subcols(0, unsettled).to_owned();
         make_orthonormal(&mut turn, &mut space.noise);
         let vectors = product(space.basis.subcols(0, space.dimension), turn.as_ref());
-        self.settle(l, envelope, vectors, &needed)
+        let Some(mut lowest) = self.settle(l, envelope, vectors, &needed)? else { return Ok(None) };
+        let quotient = |j: usize| envelope.shift() + inverses[j] / (1.0 + beyond[j] * beyond[j]);
+        lowest.eigenvalues.extend((unsettled..wanted).map(quotient));
+        let found = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
+        Ok((found == below).then_some(lowest))
     }
 
     /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector
@@ -149,8 +161,7 @@ impl Krylov {
                 settled &= needed.is_met(j, eigenvalue, residuals.col(j).norm_l2());
             }
             if settled {
-                let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < envelope.shift());
-                return Ok((below == envelope.below().min(wanted)).then_some(Lowest { eigenvalues, vectors }));
+                return Ok(Some(Lowest { eigenvalues, vectors }));
             }
             envelope.solve(&mut residuals);
             vectors -= residuals;
@@ -223,6 +234,36 @@ impl Space {
         matmul(image.as_mut(), Accum::Add, basis, known.as_ref(), -1.0, Par::Seq);
         self.append(image);
         true
+    }
+
+    /// The coordinates of z = V y + (the next block) R y / ν for each y, and ‖R y / ν‖.
+    fn step(&self, y: MatRef<'_, f64>, inverses: &[f64]) -> (Mat<f64>, Vec<f64>) {
+        let mut beyond = product(self.remainder.as_ref(), y.subrows(y.nrows() - self.columns, self.columns));
+        for (j, inverse) in inverses.iter().enumerate() {
+            beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
+        }
+        let entry = |i, j| if i < y.nrows() { y[(i, j)] } else { beyond[(i - y.nrows(), j)] };
+        let z = Mat::from_fn(self.dimension, y.ncols(), entry);
+        (z, (0..y.ncols()).map(|j| beyond.col(j).norm_l2()).collect())
+    }
+
+    /// How far (L - shift·I) z is from V y / ν, for a random sum of such z and y.
+    fn step_error(
+        &mut self,
+        l: &Normalised<'_>,
+        envelope: &Envelope,
+        y: MatRef<'_, f64>,
+        z: MatRef<'_, f64>,
+        inverses: &[f64],
+    ) -> f64 {
+        let signs = Mat::from_fn(inverses.len(), 1, |_, _| random(&mut self.noise).signum());
+        let quotients = Mat::from_fn(inverses.len(), 1, |j, _| signs[(j, 0)] * inverses[j]);
+        let sum = product(self.basis.subcols(0, self.dimension), product(z, signs.as_ref()).as_ref());
+        let expected = product(self.basis.subcols(0, y.nrows()), product(y, quotients.as_ref()).as_ref());
+        let mut image = l.times(envelope.members(), &sum);
+        zip!(image.as_mut(), sum.as_ref(), expected.as_ref())
+            .for_each(|unzip!(image, z, expected)| *image -= envelope.shift() * z + expected);
+        image.norm_l2()
     }
 
     /// Makes `block` orthonormal, against the basis too, of which there is little left in it, and adds it.

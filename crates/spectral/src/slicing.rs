@@ -141,9 +141,9 @@ impl Slicing {
     fn assemble(&self, parts: &[Part], n: usize, out: &mut Spectrum) -> Result<(), StageError> {
         let mut all: Vec<(f64, &[u32], &[f64])> = Vec::new();
         for Part { members, lowest } in parts {
-            let vectors = (0..lowest.eigenvalues.len()).map(|j| lowest.vectors.col_as_slice(j));
-            let pairs = lowest.eigenvalues.iter().zip(vectors);
-            all.extend(pairs.map(|(&eigenvalue, vector)| (eigenvalue, &members[..], vector)));
+            let vector = |j| if j < lowest.vectors.ncols() { lowest.vectors.col_as_slice(j) } else { &[] };
+            let pairs = lowest.eigenvalues.iter().enumerate();
+            all.extend(pairs.map(|(j, &eigenvalue)| (eigenvalue, &members[..], vector(j))));
         }
         if all.iter().any(|(eigenvalue, ..)| !eigenvalue.is_finite()) {
             return Err(StageError::NoConvergence { n });
