@@ -258,8 +258,13 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let sizes = components(&scan(&TUNNEL, dusty), &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 8, 8), "{sizes:?}");
     let own_rig = |beam: usize, range_m| if (80..100).contains(&beam) { Some(0.1) } else { range_m };
-    let sizes = components(&scan(&TUNNEL, own_rig), &[]);
+    let hidden = scan(&TUNNEL, own_rig);
+    let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
+    let mut notes = Notes::default();
+    Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
+    let told = "passage: 20 returns lie within the vehicle, nearer than 0.3 m: tied to none";
+    assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
 /// With twelve corners.

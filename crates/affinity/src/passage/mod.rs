@@ -33,7 +33,7 @@ const PASSAGE_M: ParamSpec = ParamSpec {
     name: "passage_m",
     unit: "m",
     shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "vehicle.width_m if that is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
+    doc: "vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
 };
 
 const STRETCH_M: ParamSpec = ParamSpec {
@@ -89,7 +89,7 @@ const HEIGHT_M: ParamSpec = ParamSpec {
     name: "height_m",
     unit: "m",
     shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "vehicle.height_m if that is set: of a cloud, returns farther above or below the sensor than half of it are of no wall",
+    doc: "vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall",
 };
 
 const LEAK: ParamSpec = ParamSpec {
@@ -234,9 +234,13 @@ impl Passage {
         }
         joining::cut_at_peaks(&judge, walls);
 
-        let dropped = dust.iter().filter(|dust| **dust).count();
-        if dropped > 0 {
-            notes.add(format!("passage: {dropped} returns hang in the air (dust) and are tied to none"));
+        let hanging = dust.iter().filter(|dust| **dust).count();
+        if hanging > 0 {
+            notes.add(format!("passage: {hanging} returns hang in the air (dust) and are tied to none"));
+        }
+        let inside = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) <= inside_m).count();
+        if inside > 0 {
+            notes.add(format!("passage: {inside} returns lie within the vehicle, nearer than {inside_m} m: tied to none"));
         }
         self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
         Ok(())

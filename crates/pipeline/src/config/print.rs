@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::resolve::Config;
+use super::resolve::{Config, SetBy};
 
 impl fmt::Display for Config {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -13,12 +13,15 @@ impl fmt::Display for Config {
             writeln!(f, "[{}]", section.name)?;
             if let Some(kind) = &section.kind {
                 writeln!(f, "# {}", kind.doc)?;
-                writeln!(f, "kind = {:?}  # {}", kind.name, kind.layer)?;
+                writeln!(f, "kind = {:?}  # {}", kind.name, kind.set_by)?;
             }
-            for ((spec, (name, value)), layer) in section.specs.iter().zip(section.params.iter()).zip(&section.layers) {
+            let values = section.params.iter().zip(&section.set_by);
+            for (spec, ((name, value), set_by)) in section.specs.iter().zip(values) {
                 let unit = if spec.unit.is_empty() { String::new() } else { format!(" [{}]", spec.unit) };
                 writeln!(f, "# {}{unit}: {}", spec.doc, spec.expected())?;
-                writeln!(f, "{name} = {value}  # {layer}")?;
+                // What follows another parameter does so in the file as well, until it is set there.
+                let comment = if matches!(set_by, SetBy::Parameter(_)) { "# " } else { "" };
+                writeln!(f, "{comment}{name} = {value}  # {set_by}")?;
             }
         }
         Ok(())

@@ -1,5 +1,7 @@
 //! Layers -> one checked configuration.
 
+use std::fmt;
+
 use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
@@ -10,9 +12,6 @@ use crate::Registry;
 /// Parameters that are those of the vehicle unless they are set themselves: the two, each by section and name.
 const OF_VEHICLE: [[(&str, &str); 2]; 2] =
     [[("affinity", "passage_m"), ("vehicle", "width_m")], [("affinity", "height_m"), ("vehicle", "height_m")]];
-/// The layer of what nobody set.
-const DEFAULT: &str = "default";
-
 /// Every parameter with its value and the layer that set it.
 #[derive(Clone, Debug)]
 pub struct Config {
@@ -26,8 +25,28 @@ pub(super) struct Resolved {
     pub(super) kind: Option<ResolvedKind>,
     pub(super) specs: &'static [ParamSpec],
     pub(super) params: Params,
-    /// Per parameter, the layer that set it.
-    pub(super) layers: Vec<String>,
+    /// Of each parameter.
+    pub(super) set_by: Vec<SetBy>,
+}
+
+/// Who set a value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum SetBy {
+    Nobody,
+    /// The layer of this name.
+    Layer(String),
+    /// The parameter of this name, which it follows.
+    Parameter(String),
+}
+
+impl fmt::Display for SetBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nobody => f.write_str("default"),
+            Self::Layer(name) => f.write_str(name),
+            Self::Parameter(name) => write!(f, "follows {name}"),
+        }
+    }
 }
 
 /// The kind that was chosen for a section.
@@ -35,7 +54,7 @@ pub(super) struct Resolved {
 pub(super) struct ResolvedKind {
     pub(super) name: &'static str,
     pub(super) doc: &'static str,
-    pub(super) layer: String,
+    pub(super) set_by: SetBy,
 }
 
 impl Config {
@@ -53,20 +72,15 @@ impl Config {
         Ok(config)
     }
 
-    /// Sets a parameter to another that was set, unless it was set itself, or its kind does not have it.
+    /// Sets a parameter to another, unless it was set itself, or its kind does not have it.
     fn follow(&mut self, (section, name): (&str, &'static str), (of, other): (&str, &str)) {
-        let of = self.section(of);
-        let place = of.specs.iter().position(|spec| spec.name == other).expect("a parameter of the vehicle");
-        if of.layers[place] == DEFAULT {
-            return;
-        }
-        let (value, layer) = (Value::Number(of.params.number(other)), format!("{}.{other}", of.name));
+        let value = Value::Number(self.params(of).number(other));
         let to = self.sections.iter_mut().find(|resolved| resolved.name == section).expect("a section of the method");
         if let Some(place) = to.specs.iter().position(|spec| spec.name == name)
-            && to.layers[place] == DEFAULT
+            && to.set_by[place] == SetBy::Nobody
         {
             to.params.set(name, value);
-            to.layers[place] = layer;
+            to.set_by[place] = SetBy::Parameter(format!("{of}.{other}"));
         }
     }
 
@@ -164,17 +178,17 @@ fn defaults(section: &Section) -> Resolved {
         Body::Fixed(specs) => (None, *specs),
         Body::Kinds(choices) => (Some(choices[0]), choices[0].params),
     };
-    Resolved::new(section.name, kind, specs, DEFAULT)
+    Resolved::new(section.name, kind, specs, SetBy::Nobody)
 }
 
 impl Resolved {
-    fn new(name: &'static str, kind: Option<Choice>, specs: &'static [ParamSpec], layer: &str) -> Self {
+    fn new(name: &'static str, kind: Option<Choice>, specs: &'static [ParamSpec], kind_set_by: SetBy) -> Self {
         Self {
             name,
-            kind: kind.map(|kind| ResolvedKind { name: kind.name, doc: kind.doc, layer: layer.to_owned() }),
+            kind: kind.map(|kind| ResolvedKind { name: kind.name, doc: kind.doc, set_by: kind_set_by }),
             specs,
             params: Params::defaults(specs),
-            layers: vec![DEFAULT.to_owned(); specs.len()],
+            set_by: vec![SetBy::Nobody; specs.len()],
         }
     }
 
@@ -188,8 +202,8 @@ impl Resolved {
             nearest: nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>()),
         })?;
         match &mut self.kind {
-            Some(kind) if kind.name == choice.name => kind.layer.clone_from(&layer.name),
-            _ => *self = Self::new(self.name, Some(*choice), choice.params, &layer.name),
+            Some(kind) if kind.name == choice.name => kind.set_by = SetBy::Layer(layer.name.clone()),
+            _ => *self = Self::new(self.name, Some(*choice), choice.params, SetBy::Layer(layer.name.clone())),
         }
         Ok(())
     }
@@ -205,7 +219,7 @@ impl Resolved {
         })?;
         let value = spec.check(value).map_err(refused)?;
         self.params.set(spec.name, value);
-        self.layers[place].clone_from(&layer.name);
+        self.set_by[place] = SetBy::Layer(layer.name.clone());
         Ok(())
     }
 

@@ -34,13 +34,24 @@ fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
         let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
         let config = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
         let text = config.to_string();
-        text.lines().find(|line| line.starts_with("passage_m")).expect("a passage").to_owned()
+        text.lines().find(|line| line.contains("passage_m = ")).expect("a passage").to_owned()
     };
-    assert_eq!(passage(&[]), "passage_m = 0.6  # default");
-    assert_eq!(passage(&["vehicle.width_m=2"]), "passage_m = 2.0  # vehicle.width_m");
+    assert_eq!(passage(&[]), "# passage_m = 0.6  # follows vehicle.width_m");
+    assert_eq!(passage(&["vehicle.width_m=2"]), "# passage_m = 2.0  # follows vehicle.width_m");
     assert_eq!(passage(&["vehicle.width_m=2", "affinity.passage_m=1"]), "passage_m = 1.0  # --set");
     let paper = resolve("", &["vehicle.width_m=2"]).expect("a kind without it is left alone");
     assert!(!paper.to_string().contains("passage_m"));
+}
+
+#[test]
+fn a_printed_file_does_not_untie_the_affinity_from_the_vehicle() {
+    let registry = Registry::standard();
+    let printed = Config::preset("default", &registry).expect("a preset").to_string();
+    let wider = printed.replace("width_m = 0.6  # default", "width_m = 1.2");
+    assert_ne!(wider, printed);
+    let layers = [Layer::file(Path::new("wider.toml"), &wider).expect("TOML")];
+    let config = Config::resolve(&Schema::new(&registry), &layers).expect("allowed");
+    assert_eq!(config.params("affinity").number("passage_m"), 1.2);
 }
 
 #[test]

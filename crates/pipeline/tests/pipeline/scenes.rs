@@ -90,10 +90,12 @@ fn what_a_vehicle_hides_all_the_time_is_outside_the_view() {
 #[test]
 fn no_opening_is_narrower_than_the_vehicle() {
     const WIDTH_M: f64 = 1.8;
-    let mut engine = engine(&["vehicle.width_m=1.8"]);
-    let mut widths_m = Vec::new();
-    for (_, scan) in suites().iter().filter(|suite| ["narrow", "wet"].contains(&suite.name)).flat_map(scans) {
-        widths_m.extend(answer(&mut engine, scan).openings.iter().map(|opening| opening.width_m));
+    for rule in ["between_walls", "free_space"] {
+        let mut engine = engine(&["vehicle.width_m=1.8", &format!("report.openings={rule}")]);
+        let mut widths_m = Vec::new();
+        for (_, scan) in suites().iter().filter(|suite| ["narrow", "wet"].contains(&suite.name)).flat_map(scans) {
+            widths_m.extend(answer(&mut engine, scan).openings.iter().map(|opening| opening.width_m));
+        }
+        assert!(widths_m.len() > 10 && widths_m.iter().all(|&width_m| width_m >= WIDTH_M), "{rule}: {widths_m:?}");
     }
-    assert!(widths_m.len() > 10 && widths_m.iter().all(|&width_m| width_m >= WIDTH_M), "{widths_m:?}");
 }

@@ -16,9 +16,8 @@
 //! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
 //!
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
-//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree; but for those whose
-//! branch is too narrow for the vehicle, where the walls were told apart for a smaller one. One wall all around has
-//! at most one opening then, the widest of those in free space.
+//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
+//! at most one opening then, the widest of those in free space. By either rule no opening is narrower than the vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
 //! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
@@ -79,9 +78,7 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     if !ring.full_turn {
         out.extend(view.cut_by_its_ends());
     }
-    if rule == Rule::BetweenWalls {
-        out.retain(|opening| opening.width_m >= vehicle_width_m);
-    }
+    out.retain(|opening| opening.width_m >= vehicle_width_m);
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
