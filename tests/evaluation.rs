@@ -175,6 +175,31 @@ fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
     other["walls"] = 3.into();
     let svg = draw(other).expect("a figure");
     assert!(svg.contains("scene 0: 3 walls") && svg.contains("answer: 2 walls"), "{svg}");
+    let list = std::fs::read_to_string(drawn.join("hand-default.csv")).expect("a list");
+    let rows: Vec<_> = list.lines().collect();
+    assert_eq!(rows[0], "seq,stamp_ns,true_walls,junctions,k,confidence,place");
+    assert!(rows.len() == 2 && rows[1].starts_with("0,") && rows[1].contains(",3,2,2,"), "{list}");
+}
+
+#[test]
+fn a_recording_without_truth_does_not_keep_the_others_from_being_evaluated() {
+    let folder = folder();
+    recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);
+    recording(folder.path(), "none.mcap", &[None]);
+    file(folder.path(), "torn.mcap", b"no recording");
+    let ran = evaluate(folder.path(), &["--json", "-"]).expect_code(1);
+    assert_eq!(json_of(&ran)["all"][0]["figures"]["revolutions"], 1);
+    let left_out = json_of(&ran)["problems"].as_array().expect("a list").clone();
+    assert_eq!(left_out.len(), 2, "{left_out:?}");
+    assert!(ran.stderr.contains("left out: there is no truth") && ran.stderr.contains("torn.mcap"), "{}", ran.stderr);
+}
+
+#[test]
+fn settings_that_change_the_scans_under_a_truth_are_pointed_out() {
+    let said = |more: &[&str]| evaluate(&shipped_flight(), more).expect_code(0).stderr;
+    let masked = said(&["--set", "ingest.masked_sectors_rad=[[1,2]]"]);
+    assert!(masked.contains("default sets ingest.masked_sectors_rad=[[1.0, 2.0]]"), "{masked}");
+    assert!(!said(&[]).contains("note:"));
 }
 
 #[test]
@@ -189,6 +214,8 @@ fn two_families_or_configurations_of_one_name_are_refused() {
     let said = |command: &[&str]| run([&["evaluate"], command].concat()).expect_code(2).stderr;
     let text = said(&[&at("a/tunnel.mcap"), &at("b/tunnel.mcap")]);
     assert!(text.contains("two families are named tunnel"), "{text}");
-    let text = said(&[&at("a"), "--with", &at("a/mine.toml"), "--with", &at("b/mine.toml")]);
+    let text = said(&[&at("a"), "--with", &at("a/mine.toml"), "--with", &at("a/mine.toml")]);
     assert!(text.contains("two configurations are named mine"), "{text}");
+    let ran = run(["evaluate", &at("a"), "--with", &at("a/mine.toml"), "--with", &at("b/mine.toml")]).expect_code(0);
+    assert!(ran.stdout.contains(&at("a/mine.toml")) && ran.stdout.contains(&at("b/mine.toml")), "{}", ran.stdout);
 }

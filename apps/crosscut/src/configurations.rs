@@ -14,9 +14,19 @@ pub(crate) struct Configuration {
     pub(crate) config: Config,
 }
 
-/// What each of `with` names: `PRESET|FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top.
+/// What each of `with` names: `PRESET|FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top. Files of the
+/// same name in different folders are called by their paths.
 pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> anyhow::Result<Vec<Configuration>> {
-    with.iter().map(|text| resolve(text, set, registry)).collect()
+    let resolved = with.iter().map(|text| resolve(text, set, registry));
+    let mut configurations = resolved.collect::<anyhow::Result<Vec<_>>>()?;
+    let short: Vec<String> = configurations.iter().map(|configuration| configuration.name.clone()).collect();
+    for ((place, configuration), text) in configurations.iter_mut().enumerate().zip(with) {
+        let others = short.iter().zip(with).enumerate().filter(|(other, _)| *other != place);
+        if others.into_iter().any(|(_, (name, other))| *name == short[place] && other != text) {
+            configuration.name.clone_from(text);
+        }
+    }
+    Ok(configurations)
 }
 
 /// The files among what `with` names.

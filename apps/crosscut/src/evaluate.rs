@@ -24,18 +24,20 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let default = ["default".to_owned()];
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, &registry)?;
-    let recordings = recordings_in(&args.input)?;
-    refuse_equal("families", recordings.iter().map(|path| family_of(path)))?;
+    let input = recordings_in(&args.input)?;
+    refuse_equal("families", input.iter().map(|path| family_of(path)))?;
     refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
-    let revolutions = revolutions_in(&recordings, args, &columns)?;
-    let read: Vec<_> = recordings.iter().cloned().chain(configurations::files(with)).collect();
+    let read: Vec<_> = input.iter().cloned().chain(configurations::files(with)).collect();
+    say_what_changes_the_scans(&columns);
+    let mut problems = Problems::default();
+    let (recordings, revolutions) = with_truth(input, args, &columns, &mut problems)?;
     let mut outputs = Outputs::open(args, &read)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 
     let bar = progress::bar(revolutions, args.quiet);
     let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
-    let mut problems = Problems::default();
+    let mut wrong = 0;
     'all: for path in &recordings {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
@@ -48,6 +50,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
                 scored.wrong.write(folder, &family, &column.name)?;
+                wrong += scored.wrong.count();
             }
         }
     }
@@ -55,6 +58,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
 
     for problem in &problems.sentences {
         say(problem);
+    }
+    if args.draw_wrong.is_some() && wrong == 0 {
+        say("nothing is wrong, so nothing is drawn");
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
     Ok(problems.outcome())
@@ -76,20 +82,48 @@ fn refuse_equal(what: &str, names: impl Iterator<Item = String>) -> Result<(), U
     Ok(())
 }
 
-/// How many revolutions there are to go through, if that is known. Refuses what cannot be evaluated, before hours are
-/// spent on the rest.
-fn revolutions_in(
-    recordings: &[PathBuf],
+/// The recordings that can be evaluated, and how many revolutions there are to go through, if that is known. Of several
+/// one that cannot be read, or has no truth, is left out, and the others count.
+fn with_truth(
+    recordings: Vec<PathBuf>,
     args: &EvaluateArgs,
     columns: &[Configuration],
-) -> anyhow::Result<Option<u64>> {
-    let mut sum = Some(0);
-    for path in recordings {
-        let messages = scoring::open(path, args.topic.as_deref(), &columns[0].config)?.total_messages();
+    problems: &mut Problems,
+) -> anyhow::Result<(Vec<PathBuf>, Option<u64>)> {
+    let messages_in = |path: &Path| {
         Truths::open(path)?;
-        sum = sum.zip(messages).map(|(sum, messages)| sum + messages * columns.len() as u64);
+        anyhow::Ok(scoring::open(path, args.topic.as_deref(), &columns[0].config)?.total_messages())
+    };
+    let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), None);
+    for path in recordings {
+        match messages_in(&path) {
+            Ok(messages) => {
+                sum = sum.zip(messages).map(|(sum, messages)| sum + messages * columns.len() as u64);
+                kept.push(path);
+            }
+            Err(error) => {
+                problems.leave_out(&error);
+                refused.get_or_insert(error);
+            }
+        }
     }
-    Ok(sum)
+    match refused {
+        Some(error) if kept.is_empty() => Err(error),
+        _ => Ok((kept, sum)),
+    }
+}
+
+/// A truth is of the scans as they were recorded, in the body frame of the sensor as it is mounted.
+fn say_what_changes_the_scans(columns: &[Configuration]) {
+    for Configuration { name, config } in columns {
+        let changed = config.changed("ingest");
+        if !changed.is_empty() {
+            let changed = changed.join(", ");
+            say(format_args!(
+                "note: {name} sets {changed}: where the truth is not of such scans, the figures say nothing"
+            ));
+        }
+    }
 }
 
 /// What went wrong, each once, however many configurations met it.
@@ -127,6 +161,12 @@ impl Problems {
             End::Interrupted => self.interrupted = true,
             End::Complete => {}
         }
+    }
+
+    /// A recording that cannot be evaluated.
+    fn leave_out(&mut self, error: &anyhow::Error) {
+        self.failed = true;
+        self.say(format!("error: left out: {error:#}"));
     }
 
     fn say(&mut self, sentence: String) {

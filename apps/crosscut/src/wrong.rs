@@ -1,6 +1,6 @@
-//! What is answered wrong, drawn: the truth, and beside it the answer.
+//! What is answered wrong, listed and drawn: the truth, and beside it the answer.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 use crosscut_evaluate::Score;
@@ -18,28 +18,57 @@ const COLUMNS: usize = 4;
 #[derive(Default)]
 pub(crate) struct Wrong {
     panels: Vec<Panel>,
+    /// All of them, as rows of [`COLUMN_NAMES`].
+    rows: Vec<String>,
 }
 
+const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place";
+
 impl Wrong {
-    /// Takes in a scene, if it is wrong and not one too many.
+    /// Takes in a scene, if it is wrong.
     pub(crate) fn take(&mut self, frame: &Frame, truth: &Truth, score: &Score) {
-        if score.right || self.panels.len() >= 2 * MOST_SCENES {
+        if score.right {
             return;
         }
-        let name = format!("scene {}: {}", frame.revolution.seq, counted(score.true_walls as u64, "wall"));
+        let Frame { revolution, spectrum, junction, .. } = frame;
+        self.rows.push(format!(
+            "{},{},{},{},{},{:.3},{}",
+            revolution.seq,
+            revolution.stamp_ns,
+            score.true_walls,
+            junction.junctions,
+            spectrum.k,
+            junction.confidence,
+            junction.place
+        ));
+        if self.panels.len() >= 2 * MOST_SCENES {
+            return;
+        }
+        let name = format!("scene {}: {}", revolution.seq, counted(score.true_walls as u64, "wall"));
         let answer =
             if score.right_count() { "other walls".to_owned() } else { counted(score.reported_walls as u64, "wall") };
-        self.panels.push(Panel::of_truth(name, &frame.revolution, truth));
+        self.panels.push(Panel::of_truth(name, revolution, truth));
         self.panels.push(Panel::of_answer(format!("answer: {answer}"), frame));
     }
 
-    /// Writes `FAMILY-CONFIGURATION.svg` into the folder; nothing if all is right.
+    /// How many they are.
+    pub(crate) fn count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Writes `FAMILY-CONFIGURATION.svg`, with the first of them, and `.csv`, with all, into the folder; nothing if all
+    /// is right.
     pub(crate) fn write(&self, folder: &Path, family: &str, configuration: &str) -> anyhow::Result<()> {
-        if self.panels.is_empty() {
+        if self.rows.is_empty() {
             return Ok(());
         }
-        let path: PathBuf = folder.join(format!("{family}-{}.svg", configuration.replace(['/', '\\'], "_")));
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        std::fs::write(&path, sheet(&self.panels, COLUMNS)).with_context(|| format!("cannot write {}", path.display()))
+        let name = format!("{family}-{}", configuration.replace(['/', '\\'], "_"));
+        let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
+        for (extension, text) in [("svg", sheet(&self.panels, COLUMNS)), ("csv", list)] {
+            let path = folder.join(format!("{name}.{extension}"));
+            std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(())
     }
 }

@@ -181,8 +181,8 @@ pub(crate) struct EvaluateArgs {
     /// Write the tables as Markdown; `-` is standard output.
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
-    /// Draw the first scenes of each recording that are answered wrong, truth beside answer:
-    /// DIR/RECORDING-CONFIGURATION.svg.
+    /// Draw the first scenes of each recording that are answered wrong, truth beside answer, and list all of them:
+    /// DIR/RECORDING-CONFIGURATION.svg and .csv.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
     /// No progress, no tables on the terminal.

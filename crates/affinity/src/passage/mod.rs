@@ -240,7 +240,9 @@ impl Passage {
         }
         let inside = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) <= inside_m).count();
         if inside > 0 {
-            notes.add(format!("passage: {inside} returns lie within the vehicle, nearer than {inside_m} m: tied to none"));
+            notes.add(format!(
+                "passage: {inside} returns lie within the vehicle, nearer than {inside_m} m: tied to none"
+            ));
         }
         self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
         Ok(())

@@ -109,6 +109,15 @@ impl Config {
         })
     }
 
+    /// The settings of a section that are not the defaults, as `section.key=value`.
+    pub fn changed(&self, section: &str) -> Vec<String> {
+        let section = self.section(section);
+        let defaults = Params::defaults(section.specs);
+        let values = section.params.iter().zip(defaults.iter());
+        let changed = values.filter(|((_, value), (_, default))| value != default);
+        changed.map(|((key, value), _)| format!("{}.{key}={value}", section.name)).collect()
+    }
+
     /// How many lanes to run.
     pub fn workers(&self) -> usize {
         match self.params("pipeline").count("workers") {
