@@ -15,7 +15,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crosscut_stage::{Junction, Revolution, wrap_angle_rad};
+use crosscut_stage::{Junction, Opening, Revolution, wrap_angle_rad};
 
 use crate::openings::{clearance_m, depth_m, sides};
 use crate::ring::{Position, Ring};
@@ -73,12 +73,6 @@ impl Grounds {
         if ring.entries.is_empty() {
             return None;
         }
-        // A stray return inside an opening splits its edge: the first part begins where the opening does, the last ends
-        // where it does.
-        let is_opening = |[from_m, to_m]: [Position; 2]| {
-            let mut edges_m = answer.openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
-            edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
-        };
         let mut grounds = Self {
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
@@ -91,7 +85,7 @@ impl Grounds {
         for sides in sides(ring, vehicle_width_m) {
             let edge_m = sides.edge_m();
             // Too narrow for an opening, it tells two walls apart all the same.
-            if is_opening(edge_m) || (sides.are_two_walls() && sides.is_known()) {
+            if is_at_opening(edge_m, &answer.openings) || (sides.are_two_walls() && sides.is_known()) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if !sides.are_two_walls() {
                 let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
@@ -145,13 +139,28 @@ pub(crate) fn of_scene(
     of_spacing(spacing_rad) / (1.0 + (-logit).exp())
 }
 
-/// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost.
-pub(crate) fn spacing_rad(ring: &Ring) -> f64 {
-    // Where the last entry is followed by the first changes next to nothing.
-    let of_one_wall = ring.entries.windows(2).filter(|pair| pair[0].wall == pair[1].wall);
-    let [beams, spacings] =
-        of_one_wall.fold([0; 2], |[beams, spacings], pair| [beams + pair[1].beam - pair[0].beam, spacings + 1]);
+/// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost. What
+/// lies in an opening is not lost.
+pub(crate) fn spacing_rad(ring: &Ring, openings: &[Opening]) -> f64 {
+    let [mut beams, mut spacings] = [0, 0];
+    for at in 0..ring.edges() {
+        let [from, to] = [at, ring.after(at)].map(|at| &ring.entries[at]);
+        let apart = if from.beam < to.beam { to.beam - from.beam } else { to.beam + ring.beams.len() - from.beam };
+        let is_along_wall = from.wall == to.wall
+            && from.beam != to.beam
+            && (apart == 1 || !is_at_opening([from.position_m, to.position_m], openings));
+        if is_along_wall {
+            (beams, spacings) = (beams + apart, spacings + 1);
+        }
+    }
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
+}
+
+/// Whether an edge is one of an opening, or part of one: a stray return inside an opening splits its edge, the first
+/// part begins where the opening does, the last ends where it does.
+fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
+    let mut edges_m = openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
+    edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
 }
 
 /// What is left of the share of right answers when returns are so far apart, about as found by leaving beams out of

@@ -25,8 +25,8 @@ pub struct Limits {
 /// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
 /// of them farther, stand free together.
 pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
-    let length_m = lengths_m(revolution, out);
-    let is_short = |wall: u32| length_m[wall as usize] < limits.island_m;
+    let are_short = are_short(revolution, out, limits.island_m);
+    let is_short = |wall: u32| are_short[wall as usize];
     let short = |wall: &&Wall| is_short(wall.id);
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
@@ -53,17 +53,22 @@ fn first_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u3
     alone.chain(pairs).find(|free| stand_free(ring, free, limits, is_short))
 }
 
-/// The largest distance of a return of each wall from its first.
-fn lengths_m(revolution: &Revolution, out: &Junction) -> Vec<f64> {
-    let mut first: Vec<Option<Point>> = vec![None; out.walls.len()];
-    let mut squared = vec![0.0f64; out.walls.len()];
-    for (point, wall) in revolution.points_m.iter().zip(&out.wall_of_return) {
+/// Whether no two returns of each wall are so far from each other.
+fn are_short(revolution: &Revolution, out: &Junction, least_m: f64) -> Vec<bool> {
+    let are_near = |a: &Point, b: &Point| (a - b).norm_squared() < least_m * least_m;
+    let returns = || revolution.points_m.iter().zip(&out.wall_of_return);
+    let mut first: Vec<Option<&Point>> = vec![None; out.walls.len()];
+    let mut are_short = vec![true; out.walls.len()];
+    for (point, wall) in returns() {
         let Some(wall) = wall.map(|id| id as usize) else { continue };
-        let first = *first[wall].get_or_insert(*point);
-        squared[wall] = squared[wall].max((point - first).norm_squared());
+        are_short[wall] &= are_near(first[wall].get_or_insert(point), point);
     }
-    squared.iter_mut().for_each(|squared| *squared = squared.sqrt());
-    squared
+    // Most are long by that. The first return in the message may be in the middle of the others.
+    for (id, is_short) in (0..).zip(&mut are_short).filter(|(_, is_short)| **is_short) {
+        let wall: Vec<&Point> = returns().filter(|(_, wall)| **wall == Some(id)).map(|(point, _)| point).collect();
+        *is_short = (1..wall.len()).all(|a| wall[..a].iter().all(|b| are_near(wall[a], b)));
+    }
+    are_short
 }
 
 /// Range of the nearest return of a wall.
@@ -127,8 +132,7 @@ impl Step {
     /// The direction in which the other wall runs towards its end here, over a length of it.
     fn runs_out(&self, ring: &Ring, length_m: f64) -> Option<Position> {
         let end = &ring.entries[self.outer];
-        let onward = |&at: &usize| Some(if self.anticlockwise { ring.after(at) } else { ring.before(at) });
-        let along = std::iter::successors(Some(self.outer), onward).take(ring.len()).map(|at| &ring.entries[at]);
+        let along = ring.onward(self.outer, self.anticlockwise);
         let to_end_m = along.take_while(|entry| entry.wall == end.wall).map(|entry| end.position_m - entry.position_m);
         let mut longest_m = Position::zeros();
         for offset_m in to_end_m {

@@ -101,7 +101,7 @@ impl Reporter {
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(ring), out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
-            let spacing_rad = confidence::spacing_rad(ring);
+            let spacing_rad = confidence::spacing_rad(ring, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
                 notes.add(format!(

@@ -76,6 +76,17 @@ impl Ring {
         if at == 0 { self.len() - 1 } else { at - 1 }
     }
 
+    /// The entries from one on, around the whole turn or to the end of a limited view.
+    pub(crate) fn onward(&self, at: usize, anticlockwise: bool) -> impl Iterator<Item = &Entry> {
+        let count = match (self.full_turn, anticlockwise) {
+            (true, _) => self.len(),
+            (false, true) => self.len() - at,
+            (false, false) => at + 1,
+        };
+        let next = move |&at: &usize| Some(if anticlockwise { self.after(at) } else { self.before(at) });
+        std::iter::successors(Some(at), next).take(count).map(|at| &self.entries[at])
+    }
+
     /// What the beams saw between an entry and a later one.
     pub(crate) fn between(&self, from: usize, to: usize) -> impl Iterator<Item = Beam> + Clone {
         let (from, to, beams) = (self.entries[from].beam, self.entries[to].beam, &self.beams[..]);

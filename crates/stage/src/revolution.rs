@@ -68,9 +68,10 @@ const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 const MOST_BEAMS: usize = 4096;
 
 impl Revolution {
-    /// The beams; `None` for a cloud, which has none, and for a sweep of more than 4096 beams.
+    /// The beams; `None` for a cloud, which has returns and no beams, and for a sweep of more than 4096 beams.
     pub fn as_sweep(&self) -> Option<&Sweep> {
-        self.sweep.as_ref().filter(|sweep| sweep.len() <= MOST_BEAMS)
+        let is_cloud = |sweep: &Sweep| sweep.is_empty() && !self.is_empty();
+        self.sweep.as_ref().filter(|sweep| !is_cloud(sweep) && sweep.len() <= MOST_BEAMS)
     }
 
     /// Number of returns, n.

@@ -116,7 +116,7 @@ impl Carrying {
                 for at in stretch {
                     let to = &mut representatives[at];
                     let is_near = (to.place_m - place_m).norm_squared() <= passage_m * passage_m;
-                    if is_near && to.carried_from.is_none() && !is_of_wall(to) {
+                    if is_near && to.carried_from.is_none() && to.seen.is_none() {
                         to.carried_from = Some(from);
                         open.push(at as u32);
                     }

@@ -8,7 +8,7 @@ use super::gap::Judge;
 use super::pieces::Pieces;
 use super::ring::Ring;
 
-/// A return that no wall was found for goes to the nearest wall, if it is no farther than this.
+/// A return that no wall was found for goes to the nearer of the walls beside it, if that is no farther than this.
 const NEAR_M: f64 = 3.0;
 /// The weight of that edge, and of a gap that was joined against its direction.
 const WEAK: f64 = 0.1;
@@ -79,9 +79,27 @@ impl Chains {
         if leak > 0.0 {
             self.tie_across(ring, judge, walls, leak);
         }
+        if !left_over.is_empty() {
+            self.tie_left_over(ring, (walls, islands), left_over);
+        }
+        self.write_rows(ring, out);
+    }
+
+    /// An edge from each return that no wall was found for to the nearest return of the next wall, or island, clockwise
+    /// and anticlockwise. One farther around the sensor would stand on both sides of those.
+    fn tie_left_over(&mut self, ring: &Ring, (walls, islands): (&Pieces, &Pieces), left_over: &[usize]) {
+        let all: Vec<&[usize]> = walls.iter().chain(islands.iter()).collect();
+        let mut of_return = vec![None; ring.len()];
+        for &returns in &all {
+            returns.iter().for_each(|&i| of_return[i] = Some(returns));
+        }
         for &i in left_over {
+            let next = |direction: isize| {
+                let mut onward = (1..ring.len() as isize).map_while(|steps| ring.after(i, direction * steps));
+                onward.find_map(|j| of_return[j])
+            };
             let (mut nearest, mut least) = (None, NEAR_M * NEAR_M);
-            for &j in walls.returns().iter().chain(islands.returns()) {
+            for &j in [next(-1), next(1)].into_iter().flatten().flatten() {
                 let squared = (ring.position_m(j) - ring.position_m(i)).norm_squared();
                 if squared < least {
                     (nearest, least) = (Some(j), squared);
@@ -91,7 +109,6 @@ impl Chains {
                 self.tie(ring, i, j, WEAK);
             }
         }
-        self.write_rows(ring, out);
     }
 
     /// Edges along a chain, as strong as its gaps were cheap to close.

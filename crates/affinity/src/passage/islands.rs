@@ -42,11 +42,14 @@ pub(super) struct Limits {
 pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
     islands.clear();
     loop {
-        let nearest_m = |piece: &[usize]| piece.iter().map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min);
         let nearest = |together: usize| {
+            let nearest_m = |first: usize| {
+                let run = (0..together).flat_map(|step| &pieces[(first + step) % pieces.len()]);
+                run.map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min)
+            };
             (0..pieces.len())
                 .filter(|&at| stand_free(ring, (&*pieces, &*islands), at, together, limits))
-                .min_by(|&a, &b| nearest_m(&pieces[a]).total_cmp(&nearest_m(&pieces[b])))
+                .min_by(|&a, &b| nearest_m(a).total_cmp(&nearest_m(b)))
         };
         let found = (1..=MOST_TOGETHER).find_map(|together| Some((nearest(together)?, together)));
         let Some((at, together)) = found else { return };
@@ -73,7 +76,10 @@ fn stand_free(
     }
     let piece = |step: usize| &pieces[(first + step) % n];
     let run = [first, (first + together - 1) % n];
-    let is_short = |piece: &[usize]| piece.iter().all(|&i| !ring.are_apart(piece[0], i, limits.island_m));
+    let is_short = |piece: &[usize]| {
+        let ends = [piece[0], piece[piece.len() - 1]];
+        piece.iter().all(|&i| ends.iter().all(|&end| !ring.are_apart(end, i, limits.island_m)))
+    };
     (0..together).all(|step| piece(step).len() >= LEAST_RETURNS)
         && hides(ring, piece(0), End::First, piece(n - 1))
         && hides(ring, piece(together - 1), End::Last, piece(together))

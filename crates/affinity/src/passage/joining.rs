@@ -55,12 +55,7 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
             costs.remove(next);
             if next < at { at - 1 } else { at }
         } else {
-            let least = |at: usize| if ring.ends_with_view(&pieces[at]) { LEAST_RETURNS } else { least_returns };
-            let smallest = (0..n).filter(|&at| pieces[at].len() < least(at)).min_by(|&a, &b| {
-                let farther_first = || ring.range_m(pieces[b][0]).total_cmp(&ring.range_m(pieces[a][0]));
-                pieces[a].len().cmp(&pieces[b].len()).then_with(farther_first)
-            });
-            let Some(at) = smallest.filter(|_| n > 1) else { return left_over };
+            let Some(at) = smallest(ring, pieces, least_returns) else { return left_over };
             left_over.extend(pieces.remove(at));
             costs.remove(at);
             at % pieces.len()
@@ -69,6 +64,24 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
         costs[changed] = gap(pieces, changed);
         costs[before] = gap(pieces, before);
     }
+}
+
+/// Takes out what is too small to be a wall, smallest first, and does not join what is beside it.
+pub(super) fn drop_small(ring: &Ring, pieces: &mut Pieces, least_returns: usize, left_over: &mut Vec<usize>) {
+    while let Some(at) = smallest(ring, pieces, least_returns) {
+        left_over.extend(pieces.remove(at));
+    }
+}
+
+/// The smallest of the pieces that are too small to be a wall, of equal ones the farthest; none if it is the only piece.
+fn smallest(ring: &Ring, pieces: &Pieces, least_returns: usize) -> Option<usize> {
+    let least = |piece: &[usize]| if ring.ends_with_view(piece) { LEAST_RETURNS } else { least_returns };
+    let farther_end_m = |piece: &[usize]| ring.range_m(piece[0]).max(ring.range_m(piece[piece.len() - 1]));
+    let small = (0..pieces.len()).filter(|&at| pieces.len() > 1 && pieces[at].len() < least(&pieces[at]));
+    small.min_by(|&a, &b| {
+        let farther_first = || farther_end_m(&pieces[b]).total_cmp(&farther_end_m(&pieces[a]));
+        pieces[a].len().cmp(&pieces[b].len()).then_with(farther_first)
+    })
 }
 
 /// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever

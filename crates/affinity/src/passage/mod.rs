@@ -125,7 +125,8 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 ///    least |T| first, so that directions come from ever longer walls.
 /// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small,
 ///    or alone, joins anew.
-/// 6. A wall that still turns around somewhere is cut there.
+/// 6. A wall that still turns around somewhere is cut there. What is left of it that is too small for a wall, as what
+///    was left over before, goes to the nearer of the walls beside it.
 ///
 /// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
 /// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so
@@ -233,6 +234,7 @@ impl Passage {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));
         }
         joining::cut_at_peaks(&judge, walls);
+        joining::drop_small(ring, walls, least_returns, &mut left_over);
 
         let hanging = dust.iter().filter(|dust| **dust).count();
         if hanging > 0 {

@@ -6,3 +6,4 @@ mod scenes;
 mod slicing;
 mod stages;
 mod streaming;
+mod symmetry;

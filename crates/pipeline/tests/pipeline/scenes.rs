@@ -30,7 +30,7 @@ fn limited(scan: &Revolution) -> Revolution {
 }
 
 /// Of a scan what these beams saw, each with its bearing.
-fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>, full_turn: bool) -> Revolution {
+pub(crate) fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>, full_turn: bool) -> Revolution {
     let of = scan.sweep.clone().expect("beams");
     let mut revolution = Revolution::default();
     let sweep = revolution.sweep.insert(Sweep { beams: Vec::new(), bearings_rad: Vec::new(), full_turn, ..of });
@@ -45,21 +45,25 @@ fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>, full_turn
     revolution
 }
 
-fn engine(settings: &[&str]) -> Engine {
+pub(crate) fn engine(settings: &[&str]) -> Engine {
     let registry = Registry::standard();
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
     Engine::new(&Config::resolve(&Schema::new(&registry), &layers).expect("allowed"), &registry)
 }
 
-/// Some scans of a suite, each with what it is called.
-fn scans(suite: &Suite) -> impl Iterator<Item = (String, Revolution)> {
+/// One scan of a suite in so many, each with what it is called.
+pub(crate) fn scans(suite: &Suite, step: usize) -> impl Iterator<Item = (String, Revolution)> {
     let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
-    suite.scenes(Split::Dev).enumerate().step_by(SCENES_STEP).map(move |(number, scene)| {
+    suite.scenes(Split::Dev).enumerate().step_by(step).map(move |(number, scene)| {
         let mut scan = Revolution::default();
         sensor.revolution(&scene.scan, &mut scan, &mut Notes::default());
         (format!("{} {number}", suite.name), scan)
     })
+}
+
+fn some_scans(suite: &Suite) -> impl Iterator<Item = (String, Revolution)> {
+    scans(suite, SCENES_STEP)
 }
 
 fn answer(engine: &mut Engine, revolution: Revolution) -> Junction {
@@ -72,7 +76,7 @@ fn answer(engine: &mut Engine, revolution: Revolution) -> Junction {
 fn what_a_vehicle_hides_all_the_time_is_outside_the_view() {
     let mut engine = engine(&[]);
     let mut compared = 0;
-    for (name, scan) in suites().iter().flat_map(scans) {
+    for (name, scan) in suites().iter().flat_map(some_scans) {
         if !scan.sweep.as_ref().is_some_and(|sweep| sweep.full_turn) {
             continue;
         }
@@ -93,7 +97,7 @@ fn no_opening_is_narrower_than_the_vehicle() {
     for rule in ["between_walls", "free_space"] {
         let mut engine = engine(&["vehicle.width_m=1.8", &format!("report.openings={rule}")]);
         let mut widths_m = Vec::new();
-        for (_, scan) in suites().iter().filter(|suite| ["narrow", "wet"].contains(&suite.name)).flat_map(scans) {
+        for (_, scan) in suites().iter().filter(|suite| ["narrow", "wet"].contains(&suite.name)).flat_map(some_scans) {
             widths_m.extend(answer(&mut engine, scan).openings.iter().map(|opening| opening.width_m));
         }
         assert!(widths_m.len() > 10 && widths_m.iter().all(|&width_m| width_m >= WIDTH_M), "{rule}: {widths_m:?}");

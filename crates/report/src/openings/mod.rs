@@ -116,6 +116,11 @@ impl Branch {
         (self.middle_m - other.middle_m).norm() < narrower_m / 2.0
     }
 
+    /// How far the edge ends before that of the next branch anticlockwise begins.
+    fn is_before_m(&self, next: &Self) -> f64 {
+        (next.opening.edge_m[0] - self.opening.edge_m[1]).norm()
+    }
+
     /// Takes up the next edge anticlockwise of the same branch. The longer edge says where the mouth is.
     fn join(&mut self, next: Self) {
         let (clockwise, anticlockwise) = (&self.opening, &next.opening);
@@ -148,23 +153,25 @@ impl View<'_> {
 
     /// Every edge that the vehicle can pass into free space, those into the same branch joined.
     fn in_free_space(&self) -> Vec<Branch> {
-        let mut branches: Vec<Branch> = Vec::new();
-        for sides in sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides)) {
-            let branch = self.branch(&sides);
-            match branches.last_mut() {
-                Some(last) if last.is_same_way_as(&branch) => last.join(branch),
-                _ => branches.push(branch),
-            }
-        }
-        if let [first, .., last] = branches.as_slice()
-            && last.is_same_way_as(first)
-        {
-            let first = branches.remove(0);
-            if let Some(last) = branches.last_mut() {
-                last.join(first);
-            }
+        let edges = sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides));
+        let mut branches: Vec<Branch> = edges.map(|sides| self.branch(&sides)).collect();
+        // Those whose edges are nearest to each other first, so that it does not matter where the ring begins.
+        while let Some((at, next)) = self.nearest_into_same_way(&branches) {
+            let joined = branches.remove(next);
+            branches[if next < at { at - 1 } else { at }].join(joined);
         }
         branches
+    }
+
+    /// Of the branches that follow each other and are the same way, those whose edges are nearest to each other.
+    fn nearest_into_same_way(&self, branches: &[Branch]) -> Option<(usize, usize)> {
+        let n = branches.len();
+        let pairs = (0..n).map(|at| (at, (at + 1) % n));
+        let is_same_way = |&(at, next): &(usize, usize)| {
+            at != next && (self.ring.full_turn || next != 0) && branches[at].is_same_way_as(&branches[next])
+        };
+        let apart = |(at, next): (usize, usize)| branches[at].is_before_m(&branches[next]);
+        pairs.filter(is_same_way).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
     }
 
     fn is_passable(&self, sides: &Sides<'_>) -> bool {

@@ -32,9 +32,8 @@ impl Side {
     /// The returns of the wall, from the edge onward, half way round the ring at most.
     pub(super) fn along(self, ring: &Ring) -> impl Iterator<Item = &Entry> {
         let wall = ring.entries[self.at].wall;
-        let onward = move |&at: &usize| Some(if self.clockwise { ring.before(at) } else { ring.after(at) });
-        let returns = std::iter::successors(Some(self.at), onward).map(|at| &ring.entries[at]);
-        returns.take(ring.len().div_ceil(2)).take_while(move |entry| entry.wall == wall)
+        let returns = ring.onward(self.at, !self.clockwise).take(ring.len().div_ceil(2));
+        returns.take_while(move |entry| entry.wall == wall)
     }
 
     /// The wall as a line from return to return: each return from the edge onward with the one before it.

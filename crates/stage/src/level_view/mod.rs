@@ -69,10 +69,17 @@ impl LevelView {
     pub fn look(&mut self, cloud: &Revolution, height_m: f64, width_m: f64) {
         let (half_height_m, nearest_m) = (0.5 * height_m, 0.5 * width_m);
         let is_level = |point: &Point| point.z.abs() <= half_height_m && point.coords.xy().norm() > nearest_m;
-        let mut level = cloud.points_m.iter().filter(|point| is_level(point));
-        let first_rad = level.next().map(|first| first.y.atan2(first.x));
-        let beams = first_rad.map_or(0, |_| 1 + level.take(MOST_BEAMS - 1).count());
-        self.fan.open(first_rad.unwrap_or(0.0), beams);
+        let level = cloud.points_m.iter().filter(|point| is_level(point)).map(|point| point.coords.xy());
+        // A beam looks at the nearest one, whatever the order of the points is.
+        let (mut beams, mut nearest) = (0, None);
+        for place_m in level {
+            let squared = place_m.norm_squared();
+            if nearest.is_none_or(|(least, _)| squared < least) {
+                nearest = Some((squared, place_m));
+            }
+            beams = MOST_BEAMS.min(beams + 1);
+        }
+        self.fan.open(nearest.map_or(0.0, |(_, place_m)| place_m.y.atan2(place_m.x)), beams);
         self.level.clear();
         self.met.clear();
         self.met.resize(beams, None);
