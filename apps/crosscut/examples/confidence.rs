@@ -1,15 +1,15 @@
-//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and writes a
-//! page that shows how well it then means what it says.
+//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes. If the program
+//! has that fit, writes a page that shows how well its confidence means what it says.
 //!
 //! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md`
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use crosscut_evaluate::tables::{self, Table};
 use crosscut_evaluate::{Score, Scoreboard};
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_report::ResultsLine;
-use crosscut_report::confidence::Grounds;
+use crosscut_report::confidence::{BETA, Grounds};
 use crosscut_simulator::{Split, suites};
 use crosscut_stage::{Frame, Params};
 use nalgebra::{SMatrix, SVector};
@@ -36,16 +36,16 @@ struct Answer {
 
 fn main() -> anyhow::Result<()> {
     let file = std::env::args().nth(1).context("say a file to write to")?;
-    let mut answers = answers()?;
-    let beta = fitted(&answers);
-    let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
-    for answer in &mut answers {
-        answer.score.confidence = probability(&beta, &answer.x);
-        scoreboard.add(answer.family, 0, &answer.score);
+    let answers = answers()?;
+    let beta = fitted(&answers).map(|beta| (100.0 * beta).round() / 100.0);
+    if <[f64; N]>::from(beta) != BETA {
+        bail!("β of crates/report/src/confidence.rs is not fitted to these answers: {BETA:?} instead of {beta:?}");
     }
-    let [one, opening, gap, unseen, ratio, apart, islands] = beta.into();
+    let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
+    answers.iter().for_each(|answer| scoreboard.add(answer.family, 0, &answer.score));
+    let [one, opening, gap, unseen, ratio, apart, islands] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one:.2}, {opening:.2}, {gap:.2}, {unseen:.2}, {ratio:.2}, {apart:.2}, {islands:.2}) \
+        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {ratio}, {apart}, {islands}) \
          for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
