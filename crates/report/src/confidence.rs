@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use crosscut_stage::{Junction, Opening, Revolution, wrap_angle_rad};
 
 use crate::openings::{clearance_m, depth_m, sides};
-use crate::ring::{Position, Ring};
+use crate::ring::{Entry, Position, Ring};
 
 /// Clearances count between these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
@@ -143,15 +143,16 @@ pub(crate) fn of_scene(
 /// lies in an opening is not lost.
 pub(crate) fn spacing_rad(ring: &Ring, openings: &[Opening]) -> f64 {
     let [mut beams, mut spacings] = [0, 0];
-    for at in 0..ring.edges() {
-        let [from, to] = [at, ring.after(at)].map(|at| &ring.entries[at]);
-        let apart = if from.beam < to.beam { to.beam - from.beam } else { to.beam + ring.beams.len() - from.beam };
-        let is_along_wall = from.wall == to.wall
-            && from.beam != to.beam
-            && (apart == 1 || !is_at_opening([from.position_m, to.position_m], openings));
-        if is_along_wall {
+    let mut add = |from: &Entry, to: &Entry, apart: usize| {
+        if from.wall == to.wall && (apart == 1 || !is_at_opening([from.position_m, to.position_m], openings)) {
             (beams, spacings) = (beams + apart, spacings + 1);
         }
+    };
+    ring.entries.windows(2).for_each(|pair| add(&pair[0], &pair[1], pair[1].beam - pair[0].beam));
+    if let [first, .., last] = &ring.entries[..]
+        && ring.full_turn
+    {
+        add(last, first, first.beam + ring.beams.len() - last.beam);
     }
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
 }

@@ -220,6 +220,8 @@ impl Passage {
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
         joining::cut_ring(ring, kept, limits.passage_m, walls);
+        let hanging = dust.iter().filter(|dust| **dust).count();
+        let inside = ring.len() - hanging - walls.returns().len();
         let roughness_m = roughness::roughness_m(ring, walls);
         let of_island = islands::Limits {
             island_m: self.island_m,
@@ -236,11 +238,9 @@ impl Passage {
         joining::cut_at_peaks(&judge, walls);
         joining::drop_small(ring, walls, least_returns, &mut left_over);
 
-        let hanging = dust.iter().filter(|dust| **dust).count();
         if hanging > 0 {
             notes.add(format!("passage: {hanging} returns hang in the air (dust) and are tied to none"));
         }
-        let inside = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) <= inside_m).count();
         if inside > 0 {
             notes.add(format!(
                 "passage: {inside} returns lie within the vehicle, nearer than {inside_m} m: tied to none"
