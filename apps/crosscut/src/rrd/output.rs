@@ -82,7 +82,10 @@ impl Format {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
-                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv, .parquet or .jsonl"))),
+                other => {
+                    let instead = if revolution.is_some() { ".csv, .parquet" } else { ".csv" };
+                    bail!(UsageError(format!("{other} is no array of numbers: take {instead} or .jsonl")))
+                }
             },
             Self::Csv { file, columns } => add_lines(file, columns, revolution, stamp_ns, value),
             Self::Parquet(file) => match (revolution, stamp_ns) {
