@@ -26,7 +26,8 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 /// the returns that a beam has as a rule (the median) in the angles |z| / range <= height / (2 range) that are level
 /// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
-/// The first level return is in the middle of its beam, so the view turns with the cloud. An empty sector of more than
+/// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud, whatever the
+/// order of its points is. An empty sector of more than
 /// 90° is taken as not looked at; a smaller one as free.
 ///
 /// ```
@@ -37,7 +38,7 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 /// let mut view = LevelView::default();
 /// let (height_m, width_m) = (0.6, 0.6);
 /// view.look(&cloud, height_m, width_m);
-/// assert_eq!(view.numbers(), [0, 1, 3, 2], "anticlockwise, and the roof is out of the way");
+/// assert_eq!(view.numbers(), [1, 3, 2, 0], "anticlockwise, and the roof is out of the way");
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct LevelView {
@@ -48,7 +49,7 @@ pub struct LevelView {
     undealt: Vec<LevelReturn>,
     fan: Fan,
     usual: Usual,
-    /// The return that each beam sees, from the beam of the first level return on.
+    /// The return that each beam sees, from the beam of the nearest level return on.
     met: Vec<Option<LevelReturn>>,
 }
 
