@@ -375,3 +375,20 @@ fn a_number_out_of_range_is_refused_by_its_name() {
         assert_eq!(refused.name, name);
     }
 }
+
+#[test]
+fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
+    // A tee whose far wall has lost 5 beams straight ahead of the sensor.
+    let patch = |beam: usize, range_m| if (88..93).contains(&beam) { None } else { range_m };
+    let revolution = scan(&with_branch(3.0), patch);
+    let mut affinity = Affinity::default();
+    for _ in 0..2 {
+        let mut stage = Passage::new(&[]).expect("allowed");
+        stage.affinity(&revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+        let ways: Vec<_> = affinity.verdicts.iter().filter(|verdict| verdict.is_way).collect();
+        assert_eq!(ways.len(), 3, "ahead, behind and into the branch, in a used buffer too: {:?}", affinity.verdicts);
+        assert!(ways.iter().all(|way| way.room > 1.0), "{ways:?}");
+        let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
+        assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room < 1.0), "{closed:?}");
+    }
+}

@@ -1,11 +1,12 @@
 //! The explanation in words.
 
-use crosscut_stage::{Beam, Frame, Spectrum, counted};
+use crosscut_stage::{Beam, Frame, Spectrum, Verdict, counted};
 
 use crate::{Change, Explanation, Link, WallLinks};
 
-/// Walls that are told of; more would not be read.
+/// Walls that are told of, and verdicts; more would not be read.
 const TOLD: usize = 12;
+const TOLD_VERDICTS: usize = 5;
 
 impl Explanation {
     /// A page of Markdown: what k follows from, the links that decide it, what would change it, what was left out.
@@ -14,6 +15,7 @@ impl Explanation {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
         paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
+        paragraphs.extend(words.verdicts());
         paragraphs.extend(words.walls(self));
         paragraphs.extend(self.closest.map(|(walls, returns)| words.closest(walls, returns)));
         paragraphs.push(words.left_out());
@@ -67,6 +69,21 @@ impl Words<'_> {
             _ => text += "; no single link stands for it",
         }
         text + "."
+    }
+
+    /// The most doubtful verdicts of an affinity that decides where walls end.
+    fn verdicts(&self) -> Option<String> {
+        let doubt = |verdict: &Verdict| verdict.room.ln().abs();
+        let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
+        verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
+        let line = |verdict: &Verdict| {
+            let what = if verdict.is_way { "a way on" } else { "the wall goes on" };
+            let between = self.between(verdict.returns.map(|i| i as usize));
+            format!("- **{:.2}** times the room that a way on needs: {what} ({between})", verdict.room)
+        };
+        let lines: Vec<String> = verdicts.iter().take(TOLD_VERDICTS).map(line).collect();
+        let title = "Where walls were taken to end or to go on, the most doubtful first:".to_owned();
+        (!lines.is_empty()).then(|| [title].into_iter().chain(lines).collect::<Vec<_>>().join("\n"))
     }
 
     /// A line for each wall: what holds it together, and what ties it to another.

@@ -1,7 +1,7 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
 use crosscut_explain::{Event, Explanation, Link, Watch};
-use crosscut_stage::{Beam, Frame, Place, Point, Sweep, Weights};
+use crosscut_stage::{Beam, Frame, Place, Point, Sweep, Verdict, Weights};
 use faer::Mat;
 
 /// Returns along a line at these places, with W = exp(-σ d²), in walls.
@@ -203,4 +203,22 @@ fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
     assert_eq!(told[3], ["3 → 4 junctions (tee)"]);
     assert_eq!(told[6], ["low margin: k = 0 holds by 0.10 decades"]);
     assert!([0, 2, 4, 5].iter().all(|&i| told[i].is_empty()), "{told:?}");
+}
+
+#[test]
+fn the_most_doubtful_verdicts_are_told_first_and_in_words() {
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
+    let verdict = |returns, is_way, room| Verdict { returns, is_way, room };
+    frame.affinity.verdicts =
+        vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
+    let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");
+    let told: Vec<_> = text.lines().filter(|line| line.contains("times the room")).collect();
+    assert_eq!(
+        told,
+        [
+            "- **1.10** times the room that a way on needs: a way on (returns 3, 4: 3.00 m)",
+            "- **0.80** times the room that a way on needs: the wall goes on (returns 2, 3: 1.50 m)",
+            "- **0.01** times the room that a way on needs: the wall goes on (returns 0, 1: 1.00 m)",
+        ]
+    );
 }

@@ -9,6 +9,19 @@ pub struct Affinity {
     pub weights: Weights,
     /// D_ii = Σ_j W_ij, the diagonal of D; n entries, each at least 1.
     pub degrees: Vec<f64>,
+    /// What was decided at gaps, by kinds that decide whether a wall ends there; no stage reads it.
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Whether a wall goes on across a gap between two returns that follow each other around the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// The two returns, anticlockwise.
+    pub returns: [u32; 2],
+    /// The wall ends there: it is a way on.
+    pub is_way: bool,
+    /// How many times the room that a way on needs there is: the nearer to 1, the more doubtful.
+    pub room: f64,
 }
 
 /// W, stored densely or by its nonzero entries.

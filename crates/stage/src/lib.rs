@@ -26,7 +26,7 @@ mod revolution;
 mod spectrum;
 mod traits;
 
-pub use affinity::{Affinity, Csr, Weights};
+pub use affinity::{Affinity, Csr, Verdict, Weights};
 pub use embedding::Embedding;
 pub use frame::{Failure, FailureCause, Frame, Notes, Step, Timings, counted};
 pub use invariance::Invariance;

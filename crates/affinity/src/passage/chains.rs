@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crosscut_stage::Affinity;
+use crosscut_stage::{Affinity, Verdict};
 
-use super::gap::Judge;
+use super::gap::{Closing, Judge};
 use super::pieces::Pieces;
 use super::ring::Ring;
 
@@ -73,11 +73,12 @@ impl Chains {
         self.weights.clear();
         self.chains.clear();
         self.others.clear();
+        out.verdicts.clear();
         for chain in walls.iter().chain(islands.iter()) {
-            self.tie_along(ring, judge, chain);
+            self.tie_along(ring, judge, chain, &mut out.verdicts);
         }
         if leak > 0.0 {
-            self.tie_across(ring, judge, walls, leak);
+            self.tie_across(ring, judge, walls, leak, &mut out.verdicts);
         }
         if !left_over.is_empty() {
             self.tie_left_over(ring, (walls, islands), left_over);
@@ -112,12 +113,14 @@ impl Chains {
     }
 
     /// Edges along a chain, as strong as its gaps were cheap to close.
-    fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, chain: &[usize]) {
+    fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, chain: &[usize], verdicts: &mut Vec<Verdict>) {
         let link = |(at, pair): (usize, &[usize])| {
             if !judge.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
-            judge.cost(&chain[..at], &chain[at..]).map_or(WEAK, |cost| (-cost).exp())
+            let Closing { cost, room } = judge.closing(&chain[..at], &chain[at..]);
+            verdicts.extend(room.map(|room| verdict(ring, [pair[0], pair[1]], false, room)));
+            cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
         self.links.extend((1..).zip(chain.windows(2)).map(link));
@@ -148,7 +151,7 @@ impl Chains {
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
     /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, or less, the more decided the verdict
     /// is; half, because two edges at one wall may add up.
-    fn tie_across(&mut self, ring: &Ring, judge: &Judge<'_>, walls: &Pieces, leak: f64) {
+    fn tie_across(&mut self, ring: &Ring, judge: &Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
         let gaps = match walls.len() {
             0 | 1 => 0,
             n if ring.full_turn => n,
@@ -157,9 +160,11 @@ impl Chains {
         for at in 0..gaps {
             let next = (at + 1) % walls.len();
             let (a, b) = (&walls[at], &walls[next]);
-            let eigenvalue = 0.5 * leak / judge.decidedness(a, b).powi(DECIDED_POWER);
+            let room = judge.decidedness(a, b);
+            let eigenvalue = 0.5 * leak / room.powi(DECIDED_POWER);
             let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
             self.tie(ring, a[a.len() - 1], b[0], weight);
+            verdicts.push(verdict(ring, [a[a.len() - 1], b[0]], true, room));
         }
     }
 
@@ -218,4 +223,8 @@ impl Chains {
         let columns = &self.numbers[first..(at + neighbours + 1).min(chain.end)];
         (columns, &self.weights[at * self.width() + neighbours - (at - first)..][..columns.len()])
     }
+}
+
+fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, room: f64) -> Verdict {
+    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room }
 }

@@ -62,6 +62,14 @@ pub(super) struct Turns {
     pub(super) whole_rad: f64,
 }
 
+/// What it takes to close a gap.
+pub(super) struct Closing {
+    /// `None` where a vehicle could pass.
+    pub(super) cost: Option<f64>,
+    /// How many times the room that a way on needs there is; `None` if a piece has no direction.
+    pub(super) room: Option<f64>,
+}
+
 /// A gap between two pieces that have directions there.
 pub(super) struct Gap<'p> {
     pub(super) a: &'p [usize],
@@ -118,7 +126,7 @@ impl<'a> Judge<'a> {
     /// where a vehicle could pass between them.
     #[inline]
     pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
-        if self.is_gap(a[a.len() - 1], b[0]) { self.cost_of_gap(a, b) } else { Some(0.0) }
+        if self.is_gap(a[a.len() - 1], b[0]) { self.closing(a, b).cost } else { Some(0.0) }
     }
 
     /// Whether two returns that follow each other are so far from each other that the wall may end between them.
@@ -127,7 +135,8 @@ impl<'a> Judge<'a> {
         self.ring.are_apart(p, q, self.limits.passage_m)
     }
 
-    fn cost_of_gap(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+    /// What it takes to close a gap.
+    pub(super) fn closing(&self, a: &[usize], b: &[usize]) -> Closing {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
         let chord = ring.position_m(q) - ring.position_m(p);
@@ -137,21 +146,24 @@ impl<'a> Judge<'a> {
                 let gap = Gap::new(ring, [a, b], [before, after]);
                 let turns = gap.turns();
                 // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
-                let is_way = self.room(&gap, turns) >= 1.0;
+                let room = self.room(&gap, turns);
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
-                (!is_way).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far)
+                let cost = (room < 1.0).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
+                Closing { cost, room: Some(room) }
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
                 let grazing = along_m > GRAZING_SHARE * chord_m && chord_m < GRAZING_M;
-                grazing.then_some(1.0 + 0.1 * chord_m)
+                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room: None }
             }
             [before, after] => {
-                let line = before.or(after)?;
-                let along_m = line.dot(&chord);
-                let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
-                (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
+                let cost = before.or(after).and_then(|line| {
+                    let along_m = line.dot(&chord);
+                    let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
+                    (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
+                });
+                Closing { cost, room: None }
             }
         }
     }

@@ -16,7 +16,7 @@ use std::cell::RefCell;
 
 use crosscut_stage::{
     Affinity, AffinityStage, Interval, Invariance, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point,
-    Revolution, Shape, StageError, Sweep, Value,
+    Revolution, Shape, StageError, Sweep, Value, Verdict,
 };
 
 use crate::edges::edges_bytes;
@@ -263,6 +263,13 @@ impl Passage {
         // Carried on to what is not seen, a leak would be many.
         let done = self.walls_of_sweep(sweep, &view.seen().points_m, 0.0, seen, notes);
         if done.is_ok() {
+            out.verdicts.clear();
+            out.verdicts.extend(
+                seen.verdicts.iter().map(|verdict| Verdict {
+                    returns: verdict.returns.map(|i| view.numbers()[i as usize]),
+                    ..*verdict
+                }),
+            );
             carrying.write(cloud, view, seen, self.limits.passage_m, out);
         }
         self.cloud = buffers;
