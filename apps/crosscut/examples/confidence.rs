@@ -43,10 +43,10 @@ fn main() -> anyhow::Result<()> {
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     answers.iter().for_each(|answer| scoreboard.add(answer.family, 0, &answer.score));
-    let [one, opening, gap, unseen, ratio, apart, islands] = BETA;
+    let [one, opening, gap, unseen, ratio, apart, islands, margin] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {ratio}, {apart}, {islands}) \
-         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)\n"
+        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {ratio}, {apart}, {islands}, {margin}) \
+         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &markdown(table);
@@ -72,7 +72,8 @@ fn answers() -> anyhow::Result<Vec<Answer>> {
             sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
             engine.process(&mut frame)?;
             let score = Score::of(&scene.truth, &ResultsLine::of(&frame))?;
-            if let Some(grounds) = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, &frame.junction) {
+            let margin_decades = frame.spectrum.margin_decades;
+            if let Some(grounds) = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, margin_decades, &frame.junction) {
                 answers.push(Answer { family: suite.name, x: grounds.inputs(VEHICLE_WIDTH_M).into(), score });
             }
         }

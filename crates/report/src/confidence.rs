@@ -6,7 +6,7 @@
 //! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is
 //! as sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i, m)
 //! ```
 //! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
 //! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the
@@ -28,8 +28,10 @@ const UNSEEN_DEG: [f64; 2] = [1.0, 60.0];
 const LEAST_RATIO: f64 = 0.2;
 /// Openings are as far apart as they need to be.
 const APART_RAD: f64 = FRAC_PI_4;
+/// A margin of a decade is as good as a larger one.
+const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [0.08, 0.36, -0.81, -0.46, 1.25, 5.39, -0.56];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.71, 0.27, -0.81, -0.43, 1.10, 5.16, -0.49, 3.10];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).
@@ -53,23 +55,36 @@ pub struct Grounds {
     pub apart_rad: f64,
     /// i: whether pillars are in view, behind which nothing is seen.
     pub islands: bool,
+    /// m: how far the zero tolerance could be moved before k changes, decades; `None` if the eigenvalues do not say.
+    pub margin_decades: Option<f64>,
 }
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 7;
+    pub const INPUTS: usize = 8;
 
-    /// Of an answer that has walls; `None` without one, or without beams.
-    pub fn of(revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
+    /// Of an answer that has walls, with the margin of its spectrum; `None` without a wall, or without beams.
+    pub fn of(
+        revolution: &Revolution,
+        vehicle_width_m: f64,
+        margin_decades: Option<f64>,
+        answer: &Junction,
+    ) -> Option<Self> {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
         let wall_beside_openings: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
         let mut ring = Ring::default();
         ring.fill(revolution, revolution.as_sweep()?, &wall_beside_openings);
-        Self::on(&ring, revolution, vehicle_width_m, answer)
+        Self::on(&ring, revolution, vehicle_width_m, margin_decades, answer)
     }
 
     /// The same, `ring` holding the walls that are no islands; `None` without one.
-    fn on(ring: &Ring, revolution: &Revolution, vehicle_width_m: f64, answer: &Junction) -> Option<Self> {
+    fn on(
+        ring: &Ring,
+        revolution: &Revolution,
+        vehicle_width_m: f64,
+        margin_decades: Option<f64>,
+        answer: &Junction,
+    ) -> Option<Self> {
         if ring.entries.is_empty() {
             return None;
         }
@@ -80,6 +95,7 @@ impl Grounds {
             narrowest_to_widest: narrowest_to_widest(answer),
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
+            margin_decades,
         };
         // No opening within a wall is narrower than the vehicle.
         for sides in sides(ring, vehicle_width_m) {
@@ -107,7 +123,8 @@ impl Grounds {
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
         let unseen = self.unseen_within_walls_rad.to_degrees().clamp(UNSEEN_DEG[0], UNSEEN_DEG[1]).ln();
         let ratio = self.narrowest_to_widest.max(LEAST_RATIO).ln();
-        [1.0, opening, gap, unseen, ratio, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands))]
+        let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
+        [1.0, opening, gap, unseen, ratio, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)), margin]
     }
 }
 
@@ -132,9 +149,10 @@ pub(crate) fn of_scene(
     ring: &Ring,
     spacing_rad: f64,
     vehicle_width_m: f64,
+    margin_decades: Option<f64>,
     answer: &Junction,
 ) -> f64 {
-    let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, answer) else { return 0.0 };
+    let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, margin_decades, answer) else { return 0.0 };
     let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
     of_spacing(spacing_rad) / (1.0 + (-logit).exp())
 }

@@ -108,7 +108,7 @@ impl Reporter {
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            confidence::of_scene(revolution, ring, spacing_rad, *vehicle_width_m, out)
+            confidence::of_scene(revolution, ring, spacing_rad, *vehicle_width_m, spectrum.margin_decades, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };

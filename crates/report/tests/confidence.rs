@@ -30,7 +30,7 @@ fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
 
 fn grounds_of(scan: (Revolution, Vec<Option<u32>>)) -> (Grounds, f64) {
     let (revolution, junction) = answer(scan);
-    (Grounds::of(&revolution, VEHICLE_WIDTH_M, &junction).expect("it has walls"), junction.confidence)
+    (Grounds::of(&revolution, VEHICLE_WIDTH_M, None, &junction).expect("it has walls"), junction.confidence)
 }
 
 /// A tunnel along x whose left wall opens between x = 1 and x = 1 + `mouth_m` into a pocket 4 m deep, all of one wall.

@@ -45,7 +45,12 @@ impl OverTime {
             junctions: frame.junction.junctions,
             margin: frame.spectrum.margin_decades,
             confidence: frame.junction.confidence,
-            grounds: Grounds::of(&frame.revolution, self.vehicle_width_m, &frame.junction),
+            grounds: Grounds::of(
+                &frame.revolution,
+                self.vehicle_width_m,
+                frame.spectrum.margin_decades,
+                &frame.junction,
+            ),
             walls: reason::arcs(&frame.junction),
             limited_view: frame.revolution.as_sweep().is_some_and(|sweep| !sweep.view().full_turn),
         });
