@@ -233,7 +233,10 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.0, 0.6, &Junction::default()), 0.0);
-        assert_eq!(Grounds::of(&cloud, 0.6, &Junction { wall_of_return: vec![None], ..Junction::default() }), None);
+        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.0, 0.6, None, &Junction::default()), 0.0);
+        assert_eq!(
+            Grounds::of(&cloud, 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
+            None
+        );
     }
 }

@@ -10,13 +10,21 @@ mod scenes;
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
 /// The answer of the settings of preset `default` to clusters that are the walls.
-fn answer((revolution, walls): (Revolution, Vec<Option<u32>>)) -> (Revolution, Junction) {
+fn answer(scan: (Revolution, Vec<Option<u32>>)) -> (Revolution, Junction) {
+    answer_with_margin(scan, None)
+}
+
+fn answer_with_margin(
+    (revolution, walls): (Revolution, Vec<Option<u32>>),
+    margin_decades: Option<f64>,
+) -> (Revolution, Junction) {
     let mut params = Params::defaults(PARAMS);
     params.set("island_m", Value::Number(2.0));
     params.set("openings", Value::Text("between_walls".into()));
     params.set("confidence", Value::Text("scene".into()));
     let clusters = walls.iter().flatten().max().map_or(0, |last| *last as usize + 1);
     let mut frame = Frame { revolution, ..Frame::default() };
+    frame.spectrum.margin_decades = margin_decades;
     frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
     let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
@@ -146,4 +154,11 @@ fn an_opening_much_narrower_than_another_speaks_against_an_answer() {
     assert_eq!(whole.narrowest_to_widest, 1.0, "there is but one");
     assert!((open.narrowest_to_widest - 1.2 / 3.5).abs() < 0.1, "{open:?}");
     assert!(unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
+fn a_small_margin_makes_an_answer_less_sure_and_more_than_a_decade_no_surer() {
+    let sure = |margin| answer_with_margin(scan(&tunnel(), 360, |_| false), margin).1.confidence;
+    assert!(sure(Some(0.1)) < sure(Some(0.5)) && sure(Some(0.5)) < sure(Some(1.0)));
+    assert_eq!([sure(Some(3.0)), sure(None)], [sure(Some(1.0)); 2]);
 }
