@@ -116,8 +116,8 @@ impl Branch {
         (self.middle_m - other.middle_m).norm() < narrower_m / 2.0
     }
 
-    /// How far the edge ends before that of the next branch anticlockwise begins.
-    fn is_before_m(&self, next: &Self) -> f64 {
+    /// How far it is from the end of its edge to the start of that of the next branch anticlockwise.
+    fn gap_to_m(&self, next: &Self) -> f64 {
         (next.opening.edge_m[0] - self.opening.edge_m[1]).norm()
     }
 
@@ -170,7 +170,7 @@ impl View<'_> {
         let is_same_way = |&(at, next): &(usize, usize)| {
             at != next && (self.ring.full_turn || next != 0) && branches[at].is_same_way_as(&branches[next])
         };
-        let apart = |(at, next): (usize, usize)| branches[at].is_before_m(&branches[next]);
+        let apart = |(at, next): (usize, usize)| branches[at].gap_to_m(&branches[next]);
         pairs.filter(is_same_way).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
     }
 

@@ -27,8 +27,7 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 /// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
 /// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud, whatever the
-/// order of its points is. An empty sector of more than
-/// 90° is taken as not looked at; a smaller one as free.
+/// order of its points is. An empty sector of more than 90° is taken as not looked at; a smaller one as free.
 ///
 /// ```
 /// use crosscut_stage::{LevelView, Point, Revolution};
