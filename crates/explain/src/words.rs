@@ -82,8 +82,8 @@ impl Words<'_> {
             format!("- **{:.2}** times the room that a way on needs: {what} ({between})", verdict.room)
         };
         let lines: Vec<String> = verdicts.iter().take(TOLD_VERDICTS).map(line).collect();
-        let title = "Where walls were taken to end or to go on, the most doubtful first:".to_owned();
-        (!lines.is_empty()).then(|| [title].into_iter().chain(lines).collect::<Vec<_>>().join("\n"))
+        let title = "Where walls were taken to end or to go on, the most doubtful first:";
+        (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
     /// A line for each wall: what holds it together, and what ties it to another.
@@ -93,7 +93,8 @@ impl Words<'_> {
         if walls.len() > TOLD {
             lines.push(format!("- and {} more", walls.len() - TOLD));
         }
-        (!lines.is_empty()).then(|| lines.join("\n"))
+        let title = "What holds each wall together, and what ties it to another:";
+        (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
     fn links_of(&self, wall: &WallLinks) -> String {
