@@ -20,9 +20,8 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
     let resolved = with.iter().map(|text| resolve(text, set, registry));
     let mut configurations = resolved.collect::<anyhow::Result<Vec<_>>>()?;
     let short: Vec<String> = configurations.iter().map(|configuration| configuration.name.clone()).collect();
-    for ((place, configuration), text) in configurations.iter_mut().enumerate().zip(with) {
-        let others = short.iter().zip(with).enumerate().filter(|(other, _)| *other != place);
-        if others.into_iter().any(|(_, (name, other))| *name == short[place] && other != text) {
+    for (configuration, text) in configurations.iter_mut().zip(with) {
+        if short.iter().zip(with).any(|(name, other)| *name == configuration.name && other != text) {
             configuration.name.clone_from(text);
         }
     }

@@ -14,6 +14,9 @@ const MOST_SCENES: usize = 8;
 /// Two scenes in a row.
 const COLUMNS: usize = 4;
 
+/// Of the list of all.
+const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place";
+
 /// The scenes of one recording that one configuration has wrong.
 #[derive(Default)]
 pub(crate) struct Wrong {
@@ -21,8 +24,6 @@ pub(crate) struct Wrong {
     /// All of them, as rows of [`COLUMN_NAMES`].
     rows: Vec<String>,
 }
-
-const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place";
 
 impl Wrong {
     /// Takes in a scene, if it is wrong.

@@ -98,7 +98,7 @@ impl Stage {
             // Line 1: the adjacency W_ij = exp(-σ ‖x_i - x_j‖²), equation (1).
             Self::Affinity(stage, budget) => {
                 budget.admit_affinity(stage.as_ref(), revolution.len())?;
-                affinity.verdicts.clear();
+                affinity.verdicts.clear(); // kinds that tell none need not know of them
                 stage.affinity(revolution, affinity, notes)
             }
             // Lines 2 to 4: L = I - D^-1/2 W D^-1/2, equation (2); its eigenvalues ascending, equation (3); k zeros.

@@ -135,7 +135,7 @@ impl<'a> Judge<'a> {
         self.ring.are_apart(p, q, self.limits.passage_m)
     }
 
-    /// What it takes to close a gap.
+    /// What it takes to go on over a gap from the end of piece `a` to the start of piece `b`.
     pub(super) fn closing(&self, a: &[usize], b: &[usize]) -> Closing {
         let ring = self.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
@@ -145,7 +145,7 @@ impl<'a> Judge<'a> {
             [Some(before), Some(after)] => {
                 let gap = Gap::new(ring, [a, b], [before, after]);
                 let turns = gap.turns();
-                // Whether there is room between the two walls, and the wall turns enough for that to be a way on.
+                // 1 or more where there is room between the two walls, and the wall turns enough for that to be a way on.
                 let room = self.room(&gap, turns);
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };

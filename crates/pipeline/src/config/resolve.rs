@@ -12,6 +12,7 @@ use crate::Registry;
 /// Parameters that are those of the vehicle unless they are set themselves: the two, each by section and name.
 const OF_VEHICLE: [[(&str, &str); 2]; 2] =
     [[("affinity", "passage_m"), ("vehicle", "width_m")], [("affinity", "height_m"), ("vehicle", "height_m")]];
+
 /// Every parameter with its value and the layer that set it.
 #[derive(Clone, Debug)]
 pub struct Config {
