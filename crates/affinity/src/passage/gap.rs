@@ -44,7 +44,6 @@ pub(super) struct Judge<'a> {
     pub(super) ring: &'a Ring,
     /// Those of the same ring.
     tangents: &'a RefCell<Tangents>,
-    islands: &'a Pieces,
     pub(super) limits: Limits,
     /// See [`roughness_m`](super::roughness::roughness_m).
     pub(super) roughness_m: f64,
@@ -90,7 +89,6 @@ impl<'a> Judge<'a> {
         ring: &'a Ring,
         tangents: &'a RefCell<Tangents>,
         pieces: &Pieces,
-        islands: &'a Pieces,
         limits: Limits,
         roughness_m: f64,
     ) -> Self {
@@ -100,7 +98,7 @@ impl<'a> Judge<'a> {
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
-        let mut judge = Self { ring, tangents, islands, limits, roughness_m, size_m, lost_beams: 0 };
+        let mut judge = Self { ring, tangents, limits, roughness_m, size_m, lost_beams: 0 };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
             judge.lost_beams = judge.lost_beams.max(ring.dark_between(pair[0], pair[1]));
         }
@@ -208,7 +206,7 @@ impl<'a> Judge<'a> {
 
     /// Whether islands hide what is in the gap.
     pub(super) fn is_shaded(&self, (p, q): (usize, usize)) -> bool {
-        self.ring.is_shaded(self.islands.returns(), p, q)
+        self.ring.is_shaded(p, q)
     }
 
     /// How much the wall turns left at both ends of a gap, over this stretch of either piece.

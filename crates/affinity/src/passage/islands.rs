@@ -39,7 +39,7 @@ pub(super) struct Limits {
 
 /// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is
 /// found after it. Two beside each other, neither of them behind the other, are found together.
-pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
+pub(super) fn take(ring: &mut Ring, pieces: &mut Pieces, limits: &Limits, islands: &mut Pieces) {
     islands.clear();
     loop {
         let nearest = |together: usize| {
@@ -48,7 +48,7 @@ pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &
                 run.map(|&i| ring.range_m(i)).fold(f64::INFINITY, f64::min)
             };
             (0..pieces.len())
-                .filter(|&at| stand_free(ring, (&*pieces, &*islands), at, together, limits))
+                .filter(|&at| stand_free(ring, pieces, at, together, limits))
                 .min_by(|&a, &b| nearest_m(a).total_cmp(&nearest_m(b)))
         };
         let found = (1..=MOST_TOGETHER).find_map(|together| Some((nearest(together)?, together)));
@@ -56,19 +56,16 @@ pub(super) fn take(ring: &Ring, pieces: &mut Pieces, limits: &Limits, islands: &
         for _ in 0..together {
             // After the last piece comes the first.
             let at = if at < pieces.len() { at } else { 0 };
-            pieces.remove(at).enumerate().for_each(|(at, i)| islands.push(i, at == 0));
+            for (at, i) in pieces.remove(at).enumerate() {
+                ring.take_for_island(i);
+                islands.push(i, at == 0);
+            }
         }
     }
 }
 
 /// Whether so many pieces that follow each other, from `first` on, stand free.
-fn stand_free(
-    ring: &Ring,
-    (pieces, islands): (&Pieces, &Pieces),
-    first: usize,
-    together: usize,
-    limits: &Limits,
-) -> bool {
+fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limits: &Limits) -> bool {
     let n = pieces.len();
     let at_the_end = !ring.full_turn && (first == 0 || first + together >= n);
     if n < together + 2 || at_the_end {
@@ -88,14 +85,14 @@ fn stand_free(
             let (a, b) = (piece(step - 1), piece(step));
             !hides(ring, a, End::Last, b) && !hides(ring, b, End::First, a)
         })
-        && (0..together).all(|step| !is_of_wall_beside(ring, (pieces, islands), run, piece(step), limits))
+        && (0..together).all(|step| !is_of_wall_beside(ring, pieces, run, piece(step), limits))
 }
 
 /// Whether a piece of a run, from the first to the last, is the end of a wall beside the run, or the tip between two.
 /// Beyond the shadow of an island that was found before, nothing says so.
 fn is_of_wall_beside(
     ring: &Ring,
-    (pieces, islands): (&Pieces, &Pieces),
+    pieces: &Pieces,
     [first, last]: [usize; 2],
     piece: &[usize],
     limits: &Limits,
@@ -104,7 +101,7 @@ fn is_of_wall_beside(
         let (tip, outer) = (end.at(&pieces[at], 0), beside(ring, pieces, at, end).next()?);
         let (from, to) = if end == End::First { (outer, tip) } else { (tip, outer) };
         let off_m = || off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m);
-        if ring.is_shaded(islands.returns(), from, to) { None } else { off_m() }
+        if ring.is_shaded(from, to) { None } else { off_m() }
     });
     let near_m = limits.passage_m + BUMPS * limits.roughness_m;
     let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;

@@ -230,7 +230,7 @@ impl Passage {
             roughness_m,
         };
         islands::take(ring, walls, &of_island, islands);
-        let judge = Judge::new(ring, tangents, walls, islands, *limits, roughness_m);
+        let judge = Judge::new(ring, tangents, walls, *limits, roughness_m);
         let mut left_over = joining::join(ring, &judge, walls, least_returns);
         if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));

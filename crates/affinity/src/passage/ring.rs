@@ -33,6 +33,8 @@ pub(super) struct Entry {
     pub(super) number: u32,
     /// How many beams before its own came back with nothing.
     dark_before: u32,
+    /// It is of an island, and casts a shadow.
+    is_of_island: bool,
 }
 
 impl Ring {
@@ -56,7 +58,8 @@ impl Ring {
                 return Err(StageError::Unsupported(message));
             }
             let position_m = points_m[number as usize].coords.xy();
-            self.returns.push(Entry { position_m, range_m: position_m.norm(), beam, number, dark_before: self.dark });
+            let (range_m, dark_before) = (position_m.norm(), self.dark);
+            self.returns.push(Entry { position_m, range_m, beam, number, dark_before, is_of_island: false });
         }
         if self.returns.len() != points_m.len() {
             let (beams, returns) = (self.returns.len(), points_m.len());
@@ -129,14 +132,15 @@ impl Ring {
         (self.returns[to].beam + self.beams - self.returns[from].beam) % self.beams
     }
 
-    /// Whether a return lies anticlockwise after `from` and before `to`.
-    pub(super) fn is_between(&self, i: usize, from: usize, to: usize) -> bool {
-        i != from && self.beams_from(from, i) < self.beams_from(from, to)
+    /// From now on a return is of an island.
+    pub(super) fn take_for_island(&mut self, i: usize) {
+        self.returns[i].is_of_island = true;
     }
 
-    /// Whether half of the beams after `from` and before `to`, or more, end at one of these returns.
-    pub(super) fn is_shaded(&self, by: &[usize], from: usize, to: usize) -> bool {
-        let shaded = by.iter().filter(|&&i| self.is_between(i, from, to)).count();
+    /// Whether half of the beams after a return and before another one, or more, end at islands.
+    pub(super) fn is_shaded(&self, from: usize, to: usize) -> bool {
+        let between = (1..self.len()).map(|step| (from + step) % self.len()).take_while(|&i| i != to && from != to);
+        let shaded = between.filter(|&i| self.returns[i].is_of_island).count();
         shaded > 0 && 2 * shaded >= self.beams_from(from, to)
     }
 
