@@ -111,6 +111,15 @@ fn a_recording_cut_off_is_compared_as_far_as_it_goes() {
 }
 
 #[test]
+fn recordings_that_are_no_parts_of_one_flight_are_not_compared_without_a_word() {
+    let flight = shipped_flight();
+    let twice = compare(&flight, &["default", "default"], &[flight.to_str().expect("a path in UTF-8")]).expect_code(0);
+    assert!(twice.stderr.contains("note: time goes back at 1 scan;"), "{}", twice.stderr);
+    let once = compare(&flight, &["default", "default"], &[]).expect_code(0);
+    assert!(!once.stderr.contains("goes back"), "{}", once.stderr);
+}
+
+#[test]
 fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     let flight = shipped_flight();
     let refused = |with: &[&str], more: &[&str]| compare(&flight, with, more).expect_code(2).stderr;

@@ -13,7 +13,7 @@ use crosscut_evaluate::{Agreement, Differences};
 use crosscut_ingest::{Recording, recordings_in};
 use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, counted};
 use indicatif::ProgressBar;
 
 use crate::cli::CompareArgs;
@@ -146,6 +146,13 @@ fn problems(
 ) -> (Vec<String>, Outcome) {
     let mut problems: Vec<_> = recordings[0].losses().iter().map(|loss| format!("lost: {loss}")).collect();
     let mut outcome = if problems.is_empty() { Outcome::Done } else { Outcome::SomethingLost };
+    let reordered = recordings[0].reordered();
+    if reordered > 0 {
+        let scans = counted(reordered, "scan");
+        problems.push(format!(
+            "note: time goes back at {scans}; times mean little unless these are the parts of one flight, in order"
+        ));
+    }
     if summaries.iter().any(|summary| matches!(summary.end, End::Interrupted)) {
         outcome = Outcome::Interrupted;
     }
