@@ -29,6 +29,32 @@ fn every_way_of_writing_gives_the_same_results() {
 }
 
 #[test]
+fn beams_beyond_a_full_turn_change_nothing_but_the_length_of_the_labels() {
+    let folder = folder();
+    let scans: Vec<_> = (0..5).map(tunnel_scan).collect();
+    let answers = |more: usize| {
+        let mut wound = scans.clone();
+        for scan in &mut wound {
+            scan.ranges.extend_from_within(..more);
+            scan.angle_max += more as f32 * scan.angle_increment;
+        }
+        let flight = file(folder.path(), &format!("{more}.mcap"), &bytes(&wound, &Writing::default()));
+        let mut lines = results_of(&flight, &["--preset", "default"]).1;
+        for line in &mut lines {
+            let labels = line["labels"].as_array_mut().expect("labels");
+            assert!(labels.drain(180..).eq(std::iter::repeat_n(-1, more)), "{more} more beams");
+            line["notes"] = serde_json::json!([]);
+        }
+        lines
+    };
+    let expected = answers(0);
+    assert!(expected.iter().all(|line| line["place"] == "corridor"), "{expected:?}");
+    for more in [1, 20, 200] {
+        assert_eq!(answers(more), expected, "{more} more beams");
+    }
+}
+
+#[test]
 fn a_recording_cut_off_inside_a_chunk_gives_every_whole_revolution_and_exit_code_3() {
     let folder = folder();
     let whole = tunnel(40, &Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() });

@@ -113,7 +113,7 @@ impl AffinityStage for Breakpoint {
     fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let n = revolution.len();
         check_finite(&revolution.points_m)?;
-        let Some(sweep) = &revolution.sweep else {
+        let Some(sweep) = revolution.beams() else {
             let message = "affinity `breakpoint` needs the beams of a 2D sweep, which a point cloud does not have";
             return Err(StageError::Unsupported(message.to_owned()));
         };

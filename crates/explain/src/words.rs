@@ -120,7 +120,7 @@ impl Words<'_> {
         let of_no_wall = frame.junction.wall_of_return.iter().filter(|wall| wall.is_none()).count();
         let mut lines =
             vec![format!("{}, {of_no_wall} of them in no wall.", counted(frame.revolution.len() as u64, "return"))];
-        if let Some(sweep) = &frame.revolution.sweep {
+        if let Some(sweep) = frame.revolution.beams() {
             let unknown = sweep.beams.iter().filter(|beam| **beam == Beam::Unknown).count();
             let nothing = sweep.beams.iter().filter(|beam| **beam == Beam::NoReturn).count();
             lines.push(format!(
@@ -145,7 +145,7 @@ impl Words<'_> {
         let revolution = &self.frame.revolution;
         let [a, b] = returns.map(|i| revolution.points_m[i]);
         let beam_of = |i: usize| {
-            let beams = &revolution.sweep.as_ref()?.beams;
+            let beams = &revolution.beams()?.beams;
             let sought = Beam::Return(u32::try_from(i).ok()?);
             beams.iter().position(|beam| *beam == sought)
         };

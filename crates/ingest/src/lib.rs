@@ -35,8 +35,8 @@
 //! | `angle_increment` 0, NaN, below 1e-6 rad or beyond π | replaced by (angle_max - angle_min) / (beams - 1); if that is of no use either, no beam has a bearing |
 //! | `angle_max` more than 1.5 steps from where the last beam is | angle_min + i·angle_increment is believed |
 //! | `angle_min` not finite, or beyond two turns (degrees?) | no beam has a bearing: all are unknown, the revolution is empty |
-//! | last beam where the first one is | the last one is left out (unknown) |
-//! | more than a full turn | beams beyond the turn are left out (unknown) |
+//! | last beam where the first one is | the last one is left out |
+//! | more than a full turn | beams beyond the turn are left out |
 //! | no beams | an empty revolution |
 //! | one beam | its bearing is `angle_min`, no note |
 //! | intensities of another number than ranges | they are not used anyway |

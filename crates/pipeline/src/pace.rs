@@ -5,32 +5,62 @@ use std::time::{Duration, Instant};
 /// A wait looks this often whether it is over.
 const SLICE: Duration = Duration::from_millis(20);
 
+/// A longer pause of the stamps is not waited for: the clock was set, or another recording begins.
+const LONGEST_PAUSE_NS: u64 = 10_000_000_000;
+
 /// Releases revolutions at a multiple of the pace at which the sensor stamped them.
 pub(crate) struct Pace {
     rate: f64,
-    first: Option<(Instant, u64)>,
+    /// When the revolution before was due, and its stamp.
+    previous: Option<(Instant, u64)>,
 }
 
 impl Pace {
     /// `rate` 1 is the sensor's own pace, 2 twice as fast; it is positive.
     pub(crate) fn new(rate: f64) -> Self {
-        Self { rate, first: None }
+        Self { rate, previous: None }
     }
 
     /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait
-    /// began too late. One from the past is due at once. `is_over` ends the wait.
+    /// began too late. One from before the revolution before, or from long after it, is due at once. `is_over` ends the
+    /// wait.
     pub(crate) fn wait_for(&mut self, stamp_ns: u64, is_over: impl Fn() -> bool) -> Instant {
-        let (start, first_ns) = *self.first.get_or_insert_with(|| (Instant::now(), stamp_ns));
-        let due_s = stamp_ns.saturating_sub(first_ns) as f64 / 1e9 / self.rate;
-        let due = Duration::try_from_secs_f64(due_s).ok().and_then(|after| start.checked_add(after));
+        let due = self.due(stamp_ns).unwrap_or_else(Instant::now);
+        self.previous = Some((due, stamp_ns));
         loop {
             let now = Instant::now();
-            match due {
-                Some(due) if due <= now => return due,
-                _ if is_over() => return now,
-                Some(due) => std::thread::sleep(SLICE.min(due - now)),
-                None => std::thread::sleep(SLICE),
+            if due <= now {
+                return due;
             }
+            if is_over() {
+                return now;
+            }
+            std::thread::sleep(SLICE.min(due - now));
+        }
+    }
+
+    /// When the revolution with this stamp is due; `None` if nothing says when.
+    fn due(&self, stamp_ns: u64) -> Option<Instant> {
+        let (due, previous_ns) = self.previous?;
+        let pause_ns = stamp_ns.checked_sub(previous_ns).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
+        due.checked_add(Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).ok()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_that_is_set_forward_or_back_is_not_waited_for_and_the_pace_is_kept_after_it() {
+        const PERIOD_NS: u64 = 10_000_000;
+        let (mut pace, start) = (Pace::new(1.0), Instant::now());
+        let set_ns = 1_700_000_000_000_000_000;
+        let stamps_ns = [10, 10 + PERIOD_NS, set_ns, set_ns + PERIOD_NS, 50, 50 + PERIOD_NS];
+        let due = stamps_ns.map(|stamp_ns| pace.wait_for(stamp_ns, || start.elapsed().as_secs() > 20));
+        assert!(start.elapsed().as_secs() < 20, "it waits for years");
+        for pair in [1, 3, 5] {
+            assert_eq!(due[pair] - due[pair - 1], Duration::from_nanos(PERIOD_NS));
         }
     }
 }

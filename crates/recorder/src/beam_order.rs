@@ -24,7 +24,7 @@ pub(crate) struct BeamOrder {
 impl BeamOrder {
     /// By beam, up to [`LARGEST_SIDE`] beams; beyond that, and without beams, by return.
     pub(crate) fn of(revolution: &Revolution) -> Self {
-        let beams = revolution.sweep.as_ref().map_or(&[][..], |sweep| &sweep.beams);
+        let beams = revolution.beams().map_or(&[][..], |sweep| &sweep.beams);
         let hit = |(place, beam): (usize, &Beam)| matches!(beam, Beam::Return(_)).then_some(place);
         let places: Vec<usize> = beams.iter().enumerate().filter_map(hit).collect();
         if beams.len() <= LARGEST_SIDE && !beams.is_empty() && places.len() == revolution.len() {

@@ -218,7 +218,7 @@ impl Recorder {
         let order = BeamOrder::of(&frame.revolution);
         let classes = self.tracks.classes_of(frame);
         let reach_m = self.extent.unwrap_or_default().range_m;
-        if let Some(sweep) = &frame.revolution.sweep
+        if let Some(sweep) = frame.revolution.beams()
             && self.beams.log(rec, sweep)?
         {
             profile::log_axes(rec, reach_m, sweep)?;

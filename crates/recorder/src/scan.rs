@@ -49,7 +49,7 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach
     let of_returns = (0..revolution.len()).map(|i| classes.of_wall(wall_of(i)));
     rec.log("scan/returns", &Points3D::new(points).with_class_ids(of_returns))?;
     rec.log("scan/count", &Scalars::single(revolution.len() as f64))?;
-    if let Some(sweep) = &revolution.sweep {
+    if let Some(sweep) = revolution.beams() {
         rec.log("scan/ranges", &f32_vector(sweep.ranges_m.clone(), "beam"))?;
         rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
     }
@@ -72,7 +72,7 @@ fn log_walls(
     junction: &Junction,
     classes: &Classes,
 ) -> RecordingStreamResult<()> {
-    let strips = match &revolution.sweep {
+    let strips = match revolution.beams() {
         Some(sweep) => wall_strips(&revolution.points_m, &junction.wall_of_return, sweep.full_turn),
         None => Vec::new(), // returns of a cloud have no order to draw a line along
     };

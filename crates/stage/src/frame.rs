@@ -31,17 +31,18 @@ impl Frame {
     /// Label of a return that belongs to no wall.
     pub const NO_WALL: i32 = -2;
 
-    /// One entry a beam, in message order: the id of its wall, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. One a point
-    /// for a cloud.
+    /// One entry a beam of the message, in its order: the id of its wall, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. One
+    /// a point for a cloud.
     pub fn labels(&self) -> Vec<i32> {
         let wall = |i: usize| self.junction.wall_of_return.get(i).copied().flatten();
         let label = |i: usize| wall(i).map_or(Self::NO_WALL, u32::cast_signed);
-        let Some(sweep) = &self.revolution.sweep else { return (0..self.revolution.len()).map(label).collect() };
+        let Some(sweep) = self.revolution.beams() else { return (0..self.revolution.len()).map(label).collect() };
         let label_of_beam = |beam: &Beam| match beam {
             Beam::Return(i) => label(*i as usize),
             Beam::NoReturn | Beam::Unknown => Self::NO_RETURN,
         };
-        sweep.beams.iter().map(label_of_beam).collect()
+        let beyond_turn = sweep.ranges_m.len().saturating_sub(sweep.len());
+        sweep.beams.iter().map(label_of_beam).chain(std::iter::repeat_n(Self::NO_RETURN, beyond_turn)).collect()
     }
 }
 
@@ -181,5 +182,10 @@ mod tests {
         let beams = vec![Beam::Unknown, Beam::Return(0), Beam::NoReturn, Beam::Return(1)];
         frame.revolution.sweep = Some(Sweep { beams, ..Default::default() });
         assert_eq!(frame.labels(), [-1, 3, -1, -2]);
+        frame.revolution.sweep.as_mut().expect("it has just been set").ranges_m = vec![1.0; 6];
+        assert_eq!(frame.labels(), [-1, 3, -1, -2, -1, -1], "the message goes on beyond a full turn");
+        frame.revolution.clear();
+        frame.revolution.points_m = vec![Point::origin(); 2];
+        assert_eq!(frame.labels(), [3, -2], "of a cloud in a frame that held a sweep");
     }
 }

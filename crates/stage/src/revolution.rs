@@ -19,14 +19,15 @@ pub struct Revolution {
     pub sweep: Option<Sweep>,
 }
 
-/// The beams of a 2D sweep, in message order: one entry per beam in each vector.
+/// The beams of a 2D sweep, in message order. A message may go on beyond a full turn; what it says there is left out of
+/// `beams`.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
     /// Ranges exactly as on the wire, metres.
     pub ranges_m: Vec<f32>,
     /// Bearing of each beam in the body frame, in (-π, π], sensor mounting applied.
     pub bearings_rad: Vec<f64>,
-    /// What each beam saw.
+    /// What each beam of the turn saw.
     pub beams: Vec<Beam>,
     /// Angle from one beam to the next, positive (the direction is in `bearings_rad`).
     pub step_rad: f64,
@@ -68,10 +69,14 @@ const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 const MOST_BEAMS: usize = 4096;
 
 impl Revolution {
-    /// The beams; `None` for a cloud, which has returns and no beams, and for a sweep of more than 4096 beams.
+    /// The beams; `None` for a cloud, which has returns and no beams.
+    pub fn beams(&self) -> Option<&Sweep> {
+        self.sweep.as_ref().filter(|sweep| !sweep.is_empty() || self.is_empty())
+    }
+
+    /// The beams, unless it is to be worked on as a cloud: so is a sweep of more than 4096 beams.
     pub fn as_sweep(&self) -> Option<&Sweep> {
-        let is_cloud = |sweep: &Sweep| sweep.is_empty() && !self.is_empty();
-        self.sweep.as_ref().filter(|sweep| !is_cloud(sweep) && sweep.len() <= MOST_BEAMS)
+        self.beams().filter(|sweep| sweep.len() <= MOST_BEAMS)
     }
 
     /// Number of returns, n.
@@ -109,7 +114,7 @@ impl Revolution {
 }
 
 impl Sweep {
-    /// Number of beams.
+    /// Number of beams, up to a full turn.
     pub fn len(&self) -> usize {
         self.beams.len()
     }
@@ -155,8 +160,8 @@ impl Sweep {
     }
 }
 
-/// The widest run of beams of a full turn of which that `holds`, the first of equals: where it begins, and how many they
-/// are. It may go on from the last beam to beam 0.
+/// The longest run of beams of a full turn for which `holds` is true, the first of equally long ones: its first beam and
+/// its length. It may go on from the last beam to beam 0.
 pub(crate) fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize) {
     let Some(start) = (0..beams).find(|&beam| !holds(beam)) else { return (0, beams) };
     let (mut widest, mut run) = ((0, 0), 0);

@@ -65,7 +65,7 @@ pub(crate) struct RunArgs {
     /// No progress, no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Play at this multiple of the sensor's pace (1 = as it was recorded).
+    /// Play at this multiple of the sensor's pace (1 = as it was recorded); pauses of more than 10 s are left out.
     #[arg(long, value_name = "X", value_parser = positive)]
     pub(crate) rate: Option<f64>,
     #[command(flatten)]

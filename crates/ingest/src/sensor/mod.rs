@@ -50,6 +50,9 @@ pub const PARAMS: &[ParamSpec] = &[
     },
 ];
 
+/// Bearings of f32 angles are known to within this: the beam at f32 -π is the one at π.
+const ROUNDING_RAD: f64 = 1e-6;
+
 /// A lidar as it is mounted, with what is to be cleaned up.
 ///
 /// ```
@@ -128,15 +131,16 @@ impl Sensor {
         for (i, &range_m) in scan.ranges.iter().enumerate() {
             let angle_rad = self.in_body_frame_rad(fan.angle_rad(i));
             let bearing_rad = wrap_angle_rad(angle_rad);
-            let reading = if !fan.in_turn(i) {
-                Reading::Unknown
-            } else if self.masks(bearing_rad) {
+            sweep.bearings_rad.push(bearing_rad);
+            if !fan.in_turn(i) {
+                continue;
+            }
+            let reading = if self.masks(bearing_rad) {
                 tally.masked += 1;
                 Reading::Unknown
             } else {
                 limits.read(range_m, &mut tally)
             };
-            sweep.bearings_rad.push(bearing_rad);
             sweep.beams.push(match reading {
                 Reading::Return(range_m) => {
                     let (sin, cos) = angle_rad.sin_cos();
@@ -157,8 +161,8 @@ impl Sensor {
 
     fn masks(&self, bearing_rad: f64) -> bool {
         self.masked_sectors_rad.iter().any(|&[from, to]| {
-            let (after_from, before_to) = (bearing_rad >= from, bearing_rad <= to);
-            if from <= to { after_from && before_to } else { after_from || before_to }
+            let span_rad = if from <= to { to - from } else { to - from + TAU };
+            (bearing_rad - from + ROUNDING_RAD).rem_euclid(TAU) <= span_rad + 2.0 * ROUNDING_RAD
         })
     }
 

@@ -166,7 +166,7 @@ fn an_angle_max_that_contradicts_the_count_is_noted_and_not_believed() {
 fn a_last_beam_on_top_of_the_first_is_left_out_and_the_turn_is_full() {
     let closed = LaserScan { angle_min: -PI32, angle_max: PI32, angle_increment: TAU32 / 360.0, ..scan(&[5.0; 361]) };
     let (revolution, notes) = plain(&closed);
-    assert_eq!((revolution.len(), sweep(&revolution).beams[360]), (360, Beam::Unknown));
+    assert_eq!((revolution.len(), sweep(&revolution).len()), (360, 360));
     assert!(sweep(&revolution).full_turn);
     assert_eq!(notes, ["the last beam looks where the first one does: left out"]);
 }
@@ -175,7 +175,8 @@ fn a_last_beam_on_top_of_the_first_is_left_out_and_the_turn_is_full() {
 fn beams_beyond_a_full_turn_are_left_out() {
     let wound = LaserScan { angle_max: -PI32 + TAU32 * 399.0 / 360.0, ranges: vec![5.0; 400], ..full_turn(360) };
     let (revolution, notes) = plain(&wound);
-    assert_eq!((revolution.len(), sweep(&revolution).len(), sweep(&revolution).full_turn), (360, 400, true));
+    assert_eq!((revolution.len(), sweep(&revolution).len(), sweep(&revolution).full_turn), (360, 360, true));
+    assert_eq!(sweep(&revolution).ranges_m.len(), 400, "as on the wire");
     assert_eq!(notes, ["40 beams beyond a full turn left out"]);
 }
 
@@ -250,6 +251,9 @@ fn masked_sectors_are_in_the_body_frame_and_may_cross_the_back() {
     assert!(notes[0].ends_with("beams in masked sectors left out"), "{notes:?}");
     let (turned, _) = masked(&[[-0.2, 0.2]], FRAC_PI_2);
     assert!(unknown_at(&turned, 0.0) && !unknown_at(&turned, FRAC_PI_2), "the mask does not turn with the sensor");
+    let (seam, _) = masked(&[[-PI, -3.0]], 0.0);
+    assert_eq!(sweep(&seam).beams[0], Beam::Unknown, "the first beam looks at f32 -π, which is beyond π");
+    assert_ne!(sweep(&seam).beams[359], Beam::Unknown);
     let (all, notes) = masked(&[[-PI, PI]], 0.0);
     assert_eq!((all.len(), &notes[..]), (0, &["360 beams in masked sectors left out".to_owned()][..]));
 }
@@ -282,7 +286,8 @@ proptest! {
         prop_assert_eq!(format!("{:?}", &fresh), format!("{:?}", &reused), "buffers must not leak");
 
         let sweep = sweep(&fresh);
-        prop_assert_eq!(sweep.beams.len(), odd.ranges.len());
+        prop_assert!(sweep.beams.len() <= odd.ranges.len());
+        prop_assert_eq!(sweep.ranges_m.len(), odd.ranges.len());
         prop_assert_eq!(sweep.bearings_rad.len(), odd.ranges.len());
         prop_assert!(sweep.range_max_m > 0.0 && sweep.range_max_m <= 100.0);
         prop_assert!(sweep.bearings_rad.iter().all(|&b| b > -PI - 1e-12 && b <= PI));

@@ -80,7 +80,7 @@ impl Extent {
         let ranges_m = (0..revolution.len()).map(|i| revolution.range_m(i));
         let farthest_m = ranges_m.filter(|range_m| *range_m <= FARTHEST_RETURN_M).fold(0.0, f64::max);
         let seen_m = if farthest_m > 0.0 { 2.0 * farthest_m } else { default.range_m };
-        let limit_m = revolution.sweep.as_ref().map(|sweep| sweep.range_max_m).filter(|limit| *limit > 0.0);
+        let limit_m = revolution.beams().map(|sweep| sweep.range_max_m).filter(|limit| *limit > 0.0);
         let places = BeamOrder::of(revolution).used;
         Self {
             range_m: limit_m.unwrap_or(f64::INFINITY).min(seen_m),
