@@ -52,6 +52,23 @@ fn a_recording_that_holds_no_revolution_of_a_flight_is_said() {
 }
 
 #[test]
+fn a_recording_of_a_run_that_failed_says_why() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut scans: Vec<_> = (0..4).map(tunnel_scan).collect();
+    scans[2].ranges = vec![3.0; 2000];
+    scans[2].angle_increment *= 180.0 / 2000.0;
+    let flight = file(folder.path(), "tunnel.mcap", &bytes(&scans, &Writing::default()));
+    let [saved, log] = ["tunnel.rrd", "log.jsonl"].map(|name| folder.path().join(name).display().to_string());
+    let failing = ["--preset", "paper", "--set", "pipeline.memory_mb=40", "--save", &saved];
+    let (ran, lines) = results_of(&flight, &failing);
+    assert_eq!((ran.expect_code(1).stdout.lines().count(), lines.len()), (2, 2));
+    run(["rrd", "get", &saved, "/log", "--component", "TextLog:text", "--revolution", "2", "--out", &log])
+        .expect_code(0);
+    let said = std::fs::read_to_string(log).expect("written");
+    assert!(said.contains("affinity failed on revolution 2: 2000 returns would need"), "{said}");
+}
+
+#[test]
 fn one_wild_range_in_the_first_scan_makes_a_recording_no_larger() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved_bytes = |first_range_m: f32| {

@@ -6,25 +6,30 @@ use std::f32::consts::PI;
 
 use crosscut_ingest::Sensor;
 use crosscut_messages::LaserScan;
-use crosscut_pipeline::{Config, Engine, Registry};
-use crosscut_stage::{Frame, Params};
+use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_stage::{Frame, Params, Value};
 
 fn main() -> anyhow::Result<()> {
-    // Once, at start: how the lidar is mounted, and which stages to run.
+    // Once, at start: how the lidar is mounted, which stages to run, and how wide the vehicle is.
     let mut mounting = Params::defaults(crosscut_ingest::PARAMS);
-    mounting.set("upside_down", crosscut_stage::Value::Flag(false));
+    mounting.set("yaw_rad", Value::Number(0.0));
     let sensor = Sensor::new(&mounting);
     let registry = Registry::standard();
-    let mut engine = Engine::new(&Config::preset("paper", &registry)?, &registry);
+    let layers = [Layer::preset("default")?, Layer::settings(&["vehicle.width_m=0.8".to_owned()])?];
+    let mut engine = Engine::new(&Config::resolve(&Schema::new(&registry), &layers)?, &registry);
     let mut frame = Frame::default();
 
     // For every scan that the driver delivers; the frame's buffers are used again.
     for scan in [tunnel_scan(6.0), tunnel_scan(8.0)] {
         frame.notes.clear();
         sensor.revolution(&scan, &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame)?;
-        println!("{} walls, {}", frame.junction.junctions, frame.junction.place);
-        for opening in &frame.junction.openings {
+        if let Err(failure) = engine.process(&mut frame) {
+            eprintln!("{failure}"); // the next scan is as good as any
+            continue;
+        }
+        let junction = &frame.junction;
+        println!("{} walls, {}, confidence {:.2}", junction.junctions, junction.place, junction.confidence);
+        for opening in &junction.openings {
             let bearing_deg = opening.bearing_rad.to_degrees();
             println!("  a way on at {bearing_deg:.0}°, {:.1} m wide, {}", opening.width_m, opening.evidence);
         }

@@ -191,8 +191,8 @@ impl Problems {
 /// Where the outcome goes; opened before the work begins.
 struct Outputs<'a> {
     args: &'a EvaluateArgs,
-    json: Option<Box<dyn Write>>,
-    markdown: Option<Box<dyn Write>>,
+    json: Option<Box<dyn Write + Send>>,
+    markdown: Option<Box<dyn Write + Send>>,
 }
 
 impl<'a> Outputs<'a> {

@@ -10,7 +10,7 @@ use anyhow::Context;
 use crate::exit::UsageError;
 
 /// A new file that is none of those `read`, or standard output for `-`.
-pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write>> {
+pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
     }

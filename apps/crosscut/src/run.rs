@@ -1,7 +1,5 @@
 //! `crosscut run`: a recorded flight through all stages.
 
-use std::fs::File;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -32,7 +30,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         overwriting::refuse_parts(save, read.iter().map(PathBuf::as_path).chain(outputs))?;
     }
     let mut recording = flight::open(&args.flight, &config)?;
-    let mut results = open_results(args.results.as_deref())?;
+    let mut results = args.results.as_ref().map(|path| overwriting::create(path, &read)).transpose()?;
     let mut over_time = args.over_time.as_ref().map(|_| OverTime::new(config.params("vehicle").number("width_m")));
     let mut lost = Vec::new();
     let mut observers =
@@ -74,6 +72,10 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     for loss in &lost {
         say(format_args!("lost: {loss}"));
     }
+    if recording.of_other_frames() > 0 {
+        let scans = counted(recording.of_other_frames(), "scan");
+        say(format_args!("note: {scans} of another frame than ingest.frame_id left out"));
+    }
     if summary.revolutions > 0 && observers.recorded_nothing() {
         say("note: nothing is recorded: no revolution lies within --record-revolutions or --record-seconds");
     }
@@ -85,15 +87,6 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         }
     }
     Ok(outcome)
-}
-
-/// A file, standard output for `-`, or nothing.
-fn open_results(path: Option<&Path>) -> anyhow::Result<Option<Box<dyn Write + Send>>> {
-    Ok(match path {
-        None => None,
-        Some(path) if path == Path::new("-") => Some(Box::new(io::stdout())),
-        Some(path) => Some(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?)),
-    })
 }
 
 /// Says what went wrong, and what the exit code is.

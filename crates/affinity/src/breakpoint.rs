@@ -84,7 +84,7 @@ impl Breakpoint {
         for (number, beam) in sweep.beams.iter().enumerate() {
             if let Beam::Return(index) = beam {
                 if *index as usize != self.beam_of_return.len() {
-                    return Err(StageError::Unsupported(format!(
+                    return Err(StageError::Mismatch(format!(
                         "beam {number} has return {index}: not in beam order"
                     )));
                 }
@@ -93,7 +93,7 @@ impl Breakpoint {
         }
         match self.beam_of_return.len() {
             returns if returns == n => Ok(()),
-            returns => Err(StageError::Unsupported(format!("{returns} beams with a return, but {n} returns"))),
+            returns => Err(StageError::Mismatch(format!("{returns} beams with a return, but {n} returns"))),
         }
     }
 

@@ -22,12 +22,15 @@ fn build(kind: &AffinityKind) -> Box<dyn AffinityStage> {
     (kind.build)(&Params::defaults(kind.params))
 }
 
+/// Kinds that refuse clouds.
+const NEED_BEAMS: &[&str] = &["breakpoint"];
+
 /// The graph of a revolution; none of a cloud if the kind needs beams.
 fn graph(kind: &AffinityKind, revolution: &Revolution) -> Option<Affinity> {
     let mut out = Affinity::default();
     match build(kind).affinity(revolution, &mut out, &mut Notes::default()) {
         Ok(()) => Some(out),
-        Err(StageError::Unsupported(_)) if revolution.sweep.is_none() => None,
+        Err(StageError::Unsupported(_)) if revolution.sweep.is_none() && NEED_BEAMS.contains(&kind.name) => None,
         Err(error) => panic!("{error}"),
     }
 }
@@ -41,7 +44,7 @@ fn dense(affinity: &Affinity) -> Mat<f64> {
 }
 
 fn any_revolution() -> impl Strategy<Value = Revolution> {
-    prop_oneof![scan(0..80), cloud(0..40)]
+    prop_oneof![4 => scan(0..80), 1 => scan(0..4), 4 => cloud(0..40)]
 }
 
 /// Runs `body`, which asserts, on every kind and many inputs.

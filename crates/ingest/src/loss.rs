@@ -28,7 +28,7 @@ pub enum LossKind {
         at_byte: u64,
     },
     /// All messages are there, but not what would put them in order.
-    #[error("the index at its end cannot be used ({damage}): read in file order, no message is missing")]
+    #[error("the index at its end cannot be used ({damage}): read in file order")]
     Index {
         /// What is wrong with it.
         damage: Damage,

@@ -24,7 +24,7 @@ impl Rows {
         (self.n, self.k) = (u.nrows(), u.ncols());
         let bytes = (self.n as u64).saturating_mul(self.k as u64).saturating_mul(8);
         if bytes > MOST_BYTES {
-            return Err(StageError::Unsupported(format!(
+            return Err(StageError::TooLarge(format!(
                 "k-means on {}x{} numbers of U would need {} MB: kmeans `components` needs no such matrix",
                 self.n,
                 self.k,
@@ -89,7 +89,7 @@ pub(crate) fn check_columns(spectrum: &Spectrum) -> Result<(), StageError> {
     if columns == k {
         return Ok(());
     }
-    Err(StageError::Unsupported(format!("U has {columns} columns, but k is {k}")))
+    Err(StageError::Mismatch(format!("U has {columns} columns, but k is {k}")))
 }
 
 /// Says which row of U has a value that is not finite.

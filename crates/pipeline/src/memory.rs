@@ -43,7 +43,7 @@ impl MemoryBudget {
         if needed_mb <= self.limit_mb {
             return Ok(());
         }
-        Err(StageError::Unsupported(format!(
+        Err(StageError::TooLarge(format!(
             "{n} returns would need {needed_mb} MB ({} frames in flight, {} workers), pipeline.memory_mb is {}; raise it, \
              lower pipeline.in_flight or pipeline.workers, or choose an affinity with fewer edges",
             self.frames, self.workers, self.limit_mb

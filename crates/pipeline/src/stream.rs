@@ -188,7 +188,11 @@ impl Collect<'_> {
         for lane in (0..self.lanes.len()).cycle() {
             let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
             self.report.work(&mut frame);
-            if let Some(failure) = frame.failure.take() {
+            if let Some(failure) = frame.failure.clone() {
+                // Where there is no revolution there is nothing to see.
+                if failure.step != Step::Ingest {
+                    self.observers.send(frame).ok(); // they may have ended
+                }
                 summary.end = End::Failed(failure);
                 break;
             }

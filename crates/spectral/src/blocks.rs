@@ -94,7 +94,7 @@ impl Decomposed {
     ) -> Result<Self, StageError> {
         let bytes = full.memory_bytes(members.len(), 0).saturating_add(dense_bytes(members.len()));
         if bytes > MOST_BYTES {
-            return Err(StageError::Unsupported(format!(
+            return Err(StageError::TooLarge(format!(
                 "a component of {} returns may have several eigenvalues below the tolerance, and would need {} MB to be decomposed \
                  in full, more than {} MB: choose a smaller spectral.zero_tolerance",
                 members.len(),

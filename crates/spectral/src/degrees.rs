@@ -8,7 +8,7 @@ pub(crate) fn check_degrees(affinity: &Affinity) -> Result<(), StageError> {
     let n = affinity.weights.n();
     if affinity.degrees.len() != n {
         let degrees = affinity.degrees.len();
-        return Err(StageError::Unsupported(format!("W is {n}x{n}, but there are {degrees} degrees")));
+        return Err(StageError::Mismatch(format!("W is {n}x{n}, but there are {degrees} degrees")));
     }
     for (index, &degree) in affinity.degrees.iter().enumerate() {
         if !degree.is_finite() {
@@ -18,7 +18,7 @@ pub(crate) fn check_degrees(affinity: &Affinity) -> Result<(), StageError> {
             let message = format!(
                 "the degree of return {index} is {degree}: W needs ones on its diagonal, and no negative weight"
             );
-            return Err(StageError::Unsupported(message));
+            return Err(StageError::Mismatch(message));
         }
     }
     Ok(())

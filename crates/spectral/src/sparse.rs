@@ -118,7 +118,7 @@ impl Sparse {
                 ..CholeskySymbolicParams::default()
             };
             factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
-                .map_err(|error| StageError::Unsupported(format!("the factor of a block of {n} returns: {error}")))
+                .map_err(|error| StageError::TooLarge(format!("the factor of a block of {n} returns: {error}")))
         };
         let mut symbolic = plan(SupernodalThreshold::FORCE_SIMPLICIAL)?;
         if symbolic.len_val() > FULL * n {
@@ -126,7 +126,7 @@ impl Sparse {
         }
         let bytes = 8 * symbolic.len_val() as u64;
         if bytes > MOST_BYTES {
-            return Err(StageError::Unsupported(format!(
+            return Err(StageError::TooLarge(format!(
                 "the factor of a block of {n} returns would need {} MB, more than {} MB: choose a sparser affinity",
                 bytes >> 20,
                 MOST_BYTES >> 20

@@ -194,7 +194,7 @@ impl Split {
         }
         let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
         if bytes > MOST_BYTES {
-            return Err(StageError::Unsupported(format!(
+            return Err(StageError::TooLarge(format!(
                 "the graph of {linked} blocks with weak links between them would need {} MB, more than {} MB: set \
                  spectral.weak_link = 0, or choose an affinity without weak links",
                 bytes >> 20,

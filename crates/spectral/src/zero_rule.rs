@@ -5,15 +5,15 @@ use crosscut_stage::{Interval, ParamError, ParamSpec, Params, Shape, Spectrum, V
 pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
     name: "zero_tolerance",
     unit: "",
-    shape: Shape::Number { default: 1e-7, range: Interval::above(0.0, 2.0) },
-    doc: "τ: eigenvalues of the Laplacian below it count as zero",
+    shape: Shape::Number { default: 1e-7, range: Interval::closed(1e-14, 2.0) },
+    doc: "τ: eigenvalues of the Laplacian below it count as zero; what is less is rounding",
 };
 
 /// How the zero eigenvalues are told from the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ZeroRule {
-    /// Those below τ, which is in (0, 2]. The paper gives none; how far τ could be moved before k changes is the
+    /// Those below τ, which is in [1e-14, 2]. The paper gives none; how far τ could be moved before k changes is the
     /// margin.
     Tolerance(f64),
 }
@@ -36,7 +36,9 @@ impl ZeroRule {
         let Self::Tolerance(tolerance) = self;
         (spectrum.zeros_bound, spectrum.span_bound) = (0.0, 0.0);
         spectrum.tolerance = tolerance;
-        spectrum.k = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
+        let below = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
+        // The first is 0, whatever rounding makes of it.
+        spectrum.k = below.max(spectrum.eigenvalues.len().min(1));
         spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);
     }
 }

@@ -20,9 +20,15 @@ pub enum StageError {
         /// At which return.
         index: usize,
     },
-    /// The stage cannot work on what the stage before it made.
+    /// The stage does not work on revolutions of this kind.
     #[error("{0}")]
     Unsupported(String),
+    /// It would take more memory than there may be: how much, and what to do.
+    #[error("{0}")]
+    TooLarge(String),
+    /// Parts of the frame do not belong together.
+    #[error("{0}")]
+    Mismatch(String),
 }
 
 /// First stage: the weighted graph over the returns.
@@ -96,7 +102,8 @@ pub trait Source: Send {
 #[error("{0}")]
 pub struct SourceError(pub String);
 
-/// Sees every finished frame, in order, on a thread of its own, after the results were written.
+/// Sees every finished frame, in order, on a thread of its own, after the results were written; and the one that failed, if
+/// a stage did, after all others.
 pub trait Observer: Send {
     /// Looks at one frame.
     ///

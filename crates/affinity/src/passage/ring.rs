@@ -55,7 +55,7 @@ impl Ring {
             };
             if number as usize != self.returns.len() || number as usize >= points_m.len() {
                 let message = format!("beam {beam} has return {number}: not in beam order, or not there");
-                return Err(StageError::Unsupported(message));
+                return Err(StageError::Mismatch(message));
             }
             let position_m = points_m[number as usize].coords.xy();
             let (range_m, dark_before) = (position_m.norm(), self.dark);
@@ -63,7 +63,7 @@ impl Ring {
         }
         if self.returns.len() != points_m.len() {
             let (beams, returns) = (self.returns.len(), points_m.len());
-            return Err(StageError::Unsupported(format!("{beams} beams with a return, but {returns} returns")));
+            return Err(StageError::Mismatch(format!("{beams} beams with a return, but {returns} returns")));
         }
         if view.first > 0 {
             self.begin_at(view.first, sweep);

@@ -146,6 +146,22 @@ fn an_observer_that_fails_is_left_out_and_disturbs_neither_results_nor_the_other
 }
 
 #[test]
+fn a_revolution_that_failed_is_seen_after_all_others_unless_it_could_not_even_be_read() {
+    let saw = |source: &mut Count, setting: &str| {
+        let seen: std::sync::Arc<std::sync::Mutex<Vec<u64>>> = std::sync::Arc::default();
+        let watcher = Watcher { seen: std::sync::Arc::clone(&seen), give_up_at: 999, panics: false };
+        let mut observers: [Box<dyn Observer>; 1] = [Box::new(watcher)];
+        let options = StreamOptions::default();
+        let ran = stream(source, &settings(2, 8, setting), &registry(), &mut |_| Ok(()), &mut observers, &options);
+        assert!(matches!(ran.expect("threads").end, End::Failed(_)));
+        seen.lock().expect("one thread").clone()
+    };
+    assert!(saw(&mut Count::to(50), "spectral.error_at_x=9").into_iter().eq((0..=9).chain([u64::MAX])));
+    let mut unreadable = Count { error_at: Some(5), ..Count::to(50) };
+    assert!(saw(&mut unreadable, "").into_iter().eq((0..5).chain([u64::MAX])));
+}
+
+#[test]
 fn stopping_finishes_what_is_in_flight_and_writes_no_gap() {
     let stop = StopFlag::default();
     let mut written = Vec::new();
