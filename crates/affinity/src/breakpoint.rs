@@ -84,16 +84,14 @@ impl Breakpoint {
         for (number, beam) in sweep.beams.iter().enumerate() {
             if let Beam::Return(index) = beam {
                 if *index as usize != self.beam_of_return.len() {
-                    return Err(StageError::Mismatch(format!(
-                        "beam {number} has return {index}: not in beam order"
-                    )));
+                    return Err(StageError::Mismatch(format!("beam {number} has return {index}: not in beam order")));
                 }
                 self.beam_of_return.push(number);
             }
         }
         match self.beam_of_return.len() {
             returns if returns == n => Ok(()),
-            returns => Err(StageError::Mismatch(format!("{returns} beams with a return, but {n} returns"))),
+            returns => Err(StageError::Mismatch(format!("beams with a return: {returns}, returns: {n}"))),
         }
     }
 

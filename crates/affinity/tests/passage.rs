@@ -263,7 +263,7 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
     Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
-    let told = "passage: 20 returns lie within the vehicle, nearer than 0.3 m: tied to none";
+    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m, tied to none";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
@@ -387,8 +387,8 @@ fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
         stage.affinity(&revolution, &mut affinity, &mut Notes::default()).expect("a scan");
         let ways: Vec<_> = affinity.verdicts.iter().filter(|verdict| verdict.is_way).collect();
         assert_eq!(ways.len(), 3, "ahead, behind and into the branch, in a used buffer too: {:?}", affinity.verdicts);
-        assert!(ways.iter().all(|way| way.room > 1.0), "{ways:?}");
+        assert!(ways.iter().all(|way| way.room_ratio > 1.0), "{ways:?}");
         let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
-        assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room < 1.0), "{closed:?}");
+        assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room_ratio < 1.0), "{closed:?}");
     }
 }

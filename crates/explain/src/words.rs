@@ -73,13 +73,13 @@ impl Words<'_> {
 
     /// The most doubtful verdicts of an affinity that decides where walls end.
     fn verdicts(&self) -> Option<String> {
-        let doubt = |verdict: &Verdict| verdict.room.ln().abs();
+        let doubt = |verdict: &Verdict| verdict.room_ratio.ln().abs();
         let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
         verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
         let line = |verdict: &Verdict| {
             let what = if verdict.is_way { "a way on" } else { "the wall goes on" };
             let between = self.between(verdict.returns.map(|i| i as usize));
-            format!("- **{:.2}** times the room that a way on needs: {what} ({between})", verdict.room)
+            format!("- **{:.2}** times the room that a way on needs: {what} ({between})", verdict.room_ratio)
         };
         let lines: Vec<String> = verdicts.iter().take(TOLD_VERDICTS).map(line).collect();
         let title = "Where walls were taken to end or to go on, the most doubtful first:";

@@ -1,7 +1,7 @@
 //! `components`: one cluster per column of a U whose columns have no row in common.
 
 use crosscut_stage::{
-    Embedding, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value,
+    Embedding, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value, counted,
 };
 
 use crate::KmeansPlusPlus;
@@ -92,11 +92,9 @@ impl Components {
     fn note_dropped(&self, notes: &mut Notes) {
         let dropped = || self.sizes.iter().filter(|&&size| size > 0 && size < self.min_cluster);
         if dropped().count() > 0 {
-            let (components, returns) = (dropped().count(), dropped().sum::<usize>());
+            let (components, returns) = (dropped().count(), counted(dropped().sum::<usize>() as u64, "return"));
             let least = self.min_cluster;
-            notes.add(format!(
-                "components: {components} of fewer than {least} returns left out, {returns} returns in all"
-            ));
+            notes.add(format!("components: {components} of fewer than {least} returns left out, {returns} in all"));
         }
     }
 }

@@ -27,7 +27,7 @@ fn small_components_get_no_cluster_and_a_note() {
     assert_eq!(without_noise.labels, [None, Some(0), Some(1), Some(0), Some(0), Some(1)]);
     assert_eq!((without_noise.clusters, without_noise.centroids.nrows()), (2, 2));
     assert!((without_noise.inertia - 0.101_6 / 3.0).abs() < 1e-15);
-    assert_eq!(notes, ["components: 1 of fewer than 2 returns left out, 1 returns in all"]);
+    assert_eq!(notes, ["components: 1 of fewer than 2 returns left out, 1 return in all"]);
 
     let (nothing, notes) = run(9, u());
     assert_eq!((nothing.clusters, nothing.labels), (0, vec![None; 6]));

@@ -1,6 +1,6 @@
 //! The answer: count, place, walls and openings, as values and in words.
 
-use crosscut_stage::{Frame, Opening, Wall};
+use crosscut_stage::{Frame, Opening, Wall, counted};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
 
 use crate::colors::{GREY, PLACES, REPORTED, UNSEEN, color, name_of, series};
@@ -60,8 +60,8 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence = 100.0 * junction.confidence;
     let mut lines = vec![
-        format!("# {count} junction{} · {}\n", if count == 1 { "" } else { "s" }, spaced(&junction.place)),
-        format!("k = {k}, {n} returns, confidence {confidence:.0} %."),
+        format!("# {} · {}\n", counted(count as u64, "junction"), spaced(&junction.place)),
+        format!("k = {k}, {}, confidence {confidence:.0} %.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
     if !junction.openings.is_empty() {

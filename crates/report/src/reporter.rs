@@ -148,7 +148,7 @@ impl ReportStage for Reporter {
     ) -> Result<(), StageError> {
         let (n, labelled) = (revolution.len(), partition.labels.len());
         if n != labelled {
-            return Err(StageError::Mismatch(format!("{labelled} labels for {n} returns")));
+            return Err(StageError::Mismatch(format!("labels: {labelled}, returns: {n}")));
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
         match revolution.as_sweep() {
@@ -175,6 +175,6 @@ mod tests {
             &mut Junction::default(),
             &mut Notes::default(),
         );
-        assert_eq!(result, Err(StageError::Mismatch("0 labels for 1 returns".into())));
+        assert_eq!(result, Err(StageError::Mismatch("labels: 0, returns: 1".into())));
     }
 }

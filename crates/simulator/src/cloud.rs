@@ -10,7 +10,7 @@ use crate::pose::{Motion, Pose};
 /// The rings of a 3D lidar that stands upright in the middle between floor and roof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rings {
-    /// Number of rings, from `lowest_rad` to -`lowest_rad`; one is level.
+    /// Number of rings, evenly spaced from `lowest_rad` to -`lowest_rad`; of an odd number the middle one is level.
     pub rings: usize,
     /// Elevation of the lowest ring, negative.
     pub lowest_rad: f64,

@@ -20,8 +20,8 @@ pub struct Verdict {
     pub returns: [u32; 2],
     /// The wall ends there: it is a way on.
     pub is_way: bool,
-    /// How many times the room that a way on needs there is: the nearer to 1, the more doubtful.
-    pub room: f64,
+    /// The room that there is, divided by the room that a way on needs: the nearer to 1, the more doubtful.
+    pub room_ratio: f64,
 }
 
 /// W, stored densely or by its nonzero entries.

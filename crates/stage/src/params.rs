@@ -134,7 +134,7 @@ impl ParamSpec {
             Shape::Integer { min, max, .. } => format!("a whole number in [{min}, {max}]"),
             Shape::Number { range, .. } => format!("a number in {range}"),
             Shape::Choice { of, .. } => format!("one of {}", of.join(", ")),
-            Shape::Text { .. } => "a text".to_owned(),
+            Shape::Text { .. } => "a text; one that looks like a number in quotes of its own: '\"5\"'".to_owned(),
             Shape::Pairs { range } => format!("a list of [from, to] pairs, each in {range}"),
         }
     }

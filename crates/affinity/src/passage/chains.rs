@@ -118,8 +118,8 @@ impl Chains {
             if !judge.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
-            let Closing { cost, room } = judge.closing(&chain[..at], &chain[at..]);
-            verdicts.extend(room.map(|room| verdict(ring, [pair[0], pair[1]], false, room)));
+            let Closing { cost, room_ratio } = judge.closing(&chain[..at], &chain[at..]);
+            verdicts.extend(room_ratio.map(|ratio| verdict(ring, [pair[0], pair[1]], false, ratio)));
             cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
@@ -225,6 +225,6 @@ impl Chains {
     }
 }
 
-fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, room: f64) -> Verdict {
-    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room }
+fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, room_ratio: f64) -> Verdict {
+    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room_ratio }
 }

@@ -66,7 +66,7 @@ pub(super) struct Closing {
     /// `None` where a vehicle could pass.
     pub(super) cost: Option<f64>,
     /// How many times the room that a way on needs there is; `None` if a piece has no direction.
-    pub(super) room: Option<f64>,
+    pub(super) room_ratio: Option<f64>,
 }
 
 /// A gap between two pieces that have directions there.
@@ -75,9 +75,11 @@ pub(super) struct Gap<'p> {
     pub(super) b: &'p [usize],
     /// The last return of `a`, and the first of `b`.
     pub(super) ends: (usize, usize),
+    /// The direction in which the wall runs at the end of `a`: a unit vector.
     pub(super) before: Position,
-    /// From the end of the one piece to the start of the other.
+    /// From the end of `a` to the start of `b`.
     pub(super) chord: Position,
+    /// The direction in which it runs on at the start of `b`.
     pub(super) after: Position,
     /// The end of `a` is nearer to the sensor than that of `b`.
     pub(super) a_is_nearer: bool,
@@ -148,12 +150,12 @@ impl<'a> Judge<'a> {
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
                 let cost = (room < 1.0).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
-                Closing { cost, room: Some(room) }
+                Closing { cost, room_ratio: Some(room) }
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
                 let grazing = along_m > GRAZING_SHARE * chord_m && chord_m < GRAZING_M;
-                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room: None }
+                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room_ratio: None }
             }
             [before, after] => {
                 let cost = before.or(after).and_then(|line| {
@@ -161,7 +163,7 @@ impl<'a> Judge<'a> {
                     let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
                     (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
                 });
-                Closing { cost, room: None }
+                Closing { cost, room_ratio: None }
             }
         }
     }

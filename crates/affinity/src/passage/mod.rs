@@ -16,7 +16,7 @@ use std::cell::RefCell;
 
 use crosscut_stage::{
     Affinity, AffinityStage, Interval, Invariance, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point,
-    Revolution, Shape, StageError, Sweep, Value, Verdict,
+    Revolution, Shape, StageError, Sweep, Value, Verdict, counted,
 };
 
 use crate::edges::edges_bytes;
@@ -239,12 +239,11 @@ impl Passage {
         joining::drop_small(ring, walls, least_returns, &mut left_over);
 
         if hanging > 0 {
-            notes.add(format!("passage: {hanging} returns hang in the air (dust) and are tied to none"));
+            notes.add(format!("passage: {} in the air (dust), tied to none", counted(hanging as u64, "return")));
         }
         if inside > 0 {
-            notes.add(format!(
-                "passage: {inside} returns lie within the vehicle, nearer than {inside_m} m: tied to none"
-            ));
+            let inside = counted(inside as u64, "return");
+            notes.add(format!("passage: {inside} within the vehicle, nearer than {inside_m} m, tied to none"));
         }
         self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
         Ok(())
@@ -257,7 +256,8 @@ impl Passage {
         view.look(cloud, self.height_m, self.limits.passage_m);
         let aside = cloud.len() - view.level().len();
         if aside > 0 {
-            notes.add(format!("passage: {aside} returns lie above or below the vehicle, or within it: tied to none"));
+            let aside = counted(aside as u64, "return");
+            notes.add(format!("passage: {aside} above or below the vehicle, or within it, tied to none"));
         }
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
         // Carried on to what is not seen, a leak would be many.

@@ -63,7 +63,7 @@ impl Ring {
         }
         if self.returns.len() != points_m.len() {
             let (beams, returns) = (self.returns.len(), points_m.len());
-            return Err(StageError::Mismatch(format!("{beams} beams with a return, but {returns} returns")));
+            return Err(StageError::Mismatch(format!("beams with a return: {beams}, returns: {returns}")));
         }
         if view.first > 0 {
             self.begin_at(view.first, sweep);

@@ -1,7 +1,7 @@
 //! What a range means.
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::Notes;
+use crosscut_stage::{Notes, counted};
 
 /// Ranges this near to `range_max` (a few units in the last place of an f32) are `range_max`: a driver that works in
 /// another unit does not hit the number that it states.
@@ -102,10 +102,10 @@ impl Limits {
     pub(super) fn note(&self, tally: &Tally, notes: &mut Notes) {
         // As f32 again, in which the scan states them: 5.6, not 5.599999904632568.
         let (wire_min_m, wire_max_m) = (self.wire_min_m as f32, self.wire_max_m as f32);
-        let mut note = |count: usize, what: String| match count {
-            0 => {}
-            1 => notes.add(format!("1 beam {what}")),
-            more => notes.add(format!("{more} beams {what}")),
+        let mut note = |count: usize, what: String| {
+            if count > 0 {
+                notes.add(format!("{} {what}", counted(count as u64, "beam")));
+            }
         };
         note(tally.masked, "in masked sectors left out".to_owned());
         note(tally.zero, "of range 0 read as no return".to_owned());

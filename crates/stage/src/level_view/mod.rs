@@ -23,7 +23,7 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 /// that is known of sweeps applies.
 ///
 /// A beam sees the nearest return that has company: together with those up to a vehicle's width behind it, a quarter of
-/// the returns that a beam has as a rule (the median) in the angles |z| / range <= height / (2 range) that are level
+/// the returns that a beam usually has (the median) in the angles |z| / range <= height / (2 range) that are level
 /// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
 /// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud, whatever the

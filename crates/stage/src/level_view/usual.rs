@@ -1,8 +1,8 @@
-//! How many returns a beam of a cloud has as a rule: what tells a wall from dust.
+//! How many returns a beam of a cloud usually has: what tells a wall from dust.
 
-/// What a beam meets has so large a share of the returns that a beam has as a rule. Fewer are dust, or a cable.
+/// A beam that met a wall has at least this share of the returns that are usual. With fewer it met dust, or a cable.
 const SHARE: f64 = 0.25;
-/// The rule is known at ranges from the vehicle on, each so many times the one before.
+/// The usual number is known at so many ranges, from the vehicle on, each so many times the one before.
 const RANGES: usize = 28;
 const STEP: f64 = 1.25;
 
@@ -30,7 +30,7 @@ impl Usual {
         self.counts[beam][ranges - 1] += 1;
     }
 
-    /// Sets the rule from what was counted.
+    /// Learns the usual numbers from what was counted.
     pub(super) fn end(&mut self) {
         // What is level at a range is so at all nearer ones.
         for of_beam in &mut self.counts {

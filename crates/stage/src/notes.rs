@@ -1,0 +1,37 @@
+//! What is said of one revolution in words.
+
+/// `1 scan`, `2 scans`: for words of which an s makes the plural.
+pub fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Sentences about one revolution: every drop, repair and fallback stands in the results.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Notes(Vec<String>);
+
+impl Notes {
+    /// Adds a sentence.
+    pub fn add(&mut self, note: impl Into<String>) {
+        self.0.push(note.into());
+    }
+
+    /// All sentences, in the order in which they were taken.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.0.iter().map(String::as_str)
+    }
+
+    /// What `note` says but for its numbers: "3 beams masked" is of the same kind as "4 beams masked".
+    pub fn kind_of(note: &str) -> String {
+        note.chars().filter(|c| !c.is_ascii_digit()).collect()
+    }
+
+    /// Whether nothing was noted.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
