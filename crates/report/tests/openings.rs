@@ -68,6 +68,19 @@ fn a_dead_end_is_open_only_backwards_and_has_the_same_wall_on_both_sides() {
 }
 
 #[test]
+fn a_chamber_whose_walls_come_near_elsewhere_is_left_through_its_exit() {
+    // Around (0, 2), 9 m in radius, with an exit 3.6 m wide to the left: 8 m away are its walls to the right alone.
+    let corner = |turn_rad: f64| [9.0 * turn_rad.cos(), 9.0 * turn_rad.sin() + 2.0];
+    let (half_exit_rad, pieces) = (0.2f64, 60);
+    let turn_rad =
+        |piece: usize| FRAC_PI_2 + half_exit_rad + (2.0 * PI - 2.0 * half_exit_rad) * piece as f64 / pieces as f64;
+    let chamber = (0..pieces).map(|piece| (Segment(corner(turn_rad(piece)), corner(turn_rad(piece + 1))), 0));
+    let found = openings(&chamber.collect::<Vec<_>>());
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_opening(&found[0], FRAC_PI_2, 3.6);
+}
+
+#[test]
 fn a_closed_room_is_not_open() {
     let room = vec![
         (Segment([-4.0, 2.0], [4.0, 2.0]), 0),

@@ -17,7 +17,8 @@
 //!
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
 //! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
-//! at most one opening then, the widest of those in free space. By either rule no opening is narrower than the vehicle.
+//! at most one opening then, of those in free space: that into which most is seen, or the widest; in the shadow of a
+//! pillar only if there is no other. By either rule no opening is narrower than the vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
 //! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
@@ -33,11 +34,14 @@
 //!         with ρ_F(x) = width / 2
 //! ```
 //! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
+//! From an edge more than 8 m away, walls may lead around a chamber instead of along a branch: where n and f lie on the
+//! other side of the sensor, or so much farther from each other than the edge is wide, the edge is the mouth.
 //! Of a branch that is cut by the end of the view both are those of the part in view.
 
 mod edge;
 mod sides;
 
+use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution};
@@ -52,6 +56,9 @@ pub const DEPTH_M: f64 = 3.0;
 
 /// An opening's bearing and width are taken at most this far from the sensor.
 pub const LOOKOUT_M: f64 = 8.0;
+
+/// Walls this many times farther from each other than at the edge are no longer those of the branch.
+const WIDENS: f64 = 2.5;
 
 /// Which edges are openings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,7 +77,7 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     let branches = match rule {
         Rule::FreeSpace => view.in_free_space(),
         Rule::BetweenWalls if !one_wall => view.between_walls(),
-        Rule::BetweenWalls if ring.full_turn => widest(view.in_free_space()),
+        Rule::BetweenWalls if ring.full_turn => plainest(view.in_free_space()),
         Rule::BetweenWalls => Vec::new(),
     };
     out.clear();
@@ -98,15 +105,24 @@ pub(crate) fn sees_all(ring: &Ring) -> bool {
     ring.full_turn && (!ring.beams.contains(&Beam::Unknown) || knows_all())
 }
 
-fn widest(branches: Vec<Branch>) -> Vec<Branch> {
-    let widest = branches.into_iter().max_by(|a, b| a.opening.width_m.total_cmp(&b.opening.width_m));
-    widest.into_iter().collect()
+/// That into which most is seen; of those into which nothing is, the widest. In shadow only if there is no other.
+fn plainest(branches: Vec<Branch>) -> Vec<Branch> {
+    let plain = |branch: &Branch| [if branch.is_shaded { 0.0 } else { 1.0 }, branch.dark_m, branch.opening.width_m];
+    let plainest = branches.into_iter().max_by(|a, b| {
+        let [a, b] = [plain(a), plain(b)];
+        a.partial_cmp(&b).unwrap_or(Ordering::Equal)
+    });
+    plainest.into_iter().collect()
 }
 
 /// An opening with the middle of its mouth.
 struct Branch {
     opening: Opening,
     middle_m: Position,
+    /// How wide the beams into it that came back with nothing are, at the nearer end of its edge.
+    dark_m: f64,
+    /// Half of what is in its edge, or more, is hidden by pillars.
+    is_shaded: bool,
 }
 
 impl Branch {
@@ -126,12 +142,14 @@ impl Branch {
         let (clockwise, anticlockwise) = (&self.opening, &next.opening);
         let walls = [clockwise.walls[0], anticlockwise.walls[1]];
         let edge_m = [clockwise.edge_m[0], anticlockwise.edge_m[1]];
+        let (dark_m, is_shaded) = (self.dark_m + next.dark_m, self.is_shaded && next.is_shaded);
         let length_m = |opening: &Opening| (opening.edge_m[0] - opening.edge_m[1]).norm();
         if length_m(anticlockwise) > length_m(clockwise) {
             *self = next;
         }
         self.opening.walls = walls;
         self.opening.edge_m = edge_m;
+        (self.dark_m, self.is_shaded) = (dark_m, is_shaded);
     }
 }
 
@@ -186,19 +204,26 @@ impl View<'_> {
     }
 
     fn branch(&self, sides: &Sides<'_>) -> Branch {
-        let anchors_m = sides.anchors_m();
-        let [a, b] = sides.mouth_m(anchors_m);
-        let (middle_m, width_m) = (0.5 * (a + b), (a - b).norm());
+        let (edge_m, towards) = (sides.edge_m(), sides.towards());
+        let is_ahead = |[a, b]: [Position; 2]| (a + b).dot(&towards) > 0.0;
+        let length_m = |[a, b]: [Position; 2]| (a - b).norm();
+        let of_branch = |anchors_m: &_| is_ahead(*anchors_m) && length_m(*anchors_m) <= WIDENS * length_m(edge_m);
+        let anchors_m = Some(sides.anchors_m()).filter(of_branch).unwrap_or(edge_m);
+        let mouth_m = Some(sides.mouth_m(anchors_m)).filter(|mouth_m| is_ahead(*mouth_m)).unwrap_or(edge_m);
+        let (middle_m, width_m) = (0.5 * (mouth_m[0] + mouth_m[1]), length_m(mouth_m));
         let lookout_m = sides.lookout_m(anchors_m, width_m).unwrap_or(middle_m);
         let opening = Opening {
-            bearing_rad: bearing_rad(lookout_m),
+            bearing_rad: bearing_rad(if is_ahead([lookout_m; 2]) { lookout_m } else { towards }),
             width_m,
             walls: sides.walls(),
             evidence: if sides.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
             edge_m: sides.edge_m().map(point),
             cut_by_view: false,
         };
-        Branch { opening, middle_m }
+        let dark = sides.between().filter(|beam| *beam == Beam::NoReturn).count();
+        let nearer_m = edge_m[0].norm().min(edge_m[1].norm());
+        let dark_m = dark as f64 * self.ring.step_rad * nearer_m;
+        Branch { opening, middle_m, dark_m, is_shaded: sides.is_shaded() }
     }
 
     /// Ways on of which the end of a limited view leaves but a part.

@@ -1,5 +1,7 @@
 //! The two walls beside an opening: how wide the branch between them is, and where it leads.
 
+use std::f64::consts::TAU;
+
 use crosscut_stage::Beam;
 
 use super::LOOKOUT_M;
@@ -108,9 +110,22 @@ impl<'a> Sides<'a> {
         [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].position_m)
     }
 
+    /// The direction in which the middle of the edge is seen.
+    pub(super) fn towards(&self) -> Position {
+        let [from_m, to_m] = self.edge_m();
+        let seen_at_rad = from_m.perp(&to_m).atan2(from_m.dot(&to_m)).rem_euclid(TAU);
+        nalgebra::Rotation2::new(0.5 * seen_at_rad) * from_m.normalize()
+    }
+
     /// What the beams between them saw.
     pub(crate) fn between(&self) -> impl Iterator<Item = Beam> + Clone {
         self.ring.between(self.clockwise.at, self.anticlockwise.at)
+    }
+
+    /// Whether half of those, or more, end at pillars, or at returns of no wall.
+    pub(super) fn is_shaded(&self) -> bool {
+        let shaded = self.between().filter(|beam| matches!(beam, Beam::Return(_))).count();
+        shaded > 0 && 2 * shaded > self.between().count()
     }
 
     /// Whether one of those came back with nothing.
