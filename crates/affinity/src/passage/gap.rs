@@ -51,6 +51,8 @@ pub(super) struct Judge<'a> {
     pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
     pub(super) lost_beams: u32,
+    /// At how many places there some are.
+    pub(super) lossy_places: u32,
 }
 
 /// How much a wall turns left at a gap: at its nearer end, at its farther one, and in all.
@@ -100,19 +102,25 @@ impl<'a> Judge<'a> {
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
-        let mut judge = Self { ring, tangents, limits, roughness_m, size_m, lost_beams: 0 };
+        let mut judge = Self { ring, tangents, limits, roughness_m, size_m, lost_beams: 0, lossy_places: 0 };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
-            judge.lost_beams = judge.lost_beams.max(ring.dark_between(pair[0], pair[1]));
+            judge.lose(ring.dark_between(pair[0], pair[1]));
         }
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
         for at in 0..gaps {
             let (a, b) = (&pieces[at], &pieces[(at + 1) % pieces.len()]);
             let lost_beams = ring.dark_between(a[a.len() - 1], b[0]);
-            if lost_beams > judge.lost_beams && judge.clearly_goes_on(a, b) {
-                judge.lost_beams = lost_beams;
+            if lost_beams > 0 && judge.clearly_goes_on(a, b) {
+                judge.lose(lost_beams);
             }
         }
         judge
+    }
+
+    /// So many beams are lost at a place where a wall clearly goes on.
+    fn lose(&mut self, beams: u32) {
+        self.lost_beams = self.lost_beams.max(beams);
+        self.lossy_places += u32::from(beams > 0);
     }
 
     fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
@@ -183,7 +191,7 @@ impl<'a> Judge<'a> {
         let gap = self.gap(a, b)?;
         let [clear_m, _] = gap.clear_and_farther_m();
         // Where no vehicle fits in, how far the wall turns does not matter.
-        if clear_m < self.limits.passage_m && !self.is_blank(gap.ends) {
+        if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends).is_none() {
             return None;
         }
         Some(self.room(&gap, gap.turns())).filter(|&room| room >= 1.0)

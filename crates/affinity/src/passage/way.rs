@@ -1,6 +1,6 @@
 //! What makes a gap a way on: how much room there is, and how much it needs.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::ring::turn_rad;
@@ -68,6 +68,11 @@ const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
 const BLANK_SHARE: f64 = 0.9;
+/// Where beams are lost at no more places than this, itself among them, a gap in which nothing is seen is a door, if it is so
+/// many times as wide as the vehicle, and is seen at more than 45°.
+const LOSSY_PLACES: u32 = 1;
+const DOOR_SHARE: f64 = 1.75;
+const ACROSS: f64 = FRAC_1_SQRT_2;
 
 impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
@@ -96,11 +101,8 @@ impl Judge<'_> {
         } else {
             0.0
         };
-        let blank = if turns.whole_rad > -DARK_TURN_RAD && self.is_blank(gap.ends) {
-            gap.chord.norm() / (BLANK_SHARE * self.size_m)
-        } else {
-            0.0
-        };
+        let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
+        let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = by_width.max(seen_inside).max(before_face).max(in_front);
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
@@ -201,11 +203,25 @@ impl Judge<'_> {
         self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad((p, q)) > DARK_RAD
     }
 
-    /// Whether nothing is seen over so wide an angle that there is nothing; or, far off, over so wide a patch, by more
-    /// beams than get lost elsewhere.
-    pub(super) fn is_blank(&self, (p, q): (usize, usize)) -> bool {
+    /// Whether a gap is one across the line of sight in which nothing is seen, well before the end of the range.
+    fn is_door(&self, (p, q): (usize, usize)) -> bool {
+        let (from_m, to_m) = (self.ring.position_m(p), self.ring.position_m(q));
+        let (chord, middle_m) = (to_m - from_m, 0.5 * (from_m + to_m));
+        let is_across = chord.perp(&middle_m).abs() > ACROSS * chord.norm() * middle_m.norm();
+        let nearer_m = self.ring.range_m(p).min(self.ring.range_m(q));
+        is_across && nearer_m < FAR_SHARE * self.ring.range_max_m && self.is_dark((p, q)) && !self.is_shaded((p, q))
+    }
+
+    /// How far apart the ends of a gap are that is a way on because there is nothing in it: where no beams get lost,
+    /// nothing is seen; else over so wide an angle, or, far off, over so wide a patch, by more beams than get lost
+    /// elsewhere.
+    pub(super) fn blank_needs_m(&self, (p, q): (usize, usize)) -> Option<f64> {
+        if self.lossy_places <= LOSSY_PLACES && self.is_door((p, q)) {
+            return Some(DOOR_SHARE * self.limits.passage_m);
+        }
         let (dark_rad, nearer_m) = (self.dark_rad((p, q)), self.ring.range_m(p).min(self.ring.range_m(q)));
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
-        dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)))
+        let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)));
+        is_blank.then_some(BLANK_SHARE * self.size_m)
     }
 }
