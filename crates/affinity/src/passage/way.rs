@@ -29,6 +29,12 @@ const FACE_GAP_M: f64 = 1.0;
 const FACE_BUMPS: f64 = 40.0;
 const FACE_RETURNS: usize = 3;
 
+/// A branch that leaves at an acute angle: by this much or more, but not enough elsewhere. It is one where the farther wall
+/// is seen so deep behind the nearer one, and so many times the roughness of the walls deeper: behind no bump of theirs.
+const FORK_RAD: f64 = 20.0 * PI / 180.0;
+const FORK_DEPTH_M: f64 = 1.0;
+const FORK_BUMPS: f64 = 60.0;
+
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
@@ -101,9 +107,10 @@ impl Judge<'_> {
         } else {
             0.0
         };
+        let in_fork = if is_dark || is_shaded { 0.0 } else { self.room_in_fork(turns, -farther_aside_m) };
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
-        let room = by_width.max(seen_inside).max(before_face).max(in_front);
+        let room = by_width.max(seen_inside).max(before_face).max(in_front).max(in_fork);
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
@@ -117,6 +124,12 @@ impl Judge<'_> {
         }
         let room = gap.chord.norm() / needed_m;
         if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
+    }
+
+    /// The same in a fork, whose farther wall is seen so deep behind the nearer one.
+    fn room_in_fork(&self, turns: Turns, deep_m: f64) -> f64 {
+        let is_fork = (FORK_RAD..self.limits.straight_rad).contains(&turns.whole_rad);
+        if is_fork { deep_m / (FORK_DEPTH_M + FORK_BUMPS * self.roughness_m) } else { 0.0 }
     }
 
     /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.
