@@ -20,7 +20,8 @@ pub struct Limits {
 
 /// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free
 /// if on both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other
-/// there is room, and both are long walls that run out past it side by side: it stands in the way on between them.
+/// there is room, and both are long walls that run out past it side by side: it stands in the way on between them. Where
+/// a limited view ends, it is enough that there is room to the end of it.
 ///
 /// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
 /// of them farther, stand free together.
@@ -79,7 +80,9 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
 
 fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> bool {
     let is_one = |at: usize| walls.contains(&ring.entries[at].wall);
-    if !ring.full_turn && ring.len() > 0 && (is_one(0) || is_one(ring.len() - 1)) {
+    let is_cut =
+        |at: usize, anticlockwise: bool| is_one(at) && ring.room_to_end_m(at, anticlockwise) < limits.vehicle_width_m;
+    if !ring.full_turn && ring.len() > 0 && (is_cut(0, false) || is_cut(ring.len() - 1, true)) {
         return false;
     }
     let steps: Vec<Step> = (0..ring.edges()).filter_map(|at| Step::from_one_to_another(ring, at, is_one)).collect();

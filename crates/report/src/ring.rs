@@ -1,5 +1,7 @@
 //! The returns of walls as a ring, anticlockwise around the sensor.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crosscut_stage::{Beam, Revolution, Sweep};
 use nalgebra::Vector2;
 
@@ -85,6 +87,20 @@ impl Ring {
         };
         let next = move |&at: &usize| Some(if anticlockwise { self.after(at) } else { self.before(at) });
         std::iter::successors(Some(at), next).take(count).map(|at| &self.entries[at])
+    }
+
+    /// How far the first or the last entry of a limited view is from that end of it, across the beams; 0 unless all are
+    /// known between the two, and most came back with nothing.
+    pub(crate) fn room_to_end_m(&self, at: usize, anticlockwise: bool) -> f64 {
+        let end = &self.entries[at];
+        let beams = if anticlockwise { &self.beams[end.beam + 1..] } else { &self.beams[..end.beam] };
+        let count = |kind: Beam| beams.iter().filter(|beam| **beam == kind).count();
+        if count(Beam::Unknown) > 0 || 2 * count(Beam::NoReturn) <= beams.len() {
+            return 0.0;
+        }
+        // What is free is known from the first to the last of the beams.
+        let turn_rad = (beams.len() - 1) as f64 * self.step_rad;
+        end.range_m * turn_rad.min(FRAC_PI_2).sin()
     }
 
     /// What the beams saw between an entry and a later one.

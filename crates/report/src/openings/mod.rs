@@ -42,7 +42,6 @@ mod edge;
 mod sides;
 
 use std::cmp::Ordering;
-use std::f64::consts::FRAC_PI_2;
 
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution};
 
@@ -236,16 +235,12 @@ impl View<'_> {
 
     /// The way on between a wall and the end of the view.
     fn cut_beside(&self, side: Side) -> Option<Opening> {
-        let end = self.ring.entries[side.at];
-        let beams = if side.clockwise { &self.ring.beams[end.beam + 1..] } else { &self.ring.beams[..end.beam] };
-        let count = |kind: Beam| beams.iter().filter(|beam| **beam == kind).count();
-        let free = count(Beam::Unknown) == 0 && 2 * count(Beam::NoReturn) > beams.len();
-        let turn_rad = beams.len() as f64 * self.ring.step_rad;
-        // What is free is known from the first to the last of the beams.
-        let room_m = end.range_m * (turn_rad - self.ring.step_rad).min(FRAC_PI_2).sin();
-        if !free || room_m < self.vehicle_width_m {
+        if self.ring.room_to_end_m(side.at, side.clockwise) < self.vehicle_width_m {
             return None;
         }
+        let end = self.ring.entries[side.at];
+        let beams = if side.clockwise { self.ring.beams.len() - 1 - end.beam } else { end.beam };
+        let turn_rad = beams as f64 * self.ring.step_rad;
         let towards_end = if side.clockwise { turn_rad } else { -turn_rad };
         let turned_m = |share: f64| nalgebra::Rotation2::new(share * towards_end) * end.position_m;
         let mut edge_m = [end.position_m, turned_m(1.0)];
