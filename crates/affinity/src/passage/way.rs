@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
-use super::ring::turn_rad;
-use super::tangent::tangent;
+use super::ring::{Position, turn_rad};
+use super::tangent::{End, tangent};
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
 
@@ -38,6 +38,9 @@ const FORK_BUMPS: f64 = 60.0;
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
+/// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls.
+const LONG_M: f64 = 3.0;
+const LONG_BUMPS: f64 = 4.0;
 
 /// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
 /// other side of the place itself: where it meets the line of the nearer one, the place ends in a corner.
@@ -87,7 +90,7 @@ impl Judge<'_> {
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
     pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
-        if self.hides_nothing(gap, turns) {
+        if self.is_in_line(gap, turns.near_rad) {
             return 0.0;
         }
         let (is_dark, is_shaded) = (self.is_dark(gap.ends), self.is_shaded(gap.ends));
@@ -111,7 +114,8 @@ impl Judge<'_> {
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = by_width.max(seen_inside).max(before_face).max(in_front).max(in_fork);
-        room.min(clear_m / self.limits.passage_m).max(blank)
+        let room = room.min(clear_m / self.limits.passage_m).max(blank);
+        if room > 0.0 && self.is_in_long_line(gap, turns) { 0.0 } else { room }
     }
 
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
@@ -146,13 +150,40 @@ impl Judge<'_> {
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     pub(super) fn hides_nothing(&self, gap: &Gap<'_>, turns: Turns) -> bool {
+        self.is_in_line(gap, turns.near_rad) || self.is_in_long_line(gap, turns)
+    }
+
+    /// The same, if the nearer wall turns by so much at its end.
+    fn is_in_line(&self, gap: &Gap<'_>, near_rad: f64) -> bool {
         let (p, q) = gap.ends;
-        if self.ring.beams_from(p, q) != 1 || turns.near_rad >= self.limits.straight_rad {
+        if self.ring.beams_from(p, q) != 1 || near_rad >= self.limits.straight_rad {
             return false;
         }
         let (end, onward) = if gap.a_is_nearer { (p, gap.before) } else { (q, -gap.after) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        turns.near_rad >= -BEHIND_LINE_SHARE * seen_at_rad
+        near_rad >= -BEHIND_LINE_SHARE * seen_at_rad
+    }
+
+    /// The same of the line that the nearer wall has over [`LONG_M`].
+    fn is_in_long_line(&self, gap: &Gap<'_>, turns: Turns) -> bool {
+        if self.ring.beams_from(gap.ends.0, gap.ends.1) != 1 || turns.near_rad >= self.limits.straight_rad {
+            return false;
+        }
+        let near_rad = self
+            .long_line(gap)
+            .map(|onward| if gap.a_is_nearer { turn_rad(onward, gap.chord) } else { turn_rad(gap.chord, -onward) });
+        near_rad.is_some_and(|near_rad| self.is_in_line(gap, near_rad))
+    }
+
+    /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there: its end may lie
+    /// on a bump.
+    fn long_line(&self, gap: &Gap<'_>) -> Option<Position> {
+        let (near, end) = if gap.a_is_nearer { (gap.a, End::Last) } else { (gap.b, End::First) };
+        let from_end_m = |k: usize| self.ring.position_m(end.at(near, k)) - self.ring.position_m(end.at(near, 0));
+        let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
+        let onward = -from_end_m(far).normalize();
+        let is_straight = (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= LONG_BUMPS * self.roughness_m);
+        is_straight.then_some(onward)
     }
 
     /// Whether the farther wall meets the line of the nearer one in a corner.
