@@ -203,7 +203,7 @@ impl<'a> Judge<'a> {
         let Some(gap) = self.gap(a, b) else { return WITHOUT_DIRECTION };
         let turns = gap.turns();
         let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD]
-            .map(|more_rad| self.room(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
+            .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 

@@ -84,12 +84,18 @@ const DOOR_SHARE: f64 = 1.75;
 const ACROSS: f64 = FRAC_1_SQRT_2;
 
 impl Judge<'_> {
-    /// How many times the room that a way on needs there is at the gap, if the wall turned as much as that.
+    /// How many times the room that a way on needs there is at the gap; 0 if it hides nothing.
+    pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+        let room = self.room_if(gap, turns);
+        if room >= 1.0 && self.is_in_long_line(gap, turns) { 0.0 } else { room }
+    }
+
+    /// The same if the wall turned as much as that, and its end did not lie on a bump.
     ///
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+    pub(super) fn room_if(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
         if self.is_in_line(gap, turns.near_rad) {
             return 0.0;
         }
@@ -114,8 +120,7 @@ impl Judge<'_> {
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = by_width.max(seen_inside).max(before_face).max(in_front).max(in_fork);
-        let room = room.min(clear_m / self.limits.passage_m).max(blank);
-        if room > 0.0 && self.is_in_long_line(gap, turns) { 0.0 } else { room }
+        room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
