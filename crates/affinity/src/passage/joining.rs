@@ -8,9 +8,11 @@ use super::ring::Ring;
 
 /// Pieces of fewer returns are no wall.
 pub(super) const LEAST_RETURNS: usize = 3;
-/// A wall that turns left by this much, seen over [`PEAK_STRETCH_M`] on both sides of a gap, is two.
+/// A wall that turns left by this much, seen over [`PEAK_STRETCH_M`] on both sides of a gap, is two. In a narrow place it is
+/// seen over so many times its size: the end of a narrow tunnel turns as much within a few metres.
 const PEAK_RAD: std::ops::Range<f64> = 140.0 * PI / 180.0..250.0 * PI / 180.0;
 const PEAK_STRETCH_M: f64 = 4.0;
+const PEAK_STRETCH_SHARE: f64 = 2.0;
 
 /// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.
 pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64, pieces: &mut Pieces) {
@@ -122,6 +124,7 @@ fn widest_way(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
 }
 
 fn sharpest_peak(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
+    let stretch_m = PEAK_STRETCH_M.min(PEAK_STRETCH_SHARE * judge.size_m);
     let mut sharpest = None;
     let mut least_rad = PEAK_RAD.start;
     for cut in gaps(judge, wall) {
@@ -129,7 +132,7 @@ fn sharpest_peak(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
         if judge.is_hidden((a[cut - 1], b[0])) || !judge.may_turn_around(a, b) {
             continue;
         }
-        let turn_rad = judge.turns_over_rad(a, b, PEAK_STRETCH_M).iter().sum();
+        let turn_rad = judge.turns_over_rad(a, b, stretch_m).iter().sum();
         if (least_rad..PEAK_RAD.end).contains(&turn_rad) {
             (least_rad, sharpest) = (turn_rad, Some(cut));
         }

@@ -82,6 +82,8 @@ const BLANK_SHARE: f64 = 0.9;
 const LOSSY_PLACES: u32 = 1;
 const DOOR_SHARE: f64 = 1.75;
 const ACROSS: f64 = FRAC_1_SQRT_2;
+/// Behind it, as far as the sensor sees, the place is no wider than this: about as wide as a tunnel of this size.
+const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap; 0 if it hides nothing.
@@ -252,13 +254,17 @@ impl Judge<'_> {
         self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad((p, q)) > DARK_RAD
     }
 
-    /// Whether a gap is one across the line of sight in which nothing is seen, well before the end of the range.
+    /// Whether a gap is one across the line of sight in which nothing is seen, well before the end of the range, and what
+    /// lies behind it need not be wider than this place for that.
     fn is_door(&self, (p, q): (usize, usize)) -> bool {
         let (from_m, to_m) = (self.ring.position_m(p), self.ring.position_m(q));
         let (chord, middle_m) = (to_m - from_m, 0.5 * (from_m + to_m));
         let is_across = chord.perp(&middle_m).abs() > ACROSS * chord.norm() * middle_m.norm();
         let nearer_m = self.ring.range_m(p).min(self.ring.range_m(q));
-        is_across && nearer_m < FAR_SHARE * self.ring.range_max_m && self.is_dark((p, q)) && !self.is_shaded((p, q))
+        let is_near = nearer_m < FAR_SHARE * self.ring.range_max_m;
+        let behind_m = self.dark_rad((p, q)) * self.ring.range_max_m;
+        let is_empty = self.is_dark((p, q)) && !self.is_shaded((p, q));
+        is_empty && is_across && is_near && behind_m < BEHIND_DOOR_SHARE * self.size_m
     }
 
     /// How far apart the ends of a gap are that is a way on because there is nothing in it: where no beams get lost,
