@@ -182,7 +182,7 @@ impl<'a> Judge<'a> {
         let Some(gap) = self.gap(a, b) else { return true };
         let [clear_m, _] = gap.clear_and_farther_m();
         let are_apart = clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends);
-        are_apart && !self.hides_nothing(&gap, gap.turns())
+        are_apart && !self.hides_nothing(&gap)
     }
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for

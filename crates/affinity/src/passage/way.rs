@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
-use super::ring::{Position, turn_rad};
+use super::ring::{Position, Ring, turn_rad};
 use super::tangent::{End, tangent};
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
@@ -38,8 +38,10 @@ const FORK_BUMPS: f64 = 60.0;
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
-/// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls.
+/// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls;
+/// by that line it hides nothing up to this share of the angle.
 const LONG_M: f64 = 3.0;
+const BEHIND_LONG_SHARE: f64 = 0.5;
 const LONG_BUMPS: f64 = 4.0;
 
 /// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
@@ -89,7 +91,7 @@ impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap; 0 if it hides nothing.
     pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
         let room = self.room_if(gap, turns);
-        if room >= 1.0 && self.is_in_long_line(gap, turns) { 0.0 } else { room }
+        if room >= 1.0 && self.is_in_long_line(gap) { 0.0 } else { room }
     }
 
     /// The same if the wall turned as much as that, and its end did not lie on a bump.
@@ -98,7 +100,7 @@ impl Judge<'_> {
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
     pub(super) fn room_if(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
-        if self.is_in_line(gap, turns.near_rad) {
+        if self.is_in_line(gap) {
             return 0.0;
         }
         let (is_dark, is_shaded) = (self.is_dark(gap.ends), self.is_shaded(gap.ends));
@@ -156,34 +158,33 @@ impl Judge<'_> {
 
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
-    pub(super) fn hides_nothing(&self, gap: &Gap<'_>, turns: Turns) -> bool {
-        self.is_in_line(gap, turns.near_rad) || self.is_in_long_line(gap, turns)
+    pub(super) fn hides_nothing(&self, gap: &Gap<'_>) -> bool {
+        self.is_in_line(gap) || self.is_in_long_line(gap)
     }
 
-    /// The same, if the nearer wall turns by so much at its end.
-    fn is_in_line(&self, gap: &Gap<'_>, near_rad: f64) -> bool {
+    /// The same of the line over the length of wall that directions are taken of.
+    fn is_in_line(&self, gap: &Gap<'_>) -> bool {
+        has_no_beam(self.ring, gap)
+            && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after }, BEHIND_LINE_SHARE)
+    }
+
+    /// The same of that over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
+    fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
+        has_no_beam(self.ring, gap)
+            && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward, BEHIND_LONG_SHARE))
+    }
+
+    /// Whether the farther wall begins where the nearer one goes on that runs in this direction towards its end, in front of
+    /// it, or behind it by less than this share of the angle at which it is seen.
+    fn goes_on_along(&self, gap: &Gap<'_>, onward: Position, behind_share: f64) -> bool {
         let (p, q) = gap.ends;
-        if self.ring.beams_from(p, q) != 1 || near_rad >= self.limits.straight_rad {
-            return false;
-        }
-        let (end, onward) = if gap.a_is_nearer { (p, gap.before) } else { (q, -gap.after) };
+        let (end, turned_rad) =
+            if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        near_rad >= -BEHIND_LINE_SHARE * seen_at_rad
+        (-behind_share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
     }
 
-    /// The same of the line that the nearer wall has over [`LONG_M`].
-    fn is_in_long_line(&self, gap: &Gap<'_>, turns: Turns) -> bool {
-        if self.ring.beams_from(gap.ends.0, gap.ends.1) != 1 || turns.near_rad >= self.limits.straight_rad {
-            return false;
-        }
-        let near_rad = self
-            .long_line(gap)
-            .map(|onward| if gap.a_is_nearer { turn_rad(onward, gap.chord) } else { turn_rad(gap.chord, -onward) });
-        near_rad.is_some_and(|near_rad| self.is_in_line(gap, near_rad))
-    }
-
-    /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there: its end may lie
-    /// on a bump.
+    /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
     fn long_line(&self, gap: &Gap<'_>) -> Option<Position> {
         let (near, end) = if gap.a_is_nearer { (gap.a, End::Last) } else { (gap.b, End::First) };
         let from_end_m = |k: usize| self.ring.position_m(end.at(near, k)) - self.ring.position_m(end.at(near, 0));
@@ -279,4 +280,9 @@ impl Judge<'_> {
         let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)));
         is_blank.then_some(BLANK_SHARE * self.size_m)
     }
+}
+
+/// Whether no beam looks into the gap: the ends are seen by two that follow each other.
+fn has_no_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
+    ring.beams_from(gap.ends.0, gap.ends.1) == 1
 }
