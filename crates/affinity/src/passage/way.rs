@@ -41,7 +41,7 @@ const BEHIND_LINE_SHARE: f64 = 0.3;
 /// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls;
 /// by that line it hides nothing up to this share of the angle.
 const LONG_M: f64 = 3.0;
-const BEHIND_LONG_SHARE: f64 = 0.5;
+const BEHIND_LONG_SHARE: f64 = 0.4;
 const LONG_BUMPS: f64 = 4.0;
 
 /// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
