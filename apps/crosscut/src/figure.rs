@@ -12,8 +12,11 @@ const WALLS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00",
 const NO_WALL: &str = "#8c8c8c";
 const INK: &str = "#333333";
 
-/// Half the side of a panel, in metres and units of the figure: the range of the lidar and a margin.
+/// Half the side of a panel, in units of the figure: metres, unless returns lie farther off.
 const HALF_M: f64 = 16.0;
+const MARGIN_M: f64 = 1.0;
+/// So many of them are drawn within it, whatever single readings say.
+const SHOWN_SHARE: f64 = 0.98;
 const TITLE_M: f64 = 3.0;
 /// A panel with its title, and what lies between panels.
 const WIDTH_M: f64 = 2.0 * HALF_M + 1.0;
@@ -66,24 +69,44 @@ impl Panel {
             .set("y", -HALF_M - 0.25 * TITLE_M)
             .set("text-anchor", "middle")
             .set("fill", INK);
-        let vehicle = Circle::new().set("r", 0.35).set("fill", INK);
-        let nose = Line::new().set("y2", -1.2).set("stroke", INK).set("stroke-width", 0.2);
-        let mut group = Group::new().add(frame).add(title);
+        let (panel, units_per_m) = (Group::new().add(frame).add(title), self.units_per_m());
+        if units_per_m < 1.0 {
+            let scaled = Group::new().set("transform", format!("scale({units_per_m:.3})"));
+            panel.add(self.scene(scaled, HALF_M / units_per_m))
+        } else {
+            self.scene(panel, HALF_M)
+        }
+    }
+
+    /// Adds ways on, walls and the vehicle to a group, as far as this to each side.
+    fn scene(&self, mut group: Group, half_m: f64) -> Group {
         for opening in &self.openings {
             group = group.add(way_on(*opening));
         }
-        for path in self.walls() {
+        for path in self.walls(half_m) {
             group = group.add(path);
         }
+        let vehicle = Circle::new().set("r", 0.35).set("fill", INK);
+        let nose = Line::new().set("y2", -1.2).set("stroke", INK).set("stroke-width", 0.2);
         group.add(vehicle).add(nose)
     }
 
-    /// A path of dots for each wall, and one for the returns of no wall.
-    fn walls(&self) -> impl Iterator<Item = Path> {
+    /// 1, or less where that would leave too many returns outside.
+    fn units_per_m(&self) -> f64 {
+        let mut reach_m: Vec<f64> = self.returns_m.iter().map(|[x_m, y_m]| x_m.abs().max(y_m.abs())).collect();
+        reach_m.sort_by(f64::total_cmp);
+        let last_shown = (SHOWN_SHARE * reach_m.len() as f64) as usize;
+        reach_m.get(last_shown).map_or(1.0, |reach_m| ((HALF_M - MARGIN_M) / reach_m).min(1.0))
+    }
+
+    /// A path of dots for each wall, and one for the returns of no wall, as far as this to each side.
+    fn walls(&self, half_m: f64) -> impl Iterator<Item = Path> {
         let last = self.wall_of_return.iter().flatten().max().copied();
         let numbers = std::iter::once(None).chain((0..=last.unwrap_or(0)).map(Some));
-        numbers.filter_map(|number| {
-            let of_wall = self.returns_m.iter().zip(&self.wall_of_return).filter(|(_, wall)| **wall == number);
+        let is_shown = move |[x_m, y_m]: &[f64; 2]| x_m.abs() < half_m && y_m.abs() < half_m;
+        numbers.filter_map(move |number| {
+            let shown = self.returns_m.iter().zip(&self.wall_of_return).filter(move |(at_m, _)| is_shown(at_m));
+            let of_wall = shown.filter(|(_, wall)| **wall == number);
             // A line of no length with a round cap is a dot.
             let dots: String = of_wall.map(|([x_m, y_m], _)| format!("M{:.2} {:.2}h0", -y_m, -x_m)).collect();
             let colour = number.map_or(NO_WALL, |number| WALLS[number as usize % WALLS.len()]);
