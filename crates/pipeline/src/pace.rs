@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 /// A wait looks this often whether it is over.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// A longer pause of the stamps is not waited for: the clock was set, or another recording begins.
+/// A longer pause of the stamps, or step back, is not waited for: the clock was set, or another recording begins.
 const LONGEST_PAUSE_NS: u64 = 10_000_000_000;
 
 /// Releases revolutions at a multiple of the pace at which the sensor stamped them.
@@ -22,8 +22,7 @@ impl Pace {
     }
 
     /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait
-    /// began too late. One from before the revolution before, or from long after it, is due at once. `is_over` ends the
-    /// wait.
+    /// began too late. One from long before or after the revolution before is due at once. `is_over` ends the wait.
     pub(crate) fn wait_for(&mut self, stamp_ns: u64, is_over: impl Fn() -> bool) -> Instant {
         let due = self.due(stamp_ns).unwrap_or_else(Instant::now);
         self.previous = Some((due, stamp_ns));
@@ -42,8 +41,9 @@ impl Pace {
     /// When the revolution with this stamp is due; `None` if nothing says when.
     fn due(&self, stamp_ns: u64) -> Option<Instant> {
         let (due, previous_ns) = self.previous?;
-        let pause_ns = stamp_ns.checked_sub(previous_ns).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
-        due.checked_add(Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).ok()?)
+        let pause_ns = Some(stamp_ns.abs_diff(previous_ns)).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
+        let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).ok()?;
+        if stamp_ns >= previous_ns { due.checked_add(pause) } else { due.checked_sub(pause) }
     }
 }
 

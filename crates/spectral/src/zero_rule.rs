@@ -6,7 +6,7 @@ pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
     name: "zero_tolerance",
     unit: "",
     shape: Shape::Number { default: 1e-7, range: Interval::closed(1e-14, 2.0) },
-    doc: "τ: eigenvalues of the Laplacian below it count as zero; what is less is rounding",
+    doc: "τ: eigenvalues of the Laplacian below it count as zero; at least 1e-14, as smaller ones are rounding",
 };
 
 /// How the zero eigenvalues are told from the others.

@@ -20,9 +20,9 @@ impl Notes {
         self.0.iter().map(String::as_str)
     }
 
-    /// What `note` says but for its numbers: "3 beams masked" is of the same kind as "4 beams masked".
+    /// What `note` says but for its numbers, and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
     pub fn kind_of(note: &str) -> String {
-        note.chars().filter(|c| !c.is_ascii_digit()).collect()
+        note.chars().filter(|c| !c.is_ascii_digit() && *c != 's').collect()
     }
 
     /// Whether nothing was noted.

@@ -103,7 +103,8 @@ pub trait Source: Send {
 pub struct SourceError(pub String);
 
 /// Sees every finished frame, in order, on a thread of its own, after the results were written; and the one that failed, if
-/// a stage did, after all others.
+/// a stage did, after all others. Of that one `revolution`, `notes` and `failure` hold; what the step that failed and those
+/// after it should have made may be of an earlier revolution.
 pub trait Observer: Send {
     /// Looks at one frame.
     ///

@@ -150,7 +150,7 @@ fn problems(
     if reordered > 0 {
         let scans = counted(reordered, "scan");
         problems.push(format!(
-            "note: time goes back at {scans}; times mean little unless these are the parts of one flight, in order"
+            "note: time goes back at {scans}; times mean little if these are not the parts of one flight, in order"
         ));
     }
     if summaries.iter().any(|summary| matches!(summary.end, End::Interrupted)) {

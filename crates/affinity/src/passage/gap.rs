@@ -51,7 +51,7 @@ pub(super) struct Judge<'a> {
     pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
     pub(super) lost_beams: u32,
-    /// At how many places there some are.
+    /// At how many such places any are.
     pub(super) lossy_places: u32,
 }
 
@@ -207,7 +207,7 @@ impl<'a> Judge<'a> {
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 
-    /// Whether what is in the gap cannot be seen: half of the beams into it, or more, end at islands, or were lost.
+    /// Whether what is in the gap cannot be seen: more than half of the beams into it end at islands, or were lost.
     pub(super) fn is_hidden(&self, (p, q): (usize, usize)) -> bool {
         let dark = self.ring.dark_between(p, q) as usize;
         let is_lost = || !self.is_dark((p, q)) || self.unlost_share((p, q)).is_none();

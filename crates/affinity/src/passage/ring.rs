@@ -139,14 +139,14 @@ impl Ring {
         self.has_islands = true;
     }
 
-    /// Whether half of the beams after a return and before another one, or more, end at islands.
+    /// Whether more than half of the beams after a return and before another one end at islands.
     pub(super) fn is_shaded(&self, from: usize, to: usize) -> bool {
         if !self.has_islands || from == to {
             return false;
         }
         let onward = (from + 1..self.len()).chain(0..from).take_while(|&i| i != to);
         let shaded = onward.filter(|&i| self.returns[i].is_of_island).count();
-        shaded > 0 && 2 * shaded >= self.beams_from(from, to)
+        2 * shaded >= self.beams_from(from, to)
     }
 
     /// How many beams between a return and a later one came back with nothing.

@@ -79,8 +79,8 @@ const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
 const BLANK_SHARE: f64 = 0.9;
-/// Where beams are lost at no more places than this, itself among them, a gap in which nothing is seen is a door, if it is so
-/// many times as wide as the vehicle, and is seen at more than 45°.
+/// Where beams are lost at no more places than this, a gap in which nothing is seen is a door, if it is so many times as wide
+/// as the vehicle, and is seen at more than 45°. It is such a place itself, where the wall clearly goes on behind it.
 const LOSSY_PLACES: u32 = 1;
 const DOOR_SHARE: f64 = 1.75;
 const ACROSS: f64 = FRAC_1_SQRT_2;
@@ -174,8 +174,9 @@ impl Judge<'_> {
             && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward, BEHIND_LONG_SHARE))
     }
 
-    /// Whether the farther wall begins where the nearer one goes on that runs in this direction towards its end, in front of
-    /// it, or behind it by less than this share of the angle at which it is seen.
+    /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
+    /// in front of that line by less than `straight_deg`, or behind it by less than this share of the angle at which the
+    /// nearer wall is seen.
     fn goes_on_along(&self, gap: &Gap<'_>, onward: Position, behind_share: f64) -> bool {
         let (p, q) = gap.ends;
         let (end, turned_rad) =
@@ -268,17 +269,16 @@ impl Judge<'_> {
         is_empty && is_across && is_near && behind_m < BEHIND_DOOR_SHARE * self.size_m
     }
 
-    /// How far apart the ends of a gap are that is a way on because there is nothing in it: where no beams get lost,
-    /// nothing is seen; else over so wide an angle, or, far off, over so wide a patch, by more beams than get lost
-    /// elsewhere.
+    /// How far apart the ends of a gap must be for it to be a way on because nothing is seen in it; `None` if that is no
+    /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch.
     pub(super) fn blank_needs_m(&self, (p, q): (usize, usize)) -> Option<f64> {
-        if self.lossy_places <= LOSSY_PLACES && self.is_door((p, q)) {
-            return Some(DOOR_SHARE * self.limits.passage_m);
-        }
+        let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door((p, q));
+        let door_m = is_door.then_some(DOOR_SHARE * self.limits.passage_m);
         let (dark_rad, nearer_m) = (self.dark_rad((p, q)), self.ring.range_m(p).min(self.ring.range_m(q)));
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
         let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)));
-        is_blank.then_some(BLANK_SHARE * self.size_m)
+        let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);
+        [door_m, blank_m].into_iter().flatten().min_by(f64::total_cmp)
     }
 }
 

@@ -17,8 +17,8 @@
 //!
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
 //! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
-//! at most one opening then, of those in free space: that into which most is seen, or the widest; in the shadow of a
-//! pillar only if there is no other. By either rule no opening is narrower than the vehicle.
+//! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one; of those, the
+//! one with the widest stretch of beams that came back with nothing; of equal ones, the widest. By either rule no opening is narrower than the vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
 //! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
@@ -35,7 +35,9 @@
 //! ```
 //! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
 //! From an edge more than 8 m away, walls may lead around a chamber instead of along a branch: where n and f lie on the
-//! other side of the sensor, or so much farther from each other than the edge is wide, the edge is the mouth.
+//! other side of the sensor, or so much farther from each other than the walls are at the edge, the ends of the edge take
+//! their place. A mouth that does not lie ahead is replaced by the edge, a bearing that does not by the direction in which
+//! the middle of the edge is seen.
 //! Of a branch that is cut by the end of the view both are those of the part in view.
 
 mod edge;
@@ -76,7 +78,7 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     let branches = match rule {
         Rule::FreeSpace => view.in_free_space(),
         Rule::BetweenWalls if !one_wall => view.between_walls(),
-        Rule::BetweenWalls if ring.full_turn => plainest(view.in_free_space()),
+        Rule::BetweenWalls if ring.full_turn => plainest(view.in_free_space(), vehicle_width_m),
         Rule::BetweenWalls => Vec::new(),
     };
     out.clear();
@@ -104,13 +106,12 @@ pub(crate) fn sees_all(ring: &Ring) -> bool {
     ring.full_turn && (!ring.beams.contains(&Beam::Unknown) || knows_all())
 }
 
-/// That into which most is seen; of those into which nothing is, the widest. In shadow only if there is no other.
-fn plainest(branches: Vec<Branch>) -> Vec<Branch> {
-    let plain = |branch: &Branch| [if branch.is_shaded { 0.0 } else { 1.0 }, branch.dark_m, branch.opening.width_m];
-    let plainest = branches.into_iter().max_by(|a, b| {
-        let [a, b] = [plain(a), plain(b)];
-        a.partial_cmp(&b).unwrap_or(Ordering::Equal)
-    });
+/// Of the branches that are wide enough, one in no shadow, if there is such a one; of those, the one with the widest stretch
+/// of beams that came back with nothing; of equal ones, the widest.
+fn plainest(mut branches: Vec<Branch>, vehicle_width_m: f64) -> Vec<Branch> {
+    let plain = |branch: &Branch| (!branch.is_shaded, branch.dark_m, branch.opening.width_m);
+    branches.retain(|branch| branch.opening.width_m >= vehicle_width_m);
+    let plainest = branches.into_iter().max_by(|a, b| plain(a).partial_cmp(&plain(b)).unwrap_or(Ordering::Equal));
     plainest.into_iter().collect()
 }
 
@@ -120,7 +121,7 @@ struct Branch {
     middle_m: Position,
     /// How wide the beams into it that came back with nothing are, at the nearer end of its edge.
     dark_m: f64,
-    /// Half of what is in its edge, or more, is hidden by pillars.
+    /// More than half of what is in its edge is hidden by pillars.
     is_shaded: bool,
 }
 
@@ -206,7 +207,7 @@ impl View<'_> {
         let (edge_m, towards) = (sides.edge_m(), sides.towards());
         let is_ahead = |[a, b]: [Position; 2]| (a + b).dot(&towards) > 0.0;
         let length_m = |[a, b]: [Position; 2]| (a - b).norm();
-        let of_branch = |anchors_m: &_| is_ahead(*anchors_m) && length_m(*anchors_m) <= WIDENS * length_m(edge_m);
+        let of_branch = |anchors_m: &_| is_ahead(*anchors_m) && length_m(*anchors_m) <= WIDENS * sides.width_m();
         let anchors_m = Some(sides.anchors_m()).filter(of_branch).unwrap_or(edge_m);
         let mouth_m = Some(sides.mouth_m(anchors_m)).filter(|mouth_m| is_ahead(*mouth_m)).unwrap_or(edge_m);
         let (middle_m, width_m) = (0.5 * (mouth_m[0] + mouth_m[1]), length_m(mouth_m));

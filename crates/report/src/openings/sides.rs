@@ -110,6 +110,14 @@ impl<'a> Sides<'a> {
         [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].position_m)
     }
 
+    /// How far the walls are apart at the edge; a stray return at the end of one does not count.
+    pub(super) fn width_m(&self) -> f64 {
+        let last_two_m = |side: Side| side.along(self.ring).take(2).map(|entry| entry.position_m);
+        let across_m =
+            last_two_m(self.clockwise).flat_map(|a| last_two_m(self.anticlockwise).map(move |b| (a - b).norm()));
+        across_m.fold(0.0, f64::max)
+    }
+
     /// The direction in which the middle of the edge is seen.
     pub(super) fn towards(&self) -> Position {
         let [from_m, to_m] = self.edge_m();
@@ -122,10 +130,10 @@ impl<'a> Sides<'a> {
         self.ring.between(self.clockwise.at, self.anticlockwise.at)
     }
 
-    /// Whether half of those, or more, end at pillars, or at returns of no wall.
+    /// Whether more than half of those end at pillars, or at returns of no wall.
     pub(super) fn is_shaded(&self) -> bool {
         let shaded = self.between().filter(|beam| matches!(beam, Beam::Return(_))).count();
-        shaded > 0 && 2 * shaded > self.between().count()
+        2 * shaded > self.between().count()
     }
 
     /// Whether one of those came back with nothing.
