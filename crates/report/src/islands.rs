@@ -217,6 +217,30 @@ mod tests {
         assert_eq!(marked(two, [0, 1, 0, 1, 0, 1, 0, 1], 5.0), [false, false], "something is a wall");
     }
 
+    #[test]
+    fn beside_the_end_of_a_limited_view_a_short_piece_is_an_island_if_there_is_room_that_is_known_to_be_free() {
+        let is_island = |beside: Beam, beams_beside: usize| {
+            let ranges_m = [3.0, 3.0, 6.0, 6.0, 6.0];
+            let step_rad = 10f64.to_radians();
+            let bearings_rad: Vec<f64> = (0..beams_beside + 5).map(|beam| beam as f64 * step_rad).collect();
+            let seen = ranges_m.iter().zip(&bearings_rad[beams_beside..]);
+            let points_m = seen.map(|(r, b)| Point::new(r * b.cos(), r * b.sin(), 0.0)).collect();
+            let revolution = Revolution { points_m, ..Revolution::default() };
+            let beams = std::iter::repeat_n(beside, beams_beside).chain((0..5).map(Beam::Return)).collect();
+            let sweep = Sweep { beams, step_rad, full_turn: false, bearings_rad, ..Sweep::default() };
+            let wall = |id| Wall { id, returns: 2, bearing_rad: [0.0; 2], island: false };
+            let wall_of_return = [0, 0, 1, 1, 1].map(Some).to_vec();
+            let mut junction = Junction { walls: vec![wall(0), wall(1)], wall_of_return, ..Junction::default() };
+            let mut ring = Ring::default();
+            ring.fill(&revolution, &sweep, &junction.wall_of_return);
+            mark(&revolution, &Limits { island_m: 2.0, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
+            junction.walls[0].island
+        };
+        assert!(is_island(Beam::NoReturn, 3), "1 m");
+        assert!(!is_island(Beam::NoReturn, 2), "0.5 m");
+        assert!(!is_island(Beam::Unknown, 3) && !is_island(Beam::Unknown, 0), "cut by the end of the view");
+    }
+
     /// A right wall that ends 4 m ahead, a piece 6 m ahead whose ends lie `piece_m` to the left, and a left wall 6 m
     /// long that runs `left_deg` off the right one. Whether the piece is an island.
     fn piece_in_way(piece_m: [f64; 2], left_deg: f64) -> bool {

@@ -14,12 +14,16 @@ fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
     openings_of(&scan(segments, 360, |_| false))
 }
 
-fn openings_of((revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+fn openings_of(scan: &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+    openings_by(Rule::FreeSpace, scan)
+}
+
+fn openings_by(rule: Rule, (revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
     let (mut ring, mut found) = (Ring::default(), Vec::new());
     if let Some(sweep) = &revolution.sweep {
         ring.fill(revolution, sweep, walls);
     }
-    find(Rule::FreeSpace, revolution, &ring, 0.6, &mut found);
+    find(rule, revolution, &ring, 0.6, &mut found);
     found
 }
 
@@ -222,6 +226,38 @@ fn sparse_returns_at_grazing_incidence_are_no_opening_within_one_wall() {
 fn no_returns_have_no_openings() {
     assert!(openings_of(&(Revolution::default(), Vec::new())).is_empty());
     assert!(openings(&[]).is_empty(), "nothing hit at all");
+}
+
+#[test]
+fn a_stray_return_at_the_end_of_what_is_seen_of_a_wall_does_not_narrow_the_way_on() {
+    let mut with_stray = tunnel();
+    with_stray.push((Segment([14.5, 1.0], [14.5, 1.3]), 1));
+    let found = openings(&with_stray);
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert_opening(found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead"), 0.0, 3.5);
+}
+
+#[test]
+fn the_way_out_of_a_dead_end_is_the_one_that_is_seen_to_be_dark_and_not_a_wider_hidden_corner() {
+    let corners = [
+        [-30.0, 1.75],
+        [0.5, 1.75],
+        [0.5, 6.0], // a bay whose near side is hidden
+        [7.0, 6.0],
+        [7.0, 1.75],
+        [8.0, 1.75],
+        [8.0, -4.0],
+        [-2.0, -4.0],
+        [-2.0, -1.75],
+        [-30.0, -1.75],
+    ];
+    let wall: Vec<_> = corners.windows(2).map(|ends| (Segment(ends[0], ends[1]), 0)).collect();
+    let scan = scan(&wall, 360, |_| false);
+    let hidden = openings_of(&scan).iter().map(|opening| opening.width_m).fold(0.0, f64::max);
+    assert!(hidden > 4.0, "the bay is wider than the tunnel: {hidden}");
+    let found = openings_by(Rule::BetweenWalls, &scan);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_opening(&found[0], PI, 3.5);
 }
 
 #[test]

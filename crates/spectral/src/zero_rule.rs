@@ -42,3 +42,18 @@ impl ZeroRule {
         spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_eigenvalue_is_zero_whatever_rounding_made_of_it_and_no_eigenvalues_are_none() {
+        let k = |eigenvalues: &[f64]| {
+            let mut spectrum = Spectrum { eigenvalues: eigenvalues.to_vec(), ..Spectrum::default() };
+            ZeroRule::Tolerance(1e-14).count(&mut spectrum, eigenvalues.len());
+            spectrum.k
+        };
+        assert_eq!((k(&[2e-14, 1.0]), k(&[1e-15, 1e-15, 1.0]), k(&[])), (1, 2, 0));
+    }
+}

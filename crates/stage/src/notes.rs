@@ -35,3 +35,14 @@ impl Notes {
         self.0.clear();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_of_one_and_of_several_are_of_one_kind() {
+        assert_eq!(Notes::kind_of("1 beam masked"), Notes::kind_of("23 beams masked"));
+        assert_ne!(Notes::kind_of("1 beam masked"), Notes::kind_of("1 beam left out"));
+    }
+}
