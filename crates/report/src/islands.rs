@@ -168,21 +168,22 @@ mod tests {
 
     /// Eight beams all around, one wall label for each.
     fn marked(ranges_m: [f64; 8], labels: [u32; 8], island_m: f64) -> Vec<bool> {
-        let bearings_rad: Vec<f64> = (0..8).map(|beam| f64::from(beam) * std::f64::consts::FRAC_PI_4).collect();
-        let points = ranges_m.iter().zip(&bearings_rad).map(|(r, b)| Point::new(r * b.cos(), r * b.sin(), 0.0));
+        let step_rad = std::f64::consts::FRAC_PI_4;
+        let beams = (0..8).map(Beam::Return).collect();
+        marked_in(Sweep { beams, step_rad, full_turn: true, ..Sweep::default() }, &ranges_m, &labels, island_m)
+    }
+
+    /// A sweep from bearing 0 on, with a range and a wall label for each return.
+    fn marked_in(mut sweep: Sweep, ranges_m: &[f64], labels: &[u32], island_m: f64) -> Vec<bool> {
+        sweep.bearings_rad = (0..sweep.len()).map(|beam| beam as f64 * sweep.step_rad).collect();
+        let returns = sweep.beams.iter().zip(&sweep.bearings_rad).filter(|(beam, _)| matches!(beam, Beam::Return(_)));
+        let points = ranges_m.iter().zip(returns).map(|(r, (_, b))| Point::new(r * b.cos(), r * b.sin(), 0.0));
         let revolution = Revolution { points_m: points.collect(), ..Revolution::default() };
-        let sweep = Sweep {
-            beams: (0..8).map(Beam::Return).collect(),
-            step_rad: std::f64::consts::FRAC_PI_4,
-            full_turn: true,
-            bearings_rad,
-            ..Sweep::default()
-        };
-        let walls = 1 + *labels.iter().max().expect("eight");
+        let walls = 1 + *labels.iter().max().expect("some");
         let wall = |id| Wall { id, returns: 1, bearing_rad: [0.0; 2], island: false };
         let mut junction = Junction {
             walls: (0..walls).map(wall).collect(),
-            wall_of_return: labels.map(Some).to_vec(),
+            wall_of_return: labels.iter().copied().map(Some).collect(),
             ..Junction::default()
         };
         let mut ring = Ring::default();
@@ -220,21 +221,9 @@ mod tests {
     #[test]
     fn beside_the_end_of_a_limited_view_a_short_piece_is_an_island_if_there_is_room_that_is_known_to_be_free() {
         let is_island = |beside: Beam, beams_beside: usize| {
-            let ranges_m = [3.0, 3.0, 6.0, 6.0, 6.0];
-            let step_rad = 10f64.to_radians();
-            let bearings_rad: Vec<f64> = (0..beams_beside + 5).map(|beam| beam as f64 * step_rad).collect();
-            let seen = ranges_m.iter().zip(&bearings_rad[beams_beside..]);
-            let points_m = seen.map(|(r, b)| Point::new(r * b.cos(), r * b.sin(), 0.0)).collect();
-            let revolution = Revolution { points_m, ..Revolution::default() };
             let beams = std::iter::repeat_n(beside, beams_beside).chain((0..5).map(Beam::Return)).collect();
-            let sweep = Sweep { beams, step_rad, full_turn: false, bearings_rad, ..Sweep::default() };
-            let wall = |id| Wall { id, returns: 2, bearing_rad: [0.0; 2], island: false };
-            let wall_of_return = [0, 0, 1, 1, 1].map(Some).to_vec();
-            let mut junction = Junction { walls: vec![wall(0), wall(1)], wall_of_return, ..Junction::default() };
-            let mut ring = Ring::default();
-            ring.fill(&revolution, &sweep, &junction.wall_of_return);
-            mark(&revolution, &Limits { island_m: 2.0, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
-            junction.walls[0].island
+            let sweep = Sweep { beams, step_rad: 10f64.to_radians(), full_turn: false, ..Sweep::default() };
+            marked_in(sweep, &[3.0, 3.0, 6.0, 6.0, 6.0], &[0, 0, 1, 1, 1], 2.0)[0]
         };
         assert!(is_island(Beam::NoReturn, 3), "1 m");
         assert!(!is_island(Beam::NoReturn, 2), "0.5 m");

@@ -20,7 +20,6 @@ pub(super) struct Ring {
     pub(super) clockwise: bool,
     /// How many beams came back with nothing.
     dark: u32,
-    has_islands: bool,
 }
 
 /// One return.
@@ -48,7 +47,7 @@ impl Ring {
         let view = sweep.view();
         (self.beams, self.step_rad, self.full_turn) = (view.len, sweep.step_rad, view.full_turn);
         self.range_max_m = sweep.range_max_m;
-        (self.dark, self.has_islands) = (0, false);
+        self.dark = 0;
         for (beam, seen) in sweep.beams.iter().enumerate() {
             let Beam::Return(number) = *seen else {
                 self.dark += u32::from(*seen == Beam::NoReturn);
@@ -136,17 +135,17 @@ impl Ring {
     /// From now on a return is of an island.
     pub(super) fn take_for_island(&mut self, i: usize) {
         self.returns[i].is_of_island = true;
-        self.has_islands = true;
     }
 
     /// Whether more than half of the beams after a return and before another one end at islands.
     pub(super) fn is_shaded(&self, from: usize, to: usize) -> bool {
-        if !self.has_islands || from == to {
-            return false;
+        let beams = self.beams_from(from, to);
+        if beams < 2 {
+            return false; // none between them
         }
         let onward = (from + 1..self.len()).chain(0..from).take_while(|&i| i != to);
         let shaded = onward.filter(|&i| self.returns[i].is_of_island).count();
-        2 * shaded >= self.beams_from(from, to)
+        2 * shaded >= beams
     }
 
     /// How many beams between a return and a later one came back with nothing.

@@ -246,6 +246,11 @@ impl Judge<'_> {
         self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
     }
 
+    /// The range of the nearer end of a gap.
+    fn nearer_m(&self, (p, q): (usize, usize)) -> f64 {
+        self.ring.range_m(p).min(self.ring.range_m(q))
+    }
+
     /// The angle in which nothing is seen.
     fn dark_rad(&self, (p, q): (usize, usize)) -> f64 {
         f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
@@ -262,8 +267,7 @@ impl Judge<'_> {
         let (from_m, to_m) = (self.ring.position_m(p), self.ring.position_m(q));
         let (chord, middle_m) = (to_m - from_m, 0.5 * (from_m + to_m));
         let is_across = chord.perp(&middle_m).abs() > ACROSS * chord.norm() * middle_m.norm();
-        let nearer_m = self.ring.range_m(p).min(self.ring.range_m(q));
-        let is_near = nearer_m < FAR_SHARE * self.ring.range_max_m;
+        let is_near = self.nearer_m((p, q)) < FAR_SHARE * self.ring.range_max_m;
         let behind_m = self.dark_rad((p, q)) * self.ring.range_max_m;
         let is_empty = self.is_dark((p, q)) && !self.is_shaded((p, q));
         is_empty && is_across && is_near && behind_m < BEHIND_DOOR_SHARE * self.size_m
@@ -271,12 +275,12 @@ impl Judge<'_> {
 
     /// How far apart the ends of a gap must be for it to be a way on because nothing is seen in it; `None` if that is no
     /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch.
-    pub(super) fn blank_needs_m(&self, (p, q): (usize, usize)) -> Option<f64> {
-        let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door((p, q));
+    pub(super) fn blank_needs_m(&self, ends: (usize, usize)) -> Option<f64> {
+        let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(ends);
         let door_m = is_door.then_some(DOOR_SHARE * self.limits.passage_m);
-        let (dark_rad, nearer_m) = (self.dark_rad((p, q)), self.ring.range_m(p).min(self.ring.range_m(q)));
+        let (dark_rad, nearer_m) = (self.dark_rad(ends), self.nearer_m(ends));
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
-        let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost((p, q)));
+        let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
         let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);
         [door_m, blank_m].into_iter().flatten().min_by(f64::total_cmp)
     }

@@ -18,7 +18,8 @@
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
 //! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
 //! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one; of those, the
-//! one with the widest stretch of beams that came back with nothing; of equal ones, the widest. By either rule no opening is narrower than the vehicle.
+//! one with the widest stretch of beams that came back with nothing; of equal ones, the widest. By either rule no opening is
+//! narrower than the vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
 //! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
@@ -212,15 +213,15 @@ impl View<'_> {
         let mouth_m = Some(sides.mouth_m(anchors_m)).filter(|mouth_m| is_ahead(*mouth_m)).unwrap_or(edge_m);
         let (middle_m, width_m) = (0.5 * (mouth_m[0] + mouth_m[1]), length_m(mouth_m));
         let lookout_m = sides.lookout_m(anchors_m, width_m).unwrap_or(middle_m);
+        let dark = sides.between().filter(|beam| *beam == Beam::NoReturn).count();
         let opening = Opening {
             bearing_rad: bearing_rad(if is_ahead([lookout_m; 2]) { lookout_m } else { towards }),
             width_m,
             walls: sides.walls(),
-            evidence: if sides.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
-            edge_m: sides.edge_m().map(point),
+            evidence: if dark > 0 { Evidence::NoReturn } else { Evidence::SeenThrough },
+            edge_m: edge_m.map(point),
             cut_by_view: false,
         };
-        let dark = sides.between().filter(|beam| *beam == Beam::NoReturn).count();
         let nearer_m = edge_m[0].norm().min(edge_m[1].norm());
         let dark_m = dark as f64 * self.ring.step_rad * nearer_m;
         Branch { opening, middle_m, dark_m, is_shaded: sides.is_shaded() }
