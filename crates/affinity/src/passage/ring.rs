@@ -139,13 +139,12 @@ impl Ring {
 
     /// Whether more than half of the beams after a return and before another one end at islands.
     pub(super) fn is_shaded(&self, from: usize, to: usize) -> bool {
-        let beams = self.beams_from(from, to);
-        if beams < 2 {
-            return false; // none between them
+        if to == from || to == from + 1 {
+            return false; // most often: none is between them
         }
-        let onward = (from + 1..self.len()).chain(0..from).take_while(|&i| i != to);
-        let shaded = onward.filter(|&i| self.returns[i].is_of_island).count();
-        2 * shaded >= beams
+        let between = (from + 1..self.len()).chain(0..from).take_while(|&i| i != to);
+        let shaded = between.filter(|&i| self.returns[i].is_of_island).count();
+        2 * shaded >= self.beams_from(from, to)
     }
 
     /// How many beams between a return and a later one came back with nothing.

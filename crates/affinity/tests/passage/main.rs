@@ -1,0 +1,149 @@
+//! The graph of passages on scenes computed by hand: straight walls, one ray per degree, range limit 15 m.
+
+mod dead_ends;
+mod pillars;
+mod verdicts;
+mod ways;
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_affinity::Passage;
+use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, Sweep, Value, wrap_angle_rad};
+
+/// A wall from one end to the other.
+pub(crate) type Segment = [[f64; 2]; 2];
+
+/// Edges between walls are weaker.
+pub(crate) const LEAK: f64 = 1e-5;
+
+/// Both walls of a tunnel along x, 4 m wide.
+pub(crate) const TUNNEL: [Segment; 2] = [[[-30.0, 2.0], [30.0, 2.0]], [[-30.0, -2.0], [30.0, -2.0]]];
+
+/// Where a ray from the origin meets a segment.
+fn hit_m([a, b]: &Segment, bearing_rad: f64) -> Option<f64> {
+    let ((dy, dx), (ex, ey)) = (bearing_rad.sin_cos(), (b[0] - a[0], b[1] - a[1]));
+    let det = ex * dy - ey * dx;
+    let (range_m, along) = ((ex * a[1] - ey * a[0]) / det, (dx * a[1] - dy * a[0]) / det);
+    (range_m > 0.0 && (0.0..=1.0).contains(&along)).then_some(range_m)
+}
+
+/// 360 beams from -π; `report` may change what a beam of this number reports.
+pub(crate) fn scan(segments: &[Segment], report: impl Fn(usize, Option<f64>) -> Option<f64>) -> Revolution {
+    scan_by(360, segments, report)
+}
+
+/// The same with so many beams.
+pub(crate) fn scan_by(
+    beams: usize,
+    segments: &[Segment],
+    report: impl Fn(usize, Option<f64>) -> Option<f64>,
+) -> Revolution {
+    let step_rad = TAU / beams as f64;
+    let (mut points_m, mut sweep) =
+        (Vec::new(), Sweep { step_rad, range_max_m: 15.0, full_turn: true, ..Sweep::default() });
+    for beam in 0..beams {
+        let bearing_rad = wrap_angle_rad(-PI + (beam as f64 + 0.5) * step_rad);
+        let seen_m = segments.iter().filter_map(|segment| hit_m(segment, bearing_rad)).min_by(f64::total_cmp);
+        sweep.bearings_rad.push(bearing_rad);
+        sweep.beams.push(match report(beam, seen_m.filter(|range_m| *range_m < 15.0)) {
+            Some(range_m) => {
+                points_m.push(Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0));
+                Beam::Return(points_m.len() as u32 - 1)
+            }
+            None => Beam::NoReturn,
+        });
+    }
+    Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }
+}
+
+/// As reported.
+pub(crate) fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
+    range_m
+}
+
+/// The tunnel with a side branch of that width, of which the far wall is seen and none of the near one.
+pub(crate) fn with_branch(width_m: f64) -> Vec<Segment> {
+    with_branch_at(3.0, width_m)
+}
+
+/// The same, so many metres ahead.
+pub(crate) fn with_branch_at(near_m: f64, width_m: f64) -> Vec<Segment> {
+    let far_m = near_m + width_m;
+    let left = [[[-30.0, 2.0], [near_m, 2.0]], [[near_m, 2.0], [near_m, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
+    [&left[..], &[[[far_m, 2.0], [30.0, 2.0]], TUNNEL[1]]].concat()
+}
+
+/// Sizes of the components of the graph without its leaks, largest first.
+pub(crate) fn components(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<usize> {
+    let mut affinity = Affinity::default();
+    let mut stage = Passage::new(settings).expect("allowed");
+    stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+    let mut component: Vec<usize> = (0..revolution.len()).collect();
+    for _ in 0..revolution.len() {
+        affinity.weights.for_each(|i, j, weight| {
+            if weight > LEAK {
+                component[i] = component[i].min(component[j]);
+            }
+        });
+    }
+    let size = |root: usize| component.iter().filter(|c| **c == root).count();
+    let mut sizes: Vec<usize> = (0..revolution.len()).map(size).filter(|size| *size > 0).collect();
+    sizes.sort_unstable_by(|a, b| b.cmp(a));
+    sizes
+}
+
+#[test]
+fn a_tunnel_is_two_walls_a_dead_end_one_and_a_crossing_four() {
+    let n = scan(&TUNNEL, all).len();
+    assert_eq!(components(&scan(&TUNNEL, all), &[]), [n / 2, n / 2]);
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    assert_eq!(components(&scan(&dead_end, all), &[]).len(), 1);
+    let corner =
+        |x: f64, y: f64| [[[x * 2.0, y * 2.0], [x * 2.0, y * 30.0]], [[x * 2.0, y * 2.0], [x * 30.0, y * 2.0]]];
+    let crossing = [corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0), corner(1.0, -1.0)].concat();
+    assert_eq!(components(&scan(&crossing, all), &[]).len(), 4);
+}
+
+#[test]
+fn a_piece_too_small_for_a_wall_is_one_if_the_end_of_the_view_cuts_it() {
+    let in_view_from_behind = |stub: Segment| {
+        let mut revolution = scan(&[[[3.0, -2.0], [3.0, 2.0]], stub], all);
+        revolution.sweep.as_mut().expect("a sweep").full_turn = false;
+        components(&revolution, &[("wall_deg", Value::Number(10.0))])
+    };
+    assert_eq!(in_view_from_behind([[-3.0, -0.26], [-3.0, 0.0]]), [68, 5]);
+    assert_eq!(in_view_from_behind([[-3.0, -0.76], [-3.0, -0.5]])[1], 1, "seen whole");
+}
+
+#[test]
+fn a_few_returns_amid_a_limited_view_are_no_wall_though_the_view_ends_without_a_lost_beam() {
+    let corners = [[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]];
+    let room: Vec<Segment> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let mut revolution = scan(&[&room[..], &[[[1.2, -0.04], [1.2, 0.04]]]].concat(), all);
+    revolution.sweep.as_mut().expect("a sweep").full_turn = false;
+    let settings = [("wall_deg", Value::Number(10.0)), ("island_m", Value::Number(0.0))];
+    assert_eq!(components(&revolution, &settings), [360]);
+}
+
+#[test]
+fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
+    let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
+    let sizes = components(&scan(&TUNNEL, dusty), &[]);
+    assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 8, 8), "{sizes:?}");
+    let own_rig = |beam: usize, range_m| if (80..100).contains(&beam) { Some(0.1) } else { range_m };
+    let hidden = scan(&TUNNEL, own_rig);
+    let sizes = components(&hidden, &[]);
+    assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
+    let mut notes = Notes::default();
+    Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
+    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m, tied to none";
+    assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
+}
+
+#[test]
+fn a_number_out_of_range_is_refused_by_its_name() {
+    for (name, bad) in [("passage_m", 0.0), ("straight_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
+        let refused = Passage::new(&[(name, Value::Number(bad))]).expect_err("must be refused");
+        assert_eq!(refused.name, name);
+    }
+}

@@ -1,0 +1,77 @@
+//! Pillars, and tips between branches that look like one.
+
+use std::f64::consts::TAU;
+
+use crate::{Segment, TUNNEL, all, components, scan};
+
+/// With twelve corners.
+fn pillar(centre_m: [f64; 2], radius_m: f64) -> Vec<Segment> {
+    let corner = |k: u32| {
+        let (sin, cos) = (f64::from(k) * TAU / 12.0).sin_cos();
+        [centre_m[0] + radius_m * cos, centre_m[1] + radius_m * sin]
+    };
+    (0..12).map(|k| [corner(k), corner(k + 1)]).collect()
+}
+
+#[test]
+fn a_dead_end_is_one_wall_also_behind_a_pillar() {
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    for y_m in [-0.9, 0.0, 0.9] {
+        let scene = [&dead_end[..], &pillar([3.0, y_m], 0.7)].concat();
+        let sizes = components(&scan(&scene, all), &[]);
+        assert_eq!(sizes.len(), 2, "the wall and the pillar, which is {y_m} m to the left: {sizes:?}");
+    }
+}
+
+#[test]
+fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
+    let scene = [&TUNNEL[..], &pillar([5.0, 0.3], 0.5)].concat();
+    let sizes = components(&scan(&scene, all), &[]);
+    assert_eq!(sizes.len(), 3, "{sizes:?}");
+    assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");
+}
+
+#[test]
+fn two_pillars_beside_each_other_are_components_of_their_own_though_neither_hides_the_other() {
+    // Between them nothing is seen, past both of them the walls of the tunnel are.
+    let scene = [&TUNNEL[..], &pillar([2.5, 0.65], 0.3), &pillar([2.5, -0.65], 0.3)].concat();
+    assert_eq!(components(&scan(&scene, all), &[]), [151, 151, 13, 13]);
+}
+
+#[test]
+fn a_pillar_in_a_branch_is_not_of_the_wall_behind_it_that_another_pillar_hides() {
+    let right = [[[-30.0, -2.0], [2.0, -2.0]], [[7.0, -30.0], [7.0, -2.0]], [[7.0, -2.0], [30.0, -2.0]]];
+    let walls = [&[TUNNEL[0]], &right[..]].concat();
+    // On the line of the wall that goes on behind the branch; what is between them lies in the shadow of the nearer
+    // pillar.
+    let scene = [&walls[..], &pillar([4.0, -2.2], 0.4), &pillar([2.35, -0.9], 0.28)].concat();
+    let sizes = components(&scan(&scene, all), &[]);
+    assert_eq!(sizes.len(), 5, "three walls and both pillars: {sizes:?}");
+}
+
+/// A wall through `corners` that zigzags by `bump_m` to either side.
+fn zigzag(corners: &[[f64; 2]], bump_m: f64) -> Vec<Segment> {
+    let mut points = Vec::new();
+    for pair in corners.windows(2) {
+        let [dx, dy] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+        let length_m = dx.hypot(dy);
+        let steps = (length_m / 0.4).ceil();
+        points.extend((0..=steps as usize).map(|k| {
+            let (along, aside_m) = (k as f64 / steps, if k % 2 == 0 { bump_m } else { -bump_m });
+            [pair[0][0] + along * dx - aside_m * dy / length_m, pair[0][1] + along * dy + aside_m * dx / length_m]
+        }));
+    }
+    points.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+#[test]
+fn what_stands_between_two_branches_is_their_tip_if_the_walls_are_as_rough_as_it_stands_out() {
+    let fork = |bump_m: f64| {
+        let around = [[12.0, 12.0], [0.0, 3.0], [-8.0, 3.0], [-8.0, -3.0], [0.0, -3.0], [12.0, -12.0]];
+        let behind = [[14.0, 8.1], [5.5, 1.3], [5.5, -1.3], [14.0, -8.1]];
+        let in_front = [[[4.0, -0.9], [4.0, 0.9]]];
+        let scene = [zigzag(&around, bump_m), zigzag(&behind, bump_m), in_front.to_vec()].concat();
+        components(&scan(&scene, all), &[]).iter().filter(|size| **size > 3).count()
+    };
+    assert_eq!((fork(0.0), fork(0.1)), (3, 2), "of smooth walls it is a pillar");
+}

@@ -1,0 +1,45 @@
+//! How doubtful a verdict is: leaks from wall to wall, and what is told.
+
+use crosscut_affinity::Passage;
+use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Value};
+
+use crate::{LEAK, TUNNEL, all, scan, with_branch};
+
+/// The edges weaker than any within a wall.
+fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {
+    let mut affinity = Affinity::default();
+    let mut stage = Passage::new(settings).expect("allowed");
+    stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+    let mut leaks = Vec::new();
+    affinity.weights.for_each(|i, j, weight| {
+        if i < j && weight < LEAK {
+            leaks.push(weight);
+        }
+    });
+    leaks
+}
+
+#[test]
+fn a_doubtful_way_on_leaks_more_than_a_clear_one_and_none_does_without_leak() {
+    let most = |width_m| leaks(&scan(&with_branch(width_m), all), &[]).into_iter().fold(0.0, f64::max);
+    assert_eq!(leaks(&scan(&TUNNEL, all), &[]).len(), 2);
+    assert!(most(4.0) > 2.0 * most(7.0), "{} {}", most(4.0), most(7.0));
+    assert!(leaks(&scan(&TUNNEL, all), &[("leak", Value::Number(0.0))]).is_empty());
+}
+
+#[test]
+fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
+    // A tee whose far wall has lost 5 beams straight ahead of the sensor.
+    let patch = |beam: usize, range_m| if (88..93).contains(&beam) { None } else { range_m };
+    let revolution = scan(&with_branch(3.0), patch);
+    let mut affinity = Affinity::default();
+    for _ in 0..2 {
+        let mut stage = Passage::new(&[]).expect("allowed");
+        stage.affinity(&revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+        let ways: Vec<_> = affinity.verdicts.iter().filter(|verdict| verdict.is_way).collect();
+        assert_eq!(ways.len(), 3, "ahead, behind and into the branch, in a used buffer too: {:?}", affinity.verdicts);
+        assert!(ways.iter().all(|way| way.room_ratio > 1.0), "{ways:?}");
+        let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
+        assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room_ratio < 1.0), "{closed:?}");
+    }
+}

@@ -1,0 +1,130 @@
+//! Ways on: where walls end.
+
+use crate::{TUNNEL, all, components, scan, with_branch, with_branch_at};
+
+#[test]
+fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
+    let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
+    let nothing_seen = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan(&dead_end, nothing_seen), &[]).len(), 2);
+}
+
+#[test]
+fn a_door_in_the_end_of_a_tunnel_is_a_way_on_unless_beams_get_lost_elsewhere() {
+    let walls = |half_m: f64, lost: &[usize]| {
+        let face = [[[6.0, -2.0], [6.0, -half_m]], [[6.0, half_m], [6.0, 2.0]]];
+        let report = |beam: usize, range_m| if lost.contains(&beam) { None } else { range_m };
+        components(&scan(&[&TUNNEL[..], &face].concat(), report), &[]).len()
+    };
+    assert_eq!((walls(0.3, &[]), walls(0.7, &[])), (1, 2), "0.6 m are too narrow");
+    assert_eq!(walls(0.7, &[80]), 1, "one lost beam is enough to doubt the others");
+}
+
+#[test]
+fn a_branch_at_an_acute_angle_is_a_way_on_where_its_wall_is_seen_deep_behind_the_other_one() {
+    let fork = |turn_deg: f64, roughness_m: f64| {
+        // The sensor has passed it: its far wall leaves the left wall 8 m behind, and ends out of sight.
+        let (sin, cos) = turn_deg.to_radians().sin_cos();
+        let branch = [[-8.0, 2.0], [-8.0 + 20.0 * cos, 2.0 + 20.0 * sin]];
+        let left = [[[-30.0, 2.0], [-8.0, 2.0]], branch, [[-1.5, 2.0], [30.0, 2.0]]];
+        let bumps = |beam: usize, range_m: Option<f64>| {
+            range_m.map(|range_m| range_m + roughness_m * [0.0, 1.0, -1.0][beam % 3])
+        };
+        components(&scan(&[&left[..], &TUNNEL[1..]].concat(), bumps), &[]).len()
+    };
+    assert_eq!((fork(30.0, 0.0), fork(25.0, 0.0)), (3, 3));
+    assert_eq!(fork(30.0, 0.1), 2, "a bump of such walls hides as much");
+}
+
+#[test]
+fn a_branch_seen_from_straight_in_front_is_a_way_on_and_a_patch_of_lost_beams_is_none() {
+    let front = [[[-30.0, 2.0], [-2.0, 2.0]], [[2.0, 2.0], [30.0, 2.0]], TUNNEL[1]];
+    assert_eq!(components(&scan(&front, all), &[]).len(), 3);
+    let patch = |beam, range_m: Option<f64>| range_m.filter(|_| !(258..283).contains(&beam));
+    assert_eq!(components(&scan(&TUNNEL, patch), &[]).len(), 2);
+}
+
+#[test]
+fn where_nothing_is_seen_over_a_wide_angle_a_short_wall_that_points_across_closes_no_way() {
+    // The face of the wall on the right runs towards the corner on the left, 3.9 m away.
+    let corner = [[[3.9, 1.2], [2.8, 1.2]], [[2.8, 1.2], [2.8, 3.4]]];
+    let scene = [&[[[3.2, -3.4], [3.2, -2.6]], [[-3.0, 4.0], [-3.0, -4.0]]][..], &corner].concat();
+    assert_eq!(components(&scan(&scene, all), &[]).len(), 3);
+}
+
+#[test]
+fn no_way_on_is_narrower_than_the_vehicle_however_deep_it_is_seen() {
+    let walls = |width_m| components(&scan(&with_branch_at(0.3, width_m), all), &[]).len();
+    assert_eq!((walls(0.5), walls(0.9)), (2, 3));
+}
+
+#[test]
+fn a_gap_much_narrower_than_the_place_ends_no_wall_whose_bumps_may_hide_it_and_one_as_wide_does() {
+    let bumps = |beam: usize, range_m: Option<f64>| range_m.map(|range_m| range_m + [0.0, 0.06, -0.06][beam % 3]);
+    let walls = |width_m| components(&scan(&with_branch(width_m), bumps), &[]).len();
+    assert_eq!((walls(0.8), walls(4.0)), (2, 3));
+    assert_eq!(components(&scan(&with_branch(0.8), all), &[]).len(), 3, "smooth");
+}
+
+#[test]
+fn a_side_passage_is_a_way_on_also_where_only_the_face_of_its_corner_tells_it_from_a_hidden_stretch_of_wall() {
+    // Its far side, 10 m ahead, is seen over half a metre; behind that corner the wall goes straight on.
+    assert_eq!(components(&scan(&with_branch_at(8.0, 2.25), all), &[]), [164, 158, 6]);
+}
+
+#[test]
+fn a_side_passage_half_as_wide_as_the_tunnel_is_a_way_on_from_afar() {
+    let walls = |near_m, width_m| components(&scan(&with_branch_at(near_m, width_m), all), &[]).len();
+    assert_eq!((walls(4.0, 2.0), walls(8.0, 2.0), walls(9.0, 2.5)), (3, 3, 3));
+}
+
+#[test]
+fn a_passage_that_leads_back_behind_a_wall_is_a_way_on_though_the_wall_behind_it_runs_almost_as_that_one() {
+    let near = [[-7.5, 12.0], [-4.5, 1.5]];
+    let behind = [[[-20.0, 12.0], [-4.5, -3.5]], [[-4.5, -3.5], [-4.5, -30.0]]];
+    let opposite = [[1.0, -30.0], [1.0, 30.0]];
+    assert_eq!(components(&scan(&[near, behind[0], behind[1], opposite], all), &[]).len(), 3);
+}
+
+#[test]
+fn walls_that_two_far_returns_have_joined_are_cut_where_a_vehicle_passes_between_all_of_them() {
+    // Of the far side of a branch 14.8 m ahead two returns are seen. They have no direction, so each gap beside them is
+    // closed by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long
+    // walls.
+    let end_of_wall_lost = |beam: usize, range_m| if (195..215).contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan(&with_branch_at(7.25, 7.5), end_of_wall_lost), &[]), [164, 139]);
+}
+
+#[test]
+fn a_way_on_is_one_in_a_hall_as_well() {
+    // A hall of 19 m; beside its corners passages 4 m wide lead off, of which one side is seen and then nothing: the
+    // range ends.
+    let half = |side: f64| {
+        let (wall, far) = (side * 9.5, side * 40.0);
+        let passage = [[[wall, side * 3.0], [far, side * 3.0]], [[wall, side * 7.0], [far, side * 7.0]]];
+        let hall =
+            [[[-wall, wall], [wall, wall]], [[wall, -wall], [wall, side * 3.0]], [[wall, side * 7.0], [wall, wall]]];
+        [&passage[..], &hall].concat()
+    };
+    let hall = [half(-1.0), half(1.0)].concat();
+    assert_eq!(components(&scan(&hall, all), &[]).len(), 2);
+}
+
+#[test]
+fn the_end_of_a_fork_is_a_wall_of_its_own_though_its_branches_do_not_turn_back() {
+    // Seen from the stem, 3.3 m before it: branches lead off 10° more ahead than at a T, so walls turn by 100° only.
+    let rise = (10.0_f64).to_radians().tan();
+    let branch = |side: f64| {
+        let (near, far) = (side * 2.5, side * 30.0);
+        [[[near, -30.0], [near, 3.3]], [[near, 3.3], [far, 3.3 + rise * 27.5]], [[0.0, 5.9], [far, 5.9 + rise * 30.0]]]
+    };
+    let fork = scan(&[branch(-1.0), branch(1.0)].concat(), all);
+    assert_eq!(components(&fork, &[]).len(), 3);
+}
+
+#[test]
+fn a_door_narrower_than_the_vehicle_ends_no_wall() {
+    let side_door = [TUNNEL[0], [[-30.0, -2.0], [0.0, -2.0]], [[0.5, -2.0], [30.0, -2.0]], [[-2.0, -9.0], [2.0, -9.0]]];
+    let narrow = components(&scan(&side_door, all), &[]);
+    assert_eq!(narrow.iter().filter(|size| **size > 20).count(), 2, "{narrow:?}");
+}
