@@ -37,12 +37,7 @@ impl Ring {
         let view = sweep.view();
         (self.step_rad, self.full_turn) = (sweep.step_rad, view.full_turn);
         self.beams.clear();
-        let (end, all) = (view.first + view.len, sweep.len());
-        self.beams.extend_from_slice(&sweep.beams[view.first..end.min(all)]);
-        self.beams.extend_from_slice(&sweep.beams[..end.saturating_sub(all)]);
-        if sweep.is_clockwise() {
-            self.beams.reverse();
-        }
+        self.beams.extend(sweep.anticlockwise(view));
         self.entries.clear();
         for (beam, seen) in self.beams.iter().enumerate() {
             if let Beam::Return(i) = *seen

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::Point;
+use crate::{Point, StageError};
 
 /// One revolution: n returns in the body frame (x forward, y left), in message beam order.
 #[derive(Clone, Debug, Default)]
@@ -50,15 +50,17 @@ pub enum Beam {
     Unknown,
 }
 
-/// The beams of a sweep that look out, in message order: so many from `first` on, and on from the last beam to beam 0.
+/// The beams of a sweep that look out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
-    /// The first of them.
+    /// The first of them, in message order.
     pub first: usize,
-    /// How many they are.
+    /// How many they are: so many from the first on, and on from the last beam of the message to beam 0.
     pub len: usize,
     /// They cover the full turn.
     pub full_turn: bool,
+    /// They are listed clockwise.
+    pub clockwise: bool,
 }
 
 /// A wider sector of a full turn in which nothing is known, as where part of the vehicle stands before the sensor, leaves
@@ -124,28 +126,57 @@ impl Sweep {
         self.beams.is_empty()
     }
 
+    /// Checks that the beams have `n` returns, numbered in message order.
+    ///
+    /// # Errors
+    /// When they do not.
+    pub fn check_returns(&self, n: usize) -> Result<(), StageError> {
+        let mut returns = 0;
+        for (number, beam) in self.beams.iter().enumerate() {
+            if let Beam::Return(index) = *beam {
+                if index as usize != returns {
+                    let message = format!("beam {number} has return {index}, not {returns}");
+                    return Err(StageError::Mismatch(message));
+                }
+                returns += 1;
+            }
+        }
+        if returns == n {
+            return Ok(());
+        }
+        Err(StageError::Mismatch(format!("beams with a return: {returns}, returns: {n}")))
+    }
+
     /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.
     pub fn view(&self) -> View {
-        let whole = View { first: 0, len: self.len(), full_turn: self.full_turn };
+        let clockwise = self.is_clockwise();
+        let whole = View { first: 0, len: self.len(), full_turn: self.full_turn, clockwise };
         if !self.full_turn || !self.beams.contains(&Beam::Unknown) {
             return whole;
         }
         let (begin, blind) = widest_run(self.len(), |beam| self.beams[beam] == Beam::Unknown);
         // Blind all around, it has no end.
         if blind < self.len() && blind as f64 * self.step_rad > BLIND_RAD {
-            View { first: (begin + blind) % self.len(), len: self.len() - blind, full_turn: false }
+            View { first: (begin + blind) % self.len(), len: self.len() - blind, full_turn: false, clockwise }
         } else {
             whole
         }
     }
 
+    /// What the beams of a view saw, in the order in which an anticlockwise look around the sensor meets them.
+    pub fn anticlockwise(&self, view: View) -> impl Iterator<Item = Beam> {
+        let (end, all) = (view.first + view.len, self.len());
+        let (ahead, around) = (&self.beams[view.first..end.min(all)], &self.beams[..end.saturating_sub(all)]);
+        let of = |beams, holds: bool| if holds { beams } else { &[][..] };
+        let forward = of(ahead, !view.clockwise).iter().chain(of(around, !view.clockwise));
+        let backward = of(around, view.clockwise).iter().rev().chain(of(ahead, view.clockwise).iter().rev());
+        forward.chain(backward).copied()
+    }
+
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
     pub fn is_clockwise(&self) -> bool {
-        let [Some(first), Some(last)] = [self.bearings_rad.first(), self.bearings_rad.last()] else { return false };
-        // Bearings are in (-π, π], so a step over ±π is off by one full turn.
-        let steps_rad = self.bearings_rad.windows(2).map(|pair| pair[1] - pair[0]);
-        let turns: i32 = steps_rad.map(|step_rad| i32::from(step_rad <= -PI) - i32::from(step_rad > PI)).sum();
-        last - first + TAU * f64::from(turns) < 0.0
+        let mut steps_rad = self.bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0]));
+        steps_rad.find(|step_rad| *step_rad != 0.0).is_some_and(|step_rad| step_rad < 0.0)
     }
 
     /// Removes all beams, keeping the buffers.
@@ -200,7 +231,7 @@ mod tests {
         beams[20] = Beam::Unknown;
         for _ in 0..36 {
             beams.rotate_left(1);
-            let View { first, len, full_turn } = view(&beams, true);
+            let View { first, len, full_turn, .. } = view(&beams, true);
             assert_eq!((len, full_turn), (32, false));
             assert!((0..len).all(|at| at == 16 || beams[(first + at) % 36] == Beam::NoReturn), "{first}");
         }
@@ -210,10 +241,33 @@ mod tests {
     fn a_narrow_blind_sector_leaves_the_full_turn_and_a_limited_view_stays_as_it_is() {
         let mut beams = vec![Beam::NoReturn; 36];
         beams[10..13].fill(Beam::Unknown);
-        assert_eq!(view(&beams, true), View { first: 0, len: 36, full_turn: true });
+        assert_eq!(view(&beams, true), View { first: 0, len: 36, full_turn: true, clockwise: false });
         beams[10..20].fill(Beam::Unknown);
-        assert_eq!(view(&beams, false), View { first: 0, len: 36, full_turn: false });
-        assert_eq!(view(&[Beam::Unknown; 36], true), View { first: 0, len: 36, full_turn: true }, "blind all around");
+        assert_eq!(view(&beams, false), View { first: 0, len: 36, full_turn: false, clockwise: false });
+        assert_eq!(
+            view(&[Beam::Unknown; 36], true),
+            View { first: 0, len: 36, full_turn: true, clockwise: false },
+            "blind all around"
+        );
+    }
+
+    #[test]
+    fn beams_are_met_anticlockwise_whichever_way_and_wherever_the_message_begins() {
+        let step_rad = TAU / 36.0;
+        let mut beams: Vec<_> = (0..36).map(|beam| (Beam::Return(beam), f64::from(beam) * step_rad)).collect();
+        beams[..4].iter_mut().for_each(|(beam, _)| *beam = Beam::Unknown);
+        let expected: Vec<_> = (4..36).map(Beam::Return).collect();
+        for clockwise in [false, true] {
+            for _ in 0..36 {
+                beams.rotate_left(1);
+                let (beams, bearings_rad) = beams.iter().map(|&(beam, rad)| (beam, wrap_angle_rad(rad))).unzip();
+                let sweep = Sweep { beams, bearings_rad, step_rad, full_turn: true, ..Sweep::default() };
+                let view = sweep.view();
+                assert_eq!(view.clockwise, clockwise);
+                assert_eq!(sweep.anticlockwise(view).collect::<Vec<_>>(), expected);
+            }
+            beams.reverse();
+        }
     }
 
     #[test]

@@ -41,53 +41,24 @@ impl Ring {
     /// # Errors
     /// When the beams and the returns do not belong together.
     pub(super) fn fill(&mut self, sweep: &Sweep, points_m: &[Point]) -> Result<(), StageError> {
-        let clockwise = sweep.is_clockwise(); // the direction is summed over all beams
-        self.returns.clear();
-        self.clockwise = clockwise;
+        sweep.check_returns(points_m.len())?;
         let view = sweep.view();
         (self.beams, self.step_rad, self.full_turn) = (view.len, sweep.step_rad, view.full_turn);
-        self.range_max_m = sweep.range_max_m;
+        (self.clockwise, self.range_max_m) = (view.clockwise, sweep.range_max_m);
+        self.returns.clear();
         self.dark = 0;
-        for (beam, seen) in sweep.beams.iter().enumerate() {
-            let Beam::Return(number) = *seen else {
-                self.dark += u32::from(*seen == Beam::NoReturn);
-                continue;
-            };
-            if number as usize != self.returns.len() || number as usize >= points_m.len() {
-                let message = format!("beam {beam} has return {number}: not in beam order, or not there");
-                return Err(StageError::Mismatch(message));
-            }
-            let position_m = points_m[number as usize].coords.xy();
-            let (range_m, dark_before) = (position_m.norm(), self.dark);
-            self.returns.push(Entry { position_m, range_m, beam, number, dark_before, is_of_island: false });
-        }
-        if self.returns.len() != points_m.len() {
-            let (beams, returns) = (self.returns.len(), points_m.len());
-            return Err(StageError::Mismatch(format!("beams with a return: {beams}, returns: {returns}")));
-        }
-        if view.first > 0 {
-            self.begin_at(view.first, sweep);
-        }
-        if clockwise {
-            self.returns.reverse();
-            for entry in &mut self.returns {
-                (entry.beam, entry.dark_before) = (view.len - 1 - entry.beam, self.dark - entry.dark_before);
+        for (beam, seen) in sweep.anticlockwise(view).enumerate() {
+            match seen {
+                Beam::Return(number) => {
+                    let position_m = points_m[number as usize].coords.xy();
+                    let (range_m, dark_before) = (position_m.norm(), self.dark);
+                    self.returns.push(Entry { position_m, range_m, beam, number, dark_before, is_of_island: false });
+                }
+                Beam::NoReturn => self.dark += 1,
+                Beam::Unknown => {}
             }
         }
         Ok(())
-    }
-
-    /// Counts the beams from `first` on.
-    fn begin_at(&mut self, first: usize, sweep: &Sweep) {
-        let dark = sweep.beams[..first].iter().filter(|beam| **beam == Beam::NoReturn).count() as u32;
-        let before = self.returns.partition_point(|entry| entry.beam < first);
-        for entry in &mut self.returns[..before] {
-            (entry.beam, entry.dark_before) = (entry.beam + sweep.len(), entry.dark_before + self.dark);
-        }
-        self.returns.rotate_left(before);
-        for entry in &mut self.returns {
-            (entry.beam, entry.dark_before) = (entry.beam - first, entry.dark_before - dark);
-        }
     }
 
     pub(super) fn len(&self) -> usize {
