@@ -12,7 +12,7 @@ use crosscut_stage::{Frame, Params, Value};
 fn main() -> anyhow::Result<()> {
     // Once, at start: how the lidar is mounted, which stages to run, and how wide the vehicle is.
     let mut mounting = Params::defaults(crosscut_ingest::PARAMS);
-    mounting.set("yaw_rad", Value::Number(0.0));
+    mounting.set("yaw_rad", Value::Number(0.0))?;
     let sensor = Sensor::new(&mounting);
     let registry = Registry::standard();
     let layers = [Layer::preset("default")?, Layer::settings(&["vehicle.width_m=0.8".to_owned()])?];

@@ -26,17 +26,18 @@ pub struct Limits {
 /// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
 /// of them farther, stand free together.
 pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
+    let mut is_seen = vec![false; out.walls.len()];
+    ring.entries.iter().for_each(|entry| is_seen[entry.wall as usize] = true);
+    let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
     let are_short = are_short(revolution, out, limits.island_m);
     let is_short = |wall: u32| are_short[wall as usize];
-    let short = |wall: &&Wall| is_short(wall.id);
+    // Of a cloud, the level view does not see every wall.
+    let short = |wall: &&Wall| is_short(wall.id) && is_seen[wall.id as usize];
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
         out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
-    let mut is_seen = vec![false; out.walls.len()];
-    ring.entries.iter().for_each(|entry| is_seen[entry.wall as usize] = true);
-    let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
     while let Some(free) = first_free(ring, &candidates, limits, &is_short).filter(|free| free.len() < others) {
         others -= free.len();
         for id in free {
@@ -94,7 +95,7 @@ fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u3
             && stands_between(ring, [a, b], limits.vehicle_width_m)
     };
     match &steps[..] {
-        [] => false, // of a cloud, a wall that the level view does not see
+        [] => false, // nothing is beside them
         _ if behind == steps.len() => true,
         [a, b] if behind == 1 => in_way([a, b]),
         _ => false,

@@ -19,9 +19,9 @@ fn answer_with_margin(
     margin_decades: Option<f64>,
 ) -> (Revolution, Junction) {
     let mut params = Params::defaults(PARAMS);
-    params.set("island_m", Value::Number(2.0));
-    params.set("openings", Value::Text("between_walls".into()));
-    params.set("confidence", Value::Text("scene".into()));
+    params.set("island_m", Value::Number(2.0)).expect("allowed");
+    params.set("openings", Value::Text("between_walls".into())).expect("allowed");
+    params.set("confidence", Value::Text("scene".into())).expect("allowed");
     let clusters = walls.iter().flatten().max().map_or(0, |last| *last as usize + 1);
     let mut frame = Frame { revolution, ..Frame::default() };
     frame.spectrum.margin_decades = margin_decades;

@@ -180,23 +180,29 @@ impl fmt::Display for Value {
 
 /// Checked values for all parameters of one stage.
 #[derive(Clone, Debug)]
-pub struct Params(Vec<(&'static str, Value)>);
+pub struct Params {
+    specs: &'static [ParamSpec],
+    /// Of each parameter.
+    values: Vec<Value>,
+}
 
 impl Params {
     /// The defaults of `specs`.
-    pub fn defaults(specs: &[ParamSpec]) -> Self {
-        Self(specs.iter().map(|spec| (spec.name, spec.default_value())).collect())
+    pub fn defaults(specs: &'static [ParamSpec]) -> Self {
+        Self { specs, values: specs.iter().map(ParamSpec::default_value).collect() }
     }
 
-    /// Replaces the value of a declared parameter. The value is one that [`ParamSpec::check`] has let through.
+    /// Replaces the value of a declared parameter.
+    ///
+    /// # Errors
+    /// When the value is not allowed.
     ///
     /// # Panics
     /// When the stage does not declare the parameter.
-    pub fn set(&mut self, name: &str, value: Value) {
-        match self.0.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, old)) => *old = value,
-            None => panic!("the stage does not declare a parameter {name}"),
-        }
+    pub fn set(&mut self, name: &str, value: Value) -> Result<(), ParamError> {
+        let place = self.place(name);
+        self.values[place] = self.specs[place].check(value)?;
+        Ok(())
     }
 
     /// The value of a parameter.
@@ -204,10 +210,12 @@ impl Params {
     /// # Panics
     /// When the stage does not declare the parameter; so do the typed getters, also when it is of another type.
     pub fn get(&self, name: &str) -> &Value {
-        match self.0.iter().find(|(known, _)| *known == name) {
-            Some((_, value)) => value,
-            None => panic!("the stage does not declare a parameter {name}"),
-        }
+        &self.values[self.place(name)]
+    }
+
+    fn place(&self, name: &str) -> usize {
+        let place = self.specs.iter().position(|spec| spec.name == name);
+        place.unwrap_or_else(|| panic!("the stage does not declare a parameter {name}"))
     }
 
     /// A true-or-false parameter.
@@ -257,7 +265,7 @@ impl Params {
 
     /// Every parameter with its value, in the order in which the stage declares them.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
-        self.0.iter().map(|(name, value)| (*name, value))
+        self.specs.iter().map(|spec| spec.name).zip(&self.values)
     }
 }
 
@@ -291,7 +299,8 @@ mod tests {
     #[test]
     fn set_values_replace_defaults_and_whole_numbers_serve_as_real_ones() {
         let mut params = Params::defaults(SPECS);
-        params.set("sigma_per_m2", SPECS[0].check(Value::Integer(2)).expect("allowed"));
+        params.set("sigma_per_m2", Value::Integer(2)).expect("allowed");
+        params.set("restarts", Value::Integer(0)).expect_err("less than 1");
         assert_eq!((params.number("sigma_per_m2"), params.count("restarts"), params.text("rule")), (2.0, 10, "a"));
     }
 }

@@ -172,9 +172,7 @@ impl Passage {
     pub fn new(values: &[(&'static str, Value)]) -> Result<Self, ParamError> {
         let mut params = Params::defaults(PARAMS);
         for (name, value) in values {
-            let spec = PARAMS.iter().find(|spec| spec.name == *name);
-            let spec = spec.unwrap_or_else(|| panic!("affinity `passage` has no parameter {name}"));
-            params.set(name, spec.check(value.clone())?);
+            params.set(name, value.clone())?;
         }
         Ok(Self::with(&params))
     }
@@ -255,6 +253,9 @@ impl Passage {
         let mut buffers = std::mem::take(&mut self.cloud);
         let Cloud { view, seen, carrying } = &mut buffers;
         view.look(cloud, self.height_m, self.limits.passage_m);
+        if let Some(sweep) = cloud.beams() {
+            notes.add(format!("passage: {} beams are many, worked on as {}", sweep.len(), view.beams()));
+        }
         let aside = cloud.len() - view.level().len();
         if aside > 0 {
             let aside = counted(aside as u64, "return");

@@ -130,7 +130,7 @@ impl Folder {
 pub(crate) fn sensor(given: &[(&str, Value)]) -> Sensor {
     let mut params = Params::defaults(PARAMS);
     for (name, value) in given {
-        params.set(name, value.clone());
+        params.set(name, value.clone()).expect("allowed");
     }
     Sensor::new(&params)
 }

@@ -11,7 +11,7 @@ use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, 
 fn sensor(given: &[(&str, Value)]) -> Sensor {
     let mut params = Params::defaults(PARAMS);
     for (name, value) in given {
-        params.set(name, value.clone());
+        params.set(name, value.clone()).expect("allowed");
     }
     Sensor::new(&params)
 }

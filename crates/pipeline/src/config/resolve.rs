@@ -69,20 +69,23 @@ impl Config {
         }
         let sections = schema.sections.iter().map(|section| resolve_section(section, layers));
         let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
-        OF_VEHICLE.into_iter().for_each(|[to, from]| config.follow(to, from));
+        OF_VEHICLE.into_iter().try_for_each(|[to, from]| config.follow(to, from))?;
         Ok(config)
     }
 
     /// Sets a parameter to another, unless it was set itself, or its kind does not have it.
-    fn follow(&mut self, (section, name): (&str, &'static str), (of, other): (&str, &str)) {
+    fn follow(&mut self, (section, name): (&str, &'static str), (of, other): (&str, &str)) -> Result<(), ConfigError> {
         let value = Value::Number(self.params(of).number(other));
         let to = self.sections.iter_mut().find(|resolved| resolved.name == section).expect("a section of the method");
         if let Some(place) = to.specs.iter().position(|spec| spec.name == name)
             && to.set_by[place] == SetBy::Nobody
         {
-            to.params.set(name, value);
-            to.set_by[place] = SetBy::Parameter(format!("{of}.{other}"));
+            let followed = format!("{of}.{other}");
+            let refused = |error| ConfigError::BadValue { layer: followed.clone(), section: to.name, error };
+            to.params.set(name, value).map_err(refused)?;
+            to.set_by[place] = SetBy::Parameter(followed);
         }
+        Ok(())
     }
 
     /// A preset alone, for the sections of the method.
@@ -119,12 +122,13 @@ impl Config {
         changed.map(|((key, value), _)| format!("{}.{key}={value}", section.name)).collect()
     }
 
-    /// How many lanes to run.
+    /// How many lanes to run: not more than there are frames for.
     pub fn workers(&self) -> usize {
-        match self.params("pipeline").count("workers") {
+        let workers = match self.params("pipeline").count("workers") {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             workers => workers,
-        }
+        };
+        workers.min(self.in_flight())
     }
 
     /// How many frames the pool holds.
@@ -227,8 +231,7 @@ impl Resolved {
             let (name, value, expected) = (spec.name, value.to_string(), spec.expected());
             refused(ParamError { name, value, expected })
         })?;
-        let value = spec.check(value).map_err(refused)?;
-        self.params.set(spec.name, value);
+        self.params.set(spec.name, value).map_err(refused)?;
         self.set_by[place] = SetBy::Layer(layer.name.clone());
         Ok(())
     }

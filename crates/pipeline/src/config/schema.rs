@@ -10,7 +10,7 @@ pub const PIPELINE_PARAMS: &[ParamSpec] = &[
         name: "workers",
         unit: "lanes",
         shape: Shape::Integer { default: 0, min: 0, max: 1024 },
-        doc: "revolutions worked on side by side; 0 = one per processor; never changes a result",
+        doc: "revolutions worked on side by side; 0 = one per processor; at most in_flight; never changes a result",
     },
     ParamSpec {
         name: "in_flight",

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{UnitComplex, Vector2};
 
-use crate::wrap_angle_rad;
+use crate::{Beam, Sweep, wrap_angle_rad};
 
 /// Beams all around, as wide as the angle from one to the next.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +46,16 @@ impl Fan {
             let offset = (offset_rad / TAU * self.beams as f64).round() as isize;
             offset.rem_euclid(self.beams as isize) as usize
         })
+    }
+
+    /// Marks the beams in which a beam of `sweep` came back with nothing.
+    pub(super) fn mark_free(&self, sweep: &Sweep, beams: &mut [Beam]) {
+        let mut beam = 0;
+        let free = sweep.beams.iter().zip(&sweep.bearings_rad).filter(|(seen, _)| **seen == Beam::NoReturn);
+        for (_, bearing_rad) in free.take_while(|_| self.beams > 0) {
+            beam = self.beam(UnitComplex::new(*bearing_rad) * Vector2::x(), beam);
+            beams[beam] = Beam::NoReturn;
+        }
     }
 
     fn holds(&self, beam: usize, place_m: Vector2<f64>) -> bool {

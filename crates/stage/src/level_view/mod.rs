@@ -27,7 +27,8 @@ const UNSEEN_RAD: f64 = FRAC_PI_2;
 /// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
 /// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud, whatever the
-/// order of its points is. An empty sector of more than 90° is taken as not looked at; a smaller one as free.
+/// order of its points is. An empty sector of more than 90° is taken as not looked at; a smaller one as free. Of a sweep
+/// of very many beams, which is worked on as a cloud, its own beams say which.
 ///
 /// ```
 /// use crosscut_stage::{LevelView, Point, Revolution};
@@ -50,6 +51,8 @@ pub struct LevelView {
     usual: Usual,
     /// The return that each beam sees, from the beam of the nearest level return on.
     met: Vec<Option<LevelReturn>>,
+    /// What each beam saw where it meets no return.
+    blank: Vec<Beam>,
 }
 
 /// A return at the height of the vehicle.
@@ -154,14 +157,24 @@ impl LevelView {
     }
 
     fn write_sweep(&mut self, cloud: &Revolution) {
-        let Self { seen, numbers, level, fan, met, .. } = self;
+        let Self { seen, numbers, level, fan, met, blank, .. } = self;
         seen.clear();
         (seen.seq, seen.stamp_ns) = (cloud.seq, cloud.stamp_ns);
         numbers.clear();
         let sweep = seen.sweep.get_or_insert_with(Sweep::default);
         sweep.step_rad = fan.step_rad();
-        sweep.range_max_m = f64::INFINITY;
-        let (begin, unseen) = widest_run(met.len(), |beam| met[beam].is_none());
+        blank.clear();
+        let (begin, unseen) = if let Some(dense) = cloud.beams() {
+            // Its beams say more of where nothing came back than that.
+            sweep.range_max_m = dense.range_max_m;
+            blank.resize(met.len(), Beam::Unknown);
+            fan.mark_free(dense, blank);
+            (0, 0)
+        } else {
+            sweep.range_max_m = f64::INFINITY;
+            blank.resize(met.len(), Beam::NoReturn);
+            widest_run(met.len(), |beam| met[beam].is_none())
+        };
         sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
         let turn = if sweep.full_turn { 0..met.len() } else { begin + unseen..begin + met.len() };
         if !sweep.full_turn {
@@ -171,7 +184,7 @@ impl LevelView {
             sweep.bearings_rad.push(fan.bearing_rad(beam));
             let Some(met) = met[beam % met.len()] else {
                 sweep.ranges_m.push(f32::INFINITY);
-                sweep.beams.push(Beam::NoReturn);
+                sweep.beams.push(blank[beam % met.len()]);
                 continue;
             };
             sweep.ranges_m.push(met.range_m as f32);
@@ -253,6 +266,30 @@ mod tests {
         let is_return = |beam: &Beam| matches!(beam, Beam::Return(_));
         assert!(three_quarters.beams.iter().all(is_return), "it begins where the view begins");
         assert!(most.beams.contains(&Beam::NoReturn) && most.len() == 720);
+    }
+
+    #[test]
+    fn what_the_beams_of_a_dense_sweep_say_of_masks_and_range_is_not_forgotten() {
+        let points_m: Vec<Point> = ring(9000, 4.0, 0.0).skip(2000).collect();
+        let beam = |i: usize| match i {
+            0..1000 => Beam::Unknown,
+            1000..2000 => Beam::NoReturn,
+            i => Beam::Return(i as u32 - 2000),
+        };
+        let bearing_rad = |i: usize| crate::wrap_angle_rad(TAU * i as f64 / 9000.0);
+        let sweep = Sweep {
+            beams: (0..9000).map(beam).collect(),
+            bearings_rad: (0..9000).map(bearing_rad).collect(),
+            range_max_m: 6.0,
+            full_turn: true,
+            ..Sweep::default()
+        };
+        let mut view = LevelView::default();
+        view.look(&Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }, 0.6, 0.6);
+        let seen = view.seen().sweep.as_ref().expect("made");
+        let count = |kind: Beam| seen.beams.iter().filter(|beam| **beam == kind).count();
+        assert_eq!((seen.range_max_m, seen.view().full_turn, seen.len()), (6.0, false, 720));
+        assert!(count(Beam::Unknown).abs_diff(80) <= 1 && count(Beam::NoReturn).abs_diff(80) <= 1);
     }
 
     #[test]
