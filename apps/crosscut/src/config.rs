@@ -17,12 +17,18 @@ pub(crate) fn print(args: &ConfigArgs) -> anyhow::Result<Outcome> {
 
 /// Preset < file < single settings.
 pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Config> {
+    resolve_with(args, &[], registry)
+}
+
+/// Preset < file < the settings of one `--with` < single settings for all.
+pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registry) -> anyhow::Result<Config> {
     let schema = Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS);
     let mut layers = vec![Layer::preset(&args.preset).map_err(usage)?];
     if let Some(path) = &args.config {
         let text = std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))?;
         layers.push(Layer::file(path, &text).map_err(usage)?);
     }
+    layers.push(Layer::settings(own).map_err(usage)?.called("--with"));
     layers.push(Layer::settings(&args.set).map_err(usage)?);
     let config = Config::resolve(&schema, &layers).map_err(usage)?;
     let [nearest_m, farthest_m] = ["min_range_m", "max_range_m"].map(|limit| config.params("ingest").number(limit));

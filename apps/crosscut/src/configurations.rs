@@ -50,11 +50,11 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     let layers = ConfigArgs {
         preset: if is_preset { base.to_owned() } else { "default".to_owned() },
         config: (!is_preset).then(|| path.to_owned()),
-        set: [own, set.to_vec()].concat(),
+        set: set.to_vec(),
     };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = settings.map_or_else(|| stem.clone().into_owned(), |settings| format!("{stem},{settings}"));
-    Ok(Configuration { name, config: config::resolve(&layers, registry)? })
+    Ok(Configuration { name, config: config::resolve_with(&layers, &own, registry)? })
 }
 
 /// A preset or file, and the settings after it. A file may have a comma in its name.

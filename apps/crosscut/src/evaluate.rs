@@ -59,7 +59,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     for problem in &problems.sentences {
         say(problem);
     }
-    if args.draw_wrong.is_some() && wrong == 0 {
+    if args.draw_wrong.is_some() && wrong == 0 && !problems.failed && !problems.interrupted {
         say("nothing is wrong, so nothing is drawn");
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;

@@ -11,11 +11,11 @@ const ONE_WAY_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// What is asked of an island.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// It is shorter.
-    pub island_m: f64,
+    pub(crate) island_m: f64,
     /// A vehicle can pass beside it.
-    pub vehicle_width_m: f64,
+    pub(crate) vehicle_width_m: f64,
 }
 
 /// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free
@@ -25,7 +25,7 @@ pub struct Limits {
 ///
 /// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
 /// of them farther, stand free together.
-pub fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
+pub(crate) fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
     let mut is_seen = vec![false; out.walls.len()];
     ring.entries.iter().for_each(|entry| is_seen[entry.wall as usize] = true);
     let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();

@@ -5,24 +5,24 @@
 //! Out: a [`Junction`](crosscut_stage::Junction): walls with their bearings (rad, anticlockwise), openings with
 //! bearing (rad), clear width (m) and evidence, the place, and a confidence in [0, 1].
 //!
-//! - A **wall** is a cluster ([`walls`]); `junctions`, the paper's count, is the number of walls, islands left out.
-//! - An **island** is a short wall in front of others ([`islands`]), if these are asked for.
+//! - A **wall** is a cluster (`walls.rs`); `junctions`, the paper's count, is the number of walls, islands left out.
+//! - An **island** is a short wall in front of others (`islands.rs`), if these are asked for.
 //! - An **opening** is an edge of the visible free space between two returns that follow each other around the
 //!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
-//! - The **place** is named by the number of openings and by the angle between two ([`place`]).
+//! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
 //! - **Confidence** is that of the zero rule, 1 - 10^-margin, or that of the scene, a share of right answers fitted to
 //!   how clear its most doubtful opening and gap are ([`confidence`]).
 //!
 //! [`ResultsLine`] is the one JSON object that a revolution becomes.
 
 pub mod confidence;
-pub mod islands;
+mod islands;
 pub mod openings;
-pub mod place;
+mod place;
 mod reporter;
 mod results;
 pub mod ring;
-pub mod walls;
+mod walls;
 
 pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};
 pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};

@@ -9,7 +9,7 @@ const CORRIDOR_RAD: f64 = 0.75 * PI;
 
 /// Names a place by its openings. If the view does not go all the way round, or nothing is known between two walls,
 /// there could be more; and a place of which no wall is seen could be anything. Then it has no name.
-pub fn name(sees_all: bool, walls: usize, openings: &[Opening]) -> Place {
+pub(crate) fn name(sees_all: bool, walls: usize, openings: &[Opening]) -> Place {
     if !sees_all || walls == 0 {
         return Place::PartialView;
     }

@@ -8,7 +8,7 @@ use crate::ring::Position;
 
 /// Writes `out.walls` and `out.wall_of_return`: one wall per cluster of at least `min_returns` returns, numbered by
 /// its first return.
-pub fn from_partition(
+pub(crate) fn from_partition(
     revolution: &Revolution,
     partition: &Partition,
     min_returns: usize,

@@ -89,7 +89,7 @@ impl Envelope {
     /// if a pivot is 0 or no number, as after a weight that is not finite; the members are there all the same.
     ///
     /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
-    pub(crate) fn take(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
+    pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
         self.begin(first, unseen.count() + 1, shift);
         let mut sound = true;
         let mut start = 0;

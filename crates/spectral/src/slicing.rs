@@ -88,7 +88,7 @@ impl Slicing {
     ) -> Result<Part, StageError> {
         let Self { envelope, krylov, full, .. } = self;
         let ZeroRule::Tolerance(tolerance) = self.rule;
-        let factorised = envelope.take(l, first, unseen, tolerance);
+        let factorised = envelope.factorise(l, first, unseen, tolerance);
         if !factorised {
             l.check_finite()?;
         }

@@ -160,7 +160,7 @@ impl Chains {
         for at in 0..gaps {
             let next = (at + 1) % walls.len();
             let (a, b) = (&walls[at], &walls[next]);
-            let room = judge.decidedness(a, b);
+            let room = judge.least_room_ratio(a, b);
             let eigenvalue = 0.5 * leak / room.powi(DECIDED_POWER);
             let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
             self.tie(ring, a[a.len() - 1], b[0], weight);

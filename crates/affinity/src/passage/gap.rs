@@ -154,7 +154,7 @@ impl<'a> Judge<'a> {
                 let gap = Gap::new(ring, [a, b], [before, after]);
                 let turns = gap.turns();
                 // 1 or more where there is room between the two walls, and the wall turns enough for that to be a way on.
-                let room = self.room(&gap, turns);
+                let room = self.room_ratio(&gap, turns);
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
                 let cost = (room < 1.0).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
@@ -187,23 +187,23 @@ impl<'a> Judge<'a> {
 
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
     /// one.
-    pub(super) fn way_room(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+    pub(super) fn room_ratio_of_way(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let gap = self.gap(a, b)?;
         let [clear_m, _] = gap.clear_and_farther_m();
         // Where no vehicle fits in, how far the wall turns does not matter.
         if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends).is_none() {
             return None;
         }
-        Some(self.room(&gap, gap.turns())).filter(|&room| room >= 1.0)
+        Some(self.room_ratio(&gap, gap.turns())).filter(|&room| room >= 1.0)
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
     /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
-    pub(super) fn decidedness(&self, a: &[usize], b: &[usize]) -> f64 {
+    pub(super) fn least_room_ratio(&self, a: &[usize], b: &[usize]) -> f64 {
         let Some(gap) = self.gap(a, b) else { return WITHOUT_DIRECTION };
         let turns = gap.turns();
         let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD]
-            .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
+            .map(|more_rad| self.room_ratio_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
     }
 

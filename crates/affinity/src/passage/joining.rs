@@ -119,7 +119,7 @@ fn gaps(judge: &Judge<'_>, wall: &[usize]) -> impl Iterator<Item = usize> {
 }
 
 fn widest_way(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
-    let ways = gaps(judge, wall).filter_map(|at| Some((judge.way_room(&wall[..at], &wall[at..])?, at)));
+    let ways = gaps(judge, wall).filter_map(|at| Some((judge.room_ratio_of_way(&wall[..at], &wall[at..])?, at)));
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
 }
 

@@ -89,8 +89,8 @@ const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 impl Judge<'_> {
     /// How many times the room that a way on needs there is at the gap; 0 if it hides nothing.
-    pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
-        let room = self.room_if(gap, turns);
+    pub(super) fn room_ratio(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+        let room = self.room_ratio_if(gap, turns);
         if room >= 1.0 && self.is_in_long_line(gap) { 0.0 } else { room }
     }
 
@@ -99,7 +99,7 @@ impl Judge<'_> {
     /// The clear width is the distance of the nearer end from the line of the farther wall. It is small at a bump, and
     /// at a corner of which only the returns are missing; at a branch it is the width of the branch. But where nothing
     /// is seen over so wide an angle that no corner can be missing, the gap is as wide as its ends are apart.
-    pub(super) fn room_if(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+    pub(super) fn room_ratio_if(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
         if self.is_in_line(gap) {
             return 0.0;
         }
@@ -114,13 +114,13 @@ impl Judge<'_> {
         let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
         let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
         let sees_face = !is_corner && (share.is_none() || (!is_dark && !is_shaded));
-        let before_face = if sees_face { self.room_before_face(gap) } else { 0.0 };
+        let before_face = if sees_face { self.room_ratio_before_face(gap) } else { 0.0 };
         let in_front = if turns.whole_rad < CORNER_RAD && is_dark {
             farther_aside_m / (IN_FRONT_SHARE * self.size_m)
         } else {
             0.0
         };
-        let in_fork = if is_dark || is_shaded { 0.0 } else { self.room_in_fork(turns, -farther_aside_m) };
+        let in_fork = if is_dark || is_shaded { 0.0 } else { self.room_ratio_in_fork(turns, -farther_aside_m) };
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = by_width.max(seen_inside).max(before_face).max(in_front).max(in_fork);
@@ -130,7 +130,7 @@ impl Judge<'_> {
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
     /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
     /// been hidden.
-    fn room_before_face(&self, gap: &Gap<'_>) -> f64 {
+    fn room_ratio_before_face(&self, gap: &Gap<'_>) -> f64 {
         let mut needed_m = FACE_SHARE * self.size_m;
         if self.is_face_seen(gap) {
             needed_m = needed_m.min(FACE_GAP_M + FACE_BUMPS * self.roughness_m);
@@ -140,7 +140,7 @@ impl Judge<'_> {
     }
 
     /// The same in a fork, whose farther wall is seen so deep behind the nearer one.
-    fn room_in_fork(&self, turns: Turns, deep_m: f64) -> f64 {
+    fn room_ratio_in_fork(&self, turns: Turns, deep_m: f64) -> f64 {
         let is_fork = (FORK_RAD..self.limits.straight_rad).contains(&turns.whole_rad);
         if is_fork { deep_m / (FORK_DEPTH_M + FORK_BUMPS * self.roughness_m) } else { 0.0 }
     }

@@ -61,6 +61,11 @@ impl Layer {
         Ok(Self { name: "--set".to_owned(), table })
     }
 
+    /// The same under another name, by which messages call it.
+    pub fn called(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
+    }
+
     fn parse(name: String, text: &str) -> Result<Self, ConfigError> {
         match text.parse::<Table>() {
             Ok(table) => Ok(Self { name, table }),

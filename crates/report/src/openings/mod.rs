@@ -27,12 +27,12 @@
 //!
 //! Bearing and width are those of the branch behind the edge, [`LOOKOUT_M`] from the sensor or where its centreline is
 //! last seen, if that is nearer. Walls are lines from return to return. With N the one whose end is nearer to the
-//! sensor, F the other, ρ_F(x) the distance of x from F, and n (f) the place where N (F), followed from its end, comes
+//! sensor, F the other, d_F(x) the distance of x from F, and n (f) the place where N (F), followed from its end, comes
 //! within 8 m:
 //! ```text
-//! width = min(ρ_F(n), ρ_N(f))
+//! width = min(d_F(n), d_N(f))
 //! bearing of x, the first on the beam through n from n to the circle of 8 m, then on the circle towards F,
-//!         with ρ_F(x) = width / 2
+//!         with d_F(x) = width / 2
 //! ```
 //! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
 //! From an edge more than 8 m away, walls may lead around a chamber instead of along a branch: where n and f lie on the
@@ -74,18 +74,18 @@ pub enum Rule {
 
 /// Writes the openings between the walls of `ring`, which is filled from `revolution`, by bearing ascending.
 pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, out: &mut Vec<Opening>) {
-    let view = View { revolution, vehicle_width_m, ring };
+    let outlook = Outlook { revolution, vehicle_width_m, ring };
     let one_wall = ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
     let branches = match rule {
-        Rule::FreeSpace => view.in_free_space(),
-        Rule::BetweenWalls if !one_wall => view.between_walls(),
-        Rule::BetweenWalls if ring.full_turn => plainest(view.in_free_space(), vehicle_width_m),
+        Rule::FreeSpace => outlook.in_free_space(),
+        Rule::BetweenWalls if !one_wall => outlook.between_walls(),
+        Rule::BetweenWalls if ring.full_turn => plainest(outlook.in_free_space(), vehicle_width_m),
         Rule::BetweenWalls => Vec::new(),
     };
     out.clear();
     out.extend(branches.into_iter().map(|branch| branch.opening));
     if !ring.full_turn {
-        out.extend(view.cut_by_its_ends());
+        out.extend(outlook.cut_by_its_ends());
     }
     out.retain(|opening| opening.width_m >= vehicle_width_m);
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
@@ -155,13 +155,13 @@ impl Branch {
 }
 
 /// One revolution seen as a ring of wall returns.
-struct View<'a> {
+struct Outlook<'a> {
     revolution: &'a Revolution,
     vehicle_width_m: f64,
     ring: &'a Ring,
 }
 
-impl View<'_> {
+impl Outlook<'_> {
     /// Every edge between two walls that is not masked throughout.
     fn between_walls(&self) -> Vec<Branch> {
         sides(self.ring, self.vehicle_width_m)

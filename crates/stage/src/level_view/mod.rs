@@ -11,7 +11,7 @@ use fan::Fan;
 use usual::Usual;
 
 /// A beam is half a degree wide if there are returns enough.
-const MOST_BEAMS: usize = 720;
+const MOST_LEVEL_BEAMS: usize = 720;
 /// A wider sector without any return was not looked at: no way on is as wide.
 const UNSEEN_RAD: f64 = FRAC_PI_2;
 
@@ -80,7 +80,7 @@ impl LevelView {
             if nearest.is_none_or(|(least, _)| squared < least) {
                 nearest = Some((squared, place_m));
             }
-            beams = MOST_BEAMS.min(beams + 1);
+            beams = MOST_LEVEL_BEAMS.min(beams + 1);
         }
         self.fan.open(nearest.map_or(0.0, |(_, place_m)| place_m.y.atan2(place_m.x)), beams);
         self.level.clear();
