@@ -224,3 +224,43 @@ fn one_of_a_thing_is_not_told_in_the_plural() {
     let (ran, _) = results_of(&flight, &["--topic", "/rear"]);
     assert!(ran.stderr.starts_with("1 revolution in "), "{}", ran.stderr);
 }
+
+#[test]
+fn what_is_behind_the_end_of_a_recording_is_told_and_not_taken_for_read() {
+    let folder = folder();
+    let whole = tunnel(10, &Writing::default());
+    let flight = file(folder.path(), "two.mcap", &[whole.clone(), whole.clone()].concat());
+    let (ran, lines) = results_of(&flight, &["--quiet"]);
+    assert_eq!(lines.len(), 10);
+    let said = ran.expect_code(3).stderr;
+    assert!(said.contains(&format!("ends at byte {0}; {0} bytes behind", whole.len())), "{said}");
+}
+
+#[test]
+fn a_recording_of_which_no_scan_can_be_read_is_a_failure_and_older_results_stay() {
+    let folder = folder();
+    let mut damaged = tunnel(10, &Writing::default());
+    damaged[2000] ^= 1; // inside the only chunk
+    let flight = file(folder.path(), "flight.mcap", &damaged);
+    let results = file(folder.path(), "results.jsonl", b"older\n");
+    let svg = folder.path().join("flight.svg");
+    let with = ["run".as_ref(), flight.as_os_str(), "--results".as_ref(), results.as_os_str()];
+    let said = run(with.into_iter().chain(["--over-time".as_ref(), svg.as_os_str()])).expect_code(1).stderr;
+    assert!(said.contains("checksum") && said.contains("no scan could be read"), "{said}");
+    assert_eq!(std::fs::read(results).expect("still there"), b"older\n");
+    assert!(!svg.exists(), "a picture of nothing");
+}
+
+#[test]
+fn info_describes_the_first_scan_of_the_frame_that_is_asked_for() {
+    let folder = folder();
+    let mut scans: Vec<_> = (0..4).map(tunnel_scan).collect();
+    scans[2].header.frame_id = "rear".into();
+    let flight = file(folder.path(), "flight.mcap", &bytes(&scans, &Writing::default()));
+    let shown = |frame: &str| {
+        let setting = format!("ingest.frame_id={frame}");
+        run(["info".as_ref(), flight.as_os_str(), "--set".as_ref(), setting.as_ref()]).expect_code(0).stdout
+    };
+    assert!(shown("rear").contains("frame \"rear\"") && shown("lidar").contains("frame \"lidar\""));
+    assert!(shown("front").contains("no scan of /scan that is asked for"), "{}", shown("front"));
+}

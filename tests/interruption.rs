@@ -123,3 +123,20 @@ fn who_has_read_enough_of_the_results_may_close_the_pipe_without_a_word() {
     let ran: Ran = child.wait_with_output().expect("it ends").into();
     assert_eq!(ran.expect_code(130).stderr, "");
 }
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_evaluation_says_in_its_files_that_it_was() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (json, markdown) = (at("figures.json"), at("figures.md"));
+    let flight = shipped_flight().to_str().expect("UTF-8").to_owned();
+    let mut command = vec!["evaluate", &flight, "--json", &json, "--markdown", &markdown];
+    for with in ["paper", "paper,kmeans.seed=2", "paper,kmeans.seed=3", "paper,kmeans.seed=4"] {
+        command.extend(["--with", with]);
+    }
+    interrupted(&command, Path::new(&json));
+    for file in [json, markdown] {
+        assert!(std::fs::read_to_string(&file).expect("written").contains("interrupted"), "{file}");
+    }
+}

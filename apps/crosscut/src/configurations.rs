@@ -53,6 +53,7 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
         set: set.to_vec(),
     };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = if !is_preset && self::is_preset(&stem) { base.into() } else { stem };
     let name = settings.map_or_else(|| stem.clone().into_owned(), |settings| format!("{stem},{settings}"));
     Ok(Configuration { name, config: config::resolve_with(&layers, &own, registry)? })
 }

@@ -56,6 +56,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     }
     bar.finish_and_clear();
 
+    if problems.interrupted {
+        problems.say("interrupted: the figures are of what was compared before that".to_owned());
+    }
     for problem in &problems.sentences {
         say(problem);
     }
@@ -218,7 +221,8 @@ impl<'a> Outputs<'a> {
             out.write_all(json(scoreboard, &settings, problems).as_bytes()).context(failed)?;
         }
         if let Some(out) = &mut self.markdown {
-            out.write_all(typeset::markdown(&shown).as_bytes()).context(failed)?;
+            let problems: String = problems.iter().map(|problem| format!("{problem}\n\n")).collect();
+            out.write_all((typeset::markdown(&shown) + &problems).as_bytes()).context(failed)?;
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {

@@ -43,6 +43,9 @@ fn text(recording: &Description) -> String {
         lines.push(topics(&recording.topics));
     }
     for topic in &recording.topics {
+        if topic.first_scan.is_none() && topic.info.has_scans() && topic.info.messages != Some(0) {
+            lines.push(format!("\nno scan of {} that is asked for can be read", topic.info.name));
+        }
         if let Some(scan) = &topic.first_scan {
             lines.push(String::new());
             lines.push(first_scan(&topic.info.name, scan));

@@ -15,7 +15,7 @@ pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
         if asked.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        say("stopping (again to quit at once)");
+        say("stopping, with what is being worked on (again to quit at once, without it)");
         stop.set();
     })
     .context("cannot listen for Ctrl-C")

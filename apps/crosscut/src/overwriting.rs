@@ -1,21 +1,53 @@
 //! What is written must not be what is read, nor what else is written.
 
 use std::ffi::OsStr;
-use std::fs::File;
-use std::io::Write;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A new file that is none of those `read`, or standard output for `-`.
+/// A new file that is none of those `read`, or standard output for `-`. What is there already stays until something is
+/// written.
 pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
     }
     refuse(&[path], read)?;
-    Ok(Box::new(File::create(path).with_context(|| format!("cannot write {}", path.display()))?))
+    let cannot = || format!("cannot write {}", path.display());
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
+    let is_old = file.metadata().with_context(cannot)?.is_file();
+    Ok(Box::new(Replaced { file, is_old }))
+}
+
+/// A file that is emptied when it is first written to.
+struct Replaced {
+    file: File,
+    is_old: bool,
+}
+
+impl Write for Replaced {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.is_old {
+            self.file.set_len(0)?;
+            self.is_old = false;
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// An error if a file cannot be written because its folder is not there.
+pub(crate) fn check_folder(path: &Path) -> anyhow::Result<()> {
+    let Some((folder, _)) = parts(path) else { return Ok(()) };
+    let is_folder = folder.metadata().with_context(|| format!("cannot write {}", path.display()))?.is_dir();
+    anyhow::ensure!(is_folder, "cannot write {}: {} is no folder", path.display(), folder.display());
+    Ok(())
 }
 
 /// Refuses an output that is one of the files `read`, or that another output is written to already.
@@ -80,8 +112,13 @@ fn identity(path: &Path) -> Option<PathBuf> {
 
 /// The folder, without links, and the name of a file that need not be there.
 fn place(path: &Path) -> Option<(PathBuf, &OsStr)> {
+    let (folder, name) = parts(path)?;
+    Some((folder.canonicalize().ok()?, name))
+}
+
+fn parts(path: &Path) -> Option<(&Path, &OsStr)> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    Some((folder.canonicalize().ok()?, path.file_name()?))
+    Some((folder, path.file_name()?))
 }
 
 #[cfg(test)]

@@ -31,17 +31,28 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     }
     let mut recording = flight::open(&args.flight, &config)?;
     let mut results = args.results.as_ref().map(|path| overwriting::create(path, &read)).transpose()?;
-    let mut over_time = args.over_time.as_ref().map(|_| OverTime::new(config.params("vehicle").number("width_m")));
     let mut lost = Vec::new();
+    let drawn = args.over_time.as_deref().filter(|svg| {
+        let checked = overwriting::check_folder(svg);
+        lost.extend(checked.as_ref().err().map(|error| format!("{error:#}")));
+        checked.is_ok()
+    });
+    let mut over_time = drawn.map(|_| OverTime::new(config.params("vehicle").number("width_m")));
     let mut observers =
         record::observers(&args.record, &args.flight.input[0], &config, args.rate.is_some(), &mut lost)?;
+    for loss in &lost {
+        say(format_args!("lost: {loss}")); // now, when the flight can still be begun anew
+    }
+    let said = lost.len();
 
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let stopped = stop.clone();
     let bar = progress::bar(recording.total_messages(), args.quiet);
     let start = Instant::now();
+    let mut returns = 0;
     let mut sink = |frame: &Frame| {
+        returns += frame.revolution.len();
         if let Some(out) = &mut results {
             let mut line = Vec::new();
             ResultsLine::of(frame).write(&mut line)?;
@@ -62,15 +73,19 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     if !args.quiet {
         say(summary::table(&summary, start.elapsed()).trim_end());
     }
-    if let (Some(over_time), Some(svg)) = (&over_time, &args.over_time)
+    if let (Some(over_time), Some(svg)) = (&over_time, drawn)
+        && summary.revolutions > 0
         && let Err(error) = over_time.write(svg)
     {
         lost.push(format!("{error:#}"));
     }
     lost.extend(recording.losses().iter().map(ToString::to_string));
     lost.extend(summary.observer_errors.iter().cloned());
-    for loss in &lost {
+    for loss in &lost[said..] {
         say(format_args!("lost: {loss}"));
+    }
+    if summary.revolutions > 0 && returns == 0 {
+        say("note: no scan has a return that can be used; the notes of the results say why");
     }
     if recording.of_other_frames() > 0 {
         let scans = counted(recording.of_other_frames(), "scan");
@@ -103,6 +118,10 @@ fn outcome(summary: &Summary, something_lost: bool) -> Outcome {
             Outcome::Failed
         }
         End::Interrupted => Outcome::Interrupted,
+        End::Complete if summary.revolutions == 0 => {
+            say("error: no scan could be read");
+            Outcome::Failed
+        }
         End::Complete if something_lost => Outcome::SomethingLost,
         End::Complete => Outcome::Done,
     }

@@ -19,6 +19,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let out = args.out.as_deref();
+    if out == Some(Path::new("-")) {
+        return Err(UsageError("an MCAP is written to a file, not to standard output".to_owned()).into());
+    }
     match (&args.scenario, &args.suite, out) {
         _ if args.list => list(),
         (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out, &stop),

@@ -44,7 +44,7 @@ pub struct TopicDescription {
     pub info: TopicInfo,
     /// Messages a second, on average over the whole file.
     pub rate_hz: Option<f64>,
-    /// Its first scan, if it carries scans.
+    /// Its first scan of those that the sensor takes, if it carries any.
     pub first_scan: Option<ScanDescription>,
 }
 
@@ -120,17 +120,26 @@ fn describe_first(
     sensor: &Sensor,
     losses: &mut Vec<Loss>,
 ) -> Option<ScanDescription> {
-    let message = reader.next();
-    for loss in reader.take_losses() {
-        if !losses.contains(&loss) {
-            losses.push(loss);
-        }
-    }
     let mut scan = LaserScan::default();
-    if let Err(cause) = scan.decode_into(&message?.data) {
-        let kind = LossKind::Messages { topic: topic.to_owned(), first_seq: 0, count: 1, cause };
-        losses.push(Loss { file: reader.container().path.clone(), kind });
-        return None;
+    let mut seq = 0;
+    loop {
+        let message = reader.next();
+        for loss in reader.take_losses() {
+            if !losses.contains(&loss) {
+                losses.push(loss);
+            }
+        }
+        let message = message?;
+        if let Err(cause) = scan.decode_into(&message.data) {
+            let kind = LossKind::Messages { topic: topic.to_owned(), first_seq: seq, count: 1, cause };
+            losses.push(Loss { file: reader.container().path.clone(), kind });
+            return None;
+        }
+        if sensor.frame_id().is_none_or(|wanted| wanted == scan.header.frame_id) {
+            break;
+        }
+        reader.recycle(message);
+        seq += 1;
     }
     let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
     sensor.revolution(&scan, &mut revolution, &mut notes);

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::{Found, Loss, TopicList};
+use crosscut_messages::{CDR_ENCODING, LaserScan, Message as _};
+
+use crate::{Found, Loss, TopicInfo, TopicList};
 
 /// Why no revolution can be had: what was found instead, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -54,7 +56,7 @@ pub enum IngestError {
         losses: Vec<Loss>,
     },
     /// Topics, but none with scans that can be read.
-    #[error("no topic carries sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(topics))]
+    #[error("no topic carries sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(&topics.0))]
     NoScanTopic {
         /// All topics.
         topics: TopicList,
@@ -74,7 +76,7 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// The topic that was asked for has no scans.
-    #[error("{wanted} does not carry sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(topics))]
+    #[error("{wanted} does not carry sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(&topics.0[..1]))]
     NotAScanTopic {
         /// The topic.
         wanted: String,
@@ -103,17 +105,18 @@ fn because(losses: &[Loss]) -> String {
     losses.iter().map(|loss| format!("; {loss}")).collect()
 }
 
-fn hint(topics: &TopicList) -> &'static str {
-    let scans_in = |encoding: &str| {
-        topics.0.iter().any(|topic| topic.type_name.contains("LaserScan") && topic.encoding.contains(encoding))
-    };
-    if topics.0.iter().any(|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
+fn hint(topics: &[TopicInfo]) -> &'static str {
+    let any = |holds: &dyn Fn(&TopicInfo) -> bool| topics.iter().any(holds);
+    let is_scan = |topic: &TopicInfo| topic.type_name.ends_with("/LaserScan");
+    if any(&|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
         "\nechoes become scans with the ROS package laser_proc"
-    } else if scans_in("ros1") {
+    } else if any(&|topic| is_scan(topic) && topic.encoding.contains("ros1")) {
         "\nscans in the encoding of ROS 1 cannot be read; convert them to ROS 2, for example with `rosbags-convert`"
-    } else if scans_in("") {
+    } else if any(&|topic| is_scan(topic) && topic.encoding != CDR_ENCODING) {
         "\nscans in another encoding than CDR cannot be read; record them as ROS 2 messages"
-    } else if topics.0.iter().any(|topic| topic.type_name.ends_with("PointCloud2")) {
+    } else if any(&|topic| is_scan(topic) && topic.type_name != LaserScan::SCHEMA_NAME) {
+        "\nscans are known by the name of their schema, which must be sensor_msgs/msg/LaserScan"
+    } else if any(&|topic| topic.type_name.ends_with("PointCloud2")) {
         "\na point cloud becomes scans with the ROS 2 package pointcloud_to_laserscan"
     } else {
         ""

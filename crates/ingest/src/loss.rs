@@ -33,6 +33,14 @@ pub enum LossKind {
         /// What is wrong with it.
         damage: Damage,
     },
+    /// The file goes on behind the end of the recording.
+    #[error("the recording ends at byte {at_byte}; {bytes} bytes behind that were not read (another recording?)")]
+    Behind {
+        /// Where the recording ends.
+        at_byte: u64,
+        /// How much there is behind it.
+        bytes: u64,
+    },
     /// A chunk, or a record outside of chunks, gave nothing; the rest was read.
     #[error("the {} at byte {at_byte} is lost: {damage}", scans_at(*scans))]
     Part {

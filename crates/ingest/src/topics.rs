@@ -40,7 +40,8 @@ impl fmt::Display for TopicList {
 }
 
 impl TopicInfo {
-    pub(crate) fn has_scans(&self) -> bool {
+    /// Whether it carries scans that can be read.
+    pub fn has_scans(&self) -> bool {
         self.type_name == LaserScan::SCHEMA_NAME && self.encoding == CDR_ENCODING
     }
 

@@ -66,7 +66,7 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     pub(crate) quiet: bool,
     /// Play at this multiple of the sensor's pace (1 = as it was recorded); pauses of more than 10 s are left out.
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
@@ -82,13 +82,13 @@ pub(crate) struct FlightArgs {
     #[arg(long)]
     pub(crate) topic: Option<String>,
     /// Start this many seconds after the first scan. When no scan is left the command fails (exit code 1).
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
     /// Stop this many seconds after the first scan.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
     /// Take every N-th scan.
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
 }
 
@@ -141,7 +141,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
     /// The same seed gives the same bytes.
-    #[arg(long, default_value_t = 1, conflicts_with = "suite")]
+    #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Show the scenarios and suites.
     #[arg(long)]
@@ -218,7 +218,7 @@ pub(crate) struct PaperArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// How many scenes of each family the table of tolerances counts.
-    #[arg(long, value_name = "N", default_value_t = crosscut_simulator::SCENES)]
+    #[arg(long, value_name = "N", default_value_t = crosscut_simulator::SCENES, value_parser = one_or_more)]
     pub(crate) scenes: usize,
     /// No progress.
     #[arg(long)]
@@ -271,10 +271,10 @@ pub(crate) struct RrdGetArgs {
     #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"])]
     pub(crate) revolution: Option<i64>,
     /// From this many seconds after the start.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
     /// To this many seconds after the start.
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
     /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
     #[arg(long)]
@@ -293,8 +293,12 @@ pub(crate) struct RrdDiffArgs {
     #[arg(value_name = "B.rrd")]
     pub(crate) second: PathBuf,
     /// Numbers that differ by this much at most are the same.
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,
+}
+
+fn one_or_more(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "a whole number, 1 or more".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -155,6 +155,7 @@ fn problems(
     }
     if summaries.iter().any(|summary| matches!(summary.end, End::Interrupted)) {
         outcome = Outcome::Interrupted;
+        problems.push("interrupted: the figures are of the revolutions before that".to_owned());
     }
     for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
         // `ResultsLost` is how a stream is told that another one stopped.

@@ -2,13 +2,12 @@
 
 use std::io::Write;
 
-use anyhow::Context;
 use comfy_table::{Table, presets};
 use crosscut_recorder::{Differences, Recording, differences};
 
 use super::say_damages;
 use crate::cli::RrdDiffArgs;
-use crate::exit::{Outcome, UsageError};
+use crate::exit::{Outcome, UsageError, is_closed_pipe};
 
 /// Prints the first difference and a table of all. Exit codes as of diff(1): 0 the same, 1 different, 2 trouble; and 3
 /// where what can be read is the same.
@@ -18,7 +17,10 @@ pub(super) fn diff(args: &RrdDiffArgs) -> anyhow::Result<Outcome> {
     let found = differences(&a, &b, args.tolerance).map_err(|error| UsageError(error.to_string()))?;
     let mut text = settings_that_differ(&a, &b);
     text += &found_text(&found);
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    std::io::stdout().write_all(text.as_bytes()).map_err(|error| match is_closed_pipe(&error) {
+        true => anyhow::Error::new(error),
+        false => UsageError(format!("standard output: {error}")).into(), // trouble
+    })?;
     let damages = [say_damages(&a), say_damages(&b)];
     Ok(match found.first {
         Some(_) => Outcome::Different,
@@ -42,7 +44,9 @@ fn found_text(found: &Differences) -> String {
 
 /// Settings are no results, but they say why results differ.
 fn settings_that_differ(a: &Recording, b: &Recording) -> String {
-    let [a, b] = [a, b].map(|recording| recording.config_toml().unwrap_or_default());
+    let (Some(a), Some(b)) = (a.config_toml(), b.config_toml()) else {
+        return "one of them is without its settings\n".to_owned();
+    };
     let [of_a, of_b] = [&a, &b].map(|toml| settings(toml));
     let only = |mark: &str, these: &[String], others: &[String]| -> String {
         these.iter().filter(|line| !others.contains(line)).map(|line| format!("{mark} {line}\n")).collect()

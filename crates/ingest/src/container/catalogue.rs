@@ -54,6 +54,8 @@ pub(super) struct Survey {
     recent: Vec<(u16, u64)>,
     /// The last message is there: the file is not cut off before it.
     pub(super) complete: bool,
+    /// Where the recording ends, if its end is there.
+    pub(super) end_byte: Option<u64>,
     pub(super) losses: Vec<LossKind>,
 }
 
@@ -73,6 +75,7 @@ impl Survey {
                 }
                 Step::End => {
                     survey.complete = true;
+                    survey.end_byte = section.end_of_recording();
                     if survey.losses.is_empty()
                         && let Err(damage) = section.check_whole()
                     {

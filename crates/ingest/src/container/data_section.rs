@@ -111,6 +111,23 @@ impl DataSection {
         }
     }
 
+    /// Where the recording ends, of whose messages the last step found the end: behind its footer.
+    pub(super) fn end_of_recording(&mut self) -> Option<u64> {
+        let end_of_data = self.at_byte;
+        self.go_to(end_of_data).ok()?;
+        let mut at_byte = end_of_data;
+        let end = loop {
+            let (opcode, length) = read_head(&mut self.input).ok()??;
+            at_byte = at_byte.checked_add(HEAD_BYTES)?.checked_add(length)?;
+            if opcode == op::FOOTER {
+                break at_byte + mcap::MAGIC.len() as u64;
+            }
+            self.skip_to(at_byte).ok()?;
+        };
+        self.at_byte = end_of_data;
+        Some(end)
+    }
+
     /// Holds all bytes before the record that the last step found to be the end against the checksum in that record.
     pub(super) fn check_whole(&mut self) -> Result<(), Damage> {
         let end = self.at_byte;

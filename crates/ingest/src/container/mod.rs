@@ -72,7 +72,10 @@ impl Container {
             _ => {
                 let survey = Survey::of(&mut section);
                 if let (Some(damage), true) = (index_damage, survey.complete) {
-                    lost(LossKind::Index { damage });
+                    lost(match survey.end_byte {
+                        Some(at_byte) if at_byte < length => LossKind::Behind { at_byte, bytes: length - at_byte },
+                        _ => LossKind::Index { damage },
+                    });
                 }
                 if chunks.is_empty() {
                     survey.losses.into_iter().for_each(lost);

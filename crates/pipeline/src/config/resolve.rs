@@ -243,7 +243,10 @@ impl Resolved {
         };
         let nearest = match owner {
             Some(owner) => format!("that is a parameter of {}.kind = {:?}", self.name, owner.name),
-            None => nearest(key, self.specs.iter().map(|spec| spec.name)),
+            None => {
+                let kind = self.kind.as_ref().map(|_| "kind");
+                nearest(key, kind.into_iter().chain(self.specs.iter().map(|spec| spec.name)))
+            }
         };
         let kind = self.kind.as_ref().map_or_else(String::new, |kind| format!(" of kind {:?}", kind.name));
         ConfigError::UnknownKey {
