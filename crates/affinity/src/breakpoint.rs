@@ -2,7 +2,7 @@
 
 use crosscut_stage::{
     Affinity, AffinityStage, Beam, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Revolution, Shape,
-    StageError, Value,
+    StageError, Sweep, Value,
 };
 use nalgebra::distance;
 
@@ -78,6 +78,23 @@ impl Breakpoint {
         Self { lambda_rad, range_noise_m, missing_beams, beam_of_return, tied_to_next }
     }
 
+    /// Fills `beam_of_return`.
+    fn read_beams(&mut self, sweep: &Sweep, n: usize) -> Result<(), StageError> {
+        self.beam_of_return.clear();
+        for (number, beam) in sweep.beams.iter().enumerate() {
+            if let Beam::Return(index) = beam {
+                if *index as usize != self.beam_of_return.len() {
+                    return Err(StageError::Mismatch(format!("beam {number} has return {index}: not in beam order")));
+                }
+                self.beam_of_return.push(number);
+            }
+        }
+        match self.beam_of_return.len() {
+            returns if returns == n => Ok(()),
+            returns => Err(StageError::Mismatch(format!("beams with a return: {returns}, returns: {n}"))),
+        }
+    }
+
     /// Whether return j, `steps` beams after return i, goes on with the wall of i.
     fn goes_on(&self, revolution: &Revolution, i: usize, j: usize, steps: usize, step_rad: f64) -> bool {
         let angle_rad = steps as f64 * step_rad;
@@ -98,10 +115,7 @@ impl AffinityStage for Breakpoint {
             let message = "affinity `breakpoint` needs the beams of a 2D sweep, which a point cloud does not have";
             return Err(StageError::Unsupported(message.to_owned()));
         };
-        sweep.check_returns(n)?;
-        self.beam_of_return.clear();
-        let beams = sweep.beams.iter().enumerate();
-        self.beam_of_return.extend(beams.filter(|(_, seen)| matches!(seen, Beam::Return(_))).map(|(beam, _)| beam));
+        self.read_beams(sweep, n)?;
         self.tied_to_next.clear();
         for i in 0..n {
             let (j, beam) = ((i + 1) % n, self.beam_of_return[i]);

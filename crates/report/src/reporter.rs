@@ -152,10 +152,7 @@ impl ReportStage for Reporter {
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
         match revolution.as_sweep() {
-            Some(sweep) => {
-                sweep.check_returns(n)?;
-                self.look_around(revolution, sweep, spectrum, out, notes);
-            }
+            Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
             None => self.look_around_in_cloud(revolution, spectrum, out, notes),
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{Point, StageError};
+use crate::Point;
 
 /// One revolution: n returns in the body frame (x forward, y left), in message beam order.
 #[derive(Clone, Debug, Default)]
@@ -124,27 +124,6 @@ impl Sweep {
     /// Whether there are no beams.
     pub fn is_empty(&self) -> bool {
         self.beams.is_empty()
-    }
-
-    /// Checks that the beams have `n` returns, numbered in message order.
-    ///
-    /// # Errors
-    /// When they do not.
-    pub fn check_returns(&self, n: usize) -> Result<(), StageError> {
-        let mut returns = 0;
-        for (number, beam) in self.beams.iter().enumerate() {
-            if let Beam::Return(index) = *beam {
-                if index as usize != returns {
-                    let message = format!("beam {number} has return {index}, not {returns}");
-                    return Err(StageError::Mismatch(message));
-                }
-                returns += 1;
-            }
-        }
-        if returns == n {
-            return Ok(());
-        }
-        Err(StageError::Mismatch(format!("beams with a return: {returns}, returns: {n}")))
     }
 
     /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.

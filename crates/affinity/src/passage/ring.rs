@@ -41,7 +41,6 @@ impl Ring {
     /// # Errors
     /// When the beams and the returns do not belong together.
     pub(super) fn fill(&mut self, sweep: &Sweep, points_m: &[Point]) -> Result<(), StageError> {
-        sweep.check_returns(points_m.len())?;
         let view = sweep.view();
         (self.beams, self.step_rad, self.full_turn) = (view.len, sweep.step_rad, view.full_turn);
         (self.clockwise, self.range_max_m) = (view.clockwise, sweep.range_max_m);
@@ -50,13 +49,21 @@ impl Ring {
         for (beam, seen) in sweep.anticlockwise(view).enumerate() {
             match seen {
                 Beam::Return(number) => {
-                    let position_m = points_m[number as usize].coords.xy();
+                    let Some(point_m) = points_m.get(number as usize) else {
+                        let message = format!("beam {beam} has return {number}, of {}", points_m.len());
+                        return Err(StageError::Mismatch(message));
+                    };
+                    let position_m = point_m.coords.xy();
                     let (range_m, dark_before) = (position_m.norm(), self.dark);
                     self.returns.push(Entry { position_m, range_m, beam, number, dark_before, is_of_island: false });
                 }
                 Beam::NoReturn => self.dark += 1,
                 Beam::Unknown => {}
             }
+        }
+        if self.returns.len() != points_m.len() {
+            let (beams, returns) = (self.returns.len(), points_m.len());
+            return Err(StageError::Mismatch(format!("beams with a return: {beams}, returns: {returns}")));
         }
         Ok(())
     }
