@@ -171,16 +171,8 @@ impl Csr {
     pub fn push_row(&mut self, columns: &[u32], values: &[f64]) {
         debug_assert!(columns.is_sorted_by(|a, b| a < b), "columns of a row must ascend");
         debug_assert_eq!(columns.len(), values.len(), "a value for each column");
-        // So few entries are copied faster where their number is known when this is compiled.
-        if let (Ok(columns), Ok(values)) =
-            (<&[u32; USUAL_ENTRIES]>::try_from(columns), <&[f64; USUAL_ENTRIES]>::try_from(values))
-        {
-            self.columns.extend_from_slice(columns);
-            self.values.extend_from_slice(values);
-        } else {
-            self.columns.extend_from_slice(columns);
-            self.values.extend_from_slice(values);
-        }
+        self.columns.extend_from_slice(columns);
+        self.values.extend_from_slice(values);
         self.end_row();
     }
 

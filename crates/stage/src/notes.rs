@@ -22,7 +22,7 @@ impl Notes {
 
     /// What `note` says but for its numbers, and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
     pub fn kind_of(note: &str) -> String {
-        note.chars().filter(|c| !c.is_ascii_digit() && *c != 's').collect()
+        note.chars().filter(|c| !matches!(c, '0'..='9' | '.' | 's')).collect()
     }
 
     /// Whether nothing was noted.
@@ -43,6 +43,7 @@ mod tests {
     #[test]
     fn notes_of_one_and_of_several_are_of_one_kind() {
         assert_eq!(Notes::kind_of("1 beam masked"), Notes::kind_of("23 beams masked"));
+        assert_eq!(Notes::kind_of("nearer than 2 m"), Notes::kind_of("nearer than 2.5 m"));
         assert_ne!(Notes::kind_of("1 beam masked"), Notes::kind_of("1 beam left out"));
     }
 }
