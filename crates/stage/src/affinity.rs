@@ -108,9 +108,6 @@ impl Weights {
     }
 }
 
-/// Along a wall, a return has edges to 4 on either side, and to itself.
-const USUAL_ENTRIES: usize = 9;
-
 /// A sparse matrix in compressed rows, for W a square one; columns ascend within a row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Csr {
