@@ -107,7 +107,7 @@ fn because(losses: &[Loss]) -> String {
 
 fn hint(topics: &[TopicInfo]) -> &'static str {
     let any = |holds: &dyn Fn(&TopicInfo) -> bool| topics.iter().any(holds);
-    let is_scan = |topic: &TopicInfo| topic.type_name.ends_with("/LaserScan");
+    let is_scan = |topic: &TopicInfo| topic.type_name.ends_with("LaserScan");
     if any(&|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
         "\nechoes become scans with the ROS package laser_proc"
     } else if any(&|topic| is_scan(topic) && topic.encoding.contains("ros1")) {

@@ -111,21 +111,27 @@ impl DataSection {
         }
     }
 
-    /// Where the recording ends, of whose messages the last step found the end: behind its footer.
+    /// Where the recording ends, of whose messages the last step found the end: behind its footer and magic bytes, if
+    /// these can be found.
     pub(super) fn end_of_recording(&mut self) -> Option<u64> {
         let end_of_data = self.at_byte;
-        self.go_to(end_of_data).ok()?;
-        let mut at_byte = end_of_data;
-        let end = loop {
-            let (opcode, length) = read_head(&mut self.input).ok()??;
-            at_byte = at_byte.checked_add(HEAD_BYTES)?.checked_add(length)?;
-            if opcode == op::FOOTER {
-                break at_byte + mcap::MAGIC.len() as u64;
-            }
-            self.skip_to(at_byte).ok()?;
-        };
+        let end = self.find_end();
         self.at_byte = end_of_data;
-        Some(end)
+        end
+    }
+
+    fn find_end(&mut self) -> Option<u64> {
+        self.go_to(self.at_byte).ok()?;
+        loop {
+            let head = read_head(&mut self.input).ok()??;
+            let next = self.at_byte.saturating_add(HEAD_BYTES).saturating_add(head.1);
+            self.skip_to(Some(next).filter(|&next| next <= self.length)?).ok()?;
+            if head == (op::FOOTER, FOOTER_BYTES) {
+                let mut magic = [0; mcap::MAGIC.len()];
+                self.input.read_exact(&mut magic).ok()?;
+                return (magic == mcap::MAGIC).then_some(self.at_byte + mcap::MAGIC.len() as u64);
+            }
+        }
     }
 
     /// Holds all bytes before the record that the last step found to be the end against the checksum in that record.
