@@ -18,21 +18,21 @@ pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     refuse(&[path], read)?;
     let cannot = || format!("cannot write {}", path.display());
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
-    let is_old = file.metadata().with_context(cannot)?.is_file();
-    Ok(Box::new(Replaced { file, is_old }))
+    let to_be_emptied = file.metadata().with_context(cannot)?.is_file();
+    Ok(Box::new(Replaced { file, to_be_emptied }))
 }
 
 /// A file that is emptied when it is first written to.
 struct Replaced {
     file: File,
-    is_old: bool,
+    to_be_emptied: bool,
 }
 
 impl Write for Replaced {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.is_old {
+        if self.to_be_emptied {
             self.file.set_len(0)?;
-            self.is_old = false;
+            self.to_be_emptied = false;
         }
         self.file.write(bytes)
     }

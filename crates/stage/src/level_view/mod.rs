@@ -164,18 +164,20 @@ impl LevelView {
         let sweep = seen.sweep.get_or_insert_with(Sweep::default);
         sweep.step_rad = fan.step_rad();
         blank.clear();
-        let (begin, unseen) = if let Some(dense) = cloud.beams() {
-            // Its beams say more of where nothing came back than that.
+        let limited = if let Some(dense) = cloud.beams() {
             sweep.range_max_m = dense.range_max_m;
             blank.resize(met.len(), Beam::Unknown);
             fan.mark_free(dense, blank);
-            (0, 0)
+            let unseen = widest_run(met.len(), |beam| met[beam].is_none() && blank[beam] == Beam::Unknown);
+            Some(unseen).filter(|_| !dense.view().full_turn)
         } else {
             sweep.range_max_m = f64::INFINITY;
             blank.resize(met.len(), Beam::NoReturn);
-            widest_run(met.len(), |beam| met[beam].is_none())
+            let unseen = widest_run(met.len(), |beam| met[beam].is_none());
+            Some(unseen).filter(|(_, beams)| *beams as f64 * sweep.step_rad > UNSEEN_RAD)
         };
-        sweep.full_turn = unseen as f64 * sweep.step_rad <= UNSEEN_RAD;
+        let (begin, unseen) = limited.unwrap_or_default();
+        sweep.full_turn = unseen == 0;
         let turn = if sweep.full_turn { 0..met.len() } else { begin + unseen..begin + met.len() };
         if !sweep.full_turn {
             start_at(turn.start, fan.beams, level);
@@ -280,6 +282,7 @@ mod tests {
         let sweep = Sweep {
             beams: (0..9000).map(beam).collect(),
             bearings_rad: (0..9000).map(bearing_rad).collect(),
+            step_rad: TAU / 9000.0,
             range_max_m: 6.0,
             full_turn: true,
             ..Sweep::default()
@@ -288,8 +291,8 @@ mod tests {
         view.look(&Revolution { points_m, sweep: Some(sweep), ..Revolution::default() }, 0.6, 0.6);
         let seen = view.seen().sweep.as_ref().expect("made");
         let count = |kind: Beam| seen.beams.iter().filter(|beam| **beam == kind).count();
-        assert_eq!((seen.range_max_m, seen.view().full_turn, seen.len()), (6.0, false, 720));
-        assert!(count(Beam::Unknown).abs_diff(80) <= 1 && count(Beam::NoReturn).abs_diff(80) <= 1);
+        assert_eq!((seen.range_max_m, seen.full_turn, count(Beam::Unknown)), (6.0, false, 0));
+        assert!(seen.len().abs_diff(640) <= 1 && count(Beam::NoReturn).abs_diff(80) <= 1, "{} beams", seen.len());
     }
 
     #[test]
