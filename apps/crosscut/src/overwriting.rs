@@ -18,26 +18,39 @@ pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     refuse(&[path], read)?;
     let cannot = || format!("cannot write {}", path.display());
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
-    let to_be_emptied = file.metadata().with_context(cannot)?.is_file();
-    Ok(Box::new(Replaced { file, to_be_emptied }))
+    if !file.metadata().with_context(cannot)?.is_file() {
+        return Ok(Box::new(file)); // a pipe or a device
+    }
+    Ok(Box::new(Replaced { file, written: 0, whole: 0 }))
 }
 
-/// A file that is emptied when it is first written to.
+/// A file that is emptied when it is first written to, and cut back to what was whole at the last flush when the disk
+/// is full.
 struct Replaced {
     file: File,
-    to_be_emptied: bool,
+    written: u64,
+    whole: u64,
 }
 
 impl Write for Replaced {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.to_be_emptied {
+        if self.written == 0 {
             self.file.set_len(0)?;
-            self.to_be_emptied = false;
         }
-        self.file.write(bytes)
+        match self.file.write(bytes) {
+            Ok(count) => {
+                self.written += count as u64;
+                Ok(count)
+            }
+            Err(error) => {
+                self.file.set_len(self.whole).ok(); // the first error says what is wrong
+                Err(error)
+            }
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {
+        self.whole = self.written;
         self.file.flush()
     }
 }
