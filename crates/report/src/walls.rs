@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall};
+use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall, counted};
 
 use crate::ring::Position;
 
@@ -33,11 +33,10 @@ pub(crate) fn from_partition(
     out.wall_of_return.extend(partition.labels.iter().map(|label| label.and_then(|c| wall_of_cluster[c as usize])));
     let dropped: usize = returns_of_cluster.iter().filter(|&&returns| returns < min_returns).sum();
     if dropped > 0 {
-        let few = format!("of fewer than {min_returns} returns");
-        notes.add(match partition.clusters - out.walls.len() {
-            1 => format!("report: 1 cluster {few} is no wall ({dropped} in all)"),
-            clusters => format!("report: {clusters} clusters {few} are no wall ({dropped} in all)"),
-        });
+        let clusters = counted((partition.clusters - out.walls.len()) as u64, "cluster");
+        notes.add(format!(
+            "report: {clusters} of fewer than {min_returns} returns taken for no wall ({dropped} in all)"
+        ));
     }
     set_bearings(revolution, out);
 }
@@ -141,12 +140,12 @@ mod tests {
         assert_eq!(junction.wall_of_return, [None, Some(0), Some(0), None]);
         assert_eq!(
             notes.iter().collect::<Vec<_>>(),
-            ["report: 1 cluster of fewer than 2 returns is no wall (1 in all)"]
+            ["report: 1 cluster of fewer than 2 returns taken for no wall (1 in all)"]
         );
         let (_, notes) = walls(&[0.0, 90.0, 180.0], &[Some(0), Some(1), Some(2)], 2);
         assert_eq!(
             notes.iter().collect::<Vec<_>>(),
-            ["report: 3 clusters of fewer than 2 returns are no wall (3 in all)"]
+            ["report: 3 clusters of fewer than 2 returns taken for no wall (3 in all)"]
         );
     }
 
