@@ -41,7 +41,7 @@ impl Ring {
         self.entries.clear();
         for (beam, seen) in self.beams.iter().enumerate() {
             if let Beam::Return(i) = *seen
-                && let Some(&Some(wall)) = wall_of_return.get(i as usize)
+                && let Some(wall) = wall_of_return[i as usize]
             {
                 let position_m = revolution.points_m[i as usize].coords.xy();
                 self.entries.push(Entry { position_m, range_m: position_m.norm(), beam, wall });

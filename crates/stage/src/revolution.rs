@@ -153,7 +153,7 @@ impl Sweep {
     }
 
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
-    pub fn is_clockwise(&self) -> bool {
+    fn is_clockwise(&self) -> bool {
         let mut steps_rad = self.bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0]));
         steps_rad.find(|step_rad| *step_rad != 0.0).is_some_and(|step_rad| step_rad < 0.0)
     }

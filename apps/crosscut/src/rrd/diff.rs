@@ -17,9 +17,11 @@ pub(super) fn diff(args: &RrdDiffArgs) -> anyhow::Result<Outcome> {
     let found = differences(&a, &b, args.tolerance).map_err(|error| UsageError(error.to_string()))?;
     let mut text = settings_that_differ(&a, &b);
     text += &found_text(&found);
-    std::io::stdout().write_all(text.as_bytes()).map_err(|error| match is_closed_pipe(&error) {
-        true => anyhow::Error::new(error),
-        false => UsageError(format!("standard output: {error}")).into(), // trouble
+    std::io::stdout().write_all(text.as_bytes()).map_err(|error| {
+        if is_closed_pipe(&error) {
+            return anyhow::Error::new(error);
+        }
+        UsageError(format!("standard output: {error}")).into() // trouble
     })?;
     let damages = [say_damages(&a), say_damages(&b)];
     Ok(match found.first {

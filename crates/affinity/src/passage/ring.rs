@@ -46,13 +46,20 @@ impl Ring {
         (self.clockwise, self.range_max_m) = (view.clockwise, sweep.range_max_m);
         self.returns.clear();
         self.dark = 0;
+        let n = points_m.len();
+        // Returns are numbered in message order, which clockwise runs backward: n - 1 on is one back.
+        let wrapped = |number: usize| if number < n { number } else { number - n };
+        let before = sweep.beams[..view.first].iter().filter(|seen| matches!(seen, Beam::Return(_))).count();
+        let step = if view.clockwise { n.saturating_sub(1) } else { 1 };
+        let mut expected = if view.clockwise { wrapped(before + step) } else { wrapped(before) };
         for (beam, seen) in sweep.anticlockwise(view).enumerate() {
             match seen {
                 Beam::Return(number) => {
-                    let Some(point_m) = points_m.get(number as usize) else {
-                        let message = format!("beam {beam} has return {number}, of {}", points_m.len());
+                    let Some(point_m) = points_m.get(expected).filter(|_| number as usize == expected) else {
+                        let message = format!("beam {beam} has return {number}: not in beam order, or not there");
                         return Err(StageError::Mismatch(message));
                     };
+                    expected = wrapped(expected + step);
                     let position_m = point_m.coords.xy();
                     let (range_m, dark_before) = (position_m.norm(), self.dark);
                     self.returns.push(Entry { position_m, range_m, beam, number, dark_before, is_of_island: false });
@@ -61,9 +68,9 @@ impl Ring {
                 Beam::Unknown => {}
             }
         }
-        if self.returns.len() != points_m.len() {
-            let (beams, returns) = (self.returns.len(), points_m.len());
-            return Err(StageError::Mismatch(format!("beams with a return: {beams}, returns: {returns}")));
+        if self.returns.len() != n {
+            let beams = self.returns.len();
+            return Err(StageError::Mismatch(format!("beams with a return: {beams}, returns: {n}")));
         }
         Ok(())
     }

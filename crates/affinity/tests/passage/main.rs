@@ -8,7 +8,9 @@ mod ways;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_affinity::Passage;
-use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, Sweep, Value, wrap_angle_rad};
+use crosscut_stage::{
+    Affinity, AffinityStage, Beam, Notes, Point, Revolution, StageError, Sweep, Value, wrap_angle_rad,
+};
 
 /// A wall from one end to the other.
 pub(crate) type Segment = [[f64; 2]; 2];
@@ -138,6 +140,31 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
     let told = "passage: 20 returns within the vehicle, nearer than 0.3 m, tied to none";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
+}
+
+#[test]
+fn beams_that_do_not_match_the_returns_are_an_error_whichever_way_the_message_runs() {
+    let mut clockwise = scan(&TUNNEL, all);
+    let sweep = clockwise.sweep.as_mut().expect("a sweep");
+    sweep.bearings_rad.iter_mut().for_each(|bearing_rad| *bearing_rad = -*bearing_rad);
+    clockwise.points_m.iter_mut().for_each(|point_m| point_m.y = -point_m.y);
+    for right in [scan(&TUNNEL, all), clockwise] {
+        let taken = |spoil: fn(&mut Revolution)| {
+            let mut revolution = right.clone();
+            spoil(&mut revolution);
+            Passage::new(&[]).expect("allowed").affinity(&revolution, &mut Affinity::default(), &mut Notes::default())
+        };
+        taken(|_| {}).expect("as it is");
+        let spoilt: [fn(&mut Revolution); 4] = [
+            |revolution| revolution.points_m.truncate(9),
+            |revolution| revolution.points_m.push(Point::origin()),
+            |revolution| revolution.sweep.as_mut().expect("a sweep").beams.reverse(),
+            |revolution| revolution.sweep.as_mut().expect("a sweep").beams.rotate_left(30),
+        ];
+        for spoil in spoilt {
+            assert!(matches!(taken(spoil), Err(StageError::Mismatch(_))));
+        }
+    }
 }
 
 #[test]

@@ -52,10 +52,8 @@ pub(super) struct Survey {
     schemas: Vec<SchemaHeader>,
     /// Channel and log time of the messages that are not settled.
     recent: Vec<(u16, u64)>,
-    /// The last message is there: the file is not cut off before it.
-    pub(super) complete: bool,
-    /// Where the recording ends, if its end is there.
-    pub(super) end_byte: Option<u64>,
+    /// Where the messages end; `None` if the file is cut off before that.
+    pub(super) end_of_data: Option<u64>,
     pub(super) losses: Vec<LossKind>,
 }
 
@@ -73,9 +71,8 @@ impl Survey {
                 Step::Lost { at_byte, damage } => {
                     survey.losses.push(LossKind::Part { at_byte, scans: None, damage });
                 }
-                Step::End => {
-                    survey.complete = true;
-                    survey.end_byte = section.end_of_recording();
+                Step::End { at_byte } => {
+                    survey.end_of_data = Some(at_byte);
                     if survey.losses.is_empty()
                         && let Err(damage) = section.check_whole()
                     {

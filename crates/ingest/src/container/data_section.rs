@@ -27,7 +27,7 @@ pub(super) enum Step {
     /// A record or a chunk that is of no use; the next one can be read.
     Lost { at_byte: u64, damage: Damage },
     /// There are no more messages.
-    End,
+    End { at_byte: u64 },
     /// Nothing more can be read; [`Damage::Ended`] if the file is cut off here.
     Stopped { at_byte: u64, damage: Damage },
 }
@@ -73,7 +73,7 @@ impl DataSection {
         let end = at_byte.saturating_add(HEAD_BYTES).saturating_add(length);
         let ends_data = matches!((opcode, length), (op::DATA_END, DATA_END_BYTES) | (op::FOOTER, FOOTER_BYTES));
         if ends_data && end <= self.length {
-            return Step::End;
+            return Step::End { at_byte };
         }
         if opcode == 0 {
             let damage = Damage::Record("a record of type 0 cannot be".to_owned());
@@ -111,17 +111,10 @@ impl DataSection {
         }
     }
 
-    /// Where the recording ends, of whose messages the last step found the end: behind its footer and magic bytes, if
-    /// these can be found.
-    pub(super) fn end_of_recording(&mut self) -> Option<u64> {
-        let end_of_data = self.at_byte;
-        let end = self.find_end();
-        self.at_byte = end_of_data;
-        end
-    }
-
-    fn find_end(&mut self) -> Option<u64> {
-        self.go_to(self.at_byte).ok()?;
+    /// Where the recording ends whose messages end at `end_of_data`: behind its footer and magic bytes, if these can be
+    /// found.
+    pub(super) fn end_of_recording(&mut self, end_of_data: u64) -> Option<u64> {
+        self.go_to(end_of_data).ok()?;
         loop {
             let head = read_head(&mut self.input).ok()??;
             let next = self.at_byte.saturating_add(HEAD_BYTES).saturating_add(head.1);

@@ -71,8 +71,8 @@ impl Container {
             Some(statistics) if !catalogue.channels.is_empty() && !chunks.is_empty() => catalogue.count(statistics),
             _ => {
                 let survey = Survey::of(&mut section);
-                if let (Some(damage), true) = (index_damage, survey.complete) {
-                    lost(match survey.end_byte {
+                if let (Some(damage), Some(end_of_data)) = (index_damage, survey.end_of_data) {
+                    lost(match section.end_of_recording(end_of_data) {
                         Some(at_byte) if at_byte < length => LossKind::Behind { at_byte, bytes: length - at_byte },
                         _ => LossKind::Index { damage },
                     });

@@ -72,7 +72,7 @@ impl TopicReader {
             Plan::InFileOrder { ref mut ended } => {
                 while self.collector.queue.is_empty() && !*ended {
                     let step = self.container.section.step(&mut self.collector);
-                    *ended = matches!(step, Step::End | Step::Stopped { .. });
+                    *ended = matches!(step, Step::End { .. } | Step::Stopped { .. });
                 }
             }
         }

@@ -168,8 +168,8 @@ impl LevelView {
             sweep.range_max_m = dense.range_max_m;
             blank.resize(met.len(), Beam::Unknown);
             fan.mark_free(dense, blank);
-            let unseen = widest_run(met.len(), |beam| met[beam].is_none() && blank[beam] == Beam::Unknown);
-            Some(unseen).filter(|_| !dense.view().full_turn)
+            let is_unseen = |beam: usize| met[beam].is_none() && blank[beam] == Beam::Unknown;
+            (!dense.view().full_turn).then(|| widest_run(met.len(), is_unseen))
         } else {
             sweep.range_max_m = f64::INFINITY;
             blank.resize(met.len(), Beam::NoReturn);
@@ -243,7 +243,7 @@ mod tests {
         let seen = view.seen();
         assert!((0..720).all(|i| (seen.range_m(i) - 3.0).abs() < 1e-9 && seen.points_m[i].z == 0.0));
         let sweep = seen.sweep.as_ref().expect("made");
-        assert!(sweep.full_turn && sweep.beams.len() == 720 && !sweep.is_clockwise());
+        assert!(sweep.full_turn && sweep.beams.len() == 720 && !sweep.view().clockwise);
     }
 
     #[test]
