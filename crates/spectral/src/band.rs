@@ -5,8 +5,8 @@ use crate::order::Order;
 use crate::second::ShiftInvert;
 use crate::split::Split;
 
-/// The longest edges that the kernels are compiled for: to 4 neighbours on either side, as along a wall, and to 8.
-const USUAL_WIDTHS: [usize; 2] = [4, 8];
+/// The longest edges that the kernels are compiled for: to 2 neighbours on either side, as along a wall, and to 4.
+const USUAL_WIDTHS: [usize; 2] = [2, 4];
 /// Entries of a column of such a band: the diagonal and what is below it.
 const NARROW: usize = USUAL_WIDTHS[0] + 1;
 const WIDER: usize = USUAL_WIDTHS[1] + 1;

@@ -81,7 +81,7 @@ const WALL_DEG: ParamSpec = ParamSpec {
 const NEIGHBOURS: ParamSpec = ParamSpec {
     name: "neighbours",
     unit: "returns",
-    shape: Shape::Integer { default: 4, min: 1, max: 1000 },
+    shape: Shape::Integer { default: 2, min: 1, max: 1000 },
     doc: "each return has an edge to so many of its wall on either side",
 };
 
