@@ -1,6 +1,6 @@
 //! What makes a gap a way on: how much room there is, and how much it needs.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::ring::{Position, Ring, turn_rad};
@@ -13,8 +13,13 @@ const WAY_SHARE: f64 = 0.3;
 /// In the shadow of islands nothing is known.
 const SHADE_SHARE: f64 = 1.5;
 /// The farther wall is the far side of a branch: it is seen behind the nearer one deeper than there is room between
-/// them, or both are that much.
+/// them, or both are that much;
 const SEEN_INSIDE_SHARE: f64 = 0.5;
+/// or, however narrow that is beside the place, deeper than a bump hides: this, and so many times the roughness of the walls,
+/// fewer at a corner, in the shadow that the end of the nearer wall casts on the farther one.
+const INSIDE_M: f64 = 0.3;
+const INSIDE_BUMPS: f64 = 30.0;
+const INSIDE_CORNER_BUMPS: f64 = 10.0;
 /// The farther wall comes back from behind the nearer one, turned by this much or more: what is between them leads
 /// there.
 const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
@@ -34,6 +39,11 @@ const FACE_RETURNS: usize = 3;
 const FORK_RAD: f64 = 20.0 * PI / 180.0;
 const FORK_DEPTH_M: f64 = 1.0;
 const FORK_BUMPS: f64 = 60.0;
+/// What is seen so far across the line of the nearer wall, and so deep behind it over as wide a gap, is seen through a mouth: it
+/// is another wall, however straight it goes on from the nearer one.
+const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
+const MOUTH_M: f64 = 1.5;
+const MOUTH_BUMPS: f64 = 30.0;
 
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
@@ -104,27 +114,40 @@ impl Judge<'_> {
             return 0.0;
         }
         let (is_dark, is_shaded) = (self.is_dark(gap.ends), self.is_shaded(gap.ends));
+        let is_clear = !is_dark && !is_shaded;
         let [clear_m, farther_aside_m] = gap.clear_and_farther_m();
+        let inside_m = clear_m.min(-farther_aside_m);
+        let bump_hides_m = if is_clear { self.bump_hides_m(gap, turns) } else { f64::INFINITY };
         let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_corner = turns_somewhat && !is_dark && !is_shaded && self.is_inner_corner(gap, turns);
+        let is_corner = turns_somewhat && is_clear && inside_m < bump_hides_m && self.is_inner_corner(gap, turns);
         let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner;
         let turned = turned.then_some(if is_shaded { SHADE_SHARE } else { self.limits.clear_share });
         let share = self.share_of_place(gap, turns, turned);
         let by_width = share.map_or(0.0, |share| clear_m / (share * self.size_m));
-        let deep_m = if turns_somewhat && !is_corner { -farther_aside_m } else { 0.0 };
-        let seen_inside = (deep_m / clear_m).max(deep_m.min(clear_m) / (SEEN_INSIDE_SHARE * self.size_m));
-        let sees_face = !is_corner && (share.is_none() || (!is_dark && !is_shaded));
+        let seen_inside = if turns_somewhat && !is_corner {
+            (-farther_aside_m / clear_m).max(inside_m / bump_hides_m.min(SEEN_INSIDE_SHARE * self.size_m))
+        } else {
+            0.0
+        };
+        let sees_face = !is_corner && (share.is_none() || is_clear);
         let before_face = if sees_face { self.room_ratio_before_face(gap) } else { 0.0 };
         let in_front = if turns.whole_rad < CORNER_RAD && is_dark {
             farther_aside_m / (IN_FRONT_SHARE * self.size_m)
         } else {
             0.0
         };
-        let in_fork = if is_dark || is_shaded { 0.0 } else { self.room_ratio_in_fork(turns, -farther_aside_m) };
+        let in_fork = if is_clear { self.room_ratio_in_fork(turns, -farther_aside_m) } else { 0.0 };
+        let in_mouth = if is_clear { self.room_ratio_in_mouth(gap, turns, inside_m) } else { 0.0 };
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
-        let room = by_width.max(seen_inside).max(before_face).max(in_front).max(in_fork);
+        let room = [by_width, seen_inside, before_face, in_front, in_fork, in_mouth].into_iter().fold(0.0, f64::max);
         room.min(clear_m / self.limits.passage_m).max(blank)
+    }
+
+    /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.
+    fn bump_hides_m(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
+        let bumps = if turns.whole_rad < CORNER_RAD { INSIDE_BUMPS } else { INSIDE_CORNER_BUMPS };
+        (INSIDE_M + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
     }
 
     /// How many times the room that a way on needs there is before the face of a corner, if one is seen: the far side
@@ -143,6 +166,24 @@ impl Judge<'_> {
     fn room_ratio_in_fork(&self, turns: Turns, deep_m: f64) -> f64 {
         let is_fork = (FORK_RAD..self.limits.straight_rad).contains(&turns.whole_rad);
         if is_fork { deep_m / (FORK_DEPTH_M + FORK_BUMPS * self.roughness_m) } else { 0.0 }
+    }
+
+    /// The same in a mouth through which the farther wall is seen, so deep and so far across.
+    fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
+        let is_across = turns.whole_rad.abs() < self.limits.straight_rad && turns.near_rad < -MOUTH_RAD;
+        let room = deep_m / (MOUTH_M + MOUTH_BUMPS * self.roughness_m);
+        let is_mouth = is_across && room >= 1.0 && self.fits_into_mouth(gap) && !self.is_inner_corner(gap, turns);
+        if is_mouth { room } else { 0.0 }
+    }
+
+    /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one on, as
+    /// far as a quarter turn.
+    fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
+        let (p, q) = gap.ends;
+        let (near, far, onward) = if gap.a_is_nearer { (p, q, 1) } else { (q, p, -1) };
+        let quarter_turn = (FRAC_PI_2 / self.ring.step_rad) as isize;
+        let mut others = (1..quarter_turn).map_while(|steps| self.ring.after(far, onward * steps));
+        others.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }
 
     /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.
@@ -243,7 +284,12 @@ impl Judge<'_> {
 
     /// Whether the gap lies at the end of the range.
     pub(super) fn is_far(&self, (p, q): (usize, usize)) -> bool {
-        self.ring.range_m(p).max(self.ring.range_m(q)) > FAR_SHARE * self.ring.range_max_m
+        self.farther_m((p, q)) > FAR_SHARE * self.ring.range_max_m
+    }
+
+    /// The range of the farther end of a gap.
+    fn farther_m(&self, (p, q): (usize, usize)) -> f64 {
+        self.ring.range_m(p).max(self.ring.range_m(q))
     }
 
     /// The range of the nearer end of a gap.

@@ -36,9 +36,9 @@ fn narrow_dead_ends_with_bumps_seldom_have_a_way_on() {
 #[test]
 fn a_dead_end_is_one_wall_though_its_end_goes_on_past_the_line_of_the_nearer_side() {
     // Of the nearer side's end nothing is seen from 6 m on, over as much as the place is wide.
-    let end = [[[9.4, -4.7], [10.0, -2.5]], [[10.0, -2.5], [11.2, 2.0]]];
-    let sides = [[[-30.0, -1.5], [6.0, -1.5]], [[-30.0, 2.0], [11.2, 2.0]]];
-    assert_eq!(components(&scan(&[end, sides].concat(), all), &[]).len(), 1);
+    let end = [[8.8, -2.0], [9.4, 2.2]];
+    let sides = [[[-30.0, -0.8], [6.0, -0.8]], [[-30.0, 2.2], [9.4, 2.2]]];
+    assert_eq!(components(&scan(&[&[end][..], &sides].concat(), all), &[]).len(), 1);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Ways on: where walls end.
 
-use crate::{TUNNEL, all, components, scan, with_branch, with_branch_at};
+use crate::{TUNNEL, all, components, scan, scan_by, with_branch, with_branch_at};
 
 #[test]
 fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
@@ -120,6 +120,38 @@ fn the_end_of_a_fork_is_a_wall_of_its_own_though_its_branches_do_not_turn_back()
     };
     let fork = scan(&[branch(-1.0), branch(1.0)].concat(), all);
     assert_eq!(components(&fork, &[]).len(), 3);
+}
+
+#[test]
+fn a_drift_across_the_end_of_a_wider_one_is_two_ways_on_at_whatever_angle() {
+    // A stem 6 m wide, and 3 to 4 m of rock ahead of its mouth: on the acute side the far wall goes on behind the stem's.
+    for (turn_deg, mouth_m, width_m) in
+        [(70.0, 6.0, 4.0), (70.0, 8.0, 4.0), (60.0, 8.0, 3.0), (110.0, 7.0, 3.5), (90.0, 8.0, 3.0)]
+    {
+        let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
+        let (corner, far_m) = (|y: f64| [mouth_m + y * cos / sin, y], mouth_m + width_m / sin);
+        let along = |[x, y]: [f64; 2], far_m: f64| [x + far_m * cos, y + far_m * sin];
+        let side = |y: f64, far_m: f64| [[[-30.0, y], corner(y)], [corner(y), along(corner(y), far_m)]];
+        let opposite = [along([far_m, 0.0], -30.0), along([far_m, 0.0], 30.0)];
+        let walls = [&side(3.0, 30.0)[..], &side(-3.0, -30.0), &[opposite]].concat();
+        let found = components(&scan_by(720, &walls, all), &[]).len();
+        assert_eq!(found, 3, "{turn_deg}°, {mouth_m} m ahead, {width_m} m wide");
+    }
+}
+
+#[test]
+fn a_wall_seen_through_a_mouth_is_another_one_though_it_goes_on_as_straight_as_that_around_the_mouth() {
+    // A room of 8 m by 6 m, its mouth in the middle of one side, and a drift along that side.
+    let walls = |mouth_m: f64, drift_m: f64| {
+        let (half_m, far_m) = (0.5 * mouth_m, 3.0 + drift_m);
+        let left = [[[-4.0, -3.0], [-4.0, 3.0]], [[-4.0, 3.0], [-half_m, 3.0]], [[-25.0, far_m], [25.0, far_m]]];
+        let right = [[[4.0, -3.0], [4.0, 3.0]], [[half_m, 3.0], [4.0, 3.0]], [[-4.0, -3.0], [4.0, -3.0]]];
+        components(&scan_by(720, &[left, right].concat(), all), &[]).len()
+    };
+    for mouth_m in [1.5, 2.0, 3.0, 4.0] {
+        assert_eq!((walls(mouth_m, 3.0), walls(mouth_m, 4.0)), (2, 2), "mouth of {mouth_m} m");
+    }
+    assert_eq!(walls(3.0, 1.0), 1, "a niche 1 m deep");
 }
 
 #[test]
