@@ -20,10 +20,6 @@ const SEEN_INSIDE_SHARE: f64 = 0.5;
 const INSIDE_M: f64 = 0.3;
 const INSIDE_BUMPS: f64 = 30.0;
 const INSIDE_CORNER_BUMPS: f64 = 10.0;
-/// The farther wall comes back from behind the nearer one, turned by this much or more: what is between them leads
-/// there.
-const BEHIND_RAD: f64 = 130.0 * PI / 180.0;
-const BEHIND_SHARE: f64 = 0.5;
 /// The face of a corner: over so short a stretch the wall turns by so much, whatever it does over longer ones.
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
@@ -255,9 +251,8 @@ impl Judge<'_> {
         if turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
-        let behind = (turns.far_rad >= BEHIND_RAD).then_some(BEHIND_SHARE);
         let dark = if self.is_dark(gap.ends) { self.dark_share(gap, turns) } else { None };
-        [behind, dark.or(turned)].into_iter().flatten().min_by(f64::total_cmp)
+        dark.or(turned)
     }
 
     /// The same of a gap in which nothing is seen.
