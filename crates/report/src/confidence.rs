@@ -31,7 +31,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.89, 0.29, -0.68, -0.46, 1.16, 5.13, -0.60, 3.35];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.76, 0.29, -0.68, -0.47, 1.17, 5.16, -0.60, 3.21];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).

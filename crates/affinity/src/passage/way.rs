@@ -56,10 +56,6 @@ const AROUND_RAD: f64 = 100.0 * PI / 180.0;
 /// So it does where such a wall is seen over less, but bends: over this stretch it turns by more than a right angle.
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 const BENDING_M: f64 = 4.0;
-/// But if it is seen so far behind that line, where the wall turns by so much, the nearer wall has ended before it: a
-/// bend that leads back.
-const PAST_CORNER_RAD: f64 = 17.5 * PI / 180.0;
-const BACK_RAD: f64 = 52.0 * PI / 180.0;
 
 /// Nothing is seen in a gap into which so many beams, over so wide an angle, came back with nothing.
 const DARK_BEAMS: u32 = 4;
@@ -115,7 +111,7 @@ impl Judge<'_> {
         let inside_m = clear_m.min(-farther_aside_m);
         let bump_hides_m = if is_clear { self.bump_hides_m(gap, turns) } else { f64::INFINITY };
         let turns_somewhat = (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_corner = turns_somewhat && is_clear && inside_m < bump_hides_m && self.is_inner_corner(gap, turns);
+        let is_corner = turns_somewhat && is_clear && inside_m < bump_hides_m && self.is_inner_corner(gap);
         let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner;
         let turned = turned.then_some(if is_shaded { SHADE_SHARE } else { self.limits.clear_share });
         let share = self.share_of_place(gap, turns, turned);
@@ -168,7 +164,7 @@ impl Judge<'_> {
     fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
         let is_across = turns.whole_rad.abs() < self.limits.straight_rad && turns.near_rad < -MOUTH_RAD;
         let room = deep_m / (MOUTH_M + MOUTH_BUMPS * self.roughness_m);
-        let is_mouth = is_across && room >= 1.0 && self.fits_into_mouth(gap) && !self.is_inner_corner(gap, turns);
+        let is_mouth = is_across && room >= 1.0 && self.fits_into_mouth(gap) && !self.is_inner_corner(gap);
         if is_mouth { room } else { 0.0 }
     }
 
@@ -233,11 +229,10 @@ impl Judge<'_> {
     }
 
     /// Whether the farther wall meets the line of the nearer one in a corner.
-    fn is_inner_corner(&self, gap: &Gap<'_>, turns: Turns) -> bool {
+    fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
         let (far, end) = gap.farther();
         let direction = if gap.a_is_nearer { gap.after } else { gap.before };
-        let leads_back = turns.near_rad < -PAST_CORNER_RAD && turns.whole_rad > BACK_RAD;
-        if direction.dot(&gap.chord) <= 0.0 || leads_back {
+        if direction.dot(&gap.chord) <= 0.0 {
             return false;
         }
         let span_rad = self.ring.beams_from(far[0], far[far.len() - 1]) as f64 * self.ring.step_rad;
