@@ -121,9 +121,9 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 ///    smaller share if the gap is dark or T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a
 ///    tunnel recede. It can as well where nothing is seen over a wide angle, or in a door where no beams get lost, before
 ///    the face of a corner, in an acute fork of which enough is seen, where the farther wall is seen deeper behind the
-///    nearer one than a bump hides, and where it is seen through a mouth; not where the other side of the place meets the nearer one in a corner, or where the next beam
-///    meets what goes on along its line: nothing is hidden then. Pieces join at the least |T| first, so that directions
-///    come from ever longer walls.
+///    nearer one than a bump hides, and where it is seen through a mouth; not where the other side of the place meets
+///    the nearer one in a corner, or where the next beam meets what goes on along its line: nothing is hidden then.
+///    Pieces join at the least |T| first, so that directions come from ever longer walls.
 /// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small,
 ///    or alone, joins anew.
 /// 6. A wall that still turns around somewhere is cut there. What is left of it that is too small for a wall, as what

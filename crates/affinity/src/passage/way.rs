@@ -136,7 +136,7 @@ impl Judge<'_> {
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
-    /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.
+    /// How deep behind the nearer wall a bump at its end hides the farther one: the deeper, the farther that is behind it.
     fn bump_hides_m(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
         let bumps = if turns.whole_rad < CORNER_RAD { INSIDE_BUMPS } else { INSIDE_CORNER_BUMPS };
         (INSIDE_M + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
@@ -173,9 +173,10 @@ impl Judge<'_> {
     fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
         let (p, q) = gap.ends;
         let (near, far, onward) = if gap.a_is_nearer { (p, q, 1) } else { (q, p, -1) };
-        let quarter_turn = (FRAC_PI_2 / self.ring.step_rad) as isize;
-        let mut others = (1..quarter_turn).map_while(|steps| self.ring.after(far, onward * steps));
-        others.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
+        let quarter_turn = (FRAC_PI_2 / self.ring.step_rad) as usize;
+        let onward = (1..self.ring.len() as isize).map_while(|steps| self.ring.after(far, onward * steps));
+        let mut seen = onward.take_while(|&other| self.ring.beams_apart(far, other) < quarter_turn);
+        seen.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }
 
     /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.

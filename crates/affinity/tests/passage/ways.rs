@@ -124,7 +124,7 @@ fn the_end_of_a_fork_is_a_wall_of_its_own_though_its_branches_do_not_turn_back()
 
 #[test]
 fn a_drift_across_the_end_of_a_wider_one_is_two_ways_on_at_whatever_angle() {
-    // A stem 6 m wide, and 3 to 4 m of rock ahead of its mouth: on the acute side the far wall goes on behind the stem's.
+    // A stem 6 m wide, a drift of 3 to 4 m: on its acute side the far wall is seen no more than 1.6 m behind that of the stem.
     for (turn_deg, mouth_m, width_m) in
         [(70.0, 6.0, 4.0), (70.0, 8.0, 4.0), (60.0, 8.0, 3.0), (110.0, 7.0, 3.5), (90.0, 8.0, 3.0)]
     {
