@@ -2,7 +2,7 @@
 //! the sparse ones alone: `... -- sparse`.
 //!
 //! Four straight walls, 3.5 m apart, 20 m long, evenly sampled. The dense solvers get equation (1) with σ = 1.5 per m²,
-//! the sparse ones the graph of each return's 4 neighbours on either side. One line per solver and size, columns parted
+//! the sparse ones the graph of each return's 2 neighbours on either side. One line per solver and size, columns parted
 //! by commas: the mean of many runs, in processor time of the thread where the system tells it (Linux), so that the
 //! turns of other programs do not count.
 
@@ -97,7 +97,7 @@ fn neighbours(n: usize) -> Affinity {
     let w = affinity.weights.make_sparse();
     for i in 0..n {
         let (first, end) = ((i / wall * wall).min(n), ((i / wall + 1) * wall).min(n));
-        let row = i.saturating_sub(4).max(first)..(i + 5).min(end);
+        let row = i.saturating_sub(2).max(first)..(i + 3).min(end);
         affinity.degrees.push(row.len() as f64);
         row.for_each(|j| w.push(j as u32, 1.0));
         w.end_row();

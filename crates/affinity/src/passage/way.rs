@@ -172,9 +172,9 @@ impl Judge<'_> {
     /// far as a quarter turn.
     fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
         let (p, q) = gap.ends;
-        let (near, far, onward) = if gap.a_is_nearer { (p, q, 1) } else { (q, p, -1) };
+        let (near, far, direction) = if gap.a_is_nearer { (p, q, 1) } else { (q, p, -1) };
         let quarter_turn = (FRAC_PI_2 / self.ring.step_rad) as usize;
-        let onward = (1..self.ring.len() as isize).map_while(|steps| self.ring.after(far, onward * steps));
+        let onward = (1..self.ring.len() as isize).map_while(|steps| self.ring.after(far, direction * steps));
         let mut seen = onward.take_while(|&other| self.ring.beams_apart(far, other) < quarter_turn);
         seen.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }

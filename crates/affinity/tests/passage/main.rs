@@ -63,6 +63,11 @@ pub(crate) fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
     range_m
 }
 
+/// With bumps of this height in and out of the walls, along the beams.
+pub(crate) fn bumps(height_m: f64) -> impl Fn(usize, Option<f64>) -> Option<f64> {
+    move |beam, range_m| range_m.map(|range_m| range_m + height_m * [0.0, 1.0, -1.0][beam % 3])
+}
+
 /// The tunnel with a side branch of that width, of which the far wall is seen and none of the near one.
 pub(crate) fn with_branch(width_m: f64) -> Vec<Segment> {
     with_branch_at(3.0, width_m)

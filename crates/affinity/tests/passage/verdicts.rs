@@ -3,7 +3,7 @@
 use crosscut_affinity::Passage;
 use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Value};
 
-use crate::{LEAK, TUNNEL, all, scan, with_branch};
+use crate::{LEAK, TUNNEL, all, bumps, scan, with_branch};
 
 /// The edges weaker than any within a wall.
 fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {
@@ -21,8 +21,7 @@ fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64
 
 #[test]
 fn a_doubtful_way_on_leaks_more_than_a_clear_one_and_none_does_without_leak() {
-    let bumps = |beam: usize, range_m: Option<f64>| range_m.map(|range_m| range_m + [0.0, 0.06, -0.06][beam % 3]);
-    let most = |width_m| leaks(&scan(&with_branch(width_m), bumps), &[]).into_iter().fold(0.0, f64::max);
+    let most = |width_m| leaks(&scan(&with_branch(width_m), bumps(0.06)), &[]).into_iter().fold(0.0, f64::max);
     assert_eq!(leaks(&scan(&TUNNEL, all), &[]).len(), 2);
     assert!(most(4.0) > 2.0 * most(7.0), "{} {}", most(4.0), most(7.0));
     assert!(leaks(&scan(&TUNNEL, all), &[("leak", Value::Number(0.0))]).is_empty());

@@ -1,6 +1,6 @@
 //! Ways on: where walls end.
 
-use crate::{TUNNEL, all, components, scan, scan_by, with_branch, with_branch_at};
+use crate::{TUNNEL, all, bumps, components, scan, scan_by, with_branch, with_branch_at};
 
 #[test]
 fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
@@ -27,10 +27,7 @@ fn a_branch_at_an_acute_angle_is_a_way_on_where_its_wall_is_seen_deep_behind_the
         let (sin, cos) = turn_deg.to_radians().sin_cos();
         let branch = [[-8.0, 2.0], [-8.0 + 20.0 * cos, 2.0 + 20.0 * sin]];
         let left = [[[-30.0, 2.0], [-8.0, 2.0]], branch, [[-1.5, 2.0], [30.0, 2.0]]];
-        let bumps = |beam: usize, range_m: Option<f64>| {
-            range_m.map(|range_m| range_m + roughness_m * [0.0, 1.0, -1.0][beam % 3])
-        };
-        components(&scan(&[&left[..], &TUNNEL[1..]].concat(), bumps), &[]).len()
+        components(&scan(&[&left[..], &TUNNEL[1..]].concat(), bumps(roughness_m)), &[]).len()
     };
     assert_eq!((fork(30.0, 0.0), fork(25.0, 0.0)), (3, 3));
     assert_eq!(fork(30.0, 0.1), 2, "a bump of such walls hides as much");
@@ -60,8 +57,7 @@ fn no_way_on_is_narrower_than_the_vehicle_however_deep_it_is_seen() {
 
 #[test]
 fn a_gap_much_narrower_than_the_place_ends_no_wall_whose_bumps_may_hide_it_and_one_as_wide_does() {
-    let bumps = |beam: usize, range_m: Option<f64>| range_m.map(|range_m| range_m + [0.0, 0.06, -0.06][beam % 3]);
-    let walls = |width_m| components(&scan(&with_branch(width_m), bumps), &[]).len();
+    let walls = |width_m| components(&scan(&with_branch(width_m), bumps(0.06)), &[]).len();
     assert_eq!((walls(0.8), walls(4.0)), (2, 3));
     assert_eq!(components(&scan(&with_branch(0.8), all), &[]).len(), 3, "smooth");
 }
