@@ -52,6 +52,11 @@ class Flights:
         return [Flight(path.stem, path) for path in sorted(self.data.glob("corridor_*.mcap"))]
 
     @cache
+    def bags(self) -> list[Path]:
+        """Real bags of ROS 1; none where they are not on this machine."""
+        return sorted(self.data.glob("*.bag"))
+
+    @cache
     def simulated(self, seed: int) -> Flight:
         path = self.work / f"{SCENARIO}_{seed}.mcap"
         self.crosscut("simulate", SCENARIO, "--seed", seed, "--out", path).expect(0)

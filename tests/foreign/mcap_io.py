@@ -44,6 +44,7 @@ def check(flights: Flights, verdicts: Verdicts):
     reference = flights.crosscut.results(base).expect(0).stdout
     verdicts.that(len(lines(reference)) == SCANS, "ROS 2 writer, zstd", f"{len(lines(reference))} lines, exit code 0")
     check_ways_of_writing(base, made, reference, flights, verdicts)
+    check_ros1(base, reference, flights, verdicts)
     check_out_of_order(base, reference, flights, verdicts)
     check_topics(folder, made, reference, flights, verdicts)
     check_cut_off(base, reference, flights, verdicts)
@@ -121,6 +122,20 @@ def check_ways_of_writing(base: Path, made, reference: bytes, flights: Flights, 
     path = folder / "big_endian.mcap"
     writing.write_raw(path, map(writing.big_endian, messages))
     expect_reference(path, "big-endian CDR", reference, flights, verdicts)
+
+
+def check_ros1(base: Path, reference: bytes, flights: Flights, verdicts: Verdicts):
+    """Scans in the encoding of ROS 1, made here and of a real bag, give what they give in CDR."""
+    path = base.parent / "ros1.mcap"
+    writing.write_raw(path, map(writing.ros1, writing.messages_of(base)), profile="ros1")
+    expect_reference(path, "ROS 1", reference, flights, verdicts)
+    for bag in flights.bags():
+        messages = writing.bag_messages(bag)
+        as_recorded, in_cdr = (base.parent / f"{bag.stem}_{encoding}.mcap" for encoding in ("ros1", "cdr"))
+        writing.write_raw(as_recorded, messages, profile="ros1")
+        writing.write_raw(in_cdr, [writing.ros2(m) for m in messages if m.schema_name == writing.ROS1_LASER_SCAN])
+        of_cdr = flights.crosscut.results(in_cdr).expect(0).stdout
+        expect_reference(as_recorded, f"ROS 1, {bag.name}, {len(lines(of_cdr))} scans", of_cdr, flights, verdicts)
 
 
 def expect_reference(path: Path, what: str, reference: bytes, flights: Flights, verdicts: Verdicts):

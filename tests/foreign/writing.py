@@ -8,6 +8,8 @@ import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 from mcap_ros2.writer import Writer as Ros2Writer
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.typesys import Stores, get_typestore
 
 from scenes import BEAMS, RANGE_MAX_M, Scene
 
@@ -15,6 +17,7 @@ PERIOD_NS = 100_000_000
 FIRST_STAMP_NS = 1_700_000_000_000_000_000
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
+ROS1_LASER_SCAN = "sensor_msgs/LaserScan"
 LASER_SCAN_DEFINITION = """\
 std_msgs/Header header
 float32 angle_min
@@ -37,6 +40,8 @@ uint32 nanosec
 """
 STRING = "std_msgs/msg/String"
 STRING_DEFINITION = "string data\n"
+# Converts between the encodings of ROS 1 and ROS 2.
+ROS2_TYPES = get_typestore(Stores.ROS2_HUMBLE)
 
 
 def message_of(scene: Scene, stamp_ns: int) -> dict:
@@ -114,11 +119,11 @@ NO_SUMMARY = {
 }
 
 
-def write_raw(path: Path, messages: Iterable[Message], **options):
+def write_raw(path: Path, messages: Iterable[Message], profile: str = "ros2", **options):
     """These messages, in this order, through the plain writer with these options."""
     with path.open("wb") as file:
         writer = Writer(file, **options)
-        writer.start(profile="ros2", library="cross-check")
+        writer.start(profile=profile, library="cross-check")
         schemas: dict[str, int] = {}
         channels: dict[str, int] = {}
         for m in messages:
@@ -128,6 +133,38 @@ def write_raw(path: Path, messages: Iterable[Message], **options):
                 channels[m.topic] = writer.register_channel(m.topic, m.encoding, schemas[m.schema_name])
             writer.add_message(channels[m.topic], m.log_time_ns, m.data, m.log_time_ns, m.sequence)
         writer.finish()
+
+
+def bag_messages(path: Path) -> list[Message]:
+    """All messages of a ROS 1 bag, undecoded, as a converter puts them into an MCAP."""
+    with BagReader(path) as bag:
+        return [
+            Message(
+                topic=connection.topic,
+                schema_name=connection.msgtype.replace("/msg/", "/"),
+                schema_encoding="ros1msg",
+                schema=connection.msgdef.data.encode(),
+                encoding="ros1",
+                log_time_ns=log_time_ns,
+                sequence=i,
+                data=bytes(data),
+            )
+            for i, (connection, log_time_ns, data) in enumerate(bag.messages())
+        ]
+
+
+def ros1(scan: Message) -> Message:
+    """The same scan in the encoding of ROS 1."""
+    data = bytes(ROS2_TYPES.cdr_to_ros1(scan.data, LASER_SCAN))
+    return replace(scan, schema_name=ROS1_LASER_SCAN, schema_encoding="ros1msg", schema=b"", encoding="ros1", data=data)
+
+
+def ros2(scan: Message) -> Message:
+    """The same scan of ROS 1 in CDR."""
+    data, schema = bytes(ROS2_TYPES.ros1_to_cdr(scan.data, LASER_SCAN)), LASER_SCAN_DEFINITION.encode()
+    return replace(
+        scan, schema_name=LASER_SCAN, schema_encoding="ros2msg", schema=schema, encoding="cdr", data=data
+    )
 
 
 def big_endian(message: Message) -> Message:

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use crosscut_messages::{LaserScan, Message as _};
+use crosscut_messages::LaserScan;
 use crosscut_stage::{Notes, Revolution};
 
 use crate::container::{Container, TopicReader};
@@ -106,7 +106,7 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
         if info.has_scans() {
             let channels = info.channels_in(&container);
             let mut reader = TopicReader::new(container, channels);
-            first_scan = describe_first(&mut reader, &info.name, sensor, &mut description.losses);
+            first_scan = describe_first(&mut reader, &info, sensor, &mut description.losses);
             container = reader.into_container();
         }
         description.topics.push(TopicDescription { info, rate_hz, first_scan });
@@ -116,7 +116,7 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
 
 fn describe_first(
     reader: &mut TopicReader,
-    topic: &str,
+    topic: &TopicInfo,
     sensor: &Sensor,
     losses: &mut Vec<Loss>,
 ) -> Option<ScanDescription> {
@@ -130,8 +130,8 @@ fn describe_first(
             }
         }
         let message = message?;
-        if let Err(cause) = scan.decode_into(&message.data) {
-            let kind = LossKind::Messages { topic: topic.to_owned(), first_seq: seq, count: 1, cause };
+        if let Err(cause) = topic.decode_into(&message.data, &mut scan) {
+            let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
             losses.push(Loss { file: reader.container().path.clone(), kind });
             return None;
         }

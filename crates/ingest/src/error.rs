@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crosscut_messages::{CDR_ENCODING, LaserScan, Message as _};
+use crosscut_messages::{CDR_ENCODING, ROS1_ENCODING};
 
 use crate::{Found, Loss, TopicInfo, TopicList};
 
@@ -56,7 +56,7 @@ pub enum IngestError {
         losses: Vec<Loss>,
     },
     /// Topics, but none with scans that can be read.
-    #[error("no topic carries sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(&topics.0))]
+    #[error("no topic carries laser scans of ROS 2 (sensor_msgs/msg/LaserScan in CDR) or ROS 1; the recording has\n{topics}{}", hint(&topics.0))]
     NoScanTopic {
         /// All topics.
         topics: TopicList,
@@ -76,7 +76,7 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// The topic that was asked for has no scans.
-    #[error("{wanted} does not carry sensor_msgs/msg/LaserScan in CDR; the recording has\n{topics}{}", hint(&topics.0[..1]))]
+    #[error("{wanted} does not carry laser scans of ROS 2 (sensor_msgs/msg/LaserScan in CDR) or ROS 1; the recording has\n{topics}{}", hint(&topics.0[..1]))]
     NotAScanTopic {
         /// The topic.
         wanted: String,
@@ -110,12 +110,10 @@ fn hint(topics: &[TopicInfo]) -> &'static str {
     let is_scan = |topic: &TopicInfo| topic.type_name.ends_with("LaserScan");
     if any(&|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
         "\nechoes become scans with the ROS package laser_proc"
-    } else if any(&|topic| is_scan(topic) && topic.encoding.contains("ros1")) {
-        "\nscans in the encoding of ROS 1 cannot be read; convert them to ROS 2, for example with `rosbags-convert`"
-    } else if any(&|topic| is_scan(topic) && topic.encoding != CDR_ENCODING) {
-        "\nscans in another encoding than CDR cannot be read; record them as ROS 2 messages"
-    } else if any(&|topic| is_scan(topic) && topic.type_name != LaserScan::SCHEMA_NAME) {
-        "\nscans are known by the name of their schema, which must be sensor_msgs/msg/LaserScan"
+    } else if any(&|topic| is_scan(topic) && ![CDR_ENCODING, ROS1_ENCODING].contains(&&*topic.encoding)) {
+        "\nscans in another encoding than cdr (ROS 2) and ros1 cannot be read; record them as ROS 2 messages"
+    } else if any(&is_scan) {
+        "\nscans are known by the name of their schema: sensor_msgs/msg/LaserScan in cdr, sensor_msgs/LaserScan in ros1"
     } else if any(&|topic| topic.type_name.ends_with("PointCloud2")) {
         "\na point cloud becomes scans with the ROS 2 package pointcloud_to_laserscan"
     } else {

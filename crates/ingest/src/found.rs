@@ -104,8 +104,8 @@ impl fmt::Display for Found {
             Self::OtherMcapVersion => "it is of another version of that format; `mcap recover` may read it",
             Self::CutMcap => "it is cut off within the first 8 bytes of one",
             Self::Ros1Bag => {
-                "it is a ROS 1 bag; convert it with `rosbags-convert --src FLIGHT.bag --dst FLIGHT --dst-storage mcap` \
-                 (pip install rosbags)"
+                "it is a ROS 1 bag; convert it with `mcap convert FLIGHT.bag FLIGHT.mcap`, or `rosbags-convert \
+                 --src FLIGHT.bag --dst FLIGHT --dst-storage mcap` (pip install rosbags)"
             }
             Self::Sqlite => {
                 "it is an SQLite file, such as a rosbag2 .db3; convert it with `mcap convert FLIGHT.db3 FLIGHT.mcap` or \

@@ -1,9 +1,9 @@
 //! Recordings to revolutions.
 //!
-//! In: MCAP files with ROS 2 `sensor_msgs/msg/LaserScan` in CDR, whole or damaged. Out: one
-//! [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the body frame
-//! (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned, left out,
-//! repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
+//! In: MCAP files with `sensor_msgs/msg/LaserScan` of ROS 2 in CDR, or `sensor_msgs/LaserScan` of ROS 1, whole or
+//! damaged. Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
+//! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
+//! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
 //!
 //! - [`Sensor`] makes one scan a revolution: pure, no I/O, for a robot's own program as well.
 //! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source).

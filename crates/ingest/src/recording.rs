@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{DecodeError, LaserScan, Message as _};
+use crosscut_messages::{DecodeError, LaserScan};
 use crosscut_stage::{Notes, Revolution, Source, SourceError};
 
 use crate::container::{Container, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, LossKind, Sensor, recordings_in};
+use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo, recordings_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -37,8 +37,7 @@ pub struct Recording {
     parts: VecDeque<TopicReader>,
     options: ReadOptions,
     sensor: Sensor,
-    topic: String,
-    total_messages: Option<u64>,
+    topic: TopicInfo,
     scan: LaserScan,
     next_seq: u64,
     first_log_time_ns: Option<u64>,
@@ -88,8 +87,7 @@ impl Recording {
             parts,
             options: options.clone(),
             sensor,
-            total_messages: topic.messages,
-            topic: topic.name,
+            topic,
             scan: LaserScan::default(),
             next_seq: 0,
             first_log_time_ns: None,
@@ -105,14 +103,14 @@ impl Recording {
 
     /// The topic that the scans are of.
     pub fn topic(&self) -> &str {
-        &self.topic
+        &self.topic.name
     }
 
     /// How many revolutions there will be if none is lost, as far as that is known before they are read.
     pub fn total_messages(&self) -> Option<u64> {
         let ReadOptions { from_s, to_s, .. } = self.options;
         let all = from_s.is_none() && to_s.is_none() && self.sensor.frame_id().is_none();
-        self.total_messages.filter(|_| all).map(|total| total.div_ceil(self.options.every.get()))
+        self.topic.messages.filter(|_| all).map(|total| total.div_ceil(self.options.every.get()))
     }
 
     /// When the last revolution was recorded, nanoseconds since the epoch; 0 before the first.
@@ -170,7 +168,7 @@ impl Recording {
 
     /// Why there was nothing to give although there are scans, if that is so: nobody asks for nothing.
     fn nothing_selected(&self) -> Option<SourceError> {
-        let topic = &self.topic;
+        let topic = &self.topic.name;
         if let Some(wanted) = self.sensor.frame_id()
             && self.previous.is_none()
             && self.of_other_frames > 0
@@ -195,7 +193,7 @@ impl Recording {
 
     /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
     fn read(&mut self, seq: u64, message: &Message, out: &mut Revolution, notes: &mut Notes) -> bool {
-        let decoded = self.scan.decode_into(&message.data);
+        let decoded = self.topic.decode_into(&message.data, &mut self.scan);
         if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header.frame_id) {
             self.of_other_frames += 1;
             return false;
@@ -259,7 +257,7 @@ impl Recording {
         match known {
             Some(count) => *count += 1,
             None => {
-                let kind = LossKind::Messages { topic: self.topic.clone(), first_seq: seq, count: 1, cause };
+                let kind = LossKind::Messages { topic: self.topic.name.clone(), first_seq: seq, count: 1, cause };
                 self.losses.push(Loss { file: file.clone(), kind });
             }
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crosscut_messages::{CDR_ENCODING, LaserScan, Message};
+use crosscut_messages::{CDR_ENCODING, DecodeError, LaserScan, Message as _, ROS1_ENCODING};
 use crosscut_stage::counted;
 
 use crate::IngestError;
@@ -42,7 +42,13 @@ impl fmt::Display for TopicList {
 impl TopicInfo {
     /// Whether it carries scans that can be read.
     pub fn has_scans(&self) -> bool {
-        self.type_name == LaserScan::SCHEMA_NAME && self.encoding == CDR_ENCODING
+        let readable = [(LaserScan::SCHEMA_NAME, CDR_ENCODING), (LaserScan::ROS1_SCHEMA_NAME, ROS1_ENCODING)];
+        readable.contains(&(&self.type_name, &self.encoding))
+    }
+
+    /// Reads a message of this topic, which [has scans](Self::has_scans).
+    pub(crate) fn decode_into(&self, message: &[u8], scan: &mut LaserScan) -> Result<(), DecodeError> {
+        if self.encoding == ROS1_ENCODING { scan.decode_ros1_into(message) } else { scan.decode_into(message) }
     }
 
     /// The channels of this topic in `container`; another type under the same name is another topic.

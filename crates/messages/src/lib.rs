@@ -1,4 +1,4 @@
-//! ROS 2 messages and truth as Rust values, to and from CDR and JSON.
+//! ROS messages and truth as Rust values, to and from CDR and JSON.
 //!
 //! In: the bytes of one message, as a recording holds them. Out: a value ([`LaserScan`], [`Odometry`], [`TfMessage`],
 //! [`Truth`]), or a [`DecodeError`] / [`TruthError`] that says which field is wrong and why. And back again. No I/O.
@@ -7,7 +7,8 @@
 //! their documentation. CDR is read and written as ROS 2 does: a 4-byte encapsulation header, then every value aligned
 //! to its own size, counted from the end of that header. Little and big endian are read; PL_CDR and XCDR2 are refused
 //! by name. A length field is believed only as far as there are bytes for it: nothing is allocated on its word alone.
-//! Bytes after the last field (writers pad to 4) are ignored.
+//! Bytes after the last field (writers pad to 4) are ignored. Scans are read in the encoding of ROS 1 as well
+//! ([`LaserScan::decode_ros1_into`]), as recordings have them that were converted from ROS 1 bags; they are not written.
 //!
 //! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for
 //! any ROS 2 tool to read what was written. Times are [`Time`]s as on the wire and nanoseconds elsewhere.
@@ -31,6 +32,7 @@
 mod cdr;
 mod laser_scan;
 mod odometry;
+mod ros1;
 pub mod schema;
 mod standard;
 mod tf;
@@ -46,6 +48,8 @@ pub use truth::{TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, Truth, TruthError, TruthOp
 
 /// Message encoding of ROS 2 messages in an MCAP channel.
 pub const CDR_ENCODING: &str = "cdr";
+/// Message encoding of ROS 1 messages in an MCAP channel.
+pub const ROS1_ENCODING: &str = "ros1";
 /// Message encoding of truth in an MCAP channel.
 pub const JSON_ENCODING: &str = "json";
 /// Schema encoding of truth in an MCAP channel.

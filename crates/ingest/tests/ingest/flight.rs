@@ -46,6 +46,25 @@ pub(crate) fn record_at(topic: &'static str, log_time_ns: u64, scan: &LaserScan)
     Record { topic, type_name, encoding, log_time_ns, data: scan.encode(Endian::Little) }
 }
 
+/// The same scan as ROS 1 writes it.
+pub(crate) fn ros1_record_at(topic: &'static str, log_time_ns: u64, scan: &LaserScan) -> Record {
+    let LaserScan { header: Header { stamp, frame_id }, ranges, intensities, .. } = scan;
+    let mut data = Vec::new();
+    for number in [7, stamp.sec as u32, stamp.nanosec, frame_id.len() as u32] {
+        data.extend(number.to_le_bytes());
+    }
+    data.extend(frame_id.as_bytes());
+    for number in [scan.angle_min, scan.angle_max, scan.angle_increment, scan.time_increment, scan.scan_time] {
+        data.extend(number.to_le_bytes());
+    }
+    data.extend([scan.range_min, scan.range_max].into_iter().flat_map(f32::to_le_bytes));
+    for sequence in [ranges, intensities] {
+        data.extend((sequence.len() as u32).to_le_bytes());
+        data.extend(sequence.iter().copied().flat_map(f32::to_le_bytes));
+    }
+    Record { topic, type_name: LaserScan::ROS1_SCHEMA_NAME, encoding: "ros1", log_time_ns, data }
+}
+
 /// `count` scans on /scan, one every 0.1 s.
 pub(crate) fn plain_flight(count: u64) -> Vec<Record> {
     (0..count).map(|i| record_at("/scan", time_ns(i), &scan(i))).collect()

@@ -7,7 +7,8 @@ use crosscut_messages::{Endian, Header, LaserScan, Message, Time};
 use crosscut_stage::{Notes, Revolution, Source, Value};
 
 use crate::flight::{
-    Folder, Form, Record, START_NS, drain, expected, open, plain_flight, record_at, scan, sensor, time_ns,
+    Folder, Form, Record, START_NS, drain, expected, open, plain_flight, record_at, ros1_record_at, scan, sensor,
+    time_ns,
 };
 
 fn options(topic: Option<&str>) -> ReadOptions {
@@ -97,6 +98,24 @@ fn another_type_under_the_name_of_the_scan_topic_is_left_alone() {
 }
 
 #[test]
+fn a_flight_in_the_encoding_of_ros_1_is_read_like_one_of_ros_2_and_named_where_it_is_damaged() {
+    let mut records: Vec<_> = (0..12).map(|i| ros1_record_at("/scan", time_ns(i), &scan(i))).collect();
+    let folder = Folder::new();
+    for form in Form::all() {
+        let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
+        assert_eq!((drain(&mut recording), recording.losses()), (expected(12), &[][..]), "{form:?}");
+    }
+    let description = describe(&folder.path().join("f.mcap"), &sensor(&[])).expect("a recording");
+    assert_eq!(description.topics[0].first_scan.as_ref().map(|scan| (scan.beams, scan.returns)), Some((8, 7)));
+
+    records[3].data.truncate(40);
+    let mut recording = open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording");
+    assert_eq!(drain(&mut recording).len(), 12);
+    let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
+    assert!(loss.to_string().contains("the message ends in `scan_time`, after 40 bytes"), "{loss}");
+}
+
+#[test]
 fn several_scan_topics_have_to_be_told_apart_by_name() {
     let folder = Folder::new();
     let records =
@@ -130,8 +149,8 @@ fn scans_in_another_encoding_are_named_with_what_to_do() {
         assert!(text.contains(what) && text.contains(type_name), "{text}");
         assert!(refused(&folder, Some("/scan")).to_string().contains(what));
     };
-    says("sensor_msgs/LaserScan", "ros1", "encoding of ROS 1");
-    says("foxglove.LaserScan", "json", "another encoding than CDR");
+    says("sensor_msgs/msg/LaserScan", "ros1", "the name of their schema");
+    says("foxglove.LaserScan", "json", "another encoding than cdr");
     says("sensor_msgs/msg/PointCloud2", "cdr", "pointcloud_to_laserscan");
     says("sensor_msgs/msg/MultiEchoLaserScan", "cdr", "laser_proc");
 }
