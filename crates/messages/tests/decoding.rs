@@ -1,4 +1,4 @@
-//! CDR from outside: every message, both byte orders, whole and damaged.
+//! Messages from outside: all in CDR, in both byte orders, and scans of ROS 1; whole and damaged.
 
 use std::fmt::Debug;
 
@@ -30,6 +30,33 @@ const BIG_ENDIAN_SCAN: &[u8] = &[
     0x00, 0x00, 0x00, 0x01,                         // one intensity
     0x42, 0xc8, 0x00, 0x00,                         // 100
 ];
+
+/// A LaserScan laid out by hand after the rules of ROS 1.
+#[rustfmt::skip]
+const ROS1_SCAN: &[u8] = &[
+    0x07, 0x00, 0x00, 0x00,                         // seq = 7
+    0x00, 0xe1, 0x0b, 0x5e,                         // stamp.sec = 1577836800
+    0x00, 0x27, 0xb9, 0x29,                         // stamp.nsec = 700000000
+    0x05, 0x00, 0x00, 0x00, b'l', b'a', b's', b'e', b'r', // frame_id, with its length
+    0x00, 0x00, 0x00, 0xc0,                         // angle_min = -2
+    0x00, 0x00, 0x00, 0x40,                         // angle_max = 2
+    0x00, 0x00, 0x80, 0x3f,                         // angle_increment = 1
+    0x6f, 0x12, 0x83, 0x3a,                         // time_increment = 0.001
+    0xcd, 0xcc, 0xcc, 0x3d,                         // scan_time = 0.1
+    0x0a, 0xd7, 0xa3, 0x3c,                         // range_min = 0.02
+    0x33, 0x33, 0xb3, 0x40,                         // range_max = 5.6
+    0x03, 0x00, 0x00, 0x00,                         // three ranges
+    0x00, 0x00, 0xc0, 0x3f,                         // 1.5
+    0x00, 0x00, 0x80, 0x7f,                         // infinity
+    0x00, 0x00, 0x20, 0x40,                         // 2.5
+    0x01, 0x00, 0x00, 0x00,                         // one intensity
+    0x00, 0x00, 0xc8, 0x42,                         // 100
+];
+
+/// The same scan both ways, and how it is read.
+const HAND_MADE: [(&[u8], Decode); 2] =
+    [(BIG_ENDIAN_SCAN, LaserScan::decode_into), (ROS1_SCAN, LaserScan::decode_ros1_into)];
+type Decode = fn(&mut LaserScan, &[u8]) -> Result<(), DecodeError>;
 
 fn hand_made_scan() -> LaserScan {
     LaserScan {
@@ -78,8 +105,16 @@ fn transforms(frame_ids: &[String], x: f64) -> TfMessage {
 }
 
 #[test]
-fn a_big_endian_scan_laid_out_by_hand_is_read_and_written_byte_for_byte() {
-    assert_eq!(LaserScan::decode(BIG_ENDIAN_SCAN), Ok(hand_made_scan()));
+fn a_scan_laid_out_by_hand_is_read_whatever_its_place_held_before() {
+    for (bytes, decode_into) in HAND_MADE {
+        let mut scan = LaserScan { ranges: vec![1.0; 9], ..LaserScan::default() };
+        assert_eq!(decode_into(&mut scan, bytes), Ok(()));
+        assert_eq!(scan, hand_made_scan());
+    }
+}
+
+#[test]
+fn a_scan_is_written_byte_for_byte_as_laid_out_by_hand() {
     assert_eq!(hand_made_scan().encode(Endian::Big), BIG_ENDIAN_SCAN);
 }
 
@@ -92,16 +127,18 @@ fn f64_fields_are_aligned_to_8_bytes_from_the_end_of_the_header() {
 
 #[test]
 fn a_length_beyond_the_message_is_refused_with_both_numbers_and_nothing_is_allocated_for_it() {
-    let mut bytes = BIG_ENDIAN_SCAN.to_vec();
-    let count_at = bytes.len() - 6 * 4;
-    bytes[count_at..count_at + 4].copy_from_slice(&u32::MAX.to_be_bytes());
-    let mut scan = LaserScan::default();
-    let error = scan.decode_into(&bytes).expect_err("must be refused");
-    assert_eq!(
-        error,
-        DecodeError::Length { field: "ranges", claimed: u32::MAX, needed_bytes: 4 * 0xffff_ffff, left_bytes: 20 }
-    );
-    assert_eq!(scan.ranges.capacity(), 0);
+    for (bytes, decode_into) in HAND_MADE {
+        let mut bytes = bytes.to_vec();
+        let count_at = bytes.len() - 6 * 4;
+        bytes[count_at..count_at + 4].fill(0xff);
+        let mut scan = LaserScan::default();
+        let error = decode_into(&mut scan, &bytes).expect_err("must be refused");
+        assert_eq!(
+            error,
+            DecodeError::Length { field: "ranges", claimed: u32::MAX, needed_bytes: 4 * 0xffff_ffff, left_bytes: 20 }
+        );
+        assert_eq!(scan.ranges.capacity(), 0);
+    }
 }
 
 #[test]
@@ -118,15 +155,21 @@ fn encodings_other_than_plain_cdr_are_refused_by_name() {
 
 #[test]
 fn text_that_is_not_utf8_is_refused_with_the_field() {
-    let mut bytes = BIG_ENDIAN_SCAN.to_vec();
-    bytes[16] = 0xff;
-    assert!(matches!(LaserScan::decode(&bytes), Err(DecodeError::Value { field: "header", .. })));
+    for ((bytes, decode_into), text) in HAND_MADE.into_iter().zip(["header", "header.frame_id"]) {
+        let mut bytes = bytes.to_vec();
+        bytes[16] = 0xff;
+        let error = decode_into(&mut LaserScan::default(), &bytes).expect_err("must be refused");
+        assert!(matches!(error, DecodeError::Value { field, .. } if field == text), "{error}");
+    }
 }
 
 #[test]
 fn bytes_after_the_last_field_are_ignored() {
-    let padded = [BIG_ENDIAN_SCAN, &[0, 0, 0]].concat();
-    assert_eq!(LaserScan::decode(&padded), Ok(hand_made_scan()));
+    for (bytes, decode_into) in HAND_MADE {
+        let mut scan = LaserScan::default();
+        assert_eq!(decode_into(&mut scan, &[bytes, &[0, 0, 0]].concat()), Ok(()));
+        assert_eq!(scan, hand_made_scan());
+    }
 }
 
 fn cut_anywhere_is_an_error<M: Message + Debug>(message: &M) {
@@ -143,6 +186,14 @@ fn a_message_cut_at_any_byte_is_an_error_and_no_panic() {
     cut_anywhere_is_an_error(&hand_made_scan());
     cut_anywhere_is_an_error(&odometry("odom", [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
     cut_anywhere_is_an_error(&transforms(&["a".to_owned(), "bcd".to_owned()], 1.0));
+    for length in 0..ROS1_SCAN.len() {
+        let cut = &ROS1_SCAN[..length];
+        assert!(
+            LaserScan::default().decode_ros1_into(cut).is_err(),
+            "{length} of {} bytes were accepted",
+            ROS1_SCAN.len()
+        );
+    }
 }
 
 fn survives<M: Message + Debug + PartialEq>(message: &M, reused: &mut M) -> Result<(), DecodeError> {
@@ -192,5 +243,6 @@ proptest! {
         let _ = LaserScan::decode(&message);
         let _ = Odometry::decode(&message);
         let _ = TfMessage::decode(&message);
+        let _ = LaserScan::default().decode_ros1_into(&bytes);
     }
 }
