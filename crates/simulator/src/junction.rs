@@ -22,6 +22,8 @@ const CLEARANCE_M: f64 = 0.25;
 const BEAMS_OF_WALL: usize = 3;
 /// Between a pillar and what is beside it there is at least this much room: a vehicle can pass.
 const PASSAGE_M: f64 = 0.8;
+/// Of so many places that are drawn, one is fit to be seen: most often it is the first.
+const MOST_DRAWS: usize = 10_000;
 
 /// A family of places, each with 1 to 5 branches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,11 +52,17 @@ impl Places {
 
     /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at
     /// most.
+    ///
+    /// # Panics
+    /// With more branches, or when no place is fit to be seen: too narrow for the lidar, or for the pillars.
     pub fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
         self.look(branches, seed, |mine, _, sweep, rng| sweep.scene(mine, stamp_ns, rng))
     }
 
     /// What a lidar of `rings` sees of the same place, and the truth of the level scan.
+    ///
+    /// # Panics
+    /// As [`Places::scene`].
     pub fn cloud(&self, branches: usize, seed: u64, rings: Rings) -> Cloud {
         self.look(branches, seed, |mine, pose, sweep, rng| {
             let truth = sweep.scene(mine, FIRST_STAMP_NS, rng).truth;
@@ -66,13 +74,14 @@ impl Places {
     fn look<T>(&self, branches: usize, seed: u64, see: impl FnOnce(&Mine, Pose, &Sweep, &mut Generator) -> T) -> T {
         let mut rng = generator(seed, "place");
         let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
-        loop {
+        for _ in 0..MOST_DRAWS {
             let Some((mine, pose)) = self.place(branches, &mut rng) else { continue };
             let sweep = Sweep::of(&mine, &lidar, &Motion::still(pose));
             if sweep.scenery.fewest_beams() >= BEAMS_OF_WALL {
                 return see(&mine, pose, &sweep, &mut rng);
             }
         }
+        panic!("none of {MOST_DRAWS} places of {branches} branches is fit to be seen: {self:?}");
     }
 
     fn place(&self, branches: usize, rng: &mut Generator) -> Option<(Mine, Pose)> {

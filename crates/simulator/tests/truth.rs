@@ -2,12 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_simulator::Mine;
 use crosscut_simulator::lidar::{Echo, Lidar};
 use crosscut_simulator::network::{Disc, Network, Point};
 use crosscut_simulator::pose::{Motion, Pose};
 use crosscut_simulator::surface::{Surface, Texture};
 use crosscut_simulator::truth::Scenery;
+use crosscut_simulator::{Mine, Places};
 use crosscut_stage::wrap_angle_rad;
 use proptest::prelude::{Strategy, prop_assert, prop_assert_eq, proptest};
 
@@ -299,4 +299,10 @@ proptest! {
             prop_assert!(found.is_some_and(|o| (o.width_m - opening.width_m).abs() < 0.05), "{opening:?}");
         }
     }
+}
+
+#[test]
+#[should_panic(expected = "fit to be seen")]
+fn places_too_narrow_for_their_pillars_are_refused_and_not_drawn_for_ever() {
+    Places { width_m: [1.0, 1.5], pillars: [1, 1], ..Places::CLEAN }.scene(3, 1, 0);
 }
