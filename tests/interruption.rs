@@ -43,6 +43,42 @@ fn an_interrupted_flight_ends_with_130_and_whole_results_without_a_gap() {
     assert!(lines.len() < 600 && column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
 }
 
+#[test]
+#[cfg(unix)]
+fn a_file_that_another_run_still_writes_to_is_left_to_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (child, results) = start(folder.path());
+    let ran =
+        run(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1);
+    assert!(ran.stderr.contains("another program is writing to it"), "{}", ran.stderr);
+    signal(&child, "INT");
+    Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    let lines = lines(&std::fs::read_to_string(results).expect("results"));
+    assert!(lines.len() >= 5 && column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
+}
+
+#[test]
+#[cfg(all(unix, feature = "rerun"))]
+fn a_recording_that_another_run_still_writes_to_is_left_to_it_and_results_are_complete() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(600, &Writing::default()));
+    let rrd = folder.path().join("flight.rrd");
+    let save = |flight: &Path| {
+        let mut command = crosscut(["run".as_ref(), flight.as_os_str(), "--save".as_ref(), rrd.as_os_str()]);
+        command.stderr(Stdio::piped());
+        command
+    };
+    let child = save(&flight).args(["--rate", "1"]).spawn().expect("the program starts");
+    await_or_panic(|| rrd.metadata().is_ok_and(|file| file.len() > 0));
+    let other = save(&shipped_flight()).args(["--results", "-"]).output().expect("it runs");
+    let other = Ran::from(other).expect_code(3);
+    assert!(other.stderr.contains("another program is writing to it"), "{}", other.stderr);
+    assert_eq!(lines(&other.stdout).len(), 141);
+    signal(&child, "INT");
+    Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    run(["rrd".as_ref(), "ls".as_ref(), rrd.as_os_str()]).expect_code(0);
+}
+
 /// Starts the command, interrupts it as soon as `made` is there, and says how it ended.
 fn interrupted(command: &[&str], made: &Path) -> Ran {
     let child = crosscut(command).stderr(Stdio::piped()).spawn().expect("the program starts");

@@ -1,7 +1,7 @@
 //! What is written must not be what is read, nor what else is written.
 
 use std::ffi::OsStr;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A new file that is none of those `read`, or standard output for `-`. What is there already stays until something is
+/// A new file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there already stays until something is
 /// written.
 pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
@@ -20,6 +20,10 @@ pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
     if !file.metadata().with_context(cannot)?.is_file() {
         return Ok(Box::new(file)); // a pipe or a device
+    }
+    // Elsewhere a lock would keep readers out as well.
+    if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+        anyhow::bail!("cannot write {}: another program is writing to it", path.display());
     }
     Ok(Box::new(Replaced { file, written: 0, whole: 0 }))
 }

@@ -3,7 +3,8 @@
 //! Rerun's own file sink ends its thread at the first failed write and leaves a torn message behind; later log calls
 //! still succeed. This one keeps the reason and cuts the torn message off, so that what was recorded stays readable.
 
-use std::fs::File;
+use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
@@ -84,12 +85,25 @@ impl RrdFile {
 impl State {
     fn create(path: &Path) -> Result<Self, RecorderError> {
         let cannot = |cause: String| RecorderError::Create { path: path.to_owned(), cause };
-        let file = File::create(path).map_err(|e| cannot(e.to_string()))?;
+        let file = create(path).map_err(|e| cannot(e.to_string()))?;
         let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file)
             .map_err(|e| cannot(cause_of(&e)))?;
-        let whole_bytes = std::fs::metadata(path).map_or(0, |m| m.len());
+        let whole_bytes = fs::metadata(path).map_or(0, |m| m.len());
         Ok(Self::Writing { encoder, whole_bytes })
     }
+}
+
+/// An empty file that no other run writes to. What is there stays until that is known.
+fn create(path: &Path) -> io::Result<File> {
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+    // Elsewhere a lock would keep readers out as well.
+    if cfg!(unix) && matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+        return Err(io::Error::other("another program is writing to it"));
+    }
+    if file.metadata()?.is_file() {
+        file.set_len(0)?;
+    }
+    Ok(file)
 }
 
 impl Shared {

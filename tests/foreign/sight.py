@@ -1,0 +1,328 @@
+"""What a lidar sees of a plane in which the free space is known: its beams, and the truth of the view without noise.
+
+The free space is a polygon, its holes are pillars, the sensor stands at the origin and looks along x.
+
+How truth is computed: rays, ten to a beam of 1°, make the polygon that is seen. The places where the centre of the
+vehicle's disc can be are the free space eroded by its radius; those outside of the seen polygon fall into pieces, the
+hidden ways. A *gap* lies between one ray that hits and the next that does, with the rays between them that hit nothing
+in range. A gap is an opening if a hidden way that reaches further than 3 m beyond it touches the edge of the seen
+polygon there. What is hit between two openings is a wall, whatever bumps and jumps it has. A hole of the free space
+that is smaller than `POST_M` is a post; it is an island if no opening is at its sides.
+
+Left out, as one view cannot tell (`Unclear`):
+- hidden ways that reach to between 0.5 and 5 m beyond their gap: niches, but the shadow of a thick pillar as well;
+- a gap that a disc half as wide again, or three quarters as wide, takes for something else than the disc does;
+- a way closed within 5 m beyond the range, where nothing at all is seen of its end;
+- a post at the side of an opening, which is a wall to some and an island to others;
+- a wall between two openings that is shorter than 0.5 m, a wall or island of fewer than 6 returns;
+- a view that ends within 5° of a jump in depth or of the end of the range.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+
+VEHICLE_WIDTHS_M = (0.45, 0.6, 0.9)  # the vehicle's own in the middle; the others must see the same openings
+CLOSED_M, OPEN_M = 0.5, 5.0  # beyond a gap: less is closed, more is open, and the definition's 3 m lie between
+SHADOW_M = 1.5  # instead of `CLOSED_M`, between two gaps: no narrower way on can begin in a shadow
+POST_M = 3.0
+LEAST_RETURNS = 6
+LEAST_WALL_M = 0.5
+VIEW_MARGIN_RAD = np.radians(5)
+RAY_STEP_RAD = np.radians(0.1)
+BEYOND_RANGE_M = 9.0  # what lies further beyond the range plays no part
+BRANCH_AT_M = 8.0  # where bearing and width of an opening are taken, if it is seen that far
+
+NO_RETURN, NO_WALL = -1, -2
+
+
+class Unclear(Exception):
+    """The answer hangs on a margin, or on what one view cannot tell."""
+
+
+@dataclass(frozen=True)
+class Beams:
+    """The beam geometry, anticlockwise in the body frame."""
+
+    count: int
+    first_rad: float
+    step_rad: float
+    range_max_m: float
+    full_turn: bool
+
+    def bearings_rad(self) -> np.ndarray:
+        return self.first_rad + np.arange(self.count) * self.step_rad
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Dense rays; every `per_beam`-th is a beam. `hit_m` is inf where nothing is in range, `ring` 0 for the outer
+    boundary and else the number of the hole."""
+
+    bearing_rad: np.ndarray
+    hit_m: np.ndarray
+    ring: np.ndarray
+    per_beam: int
+    range_max_m: float
+    full_turn: bool
+
+    def ends_m(self) -> np.ndarray:
+        reach_m = np.minimum(self.hit_m, self.range_max_m)
+        return reach_m[:, None] * directions(self.bearing_rad)
+
+    def hits(self) -> np.ndarray:
+        return np.flatnonzero(np.isfinite(self.hit_m))
+
+
+@dataclass(frozen=True)
+class View:
+    """What is seen without noise: range and label of every beam, and the openings by bearing."""
+
+    hit_m: np.ndarray
+    labels: np.ndarray
+    islands: frozenset[int]  # which labels
+    openings: list[dict]
+
+    def truth(self, labels: np.ndarray) -> dict:
+        """In the format of `/truth`, for the scan with these labels."""
+        walls = len(set(self.labels[self.labels >= 0].tolist()) - self.islands)
+        return {
+            "walls": walls,
+            "islands": len(self.islands),
+            "openings": self.openings,
+            "labels": labels.tolist(),
+        }
+
+
+def look(free: Polygon, beams: Beams) -> View:
+    """What these beams see; `Unclear` if that is for no single view to say."""
+    rays = dense_rays(free, beams)
+    if not len(rays.hits()):
+        raise Unclear("nothing in range")
+    opening_hits = openings_of(free, rays)
+    hits = rays.hits()
+    piece = np.cumsum(np.isin(np.arange(len(hits)), opening_hits + 1))
+    if rays.full_turn and len(opening_hits):
+        piece %= len(opening_hits)
+    posts = posts_of(free)
+    on_post = np.isin(rays.ring[hits], posts)
+    check_posts(on_post, opening_hits, rays.full_turn)
+    check_walls_between(piece, rays.ends_m()[hits], opening_hits, rays.full_turn)
+    group = np.where(on_post, len(hits) + rays.ring[hits], piece)
+    labels, islands = beam_labels(rays, hits, group, on_post)
+    openings = [described(free, rays, hit, opening_hits) for hit in opening_hits]
+    openings.sort(key=lambda opening: opening["bearing_rad"])
+    return View(rays.hit_m[:: rays.per_beam], labels, islands, openings)
+
+
+def dense_rays(free: Polygon, beams: Beams) -> Rays:
+    per_beam = int(np.ceil(beams.step_rad / RAY_STEP_RAD - 1e-9))
+    step_rad = beams.step_rad / per_beam
+    if beams.full_turn:
+        margin, count = 0, beams.count * per_beam
+    else:
+        margin, count = int(np.ceil(VIEW_MARGIN_RAD / step_rad)), (beams.count - 1) * per_beam + 1
+    bearing_rad = beams.first_rad + np.arange(-margin, count + margin) * step_rad
+    hit_m, ring = cast(free, bearing_rad[0], step_rad, len(bearing_rad))
+    hit_m[hit_m > beams.range_max_m] = np.inf
+    rays = Rays(bearing_rad, hit_m, ring, per_beam, beams.range_max_m, beams.full_turn)
+    if beams.full_turn:
+        return rays
+    check_view_ends(rays, margin)
+    seen = slice(margin, margin + count)
+    return Rays(bearing_rad[seen], hit_m[seen], ring[seen], per_beam, beams.range_max_m, False)
+
+
+def cast(free: Polygon, first_rad: float, step_rad: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the origin to the boundary along each ray, and the ring of the boundary that is there."""
+    rings = [shapely.get_coordinates(ring) for ring in (free.exterior, *free.interiors)]
+    start = np.concatenate([ring[:-1] for ring in rings])
+    along = np.concatenate([np.diff(ring, axis=0) for ring in rings])
+    ring_of = np.repeat(np.arange(len(rings)), [len(ring) - 1 for ring in rings])
+    segment, ray = covered_rays(start, along, first_rad, step_rad, count)
+    direction = directions(first_rad + ray * step_rad)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance_m = cross(start[segment], along[segment]) / cross(direction, along[segment])
+    real = np.isfinite(distance_m) & (distance_m > 0)
+    segment, ray, distance_m = segment[real], ray[real], distance_m[real]
+    farthest_first = np.argsort(-distance_m)
+    hit_m, hit_segment = np.full(count, np.inf), np.zeros(count, dtype=int)
+    hit_m[ray[farthest_first]] = distance_m[farthest_first]  # of equal indices the last one stays
+    hit_segment[ray[farthest_first]] = segment[farthest_first]
+    return hit_m, ring_of[hit_segment]
+
+
+def covered_rays(start, along, first_rad: float, step_rad: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs of a segment and a ray that it crosses; a hair more at its ends, so that none slips through."""
+    from_rad = np.arctan2(start[:, 1], start[:, 0])
+    turn_rad = np.arctan2(cross(start, along), np.sum(start * (start + along), axis=1))
+    low_rad = (np.minimum(from_rad, from_rad + turn_rad) - first_rad) % (2 * np.pi)
+    segment = np.arange(len(start))
+    again = low_rad + np.abs(turn_rad) >= 2 * np.pi - step_rad
+    segment = np.concatenate([segment, segment[again]])
+    low_rad = np.concatenate([low_rad, low_rad[again] - 2 * np.pi])
+    first = np.maximum(np.ceil(low_rad / step_rad - 1e-6), 0).astype(int)
+    last = np.minimum(np.floor((low_rad + np.abs(turn_rad[segment])) / step_rad + 1e-6), count - 1).astype(int)
+    lengths = np.maximum(last - first + 1, 0)
+    ray = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
+    return np.repeat(segment, lengths), ray
+
+
+def check_view_ends(rays: Rays, margin: int):
+    """`rays` go on beyond both ends of the view by `margin` rays."""
+    ends_m, hit = rays.ends_m(), np.isfinite(rays.hit_m)
+    jumps = np.linalg.norm(np.diff(ends_m, axis=0), axis=1) >= VEHICLE_WIDTHS_M[0]
+    changes = jumps & hit[1:] & hit[:-1] | (hit[1:] != hit[:-1])
+    if changes[: 2 * margin].any() or changes[-2 * margin :].any():
+        raise Unclear("the view ends at an edge")
+
+
+def openings_of(free: Polygon, rays: Rays) -> np.ndarray:
+    """The gaps that are openings, each by the number of the hit before it; -1 if none is before it in a limited
+    view."""
+    unseen_rad = None if rays.full_turn else (rays.bearing_rad[0], rays.bearing_rad[-1])
+    answers = set()
+    for width_m in VEHICLE_WIDTHS_M:
+        ways = shapely.difference(free.buffer(-width_m / 2, quad_segs=4), seen_polygon(rays))
+        answers.add(open_gaps(ways, rays))
+        if unseen_rad:
+            answers.add(open_gaps(shapely.intersection(ways, sector(*unseen_rad, rays.range_max_m)), rays))
+    if len(answers) > 1:
+        raise Unclear("only some vehicles pass")
+    return np.array(sorted(answers.pop()), dtype=int)
+
+
+def seen_polygon(rays: Rays) -> Polygon:
+    return Polygon(rays.ends_m() if rays.full_turn else [(0.0, 0.0), *rays.ends_m()])
+
+
+def sector(from_rad: float, to_rad: float, range_max_m: float) -> Polygon:
+    arc = directions(np.linspace(from_rad, to_rad, 90)) * (range_max_m + 2 * BEYOND_RANGE_M)
+    return Polygon([(0.0, 0.0), *arc])
+
+
+def open_gaps(ways: shapely.Geometry, rays: Rays) -> frozenset[int]:
+    """The gaps over which the hidden ways are deep."""
+    ends_m, hit = rays.ends_m(), np.isfinite(rays.hit_m)
+    if rays.full_turn:
+        ends_m, hit = np.vstack([ends_m, ends_m[:1]]), np.append(hit, hit[0])
+    length_m = np.linalg.norm(np.diff(ends_m, axis=0), axis=1)
+    wide = np.flatnonzero((length_m > 0.9 * VEHICLE_WIDTHS_M[0]) | ~hit[1:] | ~hit[:-1])
+    edges = shapely.linestrings(np.stack([ends_m[wide], ends_m[wide + 1]], axis=1))
+    gaps = gap_before(rays, wide)
+    found = set()
+    for way in shapely.get_parts(ways):
+        shapely.prepare(way)
+        touched = np.unique(gaps[shapely.dwithin(way, edges, 1e-3)])
+        closed_m = CLOSED_M if len(touched) == 1 else SHADOW_M
+        for gap in touched:
+            if is_deep(way, gap_line(rays, gap), closed_m):
+                found.add(int(gap))
+    return frozenset(found)
+
+
+def gap_before(rays: Rays, edge: np.ndarray) -> np.ndarray:
+    """The gap that holds the edge between a ray and the next."""
+    hits = rays.hits()
+    gap = np.searchsorted(hits, edge, side="right") - 1
+    return gap % len(hits) if rays.full_turn else gap
+
+
+def gap_rays(rays: Rays, gap: int) -> np.ndarray:
+    """The rays of a gap, with the hits at both of its ends."""
+    hits, count = rays.hits(), len(rays.hit_m)
+    if rays.full_turn:
+        return np.arange(hits[gap], hits[(gap + 1) % len(hits)] + count * (gap + 1 == len(hits)) + 1) % count
+    first = hits[gap] if gap >= 0 else 0
+    last = hits[gap + 1] if gap + 1 < len(hits) else count - 1
+    return np.arange(first, last + 1)
+
+
+def gap_line(rays: Rays, gap: int) -> LineString:
+    return LineString(rays.ends_m()[gap_rays(rays, gap)])
+
+
+def is_deep(way: Polygon, gap: LineString, closed_m: float) -> bool:
+    corners = shapely.points(shapely.get_coordinates(way.convex_hull))
+    depth_m = shapely.distance(gap, corners).max()
+    seen_to_end = len(gap.coords) == 2
+    if depth_m > OPEN_M:
+        return True
+    if depth_m > closed_m or not seen_to_end:
+        raise Unclear("a niche, or a way on?")
+    return False
+
+
+def posts_of(free: Polygon) -> list[int]:
+    return [i for i, hole in enumerate(free.interiors, start=1) if 2 * shapely.minimum_bounding_radius(hole) < POST_M]
+
+
+def check_posts(on_post: np.ndarray, opening_hits: np.ndarray, full_turn: bool):
+    beside = np.concatenate([opening_hits, opening_hits + 1])
+    beside = beside % len(on_post) if full_turn else beside[(beside >= 0) & (beside < len(on_post))]
+    if on_post[beside].any():
+        raise Unclear("a post in an opening")
+
+
+def check_walls_between(piece: np.ndarray, ends_m: np.ndarray, opening_hits: np.ndarray, full_turn: bool):
+    for number in np.unique(piece):
+        at_view_end = not full_turn and number in (piece[0], piece[-1])
+        extent_m = np.linalg.norm(np.ptp(ends_m[piece == number], axis=0))
+        if len(opening_hits) > 1 and not at_view_end and extent_m < LEAST_WALL_M:
+            raise Unclear("openings side by side")
+
+
+def beam_labels(rays: Rays, hits, group, on_post) -> tuple[np.ndarray, frozenset[int]]:
+    """Walls and islands numbered together by their first beam; -1 for beams without a return."""
+    ray_group = np.full(len(rays.hit_m), NO_RETURN)
+    ray_group[hits] = group
+    beam_group = ray_group[:: rays.per_beam]
+    if missed := set(group.tolist()) - set(beam_group.tolist()):
+        raise Unclear(f"{len(missed)} walls between the beams")
+    groups = list(dict.fromkeys(beam_group[beam_group >= 0].tolist()))
+    number = {group: i for i, group in enumerate(groups)} | {NO_RETURN: NO_RETURN}
+    islands = frozenset(number[group] for group in set(group[on_post].tolist()))
+    return np.array([number[group] for group in beam_group.tolist()]), islands
+
+
+def check_returns(labels: np.ndarray):
+    """Every wall and island has returns enough, in the scan with these labels."""
+    if (labels >= 0).sum() == 0 or np.bincount(labels[labels >= 0], minlength=labels.max() + 1).min() < LEAST_RETURNS:
+        raise Unclear("a wall of few returns")
+
+
+def described(free: Polygon, rays: Rays, gap: int, opening_hits: np.ndarray) -> dict:
+    """Bearing and width of an opening: where the clearance is largest, across the branch at 8 m from the sensor, or
+    across the opening's edge if that is nearer, or if more than one opening is beyond the 8 m."""
+    edge = gap_line(rays, gap)
+    across = shapely.line_interpolate_point(edge, np.arange(0.0, edge.length, 0.1))
+    arc = far_rays(rays, gap_rays(rays, gap))
+    reached = [other for other in opening_hits if np.isin(gap_rays(rays, other), arc).all()]
+    if len(reached) == 1:
+        across = shapely.points(BRANCH_AT_M * directions(rays.bearing_rad[arc]))
+    clearance_m = shapely.distance(free.boundary, across)
+    x_m, y_m = shapely.get_coordinates(across[clearance_m.argmax()])[0]
+    return {"bearing_rad": float(np.arctan2(y_m, x_m)), "width_m": float(2 * clearance_m.max())}
+
+
+def far_rays(rays: Rays, inside: np.ndarray) -> np.ndarray:
+    """The rays side by side with these that see further than the 8 m; none if one of these does not."""
+    far, count = rays.hit_m > BRANCH_AT_M, len(rays.hit_m)
+    if rays.range_max_m <= BRANCH_AT_M or not far[inside].all() or far.all():
+        return np.array([], dtype=int)
+    first, last = inside[0], inside[-1] + (count if inside[-1] < inside[0] else 0)
+    while far[(first - 1) % count] and (rays.full_turn or first > 0):
+        first -= 1
+    while far[(last + 1) % count] and (rays.full_turn or last < count - 1):
+        last += 1
+    return np.arange(first, last + 1) % count
+
+
+def directions(bearing_rad: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(bearing_rad), np.sin(bearing_rad)], axis=-1)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
