@@ -51,7 +51,7 @@ pub(super) struct Judge<'a> {
     pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
     pub(super) lost_beams: u32,
-    /// At how many such places any are.
+    /// At how many such places several are.
     pub(super) lossy_places: u32,
 }
 
@@ -120,7 +120,7 @@ impl<'a> Judge<'a> {
     /// So many beams are lost at a place where a wall clearly goes on.
     fn lose(&mut self, beams: u32) {
         self.lost_beams = self.lost_beams.max(beams);
-        self.lossy_places += u32::from(beams > 0);
+        self.lossy_places += u32::from(beams > 1);
     }
 
     fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {

@@ -24,19 +24,14 @@ const INSIDE_CORNER_BUMPS: f64 = 10.0;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
-/// Before a face of which so many returns are seen, a gap is a way on in any place if it is so wide, and so many times
-/// the roughness of the walls wider: no bump of theirs hides as much.
-const FACE_GAP_M: f64 = 1.0;
-const FACE_BUMPS: f64 = 40.0;
-const FACE_RETURNS: usize = 3;
 
-/// A branch that leaves at an acute angle: by this much or more, but not enough elsewhere. It is one where the farther wall
-/// is seen so deep behind the nearer one, and so many times the roughness of the walls deeper: behind no bump of theirs.
-const FORK_RAD: f64 = 20.0 * PI / 180.0;
-const FORK_DEPTH_M: f64 = 1.0;
-const FORK_BUMPS: f64 = 60.0;
+/// Where no beam is lost between two walls that turn by this much, a gap is a way on in any place if it is so many times the
+/// roughness of the walls wider than the vehicle: no bump of theirs hides as much, nor more where they hardly turn.
+const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
+const PLAIN_BUMPS: f64 = 70.0;
+const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// What is seen so far across the line of the nearer wall, and so deep behind it over as wide a gap, is seen through a mouth: it
-/// is another wall, however straight it goes on from the nearer one.
+/// is another wall, however straight it goes on from the nearer one, unless it turns back by more than a right angle.
 const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
 const MOUTH_M: f64 = 1.5;
 const MOUTH_BUMPS: f64 = 30.0;
@@ -44,16 +39,12 @@ const MOUTH_BUMPS: f64 = 30.0;
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
-/// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls;
-/// by that line it hides nothing up to this share of the angle.
+/// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls.
 const LONG_M: f64 = 3.0;
-const BEHIND_LONG_SHARE: f64 = 0.4;
 const LONG_BUMPS: f64 = 4.0;
 
-/// A farther wall that turns by less than a right angle at its end, and is seen over a wider angle than this, is the
-/// other side of the place itself: where it meets the line of the nearer one, the place ends in a corner.
-const AROUND_RAD: f64 = 100.0 * PI / 180.0;
-/// So it does where such a wall is seen over less, but bends: over this stretch it turns by more than a right angle.
+/// A farther wall that is seen over a wider angle than this, and turns by more than a right angle over this stretch at its
+/// end, is the other side of the place itself: where it meets the line of the nearer one, the place ends in a corner.
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 const BENDING_M: f64 = 4.0;
 
@@ -69,11 +60,9 @@ const DARK_SHARE: f64 = 0.45;
 const DARK_NEAR_SHARE: f64 = 0.7;
 /// if the wall turns by this much.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
-/// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the wall turns by a corner, and over a
-/// short stretch by so much;
+/// Whatever is lost elsewhere, a gap in which nothing is seen is a way on if the wall turns by less than a corner, so that
+/// none can be missing, and the farther wall ends so far in front of the line of the nearer one.
 const CORNER_RAD: f64 = 75.0 * PI / 180.0;
-const DARK_FACE_RAD: f64 = 110.0 * PI / 180.0;
-/// or if no corner can be missing, and the farther wall ends so far in front of the line of the nearer one.
 const IN_FRONT_SHARE: f64 = 0.65;
 /// No patch of lost beams explains that nothing is seen over more than this angle, or, far off, over so wide a patch of
 /// more beams than get lost elsewhere, and no corner hides in it. The width of the gap is that between its ends.
@@ -81,8 +70,9 @@ const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
 const BLANK_SHARE: f64 = 0.9;
-/// Where beams are lost at no more places than this, a gap in which nothing is seen is a door, if it is so many times as wide
-/// as the vehicle, and is seen at more than 45°. It is such a place itself, where the wall clearly goes on behind it.
+/// Where several beams in a row are lost at no more places than this, a gap in which nothing is seen is a door, if it is so
+/// many times as wide as the vehicle, and is seen at more than 45°. It is such a place itself, where the wall clearly goes on
+/// behind it.
 const LOSSY_PLACES: u32 = 1;
 const DOOR_SHARE: f64 = 1.75;
 const ACROSS: f64 = FRAC_1_SQRT_2;
@@ -128,11 +118,11 @@ impl Judge<'_> {
         } else {
             0.0
         };
-        let in_fork = if is_clear { self.room_ratio_in_fork(turns, -farther_aside_m) } else { 0.0 };
+        let plain = if is_clear && !is_corner { self.room_ratio_in_plain_sight(gap, turns, clear_m) } else { 0.0 };
         let in_mouth = if is_clear { self.room_ratio_in_mouth(gap, turns, inside_m) } else { 0.0 };
         let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
-        let room = [by_width, seen_inside, before_face, in_front, in_fork, in_mouth].into_iter().fold(0.0, f64::max);
+        let room = [by_width, seen_inside, before_face, in_front, plain, in_mouth].into_iter().fold(0.0, f64::max);
         room.min(clear_m / self.limits.passage_m).max(blank)
     }
 
@@ -146,23 +136,22 @@ impl Judge<'_> {
     /// of a side passage, seen along the wall that it leaves. Behind the corner that wall goes on as if it had only
     /// been hidden.
     fn room_ratio_before_face(&self, gap: &Gap<'_>) -> f64 {
-        let mut needed_m = FACE_SHARE * self.size_m;
-        if self.is_face_seen(gap) {
-            needed_m = needed_m.min(FACE_GAP_M + FACE_BUMPS * self.roughness_m);
-        }
-        let room = gap.chord.norm() / needed_m;
+        let room = gap.chord.norm() / (FACE_SHARE * self.size_m);
         if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
     }
 
-    /// The same in a fork, whose farther wall is seen so deep behind the nearer one.
-    fn room_ratio_in_fork(&self, turns: Turns, deep_m: f64) -> f64 {
-        let is_fork = (FORK_RAD..self.limits.straight_rad).contains(&turns.whole_rad);
-        if is_fork { deep_m / (FORK_DEPTH_M + FORK_BUMPS * self.roughness_m) } else { 0.0 }
+    /// The same where it is plain to see how wide the gap is: no beam looks into it.
+    fn room_ratio_in_plain_sight(&self, gap: &Gap<'_>, turns: Turns, clear_m: f64) -> f64 {
+        let bumps = if turns.whole_rad < self.limits.straight_rad { PLAIN_STRAIGHT_BUMPS } else { PLAIN_BUMPS };
+        let turn_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turns.whole_rad);
+        let is_plain = turn_enough && has_no_beam(self.ring, gap);
+        if is_plain { clear_m / (self.limits.passage_m + bumps * self.roughness_m) } else { 0.0 }
     }
 
     /// The same in a mouth through which the farther wall is seen, so deep and so far across.
     fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
-        let is_across = turns.whole_rad.abs() < self.limits.straight_rad && turns.near_rad < -MOUTH_RAD;
+        let goes_on = (-FRAC_PI_2..self.limits.straight_rad).contains(&turns.whole_rad);
+        let is_across = goes_on && turns.near_rad < -MOUTH_RAD;
         let room = deep_m / (MOUTH_M + MOUTH_BUMPS * self.roughness_m);
         let is_mouth = is_across && room >= 1.0 && self.fits_into_mouth(gap) && !self.is_inner_corner(gap);
         if is_mouth { room } else { 0.0 }
@@ -179,12 +168,6 @@ impl Judge<'_> {
         seen.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }
 
-    /// Whether [`FACE_RETURNS`] lie within [`FACE_M`] of the farther end.
-    fn is_face_seen(&self, gap: &Gap<'_>) -> bool {
-        let (far, end) = gap.farther();
-        far.len() >= FACE_RETURNS && self.ring.distance_m(end.at(far, 0), end.at(far, FACE_RETURNS - 1)) <= FACE_M
-    }
-
     /// How much the wall turns over [`FACE_M`].
     fn face_turn_rad(&self, gap: &Gap<'_>) -> f64 {
         whole_turn_rad(self.turns_over_rad(gap.a, gap.b, FACE_M))
@@ -198,25 +181,22 @@ impl Judge<'_> {
 
     /// The same of the line over the length of wall that directions are taken of.
     fn is_in_line(&self, gap: &Gap<'_>) -> bool {
-        has_no_beam(self.ring, gap)
-            && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after }, BEHIND_LINE_SHARE)
+        has_no_beam(self.ring, gap) && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after })
     }
 
     /// The same of that over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
     fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
-        has_no_beam(self.ring, gap)
-            && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward, BEHIND_LONG_SHARE))
+        has_no_beam(self.ring, gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
     }
 
     /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
-    /// in front of that line by less than `straight_deg`, or behind it by less than this share of the angle at which the
-    /// nearer wall is seen.
-    fn goes_on_along(&self, gap: &Gap<'_>, onward: Position, behind_share: f64) -> bool {
+    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
+    fn goes_on_along(&self, gap: &Gap<'_>, onward: Position) -> bool {
         let (p, q) = gap.ends;
         let (end, turned_rad) =
             if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        (-behind_share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
+        (-BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
@@ -237,8 +217,7 @@ impl Judge<'_> {
             return false;
         }
         let span_rad = self.ring.beams_from(far[0], far[far.len() - 1]) as f64 * self.ring.step_rad;
-        let bends = || tangent(self.ring, far, end, BENDING_M).dot(&gap.chord) < 0.0;
-        span_rad > AROUND_RAD || (span_rad > ACROSS_RAD && bends())
+        span_rad > ACROSS_RAD && tangent(self.ring, far, end, BENDING_M).dot(&gap.chord) < 0.0
     }
 
     /// How wide a way on is as a share of the place's size, where the wall turns like that, `turned` unless something
@@ -247,16 +226,9 @@ impl Judge<'_> {
         if turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
-        let dark = if self.is_dark(gap.ends) { self.dark_share(gap, turns) } else { None };
+        let is_dark = turns.whole_rad >= DARK_TURN_RAD && self.is_dark(gap.ends);
+        let dark = if is_dark { self.unlost_share(gap.ends) } else { None };
         dark.or(turned)
-    }
-
-    /// The same of a gap in which nothing is seen.
-    fn dark_share(&self, gap: &Gap<'_>, turns: Turns) -> Option<f64> {
-        if turns.whole_rad >= CORNER_RAD && self.face_turn_rad(gap) >= DARK_FACE_RAD {
-            return Some(WAY_SHARE);
-        }
-        self.unlost_share(gap.ends).filter(|_| turns.whole_rad >= DARK_TURN_RAD)
     }
 
     /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back

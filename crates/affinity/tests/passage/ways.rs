@@ -10,14 +10,15 @@ fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
 }
 
 #[test]
-fn a_door_in_the_end_of_a_tunnel_is_a_way_on_unless_beams_get_lost_elsewhere() {
+fn a_door_in_the_end_of_a_tunnel_is_a_way_on_unless_several_beams_in_a_row_get_lost_elsewhere() {
     let walls = |half_m: f64, lost: &[usize]| {
         let face = [[[6.0, -2.0], [6.0, -half_m]], [[6.0, half_m], [6.0, 2.0]]];
         let report = |beam: usize, range_m| if lost.contains(&beam) { None } else { range_m };
         components(&scan(&[&TUNNEL[..], &face].concat(), report), &[]).len()
     };
     assert_eq!((walls(0.3, &[]), walls(0.7, &[])), (1, 2), "0.6 m are too narrow");
-    assert_eq!(walls(0.7, &[80]), 1, "one lost beam is enough to doubt the others");
+    assert_eq!(walls(0.7, &[40, 80, 120]), 2, "single beams get lost anywhere");
+    assert_eq!(walls(0.7, &[80, 81]), 1, "two in a row are enough to doubt the others");
 }
 
 #[test]
@@ -148,6 +149,45 @@ fn a_wall_seen_through_a_mouth_is_another_one_though_it_goes_on_as_straight_as_t
         assert_eq!((walls(mouth_m, 3.0), walls(mouth_m, 4.0)), (2, 2), "mouth of {mouth_m} m");
     }
     assert_eq!(walls(3.0, 1.0), 1, "a niche 1 m deep");
+}
+
+#[test]
+fn a_wall_that_runs_away_behind_a_door_is_another_one() {
+    // Through a door in the left wall one side of the room behind it is seen, which leads away from the tunnel.
+    let door = [[[-30.0, 2.0], [3.0, 2.0]], [[5.5, 2.0], [30.0, 2.0]]];
+    let room = [[9.6, 3.45], [7.5, 10.5]];
+    assert_eq!(components(&scan_by(720, &[&door[..], &TUNNEL[1..], &[room]].concat(), all), &[]).len(), 4);
+}
+
+#[test]
+fn a_drift_across_the_end_of_a_narrow_tunnel_is_two_ways_on_though_few_beams_show_that_the_sides_end() {
+    // The last returns of the sides are a metre apart and more, and the next beams pass some centimetres behind them.
+    for (half_m, ahead_m) in [(0.7, 8.0), (0.8, 9.5), (0.9, 8.5), (1.0, 9.5), (1.2, 9.5)] {
+        let side = |side: f64| {
+            [[[-30.0, side * half_m], [ahead_m, side * half_m]], [[ahead_m, side * half_m], [ahead_m, side * 30.0]]]
+        };
+        let far = [[ahead_m + 2.0, -30.0], [ahead_m + 2.0, 30.0]];
+        let found = components(&scan(&[&side(1.0)[..], &side(-1.0), &[far]].concat(), all), &[]).len();
+        assert_eq!(found, 3, "{ahead_m} m ahead, {} m wide", 2.0 * half_m);
+    }
+}
+
+#[test]
+fn a_narrow_side_passage_that_leads_back_is_a_way_on_unless_the_walls_are_so_rough_that_they_hide_as_much() {
+    // Of its far side, which leaves the tunnel at 120° to 140°, half a metre is seen.
+    let walls = |turn_deg: f64, width_m: f64, near_m: f64, half_m: f64, roughness_m: f64| {
+        let (sin, cos) = turn_deg.to_radians().sin_cos();
+        let side = |x: f64| [[x, half_m], [x + 12.0 * cos, half_m + 12.0 * sin]];
+        let far_m = near_m + width_m / sin;
+        let left = [[[-30.0, half_m], [near_m, half_m]], side(near_m), side(far_m), [[far_m, half_m], [30.0, half_m]]];
+        let right = [[-30.0, -half_m], [30.0, -half_m]];
+        components(&scan(&[&left[..], &[right]].concat(), bumps(roughness_m)), &[]).len()
+    };
+    for (turn_deg, width_m, near_m, half_m) in [(120.0, 2.0, 6.0, 1.0), (130.0, 1.2, 6.0, 2.0), (140.0, 1.2, 6.0, 1.5)]
+    {
+        let walls = |roughness_m| walls(turn_deg, width_m, near_m, half_m, roughness_m);
+        assert_eq!((walls(0.0), walls(0.12)), (3, 2), "{turn_deg}°, {width_m} m wide, {near_m} m ahead");
+    }
 }
 
 #[test]
