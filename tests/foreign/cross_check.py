@@ -7,6 +7,7 @@ import traceback
 from pathlib import Path
 
 import determinism
+import elsewhere
 import killing
 import mcap_io
 import reading
@@ -26,6 +27,7 @@ CHECKS = {
     "killing": killing,
     "mcap_io": mcap_io,
     "determinism": determinism,
+    "elsewhere": elsewhere,
 }
 # Needs a program with the feature `web`, and a browser.
 ON_DEMAND = {"browser": web_viewer}

@@ -10,8 +10,10 @@ polygon there. What is hit between two openings is a wall, whatever bumps and ju
 that is smaller than `POST_M` is a post; it is an island if no opening is at its sides.
 
 Left out, as one view cannot tell (`Unclear`):
-- hidden ways that reach to between 0.5 and 5 m beyond their gap: niches, but the shadow of a thick pillar as well;
+- hidden ways that reach to between 0.5 and 5 m beyond their gap, and shorter ones beyond a gap of 1.5 m or more, where
+  a way on could begin: niches; in the shadow of a pillar, which is seen from both sides, those of 1.5 to 5 m;
 - a gap that a disc half as wide again, or three quarters as wide, takes for something else than the disc does;
+- an opening that lies between the beams, no wider than the steps from return to return beside it let expect;
 - a way closed within 5 m beyond the range, where nothing at all is seen of its end;
 - a post at the side of an opening, which is a wall to some and an island to others;
 - a wall between two openings that is shorter than 0.5 m, a wall or island of fewer than 6 returns;
@@ -26,7 +28,7 @@ from shapely import LineString, Polygon
 
 VEHICLE_WIDTHS_M = (0.45, 0.6, 0.9)  # the vehicle's own in the middle; the others must see the same openings
 CLOSED_M, OPEN_M = 0.5, 5.0  # beyond a gap: less is closed, more is open, and the definition's 3 m lie between
-SHADOW_M = 1.5  # instead of `CLOSED_M`, between two gaps: no narrower way on can begin in a shadow
+NARROWEST_WAY_M = 1.5  # in a hidden space that is nowhere wider no way on begins
 POST_M = 3.0
 LEAST_RETURNS = 6
 LEAST_WALL_M = 0.5
@@ -86,10 +88,12 @@ class View:
     openings: list[dict]
 
     def truth(self, labels: np.ndarray) -> dict:
-        """In the format of `/truth`, for the scan with these labels."""
-        walls = len(set(self.labels[self.labels >= 0].tolist()) - self.islands)
+        """In the format of `/truth`, for the scan with these labels; `Unclear` if it has too little of a wall."""
+        count = self.labels.max() + 1
+        if np.bincount(labels[labels >= 0], minlength=count).min() < LEAST_RETURNS:
+            raise Unclear("a wall of few returns")
         return {
-            "walls": walls,
+            "walls": int(count) - len(self.islands),
             "islands": len(self.islands),
             "openings": self.openings,
             "labels": labels.tolist(),
@@ -102,6 +106,7 @@ def look(free: Polygon, beams: Beams) -> View:
     if not len(rays.hits()):
         raise Unclear("nothing in range")
     opening_hits = openings_of(free, rays)
+    check_beams_show(rays, opening_hits)
     hits = rays.hits()
     piece = np.cumsum(np.isin(np.arange(len(hits)), opening_hits + 1))
     if rays.full_turn and len(opening_hits):
@@ -182,13 +187,13 @@ def check_view_ends(rays: Rays, margin: int):
 def openings_of(free: Polygon, rays: Rays) -> np.ndarray:
     """The gaps that are openings, each by the number of the hit before it; -1 if none is before it in a limited
     view."""
-    unseen_rad = None if rays.full_turn else (rays.bearing_rad[0], rays.bearing_rad[-1])
+    in_view = None if rays.full_turn else sector(rays)
     answers = set()
     for width_m in VEHICLE_WIDTHS_M:
         ways = shapely.difference(free.buffer(-width_m / 2, quad_segs=4), seen_polygon(rays))
         answers.add(open_gaps(ways, rays))
-        if unseen_rad:
-            answers.add(open_gaps(shapely.intersection(ways, sector(*unseen_rad, rays.range_max_m)), rays))
+        if in_view:
+            answers.add(open_gaps(shapely.intersection(ways, in_view), rays))
     if len(answers) > 1:
         raise Unclear("only some vehicles pass")
     return np.array(sorted(answers.pop()), dtype=int)
@@ -198,9 +203,8 @@ def seen_polygon(rays: Rays) -> Polygon:
     return Polygon(rays.ends_m() if rays.full_turn else [(0.0, 0.0), *rays.ends_m()])
 
 
-def sector(from_rad: float, to_rad: float, range_max_m: float) -> Polygon:
-    arc = directions(np.linspace(from_rad, to_rad, 90)) * (range_max_m + 2 * BEYOND_RANGE_M)
-    return Polygon([(0.0, 0.0), *arc])
+def sector(rays: Rays) -> Polygon:
+    return Polygon([(0.0, 0.0), *directions(rays.bearing_rad) * (rays.range_max_m + 2 * BEYOND_RANGE_M)])
 
 
 def open_gaps(ways: shapely.Geometry, rays: Rays) -> frozenset[int]:
@@ -216,9 +220,8 @@ def open_gaps(ways: shapely.Geometry, rays: Rays) -> frozenset[int]:
     for way in shapely.get_parts(ways):
         shapely.prepare(way)
         touched = np.unique(gaps[shapely.dwithin(way, edges, 1e-3)])
-        closed_m = CLOSED_M if len(touched) == 1 else SHADOW_M
         for gap in touched:
-            if is_deep(way, gap_line(rays, gap), closed_m):
+            if is_deep(way, gap_line(rays, gap), shadow=len(touched) > 1):
                 found.add(int(gap))
     return frozenset(found)
 
@@ -244,15 +247,32 @@ def gap_line(rays: Rays, gap: int) -> LineString:
     return LineString(rays.ends_m()[gap_rays(rays, gap)])
 
 
-def is_deep(way: Polygon, gap: LineString, closed_m: float) -> bool:
+def is_deep(way: Polygon, gap: LineString, shadow: bool) -> bool:
     corners = shapely.points(shapely.get_coordinates(way.convex_hull))
     depth_m = shapely.distance(gap, corners).max()
-    seen_to_end = len(gap.coords) == 2
     if depth_m > OPEN_M:
         return True
-    if depth_m > closed_m or not seen_to_end:
+    nothing_in_range = len(gap.coords) > 2
+    small = depth_m < NARROWEST_WAY_M if shadow else depth_m < CLOSED_M and gap.length < NARROWEST_WAY_M
+    if nothing_in_range or not small:
         raise Unclear("a niche, or a way on?")
     return False
+
+
+def check_beams_show(rays: Rays, opening_hits: np.ndarray):
+    """An opening shows if two beams at least see nothing there, or if it is wider than the steps from return to return
+    on both sides let expect."""
+    ends_m, hits = rays.ends_m()[:: rays.per_beam], rays.hits()
+    returns = np.flatnonzero(np.isfinite(rays.hit_m[:: rays.per_beam]))
+    if len(returns) < LEAST_RETURNS:
+        raise Unclear("a wall of few returns")
+    step_m = np.linalg.norm(ends_m[returns] - np.roll(ends_m[returns], 1, axis=0), axis=1)
+    for gap in opening_hits[(opening_hits >= 0) & ((opening_hits + 1 < len(hits)) | rays.full_turn)]:
+        after = np.searchsorted(returns * rays.per_beam, hits[gap], side="right") % len(returns)
+        unseen = (returns[after] - returns[after - 1]) % len(ends_m) - 1
+        beside_m = max(np.median(step_m[np.arange(after + i, after + i + 3) % len(returns)]) for i in (-3, 1))
+        if unseen < 2 and step_m[after] < VEHICLE_WIDTHS_M[-1] + 2 * beside_m:
+            raise Unclear("an opening between the beams")
 
 
 def posts_of(free: Polygon) -> list[int]:
@@ -287,24 +307,25 @@ def beam_labels(rays: Rays, hits, group, on_post) -> tuple[np.ndarray, frozenset
     return np.array([number[group] for group in beam_group.tolist()]), islands
 
 
-def check_returns(labels: np.ndarray):
-    """Every wall and island has returns enough, in the scan with these labels."""
-    if (labels >= 0).sum() == 0 or np.bincount(labels[labels >= 0], minlength=labels.max() + 1).min() < LEAST_RETURNS:
-        raise Unclear("a wall of few returns")
-
-
 def described(free: Polygon, rays: Rays, gap: int, opening_hits: np.ndarray) -> dict:
-    """Bearing and width of an opening: where the clearance is largest, across the branch at 8 m from the sensor, or
-    across the opening's edge if that is nearer, or if more than one opening is beyond the 8 m."""
+    """Bearing and width of an opening, where the clearance is largest: across the branch at 8 m from the sensor; across
+    the opening's edge if that is nearer or narrower (8 m off is still the chamber), or if other openings lie beyond the
+    8 m too."""
     edge = gap_line(rays, gap)
-    across = shapely.line_interpolate_point(edge, np.arange(0.0, edge.length, 0.1))
+    spot = at_edge = clearest(free, shapely.line_interpolate_point(edge, np.arange(0.0, edge.length, 0.1)))
     arc = far_rays(rays, gap_rays(rays, gap))
-    reached = [other for other in opening_hits if np.isin(gap_rays(rays, other), arc).all()]
-    if len(reached) == 1:
-        across = shapely.points(BRANCH_AT_M * directions(rays.bearing_rad[arc]))
-    clearance_m = shapely.distance(free.boundary, across)
-    x_m, y_m = shapely.get_coordinates(across[clearance_m.argmax()])[0]
-    return {"bearing_rad": float(np.arctan2(y_m, x_m)), "width_m": float(2 * clearance_m.max())}
+    if sum(np.isin(gap_rays(rays, other), arc).all() for other in opening_hits) == 1:
+        at_branch = clearest(free, shapely.points(BRANCH_AT_M * directions(rays.bearing_rad[arc])))
+        if at_branch[1] < 1.3 * at_edge[1]:
+            spot = at_branch
+    (x_m, y_m), clearance_m = spot
+    return {"bearing_rad": float(np.arctan2(y_m, x_m)), "width_m": float(2 * clearance_m)}
+
+
+def clearest(free: Polygon, points: np.ndarray) -> tuple[np.ndarray, float]:
+    """The point that is furthest from all walls, and how far."""
+    clearance_m = shapely.distance(free.boundary, points)
+    return shapely.get_coordinates(points[clearance_m.argmax()])[0], clearance_m.max()
 
 
 def far_rays(rays: Rays, inside: np.ndarray) -> np.ndarray:

@@ -1,48 +1,59 @@
-//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes. If the program
-//! has that fit, writes a page that shows how well its confidence means what it says.
+//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and on places of
+//! another generator. If the program has that fit, writes a page that shows how well its confidence means what it says.
 //!
-//! `cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md`
+//! ```text
+//! tests/foreign/run places target/places/dev --count 300 --seed 101
+//! cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md target/places/dev
+//! ```
+
+use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use crosscut_evaluate::tables::{self, Table};
 use crosscut_evaluate::{Score, Scoreboard};
-use crosscut_ingest::Sensor;
+use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths, recordings_in};
+use crosscut_messages::Truth;
 use crosscut_pipeline::{Config, Engine, Registry};
 use crosscut_report::ResultsLine;
 use crosscut_report::confidence::{BETA, Grounds};
 use crosscut_simulator::{Split, suites};
-use crosscut_stage::{Frame, Params};
+use crosscut_stage::{Frame, Params, Source as _};
 use nalgebra::{SMatrix, SVector};
 
 const N: usize = Grounds::INPUTS;
 /// As in preset `default`.
 const VEHICLE_WIDTH_M: f64 = 0.6;
 const NEWTON_STEPS: usize = 30;
+/// What a place of another generator counts beside a scene. If it counted as much, less than half of the answers in rough
+/// walls would be sure.
+const WEIGHT_OF_PLACES: f64 = 1.0 / 3.0;
 
 const PAGE: &str = "\
 # What the confidence of preset `default` means
 
-On the development scenes, on which it is fitted; on the report scenes: [evaluation-tables.md](evaluation-tables.md). How it
-is made and why: [openings.md](openings.md). `cargo run --release -p crosscut --no-default-features --example confidence --
-docs/confidence.md` makes this page; the numbers of β stand in `crates/report/src/confidence.rs`.
+On the development scenes and places of another generator, on which it is fitted; on others:
+[evaluation-tables.md](evaluation-tables.md) and [places-tables.md](places-tables.md). How it is made and why:
+[openings.md](openings.md). `docs/make-tables` makes this page; the numbers of β stand in `crates/report/src/confidence.rs`.
 ";
 
 /// An answer that has grounds.
 struct Answer {
-    family: &'static str,
+    family: String,
     x: SVector<f64, N>,
     score: Score,
+    weight: f64,
 }
 
 fn main() -> anyhow::Result<()> {
-    let file = std::env::args().nth(1).context("say a file to write to")?;
-    let answers = answers()?;
+    let mut args = std::env::args().skip(1);
+    let file = args.next().context("say a file to write to")?;
+    let answers = answers(args.map(PathBuf::from).collect())?;
     let beta = fitted(&answers).map(|beta| (100.0 * beta).round() / 100.0);
     if <[f64; N]>::from(beta) != BETA {
         bail!("β of crates/report/src/confidence.rs is not fitted to these answers: {BETA:?} instead of {beta:?}");
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
-    answers.iter().for_each(|answer| scoreboard.add(answer.family, 0, &answer.score));
+    answers.iter().for_each(|answer| scoreboard.add(&answer.family, 0, &answer.score));
     let [one, opening, gap, unseen, ratio, apart, islands, margin] = BETA;
     let mut page = format!(
         "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {ratio}, {apart}, {islands}, {margin}) \
@@ -60,25 +71,64 @@ fn markdown(table: &Table) -> String {
     format!("\n## {}\n\n{}|{}\n{rows}", table.title, row(&table.header), "---|".repeat(table.header.len()))
 }
 
-fn answers() -> anyhow::Result<Vec<Answer>> {
-    let registry = Registry::standard();
-    let mut engine = Engine::new(&Config::preset("default", &registry)?, &registry);
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
-    let mut frame = Frame::default();
+/// To the development scenes of every family, and the scenes of `recordings`, which have truth.
+fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
+    let mut program = Program::new()?;
     let mut answers = Vec::new();
     for suite in suites() {
         for scene in suite.scenes(Split::Dev) {
+            let Program { frame, sensor, .. } = &mut program;
             frame.notes.clear();
             sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-            engine.process(&mut frame)?;
-            let score = Score::of(&scene.truth, &ResultsLine::of(&frame))?;
-            let margin_decades = frame.spectrum.margin_decades;
-            if let Some(grounds) = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, margin_decades, &frame.junction) {
-                answers.push(Answer { family: suite.name, x: grounds.inputs(VEHICLE_WIDTH_M).into(), score });
-            }
+            answers.extend(program.answer(suite.name, &scene.truth, 1.0)?);
+        }
+    }
+    if recordings.is_empty() {
+        return Ok(answers);
+    }
+    for path in recordings_in(&recordings)? {
+        let family = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let mut truths = Truths::open(&path)?;
+        let mut recording = Recording::open(&[path], &ReadOptions::default(), program.sensor.clone())?;
+        while recording.next(&mut program.frame.revolution, &mut program.frame.notes)? {
+            let truth = truths.at(recording.last_log_time_ns())?.context("a scan without truth")?;
+            answers.extend(program.answer(&family, &truth, WEIGHT_OF_PLACES)?);
+            program.frame.notes.clear();
         }
     }
     Ok(answers)
+}
+
+/// Preset `default`.
+struct Program {
+    engine: Engine,
+    sensor: Sensor,
+    frame: Frame,
+}
+
+impl Program {
+    fn new() -> anyhow::Result<Self> {
+        let registry = Registry::standard();
+        let engine = Engine::new(&Config::preset("default", &registry)?, &registry);
+        let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+        Ok(Self { engine, sensor, frame: Frame::default() })
+    }
+
+    /// The answer to the revolution of the frame, if it has grounds.
+    fn answer(&mut self, family: &str, truth: &Truth, weight: f64) -> anyhow::Result<Option<Answer>> {
+        let Self { engine, frame, .. } = self;
+        engine.process(frame)?;
+        let score = Score::of(truth, &ResultsLine::of(frame))?;
+        let margin_decades = frame.spectrum.margin_decades;
+        let grounds = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, margin_decades, &frame.junction);
+        let answer = |grounds: Grounds| Answer {
+            family: family.to_owned(),
+            x: grounds.inputs(VEHICLE_WIDTH_M).into(),
+            score,
+            weight,
+        };
+        Ok(grounds.map(answer))
+    }
 }
 
 /// P(right) = 1 / (1 + exp(-β·x)).
@@ -93,8 +143,8 @@ fn fitted(answers: &[Answer]) -> SVector<f64, N> {
         let (mut gradient, mut hessian) = (SVector::<f64, N>::zeros(), SMatrix::<f64, N, N>::zeros());
         for answer in answers {
             let p = probability(&beta, &answer.x);
-            gradient += answer.x * (f64::from(u8::from(answer.score.right)) - p);
-            hessian += answer.x * answer.x.transpose() * (p * (1.0 - p));
+            gradient += answer.x * (answer.weight * (f64::from(u8::from(answer.score.right)) - p));
+            hessian += answer.x * answer.x.transpose() * (answer.weight * p * (1.0 - p));
         }
         let Some(step) = hessian.cholesky().map(|factor| factor.solve(&gradient)) else { break };
         beta += step;

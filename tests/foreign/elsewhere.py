@@ -1,0 +1,37 @@
+"""How often `default` is right on places of a generator that is not ours (`places`), beside the paper's rule."""
+
+import json
+
+import places
+from flights import Flights
+from verdicts import Verdicts
+
+COUNT = 30
+SEED = 1
+# Shares of right answers over all kinds: on 3000 places `default` has 87 %, and 90 % of its sure ones are right.
+LEAST_RIGHT = 0.82
+LEAST_RIGHT_OF_SURE = 0.85
+SURE_FROM = 0.89  # the reliability bins are a tenth wide
+
+
+def check(flights: Flights, verdicts: Verdicts):
+    folder = flights.work / "places"
+    folder.mkdir(exist_ok=True)
+    for kind in places.KINDS:
+        places.write(folder / f"{kind}.mcap", places.make(kind, COUNT, SEED))
+    ran = flights.crosscut("evaluate", folder, "--with", "default", "--with", "paper", "--quiet", "--json", "-")
+    evaluated = json.loads(ran.expect(0).stdout)
+    for family in evaluated["families"]:
+        default, paper = (result["figures"]["right"]["share"] for result in family["results"])
+        verdicts.note(family["family"], f"{default:.0%} right, paper {paper:.0%}")
+    default, paper = (result["figures"] for result in evaluated["all"])
+    right, sure = default["right"]["share"], share_of_sure(default)
+    of = f"of {default['revolutions']}"
+    verdicts.that(right >= LEAST_RIGHT, "right", f"{right:.1%} {of}, at least {LEAST_RIGHT:.0%}")
+    verdicts.that(right > paper["right"]["share"], "more than the paper's rule", f"{paper['right']['share']:.1%}")
+    verdicts.that(sure >= LEAST_RIGHT_OF_SURE, "right of the sure", f"{sure:.1%}, at least {LEAST_RIGHT_OF_SURE:.0%}")
+
+
+def share_of_sure(figures: dict) -> float:
+    bins = [bin["right"] for bin in figures["confidence"]["reliability"] if bin["from"] > SURE_FROM]
+    return sum(bin["hits"] for bin in bins) / sum(bin["of"] for bin in bins)
