@@ -13,8 +13,6 @@ const HALL_M: f64 = 6.0;
 /// A wall clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;
-/// A wall turns around where the clear width is this share of the place's size.
-const PEAK_SHARE: f64 = 0.15;
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
 /// How decided a verdict is at least, and one on pieces without directions.
@@ -176,15 +174,6 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether a wall may turn around between two pieces: something is hidden there, and they are apart where they end, or
-    /// so far away that the clear width may be small, as at the end of the range the sides of a tunnel seem to meet.
-    pub(super) fn may_turn_around(&self, a: &[usize], b: &[usize]) -> bool {
-        let Some(gap) = self.gap(a, b) else { return true };
-        let [clear_m, _] = gap.clear_and_farther_m();
-        let are_apart = clear_m >= PEAK_SHARE * self.size_m || self.is_far(gap.ends);
-        are_apart && !self.hides_nothing(&gap)
-    }
-
     /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
     /// one.
     pub(super) fn room_ratio_of_way(&self, a: &[usize], b: &[usize]) -> Option<f64> {
@@ -205,13 +194,6 @@ impl<'a> Judge<'a> {
         let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD]
             .map(|more_rad| self.room_ratio_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
         rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
-    }
-
-    /// Whether what is in the gap cannot be seen: more than half of the beams into it end at islands, or were lost.
-    pub(super) fn is_hidden(&self, (p, q): (usize, usize)) -> bool {
-        let dark = self.ring.dark_between(p, q) as usize;
-        let is_lost = || !self.is_dark((p, q)) || self.unlost_share((p, q)).is_none();
-        self.is_shaded((p, q)) || (2 * dark >= self.ring.beams_from(p, q) && is_lost())
     }
 
     /// Whether islands hide what is in the gap.

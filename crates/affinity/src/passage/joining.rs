@@ -1,18 +1,11 @@
 //! Pieces of walls joined into walls.
 
-use std::f64::consts::PI;
-
 use super::gap::Judge;
 use super::pieces::Pieces;
 use super::ring::Ring;
 
 /// Pieces of fewer returns are no wall.
 pub(super) const LEAST_RETURNS: usize = 3;
-/// A wall that turns left by this much, seen over [`PEAK_STRETCH_M`] on both sides of a gap, is two. In a narrow place it is
-/// seen over so many times its size: the end of a narrow tunnel turns as much within a few metres.
-const PEAK_RAD: std::ops::Range<f64> = 140.0 * PI / 180.0..250.0 * PI / 180.0;
-const PEAK_STRETCH_M: f64 = 4.0;
-const PEAK_STRETCH_SHARE: f64 = 2.0;
 
 /// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.
 pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64, pieces: &mut Pieces) {
@@ -68,13 +61,6 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
     }
 }
 
-/// Takes out what is too small to be a wall, smallest first, and does not join what is beside it.
-pub(super) fn drop_small(ring: &Ring, pieces: &mut Pieces, least_returns: usize, left_over: &mut Vec<usize>) {
-    while let Some(at) = smallest(ring, pieces, least_returns) {
-        left_over.extend(pieces.remove(at));
-    }
-}
-
 /// The smallest of the pieces that are too small to be a wall, of equal ones the farthest; none if it is the only piece.
 fn smallest(ring: &Ring, pieces: &Pieces, least_returns: usize) -> Option<usize> {
     let least = |piece: &[usize]| if ring.ends_with_view(piece) { LEAST_RETURNS } else { least_returns };
@@ -86,56 +72,24 @@ fn smallest(ring: &Ring, pieces: &Pieces, least_returns: usize) -> Option<usize>
     })
 }
 
-/// Cuts walls that go out on one side of a way and come back on the other: at an opening a wall turns around, whatever
-/// a stray return in it suggests. It does so at a dead end as well if its end wall is hidden, or short: where lost beams
-/// or islands hide what there is, or nothing is hidden, it is not cut.
-pub(super) fn cut_at_peaks(judge: &Judge<'_>, walls: &mut Pieces) {
-    cut(walls, |wall| sharpest_peak(judge, wall));
-}
-
 /// Cuts walls where a vehicle can pass between all that is before a gap and all that is behind it: the gap was closed
 /// while one side of it was too short to have a direction, or to have the right one. Whether any was cut.
 pub(super) fn cut_at_ways(judge: &Judge<'_>, walls: &mut Pieces) -> bool {
     let before = walls.len();
-    cut(walls, |wall| widest_way(judge, wall));
-    walls.len() > before
-}
-
-/// Cuts walls where `place` says, until it finds no more.
-fn cut(walls: &mut Pieces, place: impl Fn(&[usize]) -> Option<usize>) {
     let mut at = 0;
     while at < walls.len() {
-        match place(&walls[at]) {
+        match widest_way(judge, &walls[at]) {
             Some(cut) => walls.cut(at, cut),
             None => at += 1,
         }
     }
+    walls.len() > before
 }
 
-/// Where a wall has a gap, with enough returns for a wall on both sides.
-fn gaps(judge: &Judge<'_>, wall: &[usize]) -> impl Iterator<Item = usize> {
-    let places = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
-    places.filter(|&at| judge.is_gap(wall[at - 1], wall[at]))
-}
-
+/// Where in a wall there is the most room for a way on, with enough returns for a wall on both sides.
 fn widest_way(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
-    let ways = gaps(judge, wall).filter_map(|at| Some((judge.room_ratio_of_way(&wall[..at], &wall[at..])?, at)));
+    let places = LEAST_RETURNS..wall.len().saturating_sub(LEAST_RETURNS - 1);
+    let gaps = places.filter(|&at| judge.is_gap(wall[at - 1], wall[at]));
+    let ways = gaps.filter_map(|at| Some((judge.room_ratio_of_way(&wall[..at], &wall[at..])?, at)));
     ways.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
-}
-
-fn sharpest_peak(judge: &Judge<'_>, wall: &[usize]) -> Option<usize> {
-    let stretch_m = PEAK_STRETCH_M.min(PEAK_STRETCH_SHARE * judge.size_m);
-    let mut sharpest = None;
-    let mut least_rad = PEAK_RAD.start;
-    for cut in gaps(judge, wall) {
-        let (a, b) = wall.split_at(cut);
-        if judge.is_hidden((a[cut - 1], b[0])) || !judge.may_turn_around(a, b) {
-            continue;
-        }
-        let turn_rad = judge.turns_over_rad(a, b, stretch_m).iter().sum();
-        if (least_rad..PEAK_RAD.end).contains(&turn_rad) {
-            (least_rad, sharpest) = (turn_rad, Some(cut));
-        }
-    }
-    sharpest
 }

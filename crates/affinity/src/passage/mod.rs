@@ -234,8 +234,6 @@ impl Passage {
         if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));
         }
-        joining::cut_at_peaks(&judge, walls);
-        joining::drop_small(ring, walls, least_returns, &mut left_over);
 
         if hanging > 0 {
             notes.add(format!("passage: {} in the air (dust), tied to none", counted(hanging as u64, "return")));

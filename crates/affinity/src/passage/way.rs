@@ -175,16 +175,11 @@ impl Judge<'_> {
 
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
-    pub(super) fn hides_nothing(&self, gap: &Gap<'_>) -> bool {
-        self.is_in_line(gap) || self.is_in_long_line(gap)
-    }
-
-    /// The same of the line over the length of wall that directions are taken of.
     fn is_in_line(&self, gap: &Gap<'_>) -> bool {
         has_no_beam(self.ring, gap) && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after })
     }
 
-    /// The same of that over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
+    /// The same of the line over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
     fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
         has_no_beam(self.ring, gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
     }
@@ -233,7 +228,7 @@ impl Judge<'_> {
 
     /// How wide a way on is as a share of the place's size, where beams into a gap with nothing seen in it came back
     /// with nothing because there is nothing, rather than being lost.
-    pub(super) fn unlost_share(&self, (p, q): (usize, usize)) -> Option<f64> {
+    fn unlost_share(&self, (p, q): (usize, usize)) -> Option<f64> {
         if self.is_far((p, q)) {
             return Some(DARK_SHARE);
         }
@@ -246,7 +241,7 @@ impl Judge<'_> {
     }
 
     /// Whether the gap lies at the end of the range.
-    pub(super) fn is_far(&self, (p, q): (usize, usize)) -> bool {
+    fn is_far(&self, (p, q): (usize, usize)) -> bool {
         self.farther_m((p, q)) > FAR_SHARE * self.ring.range_max_m
     }
 
@@ -266,7 +261,7 @@ impl Judge<'_> {
     }
 
     /// Whether so many beams into the gap came back with nothing that what is there is not seen.
-    pub(super) fn is_dark(&self, (p, q): (usize, usize)) -> bool {
+    fn is_dark(&self, (p, q): (usize, usize)) -> bool {
         self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad((p, q)) > DARK_RAD
     }
 
