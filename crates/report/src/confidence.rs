@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.33, 0.38, -0.88, -0.28, 0.37, 4.14, -0.46, 2.48];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.48, 0.36, -0.91, -0.25, 0.37, 4.18, -0.47, 2.59];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).

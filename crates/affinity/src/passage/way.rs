@@ -34,7 +34,7 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// is another wall, however straight it goes on from the nearer one, unless it turns back by more than a right angle.
 const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
 const MOUTH_M: f64 = 1.5;
-const MOUTH_BUMPS: f64 = 30.0;
+const MOUTH_BUMPS: f64 = 40.0;
 
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
