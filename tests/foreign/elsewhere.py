@@ -11,7 +11,7 @@ SEED = 1
 # Shares of right answers over all kinds: on 3000 places `default` has 87 %, and 90 % of its sure ones are right.
 LEAST_RIGHT = 0.82
 LEAST_RIGHT_OF_SURE = 0.85
-SURE_FROM = 0.89  # the reliability bins are a tenth wide
+SURE_FROM = 0.89  # the rows are a tenth wide
 
 
 def check(flights: Flights, verdicts: Verdicts):
@@ -33,5 +33,5 @@ def check(flights: Flights, verdicts: Verdicts):
 
 
 def share_of_sure(figures: dict) -> float:
-    bins = [bin["right"] for bin in figures["confidence"]["reliability"] if bin["from"] > SURE_FROM]
-    return sum(bin["hits"] for bin in bins) / sum(bin["of"] for bin in bins)
+    sure = [row["right"] for row in figures["confidence"]["reliability"] if row["from"] > SURE_FROM]
+    return sum(right["hits"] for right in sure) / sum(right["of"] for right in sure)

@@ -9,8 +9,8 @@ use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A new file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there already stays until something is
-/// written.
+/// A new file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there
+/// already stays until something is written.
 pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
