@@ -36,11 +36,10 @@ from shapely import LineString, Point, Polygon, affinity, box
 import sight
 import writing
 from sight import Beams, Unclear, directions
-from writing import FIRST_STAMP_NS, LASER_SCAN, LASER_SCAN_DEFINITION, PERIOD_NS
+from writing import FIRST_STAMP_NS, LASER_SCAN, LASER_SCAN_DEFINITION, PERIOD_NS, scan_message
 
 ARM_M = 70.0  # longer than any range
 WALL_CLEARANCE_M = 0.5
-RANGE_MIN_M = 0.1
 
 
 @dataclass(frozen=True)
@@ -374,29 +373,15 @@ def measured(view: sight.View, beams: Beams, rng: np.random.Generator) -> tuple[
 TRUTH_SCHEMA = Path(__file__).parents[2] / "crates/messages/src/truth.schema.json"
 
 
-def message_of(place: Place, stamp_ns: int) -> dict:
-    beams = place.beams
-    return {
-        "header": {"stamp": {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9}, "frame_id": "lidar"},
-        "angle_min": beams.first_rad,
-        "angle_max": beams.first_rad + (beams.count - 1) * beams.step_rad,
-        "angle_increment": beams.step_rad,
-        "time_increment": 0.0,
-        "scan_time": PERIOD_NS / 1e9,
-        "range_min": RANGE_MIN_M,
-        "range_max": beams.range_max_m,
-        "ranges": place.ranges_m.tolist(),
-        "intensities": [],
-    }
-
-
 def write(path: Path, places: list[Place]):
     """The places at 10 Hz as `/scan`, each with its `/truth` at the same time."""
     with path.open("wb") as file, Ros2Writer(file) as writer:
         schema = writer.register_msgdef(LASER_SCAN, LASER_SCAN_DEFINITION)
         for i, place in enumerate(places):
             stamp_ns = FIRST_STAMP_NS + i * PERIOD_NS
-            writer.write_message("/scan", schema, message_of(place, stamp_ns), log_time=stamp_ns, sequence=i)
+            beams = place.beams
+            scan = scan_message(beams.first_rad, beams.step_rad, beams.range_max_m, place.ranges_m, stamp_ns)
+            writer.write_message("/scan", schema, scan, log_time=stamp_ns, sequence=i)
     # The writer of ROS 2 writes nothing else: what it wrote is written again, with the truth in between.
     scans = writing.messages_of(path)
     truths = [truth_message(place, scan) for place, scan in zip(places, scans)]

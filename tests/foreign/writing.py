@@ -45,17 +45,20 @@ ROS2_TYPES = get_typestore(Stores.ROS2_HUMBLE)
 
 
 def message_of(scene: Scene, stamp_ns: int) -> dict:
-    step_rad = 2 * np.pi / BEAMS
+    return scan_message(-np.pi, 2 * np.pi / BEAMS, RANGE_MAX_M, scene.ranges_m, stamp_ns)
+
+
+def scan_message(first_rad: float, step_rad: float, range_max_m: float, ranges_m: np.ndarray, stamp_ns: int) -> dict:
     return {
         "header": {"stamp": {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9}, "frame_id": "lidar"},
-        "angle_min": -np.pi,
-        "angle_max": np.pi - step_rad,
+        "angle_min": first_rad,
+        "angle_max": first_rad + (len(ranges_m) - 1) * step_rad,
         "angle_increment": step_rad,
         "time_increment": 0.0,
         "scan_time": PERIOD_NS / 1e9,
         "range_min": 0.1,
-        "range_max": RANGE_MAX_M,
-        "ranges": scene.ranges_m.tolist(),
+        "range_max": range_max_m,
+        "ranges": ranges_m.tolist(),
         "intensities": [],
     }
 

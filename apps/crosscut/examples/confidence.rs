@@ -78,13 +78,9 @@ fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
     for suite in suites() {
         for scene in suite.scenes(Split::Dev) {
             let Program { frame, sensor, .. } = &mut program;
-            frame.notes.clear();
             sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
             answers.extend(program.answer(suite.name, &scene.truth, 1.0)?);
         }
-    }
-    if recordings.is_empty() {
-        return Ok(answers);
     }
     for path in recordings_in(&recordings)? {
         let family = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -93,7 +89,6 @@ fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
         while recording.next(&mut program.frame.revolution, &mut program.frame.notes)? {
             let truth = truths.at(recording.last_log_time_ns())?.context("a scan without truth")?;
             answers.extend(program.answer(&family, &truth, WEIGHT_OF_PLACES)?);
-            program.frame.notes.clear();
         }
     }
     Ok(answers)
@@ -119,6 +114,7 @@ impl Program {
         let Self { engine, frame, .. } = self;
         engine.process(frame)?;
         let score = Score::of(truth, &ResultsLine::of(frame))?;
+        frame.notes.clear();
         let margin_decades = frame.spectrum.margin_decades;
         let grounds = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, margin_decades, &frame.junction);
         let answer = |grounds: Grounds| Answer {

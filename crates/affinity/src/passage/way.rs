@@ -104,7 +104,7 @@ impl Judge<'_> {
         let is_corner = turns_somewhat && is_clear && inside_m < bump_hides_m && self.is_inner_corner(gap);
         let turned = turns.whole_rad >= self.limits.straight_rad && !is_corner;
         let turned = turned.then_some(if is_shaded { SHADE_SHARE } else { self.limits.clear_share });
-        let share = self.share_of_place(gap, turns, turned);
+        let share = self.share_of_place(gap, turns, is_dark, turned);
         let by_width = share.map_or(0.0, |share| clear_m / (share * self.size_m));
         let seen_inside = if turns_somewhat && !is_corner {
             (-farther_aside_m / clear_m).max(inside_m / bump_hides_m.min(SEEN_INSIDE_SHARE * self.size_m))
@@ -143,8 +143,8 @@ impl Judge<'_> {
     /// The same where it is plain to see how wide the gap is: no beam looks into it.
     fn room_ratio_in_plain_sight(&self, gap: &Gap<'_>, turns: Turns, clear_m: f64) -> f64 {
         let bumps = if turns.whole_rad < self.limits.straight_rad { PLAIN_STRAIGHT_BUMPS } else { PLAIN_BUMPS };
-        let turn_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_plain = turn_enough && has_no_beam(self.ring, gap);
+        let turns_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turns.whole_rad);
+        let is_plain = turns_enough && has_no_beam(self.ring, gap);
         if is_plain { clear_m / (self.limits.passage_m + bumps * self.roughness_m) } else { 0.0 }
     }
 
@@ -217,12 +217,11 @@ impl Judge<'_> {
 
     /// How wide a way on is as a share of the place's size, where the wall turns like that, `turned` unless something
     /// else tells; none where it goes on whatever its width is.
-    fn share_of_place(&self, gap: &Gap<'_>, turns: Turns, turned: Option<f64>) -> Option<f64> {
+    fn share_of_place(&self, gap: &Gap<'_>, turns: Turns, is_dark: bool, turned: Option<f64>) -> Option<f64> {
         if turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
-        let is_dark = turns.whole_rad >= DARK_TURN_RAD && self.is_dark(gap.ends);
-        let dark = if is_dark { self.unlost_share(gap.ends) } else { None };
+        let dark = if is_dark && turns.whole_rad >= DARK_TURN_RAD { self.unlost_share(gap.ends) } else { None };
         dark.or(turned)
     }
 
