@@ -42,7 +42,16 @@ pub struct Lidar {
     pub dust: f64,
     /// Dust is seen up to here, and never behind the wall.
     pub dust_range_m: f64,
+    /// One of the two beams at an edge, where the range jumps, meets both sides of it and reports a range in between
+    /// (a mixed pixel).
+    pub mixed_at_edges: f64,
+    /// One of the two is lost.
+    pub loss_at_edges: f64,
 }
+
+/// Where the range changes by so much from beam to beam, and by so many times what it does on either side, it jumps.
+const JUMP_M: f64 = 0.3;
+const JUMP_TIMES: f64 = 2.5;
 
 impl Lidar {
     /// 360 beams all around, 15 m, 1.5 cm noise in steps of a millimetre, nothing lost.
@@ -62,6 +71,8 @@ impl Lidar {
         patch_beams: [3, 18],
         dust: 0.0,
         dust_range_m: 6.0,
+        mixed_at_edges: 0.0,
+        loss_at_edges: 0.0,
     };
 }
 
@@ -86,6 +97,16 @@ pub enum Echo {
     },
 }
 
+impl Echo {
+    /// Distance along the beam; infinite if there is nothing.
+    pub fn range_m(&self) -> f64 {
+        match *self {
+            Self::Nothing => f64::INFINITY,
+            Self::Rock { range_m, .. } | Self::Floor { range_m } => range_m,
+        }
+    }
+}
+
 /// What a beam reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
@@ -95,6 +116,8 @@ pub enum Reading {
     Echo(f64),
     /// The range to dust before it.
     Dust(f64),
+    /// A range between those to both sides of an edge.
+    Mixed(f64),
 }
 
 impl Lidar {
@@ -160,6 +183,9 @@ impl Lidar {
     /// What the lidar reports of a view, its errors drawn from `rng`.
     pub(crate) fn read(&self, surface: &Surface, view: &[Echo], rng: &mut Generator) -> Vec<Reading> {
         let mut readings: Vec<Reading> = view.iter().map(|echo| self.read_one(surface, echo, rng)).collect();
+        if self.mixed_at_edges > 0.0 || self.loss_at_edges > 0.0 {
+            self.blur_edges(view, &mut readings, rng);
+        }
         self.lose_patches(&mut readings, rng);
         readings
     }
@@ -192,6 +218,36 @@ impl Lidar {
 
     fn quantised(&self, range_m: f64) -> f64 {
         if self.quantum_m > 0.0 { (range_m / self.quantum_m).round() * self.quantum_m } else { range_m }
+    }
+
+    /// Mixes or loses one of the two beams at each edge.
+    fn blur_edges(&self, view: &[Echo], readings: &mut [Reading], rng: &mut Generator) {
+        for beam in self.edges(view) {
+            let next = (beam + 1) % view.len();
+            let (from_m, to_m) = (view[beam].range_m(), view[next].range_m());
+            let either = if rng.random_bool(0.5) { beam } else { next };
+            if rng.random_bool(self.mixed_at_edges) {
+                readings[either] = Reading::Mixed(self.quantised(from_m + (to_m - from_m) * rng.random::<f64>()));
+            } else if rng.random_bool(self.loss_at_edges) {
+                readings[either] = Reading::Nothing;
+            }
+        }
+    }
+
+    /// The beams of which the next meets something far behind or in front of what they meet.
+    fn edges(&self, view: &[Echo]) -> Vec<usize> {
+        let n = view.len();
+        let step_m = |beam: usize| {
+            let next = if self.full_turn() { (beam + 1) % n } else { (beam + 1).min(n - 1) };
+            (view[next].range_m() - view[beam].range_m()).abs()
+        };
+        let is_edge = |&beam: &usize| {
+            let beside_m = [(beam + n - 1) % n, (beam + 1) % n].map(step_m);
+            // Nothing within range is no side of an edge, and what is beside it tells nothing.
+            let known = beside_m.into_iter().filter(|step_m| step_m.is_finite()).fold(0.0, f64::max);
+            step_m(beam).is_finite() && step_m(beam) > JUMP_M.max(JUMP_TIMES * known)
+        };
+        (0..n).filter(is_edge).collect()
     }
 
     /// Loses runs of neighbouring beams until the wanted share is lost in patches.
@@ -311,6 +367,36 @@ mod tests {
         }
         let share = f64::from(count) / (200.0 * 360.0);
         assert!((share - 0.2).abs() < 0.01, "{share}");
+    }
+
+    #[test]
+    fn edges_are_where_one_wall_hides_another_and_not_along_a_wall_and_mixed_returns_lie_between_them() {
+        // A branch to the left: its corners, at (2, 2) and (-2, 2), hide parts of its walls.
+        let mut network = Network::new(4.0);
+        let [ends, middle] = [[Point::new(-30.0, 0.0), Point::new(30.0, 0.0), Point::new(0.0, 30.0)], [Point::origin(); 3]];
+        let junction = network.add_node(middle[0]);
+        for end in ends {
+            network.add_branch(junction, vec![middle[0], end], vec![2.0; 2]);
+        }
+        let surface = Surface::new(&network, &Texture::SMOOTH, 0);
+        let lidar = Lidar { mixed_at_edges: 1.0, ..Lidar::CLEAN };
+        let view = lidar.view(&surface, 4.0, &Motion::still(Pose::level(Point::new(6.0, 0.0), 0.0)));
+        let edges = lidar.edges(&view);
+        assert!((1..=2).contains(&edges.len()), "{edges:?}");
+        let readings = lidar.read(&surface, &view, &mut generator(1, "test"));
+        let mixed = readings.iter().filter(|reading| matches!(reading, Reading::Mixed(_))).count();
+        assert_eq!(mixed, edges.len());
+        for beam in edges {
+            let [a_m, b_m] = [view[beam].range_m(), view[beam + 1].range_m()];
+            let is_between = |reading: &Reading| matches!(*reading, Reading::Mixed(m) if (m - a_m) * (m - b_m) <= 1e-3);
+            assert!(readings[beam..=beam + 1].iter().any(is_between), "{a_m} {b_m} {readings:?}");
+        }
+        let lossy = Lidar { loss_at_edges: 1.0, ..Lidar::CLEAN };
+        let lost = |lidar: &Lidar| {
+            let readings = lidar.read(&surface, &view, &mut generator(1, "test"));
+            readings.iter().filter(|reading| **reading == Reading::Nothing).count()
+        };
+        assert_eq!(lost(&lossy), lost(&Lidar::CLEAN) + lidar.edges(&view).len());
     }
 
     #[test]

@@ -94,7 +94,7 @@ fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, moves: bool) -> L
             .iter()
             .map(|reading| match *reading {
                 Reading::Nothing => f32::INFINITY,
-                Reading::Echo(range_m) | Reading::Dust(range_m) => range_m as f32,
+                Reading::Echo(range_m) | Reading::Dust(range_m) | Reading::Mixed(range_m) => range_m as f32,
             })
             .collect(),
         intensities: Vec::new(),

@@ -220,7 +220,7 @@ impl Scenery {
         let labels = self.wall_of_beam.iter().zip(readings).map(|(wall, reading)| match (reading, wall) {
             (Reading::Nothing, _) => Truth::NO_RETURN,
             (Reading::Echo(_), Some(wall)) => *wall as i32,
-            (Reading::Echo(_), None) | (Reading::Dust(_), _) => Truth::NO_WALL,
+            (Reading::Echo(_), None) | (Reading::Dust(_) | Reading::Mixed(_), _) => Truth::NO_WALL,
         });
         Truth { walls: self.walls, islands: self.islands, openings: self.openings.clone(), labels: labels.collect() }
     }

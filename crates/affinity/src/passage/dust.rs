@@ -1,5 +1,6 @@
-//! Returns that hang in the air.
+//! Returns that hang in the air: dust, and what is mixed beside pillars.
 
+use super::mixed;
 use super::ring::Ring;
 
 /// So many returns on either side are looked at; the outermost say nothing of both sides.
@@ -24,8 +25,8 @@ pub(super) struct Dust {
 
 impl Dust {
     /// The returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both
-    /// sides. A ring so small that a return is its own neighbour has none.
-    pub(super) fn find(&mut self, ring: &Ring) -> &[bool] {
+    /// sides, and those that are mixed beside pillars. A ring so small that a return is its own neighbour has none.
+    pub(super) fn find(&mut self, ring: &Ring, pillars: &mixed::Limits) -> &[bool] {
         let n = ring.len();
         self.is_dust.clear();
         self.is_dust.resize(n, false);
@@ -37,7 +38,8 @@ impl Dust {
         self.ranges_m.clear();
         self.ranges_m.extend((n - REACH..n).map(beyond_m).chain((0..n).map(range_m)).chain((0..REACH).map(beyond_m)));
         for (i, (around_m, is_dust)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.is_dust).enumerate() {
-            *is_dust = stands_out(around_m) && company(ring, i) < COMPANY;
+            let beside_m = [around_m[REACH - 1], around_m[REACH], around_m[REACH + 1]];
+            *is_dust = (stands_out(around_m) && company(ring, i) < COMPANY) || mixed::is_beside_pillar(ring, i, beside_m, pillars);
         }
         &self.is_dust
     }

@@ -214,7 +214,8 @@ impl<'a> Judge<'a> {
         Some(Gap::new(self.ring, [a, b], [before?, after?]))
     }
 
-    fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
+    /// The directions in which a wall runs at the end of piece `a` and at the start of piece `b`, if they have one.
+    pub(super) fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
         let of = |piece: &[usize], end| {
             has_direction(self.ring, piece).then(|| self.tangents.borrow_mut().of(self.ring, piece, end))
         };

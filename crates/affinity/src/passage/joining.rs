@@ -1,6 +1,7 @@
 //! Pieces of walls joined into walls.
 
 use super::gap::Judge;
+use super::mixed;
 use super::pieces::Pieces;
 use super::ring::Ring;
 
@@ -26,7 +27,8 @@ pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m
 
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
 /// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the
-/// view cuts is not known, so it counts from [`LEAST_RETURNS`] on. Returns what was taken out.
+/// view cuts is not known, so it counts from [`LEAST_RETURNS`] on. A mixed return in a way on is taken out before it joins
+/// the walls beside it. Returns what was taken out.
 pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_returns: usize) -> Vec<usize> {
     let gap = |pieces: &Pieces, at: usize| {
         let next = (at + 1) % pieces.len();
@@ -44,21 +46,36 @@ pub(super) fn join(ring: &Ring, judge: &Judge<'_>, pieces: &mut Pieces, least_re
                 (cheapest, least) = (Some(at), cost);
             }
         }
-        let changed = if let Some(at) = cheapest {
+        let out = match cheapest {
+            Some(at) => mixed_beside(judge, pieces, at),
+            None => smallest(ring, pieces, least_returns),
+        };
+        let changed = if let Some(at) = out {
+            left_over.extend(pieces.remove(at));
+            costs.remove(at);
+            at % pieces.len()
+        } else if let Some(at) = cheapest {
             let next = (at + 1) % n;
             pieces.join(at);
             costs.remove(next);
             if next < at { at - 1 } else { at }
         } else {
-            let Some(at) = smallest(ring, pieces, least_returns) else { return left_over };
-            left_over.extend(pieces.remove(at));
-            costs.remove(at);
-            at % pieces.len()
+            return left_over;
         };
         let before = (changed + pieces.len() - 1) % pieces.len();
         costs[changed] = gap(pieces, changed);
         costs[before] = gap(pieces, before);
     }
+}
+
+/// Of the two pieces at a gap, one that is a mixed return in a way on between those beside it.
+fn mixed_beside(judge: &Judge<'_>, pieces: &Pieces, gap: usize) -> Option<usize> {
+    let n = pieces.len();
+    [gap, (gap + 1) % n].into_iter().find(|&at| {
+        let is_amid = n > 2 && (judge.ring.full_turn || (at > 0 && at + 1 < n));
+        let [lone] = pieces[at] else { return false };
+        is_amid && mixed::is_in_way(judge, &pieces[(at + n - 1) % n], lone, &pieces[(at + 1) % n])
+    })
 }
 
 /// The smallest of the pieces that are too small to be a wall, of equal ones the farthest; none if it is the only piece.

@@ -6,6 +6,7 @@ mod dust;
 mod gap;
 mod islands;
 mod joining;
+mod mixed;
 mod pieces;
 mod ring;
 mod roughness;
@@ -111,7 +112,8 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 
 /// The graph of the walls. Anticlockwise around the sensor:
 ///
-/// 1. Dust, isolated returns nearer than what is around them, has no edge. Nor has what lies inside the vehicle.
+/// 1. Dust, isolated returns nearer than what is around them, has no edge. Nor have returns between the edge of a pillar
+///    and what is behind it, nor what lies inside the vehicle.
 /// 2. The ring of the others is cut where two that follow each other are `passage_m` apart or more.
 /// 3. Short pieces that stand free in front of what is on both sides of them are islands.
 /// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
@@ -210,7 +212,8 @@ impl Passage {
     ) -> Result<(), StageError> {
         let Self { limits, ring, dust, tangents, walls, islands, .. } = self;
         ring.fill(sweep, points_m)?;
-        let dust = dust.find(ring);
+        let pillars = mixed::Limits { island_m: self.island_m, passage_m: limits.passage_m };
+        let dust = dust.find(ring, &pillars);
 
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
@@ -234,7 +237,7 @@ impl Passage {
         }
 
         if hanging > 0 {
-            notes.add(format!("passage: {} in the air (dust), tied to none", counted(hanging as u64, "return")));
+            notes.add(format!("passage: {} in the air (dust, edges of pillars), tied to none", counted(hanging as u64, "return")));
         }
         if inside > 0 {
             let inside = counted(inside as u64, "return");

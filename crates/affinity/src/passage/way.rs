@@ -25,7 +25,7 @@ const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
 
-/// Where no beam looks between two walls that turn by this much, a gap is a way on in any place if it is wider than the vehicle
+/// Where hardly a beam looks between two walls that turn by this much, a gap is a way on in any place if it is wider than the vehicle
 /// by so many times the roughness of the walls, more where they hardly turn: no bump of theirs hides as much.
 const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
 const PLAIN_BUMPS: f64 = 70.0;
@@ -39,6 +39,8 @@ const MOUTH_BUMPS: f64 = 40.0;
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
+/// The same of the beam after the next, where that one says nothing.
+const NEXT_BEHIND_LINE_SHARE: f64 = 0.1;
 /// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls.
 const LONG_M: f64 = 3.0;
 const LONG_BUMPS: f64 = 4.0;
@@ -140,11 +142,11 @@ impl Judge<'_> {
         if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
     }
 
-    /// The same where it is plain to see how wide the gap is: no beam looks into it.
+    /// The same where it is plain to see how wide the gap is: hardly a beam looks into it.
     fn room_ratio_in_plain_sight(&self, gap: &Gap<'_>, turns: Turns, clear_m: f64) -> f64 {
         let bumps = if turns.whole_rad < self.limits.straight_rad { PLAIN_STRAIGHT_BUMPS } else { PLAIN_BUMPS };
         let turns_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turns.whole_rad);
-        let is_plain = turns_enough && has_no_beam(self.ring, gap);
+        let is_plain = turns_enough && has_hardly_a_beam(self.ring, gap);
         if is_plain { clear_m / (self.limits.passage_m + bumps * self.roughness_m) } else { 0.0 }
     }
 
@@ -176,22 +178,24 @@ impl Judge<'_> {
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     fn is_in_line(&self, gap: &Gap<'_>) -> bool {
-        has_no_beam(self.ring, gap) && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after })
+        has_hardly_a_beam(self.ring, gap) && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after })
     }
 
     /// The same of the line over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
     fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
-        has_no_beam(self.ring, gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
+        has_hardly_a_beam(self.ring, gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
     }
 
     /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
-    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
+    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`], or
+    /// [`NEXT_BEHIND_LINE_SHARE`].
     fn goes_on_along(&self, gap: &Gap<'_>, onward: Position) -> bool {
         let (p, q) = gap.ends;
         let (end, turned_rad) =
             if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        (-BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
+        let share = if self.ring.beams_from(p, q) == 1 { BEHIND_LINE_SHARE } else { NEXT_BEHIND_LINE_SHARE };
+        (-share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
@@ -289,7 +293,8 @@ impl Judge<'_> {
     }
 }
 
-/// Whether no beam looks into the gap: the ends are seen by two that follow each other.
-fn has_no_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
-    ring.beams_from(gap.ends.0, gap.ends.1) == 1
+/// Whether at most one beam looks into the gap: one that came back with nothing, from the air or from too little to be a
+/// wall says nothing of it.
+fn has_hardly_a_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
+    ring.beams_from(gap.ends.0, gap.ends.1) <= 2
 }
