@@ -46,7 +46,9 @@ impl Rings {
             let tilted = |echo: &Echo| tilted(*echo, half_height_m / sin.abs(), cos, lidar.range_max_m);
             let view: Vec<Echo> = level.iter().map(tilted).collect();
             for (beam, reading) in lidar.read(mine.surface(), &view, rng).into_iter().enumerate() {
-                let (Reading::Echo(range_m) | Reading::Dust(range_m) | Reading::Mixed(range_m)) = reading else { continue };
+                let (Reading::Echo(range_m) | Reading::Dust(range_m) | Reading::Mixed(range_m)) = reading else {
+                    continue;
+                };
                 let bearing_rad = lidar.bearing_rad(beam as f64);
                 let out_m = range_m * cos;
                 points_m.push([out_m * bearing_rad.cos(), out_m * bearing_rad.sin(), range_m * sin].into());

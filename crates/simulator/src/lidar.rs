@@ -373,7 +373,8 @@ mod tests {
     fn edges_are_where_one_wall_hides_another_and_not_along_a_wall_and_mixed_returns_lie_between_them() {
         // A branch to the left: its corners, at (2, 2) and (-2, 2), hide parts of its walls.
         let mut network = Network::new(4.0);
-        let [ends, middle] = [[Point::new(-30.0, 0.0), Point::new(30.0, 0.0), Point::new(0.0, 30.0)], [Point::origin(); 3]];
+        let [ends, middle] =
+            [[Point::new(-30.0, 0.0), Point::new(30.0, 0.0), Point::new(0.0, 30.0)], [Point::origin(); 3]];
         let junction = network.add_node(middle[0]);
         for end in ends {
             network.add_branch(junction, vec![middle[0], end], vec![2.0; 2]);

@@ -39,7 +39,8 @@ impl Dust {
         self.ranges_m.extend((n - REACH..n).map(beyond_m).chain((0..n).map(range_m)).chain((0..REACH).map(beyond_m)));
         for (i, (around_m, is_dust)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.is_dust).enumerate() {
             let beside_m = [around_m[REACH - 1], around_m[REACH], around_m[REACH + 1]];
-            *is_dust = (stands_out(around_m) && company(ring, i) < COMPANY) || mixed::is_beside_pillar(ring, i, beside_m, pillars);
+            *is_dust = (stands_out(around_m) && company(ring, i) < COMPANY)
+                || mixed::is_beside_pillar(ring, i, beside_m, pillars);
         }
         &self.is_dust
     }

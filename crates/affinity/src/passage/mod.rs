@@ -237,7 +237,10 @@ impl Passage {
         }
 
         if hanging > 0 {
-            notes.add(format!("passage: {} in the air (dust, edges of pillars), tied to none", counted(hanging as u64, "return")));
+            notes.add(format!(
+                "passage: {} in the air (dust, edges of pillars), tied to none",
+                counted(hanging as u64, "return")
+            ));
         }
         if inside > 0 {
             let inside = counted(inside as u64, "return");

@@ -5,6 +5,7 @@ mod pillars;
 mod verdicts;
 mod ways;
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_affinity::Passage;
@@ -63,6 +64,20 @@ pub(crate) fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
     range_m
 }
 
+/// As reported, but these beams tell a range between those of the two beside them, by this share from the one before.
+pub(crate) fn mixed(segments: &[Segment], beams: &[usize], share: f64) -> Revolution {
+    let ranges_m = RefCell::new(Vec::new());
+    scan(segments, |_, range_m| {
+        ranges_m.borrow_mut().push(range_m);
+        range_m
+    });
+    let ranges_m = ranges_m.into_inner();
+    scan(segments, |beam, range_m| {
+        let [before, after] = [ranges_m[beam.max(1) - 1], ranges_m[(beam + 1) % ranges_m.len()]];
+        if !beams.contains(&beam) { range_m } else { before.zip(after).map(|(a, b)| a + (b - a) * share) }
+    })
+}
+
 /// With bumps of this height in and out of the walls, along the beams.
 pub(crate) fn bumps(height_m: f64) -> impl Fn(usize, Option<f64>) -> Option<f64> {
     move |beam, range_m| range_m.map(|range_m| range_m + height_m * [0.0, 1.0, -1.0][beam % 3])
@@ -97,6 +112,11 @@ pub(crate) fn components(revolution: &Revolution, settings: &[(&'static str, Val
     let mut sizes: Vec<usize> = (0..revolution.len()).map(size).filter(|size| *size > 0).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
     sizes
+}
+
+/// How many of those are of more than one return.
+pub(crate) fn walls(revolution: &Revolution) -> usize {
+    components(revolution, &[]).iter().filter(|size| **size > 1).count()
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::{Segment, TUNNEL, all, components, scan};
+use crosscut_stage::Beam;
+use nalgebra::Vector2;
+
+use crate::{Segment, TUNNEL, all, components, mixed, scan, walls};
 
 /// With twelve corners.
 fn pillar(centre_m: [f64; 2], radius_m: f64) -> Vec<Segment> {
@@ -29,6 +32,25 @@ fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
     let sizes = components(&scan(&scene, all), &[]);
     assert_eq!(sizes.len(), 3, "{sizes:?}");
     assert!(sizes[2] >= 8, "the pillar covers 12°: {sizes:?}");
+}
+
+#[test]
+fn mixed_returns_at_the_edges_of_a_pillar_tie_it_to_no_wall() {
+    for (x_m, y_m, radius_m) in [(4.0, 0.3, 0.4), (2.6, 1.1, 0.25), (3.2, -0.88, 0.5), (3.2, 0.88, 0.5)] {
+        let scene = [&TUNNEL[..], &pillar([x_m, y_m], radius_m)].concat();
+        let seen = scan(&scene, all);
+        let on_pillar = |i: usize| {
+            let Beam::Return(number) = seen.as_sweep().expect("a sweep").beams[i] else { return false };
+            (seen.points_m[number as usize].coords.xy() - Vector2::new(x_m, y_m)).norm() < radius_m + 0.1
+        };
+        let [first, last] = [(0..360).find(|&i| on_pillar(i)), (0..360).rfind(|&i| on_pillar(i))].map(Option::unwrap);
+        for beams in [[first, last], [first - 1, last + 1], [first, last + 1]] {
+            for share in [0.2, 0.4, 0.6, 0.8] {
+                let found = walls(&mixed(&scene, &beams, share));
+                assert_eq!(found, 3, "pillar at {x_m}, {y_m}, share {share} of {beams:?}");
+            }
+        }
+    }
 }
 
 #[test]

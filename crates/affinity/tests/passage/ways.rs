@@ -1,6 +1,20 @@
 //! Ways on: where walls end.
 
-use crate::{TUNNEL, all, bumps, components, scan, scan_by, with_branch, with_branch_at};
+use crate::{TUNNEL, all, bumps, components, mixed, scan, scan_by, walls, with_branch, with_branch_at};
+
+#[test]
+fn a_mixed_return_at_the_edge_of_a_wall_closes_no_way_on() {
+    for (near_m, width_m) in [(3.0, 2.5), (7.0, 4.0), (7.5, 3.0), (8.0, 3.5), (8.5, 3.5), (9.0, 3.0), (9.5, 4.0)] {
+        let branch = with_branch_at(near_m, width_m);
+        // The last beam into the branch, and the first on the near wall: beam 180 points half a degree left of ahead.
+        let edge = 180 + (2.0_f64.atan2(near_m).to_degrees() - 0.5) as usize;
+        for beam in [edge, edge + 1] {
+            for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
+                assert_eq!(walls(&mixed(&branch, &[beam], share)), 3, "{near_m} {width_m} {beam} {share}");
+            }
+        }
+    }
+}
 
 #[test]
 fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
