@@ -294,8 +294,9 @@ impl Judge<'_> {
     }
 }
 
-/// Whether at most one beam looks into the gap: one that came back with nothing, from the air or from too little to be a
-/// wall says nothing of it.
+/// Whether at most one beam looks into the gap, and the angle is not so wide that this means that nothing is seen in it: one
+/// that came back with nothing, from the air or from too little to be a wall, says nothing.
 fn has_hardly_a_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
-    ring.beams_from(gap.ends.0, gap.ends.1) <= 2
+    let steps = ring.beams_from(gap.ends.0, gap.ends.1);
+    steps == 1 || (steps == 2 && 2.0 * ring.step_rad < DARK_RAD)
 }
