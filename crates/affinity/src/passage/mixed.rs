@@ -28,24 +28,25 @@ pub(super) struct Limits {
     pub(super) passage_m: f64,
 }
 
-/// Whether a return is a mixed one beside a pillar.
-/// `ranges_m` are those before it, of itself, and after it; NaN where the view ends.
+/// Whether a return is a mixed one beside a pillar. `ranges_m` are that of the return before it, its own, and that of the one
+/// after it; NaN where the view ends.
+#[inline]
 pub(super) fn is_beside_pillar(ring: &Ring, i: usize, ranges_m: [f64; 3], limits: &Limits) -> bool {
     let [before_m, here_m, after_m] = ranges_m;
     let is_between = |near_m: f64, far_m: f64| near_m + BETWEEN_M < here_m && here_m + BETWEEN_M < far_m;
-    let to_edge = match () {
-        () if is_between(before_m, after_m) => -1,
-        () if is_between(after_m, before_m) => 1,
-        () => return false,
+    (is_between(before_m, after_m) && is_between_edge_and_behind(ring, i, -1, limits))
+        || (is_between(after_m, before_m) && is_between_edge_and_behind(ring, i, 1, limits))
+}
+
+/// The same by all but the ranges, the edge of the pillar being the next return in this direction.
+fn is_between_edge_and_behind(ring: &Ring, i: usize, to_edge: isize, limits: &Limits) -> bool {
+    let [Some(edge), Some(behind)] = [to_edge, -to_edge].map(|direction| ring.after(i, direction)) else {
+        return false;
     };
-    let beside = [-1, 1].map(|direction| (ring.after(i, direction), direction));
-    beside.into_iter().all(|(other, direction)| {
-        other.is_some_and(|other| {
-            ring.beams_apart(i, other) <= BEAMS
-                && is_off_line(ring, i, other, direction)
-                && (direction != to_edge || is_edge_of_pillar(ring, other, direction, limits))
-        })
-    })
+    ring.beams_apart(i, edge).max(ring.beams_apart(i, behind)) <= BEAMS
+        && is_off_line(ring, i, edge, to_edge)
+        && is_off_line(ring, i, behind, -to_edge)
+        && is_edge_of_pillar(ring, edge, to_edge, limits)
 }
 
 /// Whether a return is on no line of those from another on.
