@@ -2,10 +2,11 @@
 
 use crosscut_messages::Truth;
 
-use crate::lidar::{Echo, Lidar, Reading};
+use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
 use crate::noise::Generator;
 use crate::pose::{Motion, Pose};
+use crate::reading::Reading;
 
 /// The rings of a 3D lidar that stands upright in the middle between floor and roof.
 #[derive(Clone, Copy, Debug, PartialEq)]

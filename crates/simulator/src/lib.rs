@@ -51,6 +51,7 @@ mod noise;
 mod outline;
 pub mod pose;
 mod presets;
+pub mod reading;
 mod recording;
 mod scenario;
 mod scene;

@@ -4,10 +4,11 @@ use crosscut_messages::{
     Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
 };
 
-use crate::lidar::{Echo, Lidar, Reading};
+use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
 use crate::noise::{Generator, generator};
 use crate::pose::Motion;
+use crate::reading::Reading;
 use crate::truth::Scenery;
 use crate::vehicle::{Belief, Vehicle};
 

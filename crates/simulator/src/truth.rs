@@ -22,10 +22,11 @@
 use crosscut_messages::{Truth, TruthOpening};
 
 use crate::exits::{Exit, Sight, exits};
-use crate::lidar::{Echo, Lidar, Reading};
+use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
 use crate::network::{Point, Vector, left_of, unit};
 use crate::pose::Motion;
+use crate::reading::Reading;
 
 /// An opening lets a disc of this width through.
 const VEHICLE_WIDTH_M: f64 = 0.6;

@@ -127,15 +127,8 @@ impl Method {
     }
 
     /// A row of cells, from the narrowest to the widest.
-    fn row(&mut self, lidar: Lidar) -> anyhow::Result<Vec<Cell>> {
-        WIDTHS_M.iter().map(|&width_m| self.cell(&places(width_m, lidar))).collect()
-    }
-
-    /// The same with pillars where there is room for them.
-    fn row_with_pillars(&mut self, lidar: Lidar) -> anyhow::Result<Vec<Cell>> {
-        let pillars = |width_m| if width_m > ROOM_FOR_PILLARS_M { [1, 2] } else { [0, 0] };
-        let cell = |&width_m: &f64| self.cell(&Places { pillars: pillars(width_m), ..places(width_m, lidar) });
-        WIDTHS_M.iter().map(cell).collect()
+    fn row(&mut self, places: impl Fn(f64) -> Places) -> anyhow::Result<Vec<Cell>> {
+        WIDTHS_M.iter().map(|&width_m| self.cell(&places(width_m))).collect()
     }
 }
 
@@ -144,19 +137,27 @@ fn places(width_m: f64, lidar: Lidar) -> Places {
     Places { width_m: [0.95 * width_m, 1.05 * width_m], bumps_m: [0.05, 0.8], lidar, ..Places::CLEAN }
 }
 
+/// The same with pillars where there is room for them.
+fn places_with_pillars(width_m: f64, lidar: Lidar) -> Places {
+    let pillars = if width_m > ROOM_FOR_PILLARS_M { [1, 2] } else { [0, 0] };
+    Places { pillars, ..places(width_m, lidar) }
+}
+
 fn main() -> anyhow::Result<()> {
     let folder = std::env::args().nth(1).context("say a folder to write to")?;
     let mut method = Method::new()?;
-    let by_beams = BEAMS.map(|beams| method.row(Lidar { beams, ..Lidar::CLEAN }));
+    let by_beams = BEAMS.map(|beams| method.row(|width_m| places(width_m, Lidar { beams, ..Lidar::CLEAN })));
     let by_beams = by_beams.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let by_view = VIEWS_DEG.map(|view_deg| {
         let full_turn = view_deg == 360.0;
         let beams = (view_deg * BEAMS_PER_DEG) as usize + usize::from(!full_turn);
-        method.row(Lidar { beams, field_of_view_rad: view_deg.to_radians(), ..Lidar::CLEAN })
+        let lidar = Lidar { beams, field_of_view_rad: view_deg.to_radians(), ..Lidar::CLEAN };
+        method.row(|width_m| places(width_m, lidar))
     });
     let by_view = by_view.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let by_edges = EDGES.map(|(_, mixed_at_edges, loss_at_edges)| {
-        method.row_with_pillars(Lidar { mixed_at_edges, loss_at_edges, ..Lidar::CLEAN })
+        let lidar = Lidar { mixed_at_edges, loss_at_edges, ..Lidar::CLEAN };
+        method.row(|width_m| places_with_pillars(width_m, lidar))
     });
     let by_edges = by_edges.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
 

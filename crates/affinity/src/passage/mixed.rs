@@ -28,14 +28,18 @@ pub(super) struct Limits {
     pub(super) passage_m: f64,
 }
 
+/// Whether a range is one of those between a near one and a far one.
+fn is_between(near_m: f64, here_m: f64, far_m: f64) -> bool {
+    near_m + BETWEEN_M < here_m && here_m + BETWEEN_M < far_m
+}
+
 /// Whether a return is a mixed one beside a pillar. `ranges_m` are that of the return before it, its own, and that of the one
 /// after it; NaN where the view ends.
 #[inline]
 pub(super) fn is_beside_pillar(ring: &Ring, i: usize, ranges_m: [f64; 3], limits: &Limits) -> bool {
     let [before_m, here_m, after_m] = ranges_m;
-    let is_between = |near_m: f64, far_m: f64| near_m + BETWEEN_M < here_m && here_m + BETWEEN_M < far_m;
-    (is_between(before_m, after_m) && is_between_edge_and_behind(ring, i, -1, limits))
-        || (is_between(after_m, before_m) && is_between_edge_and_behind(ring, i, 1, limits))
+    (is_between(before_m, here_m, after_m) && is_between_edge_and_behind(ring, i, -1, limits))
+        || (is_between(after_m, here_m, before_m) && is_between_edge_and_behind(ring, i, 1, limits))
 }
 
 /// The same by all but the ranges, the edge of the pillar being the next return in this direction.
@@ -83,14 +87,13 @@ pub(super) fn is_in_way(judge: &Judge<'_>, a: &[usize], lone: usize, b: &[usize]
     let ring = judge.ring;
     let (p, q) = (a[a.len() - 1], b[0]);
     let [p_m, lone_m, q_m] = [p, lone, q].map(|i| ring.range_m(i));
-    let is_between = p_m.min(q_m) + BETWEEN_M < lone_m && lone_m + BETWEEN_M < p_m.max(q_m);
     let off_line_m = || {
         let [before, after] = judge.directions(a, b);
         let off_m = |from: usize, line| (ring.position_m(lone) - ring.position_m(from)).perp(&line).abs();
         Some(off_m(p, before?).min(off_m(q, after?)))
     };
     ring.beams_from(p, q) == 2
-        && is_between
+        && is_between(p_m.min(q_m), lone_m, p_m.max(q_m))
         && off_line_m().is_some_and(|off_m| off_m >= OFF_LINE_M)
         && judge.room_ratio_of_way(a, b).is_some()
 }

@@ -25,8 +25,8 @@ const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
 
-/// Where hardly a beam looks between two walls that turn by this much, a gap is a way on in any place if it is wider than the vehicle
-/// by so many times the roughness of the walls, more where they hardly turn: no bump of theirs hides as much.
+/// Where hardly a beam looks between two walls that turn by this much, a gap is a way on in any place if it is wider than
+/// the vehicle by so many times the roughness of the walls, more where they hardly turn: no bump of theirs hides as much.
 const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
 const PLAIN_BUMPS: f64 = 70.0;
 const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;

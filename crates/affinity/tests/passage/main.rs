@@ -5,7 +5,6 @@ mod pillars;
 mod verdicts;
 mod ways;
 
-use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_affinity::Passage;
@@ -66,15 +65,14 @@ pub(crate) fn all(_: usize, range_m: Option<f64>) -> Option<f64> {
 
 /// As reported, but these beams tell a range between those of the two beside them, by this share from the one before.
 pub(crate) fn mixed(segments: &[Segment], beams: &[usize], share: f64) -> Revolution {
-    let ranges_m = RefCell::new(Vec::new());
-    scan(segments, |_, range_m| {
-        ranges_m.borrow_mut().push(range_m);
-        range_m
-    });
-    let ranges_m = ranges_m.into_inner();
+    let seen = scan(segments, all);
+    let seen_m = |beam: usize| {
+        let Beam::Return(i) = seen.as_sweep()?.beams[beam % 360] else { return None };
+        Some(seen.points_m[i as usize].coords.norm())
+    };
     scan(segments, |beam, range_m| {
-        let [before, after] = [ranges_m[beam.max(1) - 1], ranges_m[(beam + 1) % ranges_m.len()]];
-        if !beams.contains(&beam) { range_m } else { before.zip(after).map(|(a, b)| a + (b - a) * share) }
+        let between_m = || Some((1.0 - share) * seen_m(beam + 359)? + share * seen_m(beam + 1)?);
+        if beams.contains(&beam) { between_m() } else { range_m }
     })
 }
 
