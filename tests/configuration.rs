@@ -63,4 +63,7 @@ fn what_cannot_be_written_under_the_name_asked_for_is_refused() {
         assert!(refused(["--over-time", picture]).contains("FILE.svg"), "{picture}");
     }
     assert!(refused(["--save", "-"]).contains("not standard output"));
+    assert!(refused(["--save", "flight.mcap"]).contains("FLIGHT.rrd"));
+    let said = run(["simulate", "tee", "--out", "flight.rrd"]).expect_code(2).stderr;
+    assert!(said.contains("FLIGHT.mcap"), "{said}");
 }

@@ -182,6 +182,27 @@ fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
 }
 
 #[test]
+fn a_folder_for_pictures_that_cannot_be_made_is_told_before_the_work_begins() {
+    let folder = folder();
+    let input = recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);
+    let file = file(folder.path(), "drawn", b"no folder");
+    let ran = evaluate(&input, &["--draw-wrong", file.to_str().expect("a path in UTF-8")]).expect_code(1);
+    assert!(ran.stderr.contains("drawn") && ran.stdout.is_empty(), "{}{}", ran.stderr, ran.stdout);
+}
+
+#[test]
+fn a_wall_of_a_high_number_is_drawn_as_soon_as_any_other() {
+    let folder = folder();
+    let mut truth = tunnel_truth();
+    truth["walls"] = 4_000_000_000_u32.into();
+    truth["labels"][3] = 3_999_999_999_u32.into();
+    let input = recording(folder.path(), "hand.mcap", &[Some(truth)]);
+    let drawn = folder.path().join("drawn");
+    evaluate(&input, &["--quiet", "--draw-wrong", drawn.to_str().expect("a path in UTF-8")]).expect_code(0);
+    assert!(drawn.join("hand-default.svg").exists());
+}
+
+#[test]
 fn a_recording_without_truth_does_not_keep_the_others_from_being_evaluated() {
     let folder = folder();
     recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);

@@ -118,11 +118,12 @@ fn an_interrupted_evaluation_of_the_paper_leaves_its_figures_and_no_page_with_ha
 fn a_killed_flight_leaves_every_result_that_was_made() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (mut child, results) = start(folder.path());
+    let before = std::fs::read_to_string(&results).expect("results");
     child.kill().expect("it was running");
     child.wait().expect("it ends");
     let text = std::fs::read_to_string(results).expect("results");
-    assert!(text.ends_with('\n'), "no line is cut off");
-    assert!(lines(&text).len() >= 5);
+    assert!(text.starts_with(&before) && text.ends_with('\n'), "nothing is lost, and no line is cut off");
+    assert!(column(&lines(&text), "seq").into_iter().eq(0..lines(&text).len() as u64));
 }
 
 #[test]

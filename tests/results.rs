@@ -74,14 +74,16 @@ fn results_are_the_same_bytes_again_and_whatever_the_number_of_workers() {
 }
 
 #[test]
-fn both_solvers_give_the_same_walls() {
+fn the_three_solvers_of_the_dense_laplacian_give_the_same_walls() {
     let labels = |solver: &str| -> Vec<Value> {
         let paper = ["--preset", "paper", "--every", "10", "--set", solver];
         let (ran, lines) = results_of(&shipped_flight(), &paper);
         ran.expect_code(0);
         lines.iter().map(|line| line["labels"].clone()).collect()
     };
-    assert_eq!(labels("spectral.kind=faer"), labels("spectral.kind=nalgebra"));
+    let reference = labels("spectral.kind=faer");
+    assert_eq!(reference, labels("spectral.kind=nalgebra"));
+    assert_eq!(reference, labels("spectral.kind=slicing"));
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn main() -> anyhow::Result<()> {
     mounting.set("yaw_rad", Value::Number(0.0))?;
     let sensor = Sensor::new(&mounting);
     let registry = Registry::standard();
-    let layers = [Layer::preset("default")?, Layer::settings(&["vehicle.width_m=0.8".to_owned()])?];
+    let layers = [Layer::preset("default")?, Layer::settings("--set", &["vehicle.width_m=0.8".to_owned()])?];
     let mut engine = Engine::new(&Config::resolve(&Schema::new(&registry), &layers)?, &registry);
     let mut frame = Frame::default();
 

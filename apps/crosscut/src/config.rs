@@ -22,14 +22,14 @@ pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<
 
 /// Preset < file < the settings of one `--with` < single settings for all.
 pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registry) -> anyhow::Result<Config> {
-    let schema = Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS);
+    let schema = schema(registry);
     let mut layers = vec![Layer::preset(&args.preset).map_err(usage)?];
     if let Some(path) = &args.config {
         let text = std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))?;
         layers.push(Layer::file(path, &text).map_err(usage)?);
     }
-    layers.push(Layer::settings(own).map_err(usage)?.called("--with"));
-    layers.push(Layer::settings(&args.set).map_err(usage)?);
+    layers.push(Layer::settings("--with", own).map_err(usage)?);
+    layers.push(Layer::settings("--set", &args.set).map_err(usage)?);
     let config = Config::resolve(&schema, &layers).map_err(usage)?;
     let [nearest_m, farthest_m] = ["min_range_m", "max_range_m"].map(|limit| config.params("ingest").number(limit));
     if nearest_m >= farthest_m {
@@ -39,6 +39,11 @@ pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registr
         .into());
     }
     Ok(config)
+}
+
+/// All settings there are.
+pub(crate) fn schema(registry: &Registry) -> Schema {
+    Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS)
 }
 
 fn usage(error: impl ToString) -> UsageError {

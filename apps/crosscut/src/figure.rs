@@ -1,5 +1,7 @@
 //! Figures as SVG: scans from above, each wall in its own colour, the ways on, and a title above each.
 
+use std::collections::BTreeSet;
+
 use crosscut_messages::Truth;
 use crosscut_report::openings::LOOKOUT_M;
 use crosscut_stage::{Beam, Frame, Revolution};
@@ -101,10 +103,9 @@ impl Panel {
 
     /// A path of dots for each wall, and one for the returns of no wall, as far as this to each side.
     fn walls(&self, half_m: f64) -> impl Iterator<Item = Path> {
-        let last = self.wall_of_return.iter().flatten().max().copied();
-        let numbers = std::iter::once(None).chain((0..=last.unwrap_or(0)).map(Some));
+        let numbers: BTreeSet<Option<u32>> = self.wall_of_return.iter().copied().collect();
         let is_shown = move |[x_m, y_m]: &[f64; 2]| x_m.abs() < half_m && y_m.abs() < half_m;
-        numbers.filter_map(move |number| {
+        numbers.into_iter().filter_map(move |number| {
             let shown = self.returns_m.iter().zip(&self.wall_of_return).filter(move |(at_m, _)| is_shown(at_m));
             let of_wall = shown.filter(|(_, wall)| **wall == number);
             // A line of no length with a round cap is a dot.

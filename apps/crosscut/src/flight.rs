@@ -8,11 +8,15 @@ use crate::exit::UsageError;
 
 /// Opens its recordings, as the sensor's settings of `config` read them.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
-    if let (Some(from), Some(to)) = (args.from, args.to)
-        && from > to
-    {
-        return Err(UsageError(format!("--from {from} lies after --to {to}")).into());
-    }
+    refuse_nothing(args.from, args.to)?;
     let options = ReadOptions { topic: args.topic.clone(), from_s: args.from, to_s: args.to, every: args.every };
     Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
+}
+
+/// Refuses a stretch of time that ends before it begins.
+pub(crate) fn refuse_nothing(from_s: Option<f64>, to_s: Option<f64>) -> Result<(), UsageError> {
+    match (from_s, to_s) {
+        (Some(from), Some(to)) if from > to => Err(UsageError(format!("--from {from} lies after --to {to}"))),
+        _ => Ok(()),
+    }
 }

@@ -1,35 +1,26 @@
 //! `crosscut`: how many walls, and so how many ways on, are here.
 //!
-//! One file per command. Results go to files or standard output, words for people to standard error.
+//! One file or folder per command, in `commands`. Results go to files or standard output, words for people to standard error.
 
 // They panic when they cannot write: words are for `say`, and results are written with their error.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod cli;
-mod compare;
+mod commands;
 mod config;
 mod configurations;
-mod evaluate;
 mod exit;
 mod figure;
 mod flight;
-mod info;
 mod interrupt;
+mod observers;
+mod outputs;
 mod over_time;
-mod overwriting;
-mod paper;
 mod progress;
-mod record;
-#[cfg(feature = "rerun")]
-mod rrd;
-mod run;
 mod say;
 mod scoring;
-mod simulate;
 mod summary;
 mod typeset;
-#[cfg(feature = "rerun")]
-mod view;
 mod wrong;
 
 use std::process::ExitCode;
@@ -40,13 +31,13 @@ use crate::cli::{Cli, Command};
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
-        Command::Run(args) => run::run(&args),
+        Command::Run(args) => commands::run::run(&args),
         Command::View(args) => view(&args),
-        Command::Simulate(args) => simulate::simulate(&args),
-        Command::Evaluate(args) => evaluate::evaluate(&args),
-        Command::Compare(args) => compare::compare(&args),
-        Command::Paper(args) => paper::paper(&args),
-        Command::Info(args) => info::info(&args),
+        Command::Simulate(args) => commands::simulate::simulate(&args),
+        Command::Evaluate(args) => commands::evaluate::evaluate(&args),
+        Command::Compare(args) => commands::compare::compare(&args),
+        Command::Paper(args) => commands::paper::paper(&args),
+        Command::Info(args) => commands::info::info(&args),
         Command::Rrd(command) => rrd(&command),
         Command::Config(args) => config::print(&args),
     };
@@ -57,9 +48,9 @@ fn main() -> ExitCode {
 }
 
 #[cfg(feature = "rerun")]
-use rrd::rrd;
+use commands::rrd::rrd;
 #[cfg(feature = "rerun")]
-use view::view;
+use commands::view::view;
 
 #[cfg(not(feature = "rerun"))]
 fn rrd(_: &cli::RrdCommand) -> anyhow::Result<exit::Outcome> {

@@ -57,13 +57,12 @@ impl Wrong {
         self.rows.len()
     }
 
-    /// Writes `FAMILY-CONFIGURATION.svg`, with the first of them, and `.csv`, with all, into the folder; nothing if all
-    /// is right.
+    /// Writes `FAMILY-CONFIGURATION.svg`, with the first of them, and `.csv`, with all, into the folder; nothing if
+    /// all is right.
     pub(crate) fn write(&self, folder: &Path, family: &str, configuration: &str) -> anyhow::Result<()> {
         if self.rows.is_empty() {
             return Ok(());
         }
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
         let name = format!("{family}-{}", configuration.replace(['/', '\\'], "_"));
         let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
         for (extension, text) in [("svg", sheet(&self.panels, COLUMNS)), ("csv", list)] {

@@ -8,6 +8,9 @@ const SLICE: Duration = Duration::from_millis(20);
 /// A longer pause of the stamps, or step back, is not waited for: the clock was set, or another recording begins.
 const LONGEST_PAUSE_NS: u64 = 10_000_000_000;
 
+/// At a very low rate, the longest wait for a revolution: a century, which every clock can reach.
+const LONGEST_WAIT: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
+
 /// Releases revolutions at a multiple of the pace at which the sensor stamped them.
 pub(crate) struct Pace {
     rate: f64,
@@ -42,7 +45,8 @@ impl Pace {
     fn due(&self, stamp_ns: u64) -> Option<Instant> {
         let (due, previous_ns) = self.previous?;
         let pause_ns = Some(stamp_ns.abs_diff(previous_ns)).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
-        let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).ok()?;
+        let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).unwrap_or(LONGEST_WAIT);
+        let pause = pause.min(LONGEST_WAIT);
         if stamp_ns >= previous_ns { due.checked_add(pause) } else { due.checked_sub(pause) }
     }
 }
@@ -61,6 +65,16 @@ mod tests {
         assert!(start.elapsed().as_secs() < 20, "it waits for years");
         for pair in [1, 3, 5] {
             assert_eq!(due[pair] - due[pair - 1], Duration::from_nanos(PERIOD_NS));
+        }
+    }
+    #[test]
+    fn at_a_rate_too_low_for_any_clock_a_revolution_is_waited_for_and_not_due_at_once() {
+        for rate in [1e-300, 1e-12] {
+            let (mut pace, start) = (Pace::new(rate), Instant::now());
+            pace.wait_for(0, || false);
+            let asked = std::cell::Cell::new(0);
+            pace.wait_for(1_000_000, || asked.replace(asked.get() + 1) > 0);
+            assert!(asked.get() > 0 && start.elapsed().as_secs() < 20, "rate {rate}");
         }
     }
 }

@@ -91,6 +91,7 @@ mod why;
 pub use layout::Layout;
 pub use mounting::Mounting;
 pub use options::{RecorderError, RecorderOptions};
+pub use parts::part_number;
 pub use reading::{
     Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
     differences,

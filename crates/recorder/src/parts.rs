@@ -25,13 +25,14 @@ pub(crate) fn part_path(first: &Path, part: u64) -> PathBuf {
 pub(crate) fn called_like_parts(first: &Path) -> Vec<PathBuf> {
     let folder = first.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut parts: Vec<u64> = files.filter_map(|file| number(first, &file.file_name())).collect();
+    let mut parts: Vec<u64> = files.filter_map(|file| part_number(first, &file.file_name())).collect();
     parts.sort_unstable();
     parts.into_iter().map(|part| part_path(first, part)).collect()
 }
 
-/// The number of the part that a file of this name is; `None` if it is none.
-fn number(first: &Path, name: &OsStr) -> Option<u64> {
+/// The number of the later part of the recording `first`, in the same folder, that a file of this name is; `None` if it
+/// is none.
+pub fn part_number(first: &Path, name: &OsStr) -> Option<u64> {
     let part = Path::new(name).file_stem()?.to_str()?.rsplit_once('-')?.1.parse().ok()?;
     (part > 1 && part_path(first, part).file_name() == Some(name)).then_some(part)
 }
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn only_a_name_that_a_part_would_have_is_taken_for_one() {
-        let number = |name: &str| number(Path::new("out/tee.rrd"), OsStr::new(name));
+        let number = |name: &str| part_number(Path::new("out/tee.rrd"), OsStr::new(name));
         assert_eq!(["tee-2.rrd", "tee-10.rrd"].map(number), [Some(2), Some(10)]);
         for other in ["tee.rrd", "tee-1.rrd", "tee-02.rrd", "tee-2.mcap", "tee-x.rrd", "bee-2.rrd", "tee-2-2.rrd"] {
             assert_eq!(number(other), None, "{other}");

@@ -44,6 +44,8 @@ const LIVE_TICK: Duration = Duration::from_millis(500);
 pub struct Recorder {
     rec: RecordingStream,
     file: Option<RrdFile>,
+    /// Why there is no file any more, while viewers go on.
+    file_lost: Option<RecorderError>,
     live: Vec<Live>,
     served: Option<Served>,
     /// Of a live flight.
@@ -110,6 +112,7 @@ impl Recorder {
         Ok(Self {
             rec,
             file,
+            file_lost: None,
             live,
             served,
             backlog,
@@ -203,7 +206,9 @@ impl Recorder {
         parts::log(&self.rec, self.part, true)?;
         self.flush_to_the_end()?;
         self.part += 1;
-        file.go_on_in(&next)?;
+        if let Err(error) = file.go_on_in(&next) {
+            self.give_up_file(error)?;
+        }
         log_static(&self.rec, &self.options.config_toml)?;
         self.beams = BeamGeometry::default();
         if let Some(extent) = self.extent {
@@ -274,7 +279,7 @@ impl Recorder {
         self.unflushed = 0;
         backlog.flush_asked();
         let asked = self.rec.flush_async();
-        self.file.as_ref().map_or(Ok(()), RrdFile::check)?;
+        self.check_file()?;
         asked.map_err(|e| RecorderError::Viewer(e.to_string()))
     }
 
@@ -282,8 +287,25 @@ impl Recorder {
         self.unflushed = 0;
         self.backlog.iter_mut().for_each(Backlog::flush_asked);
         let flushed = self.rec.flush_blocking();
-        self.file.as_ref().map_or(Ok(()), RrdFile::check)?;
+        self.check_file()?;
         flushed.map_err(|e| RecorderError::Viewer(e.to_string()))
+    }
+
+    fn check_file(&mut self) -> Result<(), RecorderError> {
+        match self.file.as_ref().map(RrdFile::check) {
+            Some(Err(error)) => self.give_up_file(error),
+            _ => Ok(()),
+        }
+    }
+
+    /// Where viewers can go on without the file, its error is kept for the end.
+    fn give_up_file(&mut self, error: RecorderError) -> Result<(), RecorderError> {
+        if self.live.is_empty() {
+            return Err(error);
+        }
+        self.file = None;
+        self.file_lost = Some(error);
+        Ok(())
     }
 }
 
@@ -296,6 +318,7 @@ impl Observer for Recorder {
     fn finish(&mut self) -> Result<(), ObserverError> {
         let layout = if self.extent.is_none() { self.send_layout(Extent::default()) } else { Ok(()) };
         let mut ends = vec![layout, self.flush_to_the_end()];
+        ends.extend(self.file_lost.take().map(Err));
         ends.extend(self.file.as_ref().map(RrdFile::end));
         ends.extend(self.live.iter().map(Live::end));
         let lost = self.backlog.as_ref().and_then(Backlog::lost);

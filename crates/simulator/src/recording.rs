@@ -18,7 +18,7 @@ use crate::scene::Scene;
 #[non_exhaustive]
 pub enum RecordingError {
     /// The file could not be made.
-    #[error("cannot make the recording: {source}: {}", path.display())]
+    #[error("cannot make the recording {}", path.display())]
     Create {
         /// The file.
         path: PathBuf,
@@ -26,7 +26,7 @@ pub enum RecordingError {
         source: std::io::Error,
     },
     /// The file could not be written to its end.
-    #[error("cannot write message {message} of the recording: {source}: {}", path.display())]
+    #[error("cannot write message {message} of the recording {}", path.display())]
     Write {
         /// The file.
         path: PathBuf,

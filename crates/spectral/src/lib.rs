@@ -40,28 +40,17 @@
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
 
-mod band;
 mod blocks;
 mod components;
-mod connected;
 mod decomposition;
 mod degrees;
 mod dot;
 mod embedding;
-mod envelope;
 mod faer_evd;
 mod forest;
-mod graph;
-mod krylov;
 mod laplacian;
 mod nalgebra_evd;
-mod normalised;
-mod order;
-mod second;
 mod slicing;
-mod sparse;
-mod split;
-mod twins;
 mod zero_rule;
 
 use crosscut_stage::{Kind, SpectralStage};

@@ -5,7 +5,7 @@ mod graphs;
 
 use std::fmt::Debug;
 
-use crosscut_spectral::{FaerEvd, KINDS, Laplacian, NalgebraEvd, ZeroRule};
+use crosscut_spectral::{FaerEvd, KINDS, Laplacian, NalgebraEvd, Slicing, ZeroRule};
 use crosscut_stage::{Affinity, Kind, Notes, Params, SpectralStage, Spectrum, StageError};
 use faer::Mat;
 use proptest::prelude::{Strategy, any};
@@ -238,11 +238,14 @@ fn values_that_no_affinity_has_are_errors_and_neither_loop_nor_panic() {
 }
 
 #[test]
-fn a_tolerance_outside_0_to_2_is_refused() {
-    for (allowed, tolerance) in [(false, 0.0), (false, -1e-8), (false, f64::NAN), (false, 2.1), (true, 2.0)] {
+fn a_tolerance_below_rounding_or_above_2_is_refused() {
+    for (allowed, tolerance) in
+        [(false, 0.0), (false, -1e-8), (false, f64::NAN), (false, 1e-15), (true, 1e-14), (true, 2.0), (false, 2.1)]
+    {
         let rule = ZeroRule::Tolerance(tolerance);
         assert_eq!(FaerEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
         assert_eq!(NalgebraEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
+        assert_eq!(Slicing::new(rule, 1).is_ok(), allowed, "τ = {tolerance}");
     }
 }
 

@@ -138,7 +138,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value = "dev", requires = "suite", conflicts_with = "scenario")]
     pub(crate) split: SplitArg,
     /// Where to write: FLIGHT.mcap for a scenario, a folder for suites.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(no_rrd))]
     pub(crate) out: Option<PathBuf>,
     /// The same seed gives the same bytes.
     #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
@@ -268,7 +268,7 @@ pub(crate) struct RrdGetArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "exact")]
     pub(crate) component: Option<String>,
     /// One revolution, by its number; all if not given.
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
     pub(crate) revolution: Option<i64>,
     /// From this many seconds after the start.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
@@ -311,6 +311,13 @@ fn an_svg(path: PathBuf) -> Result<PathBuf, &'static str> {
     } else {
         Err("pictures are written as SVG: FILE.svg")
     }
+}
+
+fn no_rrd(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+        return Err("what is simulated is an MCAP recording, none for the Rerun viewer: FLIGHT.mcap");
+    }
+    Ok(path)
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -46,7 +46,13 @@ pub(crate) struct RecordArgs {
 
 /// A recording is written in parts, each ended by an index: a pipe takes none.
 fn a_file(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if path == Path::new("-") { Err("a recording is a file, not standard output: FLIGHT.rrd") } else { Ok(path) }
+    if path == Path::new("-") {
+        return Err("a recording is a file, not standard output: FLIGHT.rrd");
+    }
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+        return Err("what is saved is for the Rerun viewer, no MCAP recording: FLIGHT.rrd");
+    }
+    Ok(path)
 }
 
 /// Pages of a recording.

@@ -4,6 +4,7 @@ mod page;
 mod picture;
 mod reason;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -11,10 +12,14 @@ use crosscut_evaluate::{AROUND, Flip, flips};
 use crosscut_report::confidence::Grounds;
 use crosscut_stage::Frame;
 
+use crate::outputs;
 use reason::WallArc;
 
-/// What is kept of every revolution.
+/// The picture and the list, and what is kept of every revolution for them.
 pub(crate) struct OverTime {
+    title: String,
+    picture: Box<dyn Write + Send>,
+    list: Box<dyn Write + Send>,
     vehicle_width_m: f64,
     moments: Vec<Moment>,
 }
@@ -33,8 +38,11 @@ struct Moment {
 }
 
 impl OverTime {
-    pub(crate) fn new(vehicle_width_m: f64) -> Self {
-        Self { vehicle_width_m, moments: Vec::new() }
+    /// Opens both files; they are none of those `read`.
+    pub(crate) fn create(svg: &Path, read: &[PathBuf], vehicle_width_m: f64) -> anyhow::Result<Self> {
+        let title = svg.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let [picture, list] = [svg, &list_beside(svg)].map(|path| outputs::create(path, read));
+        Ok(Self { title, picture: picture?, list: list?, vehicle_width_m, moments: Vec::new() })
     }
 
     /// Takes in the next revolution of the flight.
@@ -56,16 +64,16 @@ impl OverTime {
         });
     }
 
-    /// The picture at `svg`, the list of flips beside it.
-    pub(crate) fn write(&self, svg: &Path) -> anyhow::Result<()> {
+    /// Draws the picture and writes the list of flips; nothing without revolutions.
+    pub(crate) fn write(&mut self) -> anyhow::Result<()> {
+        if self.moments.is_empty() {
+            return Ok(());
+        }
         let junctions: Vec<usize> = self.moments.iter().map(|moment| moment.junctions).collect();
         let flips = flips(&junctions);
-        let title = svg.file_stem().unwrap_or_default().to_string_lossy();
-        let list = page::markdown(&title, self, &flips);
-        for (file, text) in [(svg.to_owned(), picture::svg(self, &flips)), (list_beside(svg), list)] {
-            std::fs::write(&file, text).with_context(|| format!("cannot write {}", file.display()))?;
-        }
-        Ok(())
+        let (picture, list) = (picture::svg(self, &flips), page::markdown(&self.title, self, &flips));
+        self.picture.write_all(picture.as_bytes()).context("the picture of the flight over time")?;
+        self.list.write_all(list.as_bytes()).context("the list of the flight over time")
     }
 
     /// Seconds since the first revolution.

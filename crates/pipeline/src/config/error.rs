@@ -4,14 +4,15 @@ use crosscut_stage::ParamError;
 
 /// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs)] // the messages say what the fields are
 pub enum ConfigError {
     #[error("there is no preset {name:?}; {nearest}")]
     UnknownPreset { name: String, nearest: String },
     #[error("{layer}: this is not TOML: {message}")]
     Syntax { layer: String, message: String },
-    #[error("{setting:?} is not of the form section.key=value")]
-    MalformedSetting { setting: String },
+    #[error("{layer}: {setting:?} is not of the form section.key=value")]
+    MalformedSetting { layer: String, setting: String },
     #[error("{layer}: there is no section [{name}]; {nearest}")]
     UnknownSection { layer: String, name: String, nearest: String },
     #[error("{layer}: {section} must be a section: [{section}]")]

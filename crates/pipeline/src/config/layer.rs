@@ -44,26 +44,22 @@ impl Layer {
         Self::parse(path.display().to_string(), text)
     }
 
-    /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is taken as a word.
+    /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is taken as a word. Messages call
+    /// the layer by its `name`.
     ///
     /// # Errors
     /// When a setting is not of this form.
-    pub fn settings(settings: &[String]) -> Result<Self, ConfigError> {
+    pub fn settings(name: &str, settings: &[String]) -> Result<Self, ConfigError> {
         let mut table = Table::new();
         for setting in settings {
-            let malformed = || ConfigError::MalformedSetting { setting: setting.clone() };
+            let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
             let (path, value) = setting.split_once('=').ok_or_else(malformed)?;
             let (section, key) = path.trim().split_once('.').ok_or_else(malformed)?;
             let section = table.entry(section).or_insert_with(|| Value::Table(Table::new()));
             let section = section.as_table_mut().ok_or_else(malformed)?;
             section.insert(key.to_owned(), value_or_word(value.trim()));
         }
-        Ok(Self { name: "--set".to_owned(), table })
-    }
-
-    /// The same under another name, by which messages call it.
-    pub fn called(self, name: &str) -> Self {
-        Self { name: name.to_owned(), ..self }
+        Ok(Self { name: name.to_owned(), table })
     }
 
     fn parse(name: String, text: &str) -> Result<Self, ConfigError> {

@@ -7,7 +7,8 @@ use crosscut_pipeline::{Config, ConfigError, Layer, PRESETS, Registry, Schema};
 
 fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    let layers = [Layer::preset("paper")?, Layer::file(Path::new("mine.toml"), file)?, Layer::settings(&settings)?];
+    let layers =
+        [Layer::preset("paper")?, Layer::file(Path::new("mine.toml"), file)?, Layer::settings("--set", &settings)?];
     Config::resolve(&Schema::new(&registry()), &layers)
 }
 
@@ -31,7 +32,8 @@ fn later_layers_win_and_the_printout_says_who_set_what() {
 fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
     let passage = |settings: &[&str]| {
         let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-        let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
+        let layers =
+            [Layer::preset("default").expect("a preset"), Layer::settings("--set", &settings).expect("settings")];
         let config = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
         let text = config.to_string();
         text.lines().find(|line| line.contains("passage_m = ")).expect("a passage").to_owned()

@@ -48,7 +48,7 @@ pub(crate) fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>
 pub(crate) fn engine(settings: &[&str]) -> Engine {
     let registry = Registry::standard();
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-    let layers = [Layer::preset("default").expect("a preset"), Layer::settings(&settings).expect("settings")];
+    let layers = [Layer::preset("default").expect("a preset"), Layer::settings("--set", &settings).expect("settings")];
     Engine::new(&Config::resolve(&Schema::new(&registry), &layers).expect("allowed"), &registry)
 }
 

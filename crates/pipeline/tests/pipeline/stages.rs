@@ -108,7 +108,7 @@ pub(crate) fn registry() -> Registry {
 /// The failing stages with these settings.
 pub(crate) fn config(settings: &[&str]) -> Config {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    let layers = [Layer::settings(&settings).expect("settings")];
+    let layers = [Layer::settings("--set", &settings).expect("settings")];
     Config::resolve(&Schema::new(&registry()), &layers).expect("a configuration")
 }
 

@@ -3,19 +3,30 @@
 //! Rerun's own iterator takes the end of a file that was cut off for its proper end. This one walks the frames itself
 //! (a header with kind and length, then the message), so that it knows where each message lies and what is missing.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
+use rerun::external::arrow::ipc::root_as_message;
 use rerun::external::re_build_info::CrateVersion;
+use rerun::external::re_log_encoding::external::lz4_flex;
 use rerun::external::re_log_encoding::{
-    CachingApplicationIdInjector, Decodable, DecoderEntrypoint, MessageHeader, MessageKind, StreamFooter, StreamHeader,
+    CachingApplicationIdInjector, Compression, Decodable, DecoderEntrypoint, MessageHeader, MessageKind, StreamFooter,
+    StreamHeader, ToApplication, ToTransport,
 };
 use rerun::external::re_log_types::{ArrowMsg, StoreId};
 use rerun::log::{Chunk, LogMsg};
 
 use super::{Damage, ReadError};
+
+/// A message as it stands in a file.
+type Stored = <LogMsg as ToTransport>::Output;
+
+/// LZ4 makes nothing smaller than that.
+const LZ4_MOST_RATIO: usize = 256;
 
 /// Where the content of a message lies in its file.
 #[derive(Clone, Copy, Debug)]
@@ -153,11 +164,64 @@ fn read(from: &mut impl Read, bytes: u64, kind: MessageKind, version: CrateVersi
     from.read_exact(&mut content).map_err(|e| e.to_string())?;
     let span = Default::default(); // only for messages that say where they lie
     let ids = &mut CachingApplicationIdInjector::default();
-    let message = caught(|| LogMsg::decode(content.into(), span, kind, ids, Some(version)).map_err(|e| e.to_string()))?;
-    message.ok_or_else(|| "an end in the middle".to_owned())
+    caught(|| {
+        let stored = Stored::decode(content.into(), span, kind, ids, Some(version)).map_err(|e| e.to_string())?;
+        let stored = stored.ok_or("an end in the middle")?;
+        if let Stored::ArrowMsg(message) = &stored {
+            let bytes = usize::try_from(message.uncompressed_size).map_err(|e| e.to_string())?;
+            match message.compression().into() {
+                Compression::Off => check_sizes(&message.payload)?,
+                Compression::LZ4 if bytes / LZ4_MOST_RATIO > message.payload.len() => return Err(too_large(bytes)),
+                Compression::LZ4 => {
+                    check_sizes(&lz4_flex::block::decompress(&message.payload, bytes).map_err(|e| e.to_string())?)?;
+                }
+            }
+        }
+        stored.to_application((ids, Some(version))).map_err(|e| e.to_string())
+    })
 }
 
-/// What `decode` returns; Arrow panics on some damaged bytes, as offsets outside their buffer.
+/// Goes through the messages of an Arrow stream: Arrow asks for as much memory as they say that they take, and ends the
+/// program if there is not so much.
+fn check_sizes(mut stream: &[u8]) -> Result<(), String> {
+    let ends = || "it ends in the middle".to_owned();
+    while !stream.is_empty() {
+        let mut word = || stream.split_off(..4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes);
+        let metadata_bytes = word().and_then(|first| if first == u32::MAX { word() } else { Some(first) });
+        let metadata_bytes = metadata_bytes.ok_or_else(ends)? as usize;
+        if metadata_bytes == 0 {
+            return Ok(()); // the end, as Arrow marks it
+        }
+        let metadata = stream.split_off(..metadata_bytes).ok_or_else(|| too_large(metadata_bytes))?.to_vec(); // aligned
+        let message = root_as_message(&metadata).map_err(|_| "its metadata contradicts itself".to_owned())?;
+        let body_bytes = usize::try_from(message.bodyLength()).map_err(|e| e.to_string())?;
+        stream.split_off(..body_bytes).ok_or_else(|| too_large(body_bytes))?;
+    }
+    Ok(())
+}
+
+fn too_large(bytes: usize) -> String {
+    format!("{bytes} bytes are said to be in it, more than there are")
+}
+
+thread_local! {
+    static CATCHING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// What `decode` returns; Arrow panics on some damaged bytes, as offsets outside their buffer. That is told as an error,
+/// not as a panic.
 pub(super) fn caught<T>(decode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err("its content contradicts itself".to_owned()))
+    static SILENT: Once = Once::new();
+    SILENT.call_once(|| {
+        let tell = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            if !CATCHING.get() {
+                tell(panic);
+            }
+        }));
+    });
+    let outer = CATCHING.replace(true);
+    let decoded = panic::catch_unwind(AssertUnwindSafe(decode));
+    CATCHING.set(outer);
+    decoded.unwrap_or_else(|_| Err("its content contradicts itself".to_owned()))
 }

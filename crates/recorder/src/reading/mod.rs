@@ -60,7 +60,7 @@ pub enum ReadError {
         cause: String,
     },
     /// The recording has no such entity.
-    #[error("the recording has no entity {entity}; near it there are {}", near.join(", "))]
+    #[error("the recording has no entity {entity}; there are {}", near.join(", "))]
     NoSuchEntity {
         /// What was asked for.
         entity: String,

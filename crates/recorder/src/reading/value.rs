@@ -81,8 +81,13 @@ impl Array {
         }
     }
 
-    fn new(shape: Vec<usize>, dims: &[&str], numbers: Numbers) -> Self {
-        Self { shape, dims: dims.iter().map(|&dim| dim.to_owned()).collect(), numbers }
+    /// An error if there are not as many numbers as the shape says, which no reader of the array would expect.
+    fn new(shape: Vec<usize>, dims: Vec<String>, numbers: Numbers) -> Result<Self, String> {
+        let count = shape.iter().try_fold(1, |count: usize, &size| count.checked_mul(size));
+        if count != Some(numbers.len()) {
+            return Err(format!("its shape {shape:?} does not fit its {} numbers", numbers.len()));
+        }
+        Ok(Self { shape, dims, numbers })
     }
 }
 
@@ -121,7 +126,7 @@ impl Value {
                 Ok(Self::Texts(texts.map(str::to_owned).collect()))
             }
             DataType::List(_) => lists(&cell.values).map(Self::Lists),
-            _ if number => Ok(Self::Numbers(Array::new(vec![], &[], flat(&cell.values)?))),
+            _ if number => Array::new(vec![], vec![], flat(&cell.values)?).map(Self::Numbers),
             _ => array(&cell.values).map(Self::Numbers),
         }
     }
@@ -132,10 +137,14 @@ fn array(values: &ArrayRef) -> Result<Array, String> {
     match values.data_type() {
         DataType::FixedSizeList(_, size) => {
             let shape = vec![values.len(), usize::try_from(*size).map_err(|e| e.to_string())?];
-            Ok(Array::new(shape, &["item", "axis"], flat(values.as_fixed_size_list().values())?))
+            Array::new(shape, names(&["item", "axis"]), flat(values.as_fixed_size_list().values())?)
         }
-        _ => Ok(Array::new(vec![values.len()], &["item"], flat(values)?)),
+        _ => Array::new(vec![values.len()], names(&["item"]), flat(values)?),
     }
+}
+
+fn names(dims: &[&str]) -> Vec<String> {
+    dims.iter().map(|&dim| dim.to_owned()).collect()
 }
 
 fn lists(values: &ArrayRef) -> Result<Vec<Array>, String> {
@@ -185,5 +194,5 @@ fn tensor(values: &ArrayRef) -> Result<Array, String> {
         TensorBuffer::U16(i) => Numbers::I64(i.iter().map(|&i| i64::from(i)).collect()),
         TensorBuffer::U8(i) => Numbers::I64(i.iter().map(|&i| i64::from(i)).collect()),
     };
-    Ok(Array { shape, dims, numbers })
+    Array::new(shape, dims, numbers)
 }

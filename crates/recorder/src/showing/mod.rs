@@ -7,6 +7,7 @@
 mod flight;
 mod sensors;
 
+use std::fs::File;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -95,7 +96,12 @@ impl Show {
         Ok(damages)
     }
 
+    /// Before there is a viewer: all files have to be there.
     fn open(&self) -> Result<Opened<'_>, ShowError> {
+        for path in &self.sensors {
+            let cannot = |error: std::io::Error| ShowError::Sensors { path: path.clone(), cause: error.to_string() };
+            File::open(path).map_err(cannot)?;
+        }
         let flight = Flight::open(&self.flight)?;
         let beside = if self.beside.is_empty() { None } else { Some(Flight::open(&self.beside)?) };
         Ok(Opened { show: self, flight, beside })

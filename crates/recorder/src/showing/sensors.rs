@@ -4,9 +4,9 @@
 //! time without one), `revolution` by the latest revolution at that time. One static transform ties the sensor's frame
 //! to the body frame that walls and openings are drawn in.
 
-use std::io::BufReader;
+use std::io::{BufReader, ErrorKind};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::{EntityPath, StoreId};
@@ -15,6 +15,7 @@ use rerun::{RecordingStreamBuilder, StoreKind, TimeColumn, Transform3D, Transfor
 
 use super::ShowError;
 use super::flight::Facts;
+use crate::RecorderError;
 
 /// Where it is put.
 pub(crate) const ROOT: &str = "mcap";
@@ -36,8 +37,8 @@ pub(super) fn send(
     take: &mut dyn FnMut(LogMsg) -> bool,
 ) -> Result<Vec<String>, ShowError> {
     let cannot = |cause: String| ShowError::Sensors { path: path.to_owned(), cause };
-    let mut converter = converter(path, store).map_err(|e| cannot(format!("`rerun mcap convert`: {e}")))?;
-    let output = converter.stdout.take().expect("it is piped");
+    let mut converter = Converter::start(path, store)?;
+    let output = converter.0.stdout.take().expect("it is piped");
     let mut pictures: Vec<String> = Vec::new();
     let mut wanted = true;
     for message in DecoderApp::decode_lazy(BufReader::new(output)) {
@@ -61,24 +62,36 @@ pub(super) fn send(
             break;
         }
     }
-    let ended = converter.wait().map_err(|e| cannot(e.to_string()))?;
+    let ended = converter.0.wait().map_err(|e| cannot(e.to_string()))?;
     if wanted && !ended.success() {
         return Err(cannot(format!("`rerun mcap convert` ended with {ended}")));
     }
     Ok(pictures)
 }
 
-fn converter(path: &Path, store: &StoreId) -> std::io::Result<std::process::Child> {
-    let mut command = Command::new("rerun");
-    command.args(["mcap", "convert", "--recover", "--disable-raw-fallback"]).arg(path);
-    command.args([
-        "--application-id",
-        store.application_id().as_str(),
-        "--recording-id",
-        store.recording_id().as_str(),
-    ]);
-    command.args(DECODERS.iter().flat_map(|decoder| ["--decoder", decoder]));
-    command.env("RUST_LOG", "error").stdin(Stdio::null()).stdout(Stdio::piped()).spawn()
+/// Rerun's converter at work; ended when it is dropped.
+struct Converter(Child);
+
+impl Converter {
+    fn start(path: &Path, store: &StoreId) -> Result<Self, ShowError> {
+        let mut command = Command::new("rerun");
+        command.args(["mcap", "convert", "--recover", "--disable-raw-fallback"]).arg(path);
+        command.args(["--application-id", store.application_id().as_str()]);
+        command.args(["--recording-id", store.recording_id().as_str()]);
+        command.args(DECODERS.iter().flat_map(|decoder| ["--decoder", decoder]));
+        command.env("RUST_LOG", "error").stdin(Stdio::null()).stdout(Stdio::piped());
+        command.spawn().map(Self).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => RecorderError::NoViewer.into(),
+            _ => ShowError::Sensors { path: path.to_owned(), cause: format!("`rerun mcap convert`: {error}") },
+        })
+    }
+}
+
+impl Drop for Converter {
+    fn drop(&mut self) {
+        self.0.kill().ok(); // it may have ended
+        self.0.wait().ok();
+    }
 }
 
 /// The chunk under [`ROOT`], with `stamp` and `revolution` as its only timelines; static stays static.

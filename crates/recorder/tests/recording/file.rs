@@ -17,7 +17,7 @@ const CHILD_PATH: &str = "CROSSCUT_TEST_RECORDING";
 /// This test program, told to run one test alone.
 fn this_program(test: &str) -> Command {
     let mut program = Command::new(std::env::current_exe().expect("the path of this program"));
-    program.args(["--exact", test]);
+    program.args(["--ignored", "--exact", test]);
     program
 }
 
@@ -32,10 +32,11 @@ fn a_path_that_cannot_be_written_is_an_error_that_names_it() {
     );
 }
 
-/// Not a test of its own: records 80 revolutions where a file may not grow so large, and leaves the error's text.
+/// Records 80 revolutions where a file may not grow so large, and leaves the error's text.
 #[test]
+#[ignore = "run by the next test"]
 fn child_that_runs_out_of_space() {
-    let Some(path) = std::env::var_os(CHILD_PATH).map(PathBuf::from) else { return };
+    let path = PathBuf::from(std::env::var_os(CHILD_PATH).expect("the other test says where"));
     let mut recorder = Recorder::new(options(&path)).unwrap();
     let errors = (0..80).filter_map(|seq| recorder.observe(&frames::frame(seq)).err()).map(|e| e.to_string());
     std::fs::write(path.with_extension("errors"), errors.collect::<Vec<_>>().join("\n")).unwrap();
@@ -46,7 +47,7 @@ fn child_that_runs_out_of_space() {
 fn a_full_disk_is_an_error_and_what_was_written_before_opens() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
-    let test = ["--exact", "file::child_that_runs_out_of_space"];
+    let test = ["--ignored", "--exact", "file::child_that_runs_out_of_space"];
     // With SIGXFSZ ignored, a write beyond the limit is an error as on a full disk.
     let limited = "trap '' XFSZ; ulimit -f 4000; exec \"$0\" \"$@\"";
     let program = std::env::current_exe().unwrap();
@@ -135,10 +136,24 @@ fn a_part_that_cannot_be_created_is_an_error_and_the_parts_before_it_are_whole()
     assert_eq!(recording.revolutions("/report/junctions").len(), 3);
 }
 
-/// Not a test of its own: what the next one runs with RERUN=0.
 #[test]
+fn viewers_go_on_without_a_file_that_fails_and_its_error_is_told_at_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.rrd");
+    std::fs::create_dir(folder.path().join("flight-2.rrd")).unwrap();
+    let scope = Scope { part_revolutions: NonZeroU64::new(3).unwrap(), ..Scope::default() };
+    let serve = Some(([127, 0, 0, 1], 0).into());
+    let mut recorder = Recorder::new(RecorderOptions { scope, serve, ..options(&path) }).unwrap();
+    (0..9).for_each(|seq| recorder.observe(&frames::frame(seq)).unwrap());
+    let error = recorder.finish().unwrap_err().to_string();
+    assert!(error.contains("flight-2.rrd") && !error.contains("viewer"), "{error}");
+    assert_eq!(Recording::read(&path).revolutions("/report/junctions").len(), 3);
+}
+
+#[test]
+#[ignore = "run by the next test, with RERUN=0"]
 fn child_that_is_not_to_record() {
-    let Some(path) = std::env::var_os(CHILD_PATH).map(PathBuf::from) else { return };
+    let path = PathBuf::from(std::env::var_os(CHILD_PATH).expect("the other test says where"));
     assert!(matches!(Recorder::new(options(&path)), Err(RecorderError::Disabled)));
 }
 
@@ -152,10 +167,11 @@ fn rerun_0_in_the_environment_is_an_error_rather_than_an_empty_recording() {
     assert!(!path.exists());
 }
 
-/// Not a test of its own: what the next one kills. Records 40 revolutions of 0.1 s, says so, and hangs.
+/// Records 40 revolutions of 0.1 s, says so, and hangs.
 #[test]
+#[ignore = "run by the next test, which kills it"]
 fn child_that_records_and_hangs() {
-    let Some(path) = std::env::var_os(CHILD_PATH).map(PathBuf::from) else { return };
+    let path = PathBuf::from(std::env::var_os(CHILD_PATH).expect("the other test says where"));
     let mut recorder = Recorder::new(options(&path)).unwrap();
     for seq in 0..40 {
         recorder.observe(&frames::frame(seq)).unwrap();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crosscut_recorder::{Damage, ReadError, Recording, Row, Value};
 use crosscut_stage::Frame;
 use rerun::StoreKind;
+use rerun::external::arrow::ipc::root_as_message;
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{DecoderApp, Encoder, EncodingOptions};
 use rerun::log::{Chunk, LogMsg};
@@ -146,6 +147,42 @@ fn a_file_cut_anywhere_gives_the_rows_before_the_cut_and_says_that_it_is_cut() {
     }
 }
 
+/// Decodes every value, whether it can be or not.
+fn read_all(recording: &Recording) {
+    for entity in recording.entities().keys() {
+        for row in recording.rows(entity).unwrap() {
+            let row = row.unwrap();
+            row.components().for_each(|component| drop(row.value(component)));
+        }
+    }
+}
+
+#[test]
+fn many_damaged_bytes_never_end_in_a_panic_nor_in_want_of_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let damaged_path = folder.path().join("damaged.rrd");
+    for whole in [std::fs::read(&path).unwrap(), uncompressed(&path)] {
+        let mut state = 1_u64;
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % below
+        };
+        for _ in 0..60 {
+            let mut damaged = whole.clone();
+            for _ in 0..=random(40) {
+                let at = 12 + random(whole.len() - 12);
+                let stretch = damaged[at..].iter_mut().take(1 + random(16));
+                stretch.for_each(|byte| *byte = [0, 0xFF, random(256) as u8][random(3)]);
+            }
+            std::fs::write(&damaged_path, damaged).unwrap();
+            if let Ok(recording) = Recording::open(&damaged_path) {
+                read_all(&recording);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_damaged_byte_never_ends_in_a_panic_and_costs_no_more_than_its_message_where_lengths_are_intact() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,13 +196,68 @@ fn a_damaged_byte_never_ends_in_a_panic_and_costs_no_more_than_its_message_where
         std::fs::write(&damaged_path, damaged).unwrap();
         let recording = Recording::open(&damaged_path).unwrap();
         damaged_files += usize::from(!recording.damages().is_empty());
-        for entity in recording.entities().keys() {
-            for row in recording.rows(entity).unwrap() {
-                let row = row.unwrap();
-                row.components().for_each(|component| drop(row.value(component)));
-            }
-        }
+        read_all(&recording);
     }
     // Nothing tells that a digit of a number is wrong, and most of this short flight is an exact W.
     assert!(damaged_files > 3, "{damaged_files} of 61 were noticed");
+}
+
+/// The recording at `path` once more, its messages not compressed.
+fn uncompressed(path: &Path) -> Vec<u8> {
+    let file = std::io::BufReader::new(File::open(path).unwrap());
+    let messages: Vec<LogMsg> = DecoderApp::decode_eager(file).unwrap().map(Result::unwrap).collect();
+    let mut bytes = Vec::new();
+    let mut encoder =
+        Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_UNCOMPRESSED, &mut bytes).unwrap();
+    messages.iter().for_each(|message| drop(encoder.append(message).unwrap()));
+    encoder.finish().unwrap();
+    drop(encoder);
+    bytes
+}
+
+#[test]
+fn a_message_that_claims_more_bytes_than_there_are_costs_itself_alone_and_no_memory() {
+    const CONTINUATION: [u8; 4] = [0xFF; 4];
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path) = flight(folder.path());
+    let whole = uncompressed(&path);
+    let damaged_path = folder.path().join("damaged.rrd");
+    let starts = (12..whole.len() - 8).filter(|&at| whole[at..].starts_with(&CONTINUATION));
+    let mut claims = 0;
+    for at in starts.step_by(7) {
+        let bytes = u32::from_le_bytes(whole[at + 4..][..4].try_into().unwrap()) as usize;
+        let Some(metadata) = whole.get(at + 8..at + 8 + bytes) else { continue };
+        let metadata = metadata.to_vec(); // aligned
+        let Ok(message) = root_as_message(&metadata) else { continue };
+        let claimed = message.bodyLength().to_le_bytes();
+        let Some(field) = metadata.windows(8).position(|word| message.bodyLength() > 0 && word == claimed) else {
+            continue;
+        };
+        let mut damaged = whole.clone();
+        damaged[at + 8 + field..][..8].copy_from_slice(&(1_i64 << 60).to_le_bytes());
+        std::fs::write(&damaged_path, damaged).unwrap();
+        let recording = Recording::open(&damaged_path).unwrap();
+        let [Damage::Unreadable { cause, .. }] = recording.damages() else { panic!("{:?}", recording.damages()) };
+        assert!(cause.contains("more than there are"), "{cause}");
+        claims += 1;
+    }
+    assert!(claims > 3, "{claims} messages were found");
+}
+
+#[test]
+fn a_tensor_whose_shape_does_not_fit_its_numbers_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.rrd");
+    let rec = rerun::RecordingStreamBuilder::new("crosscut").save(&path).unwrap();
+    rec.set_time_sequence("revolution", 0);
+    let numbers = rerun::TensorBuffer::F64((0..11).map(f64::from).collect::<Vec<_>>().into());
+    rec.log("spectral/U", &rerun::Tensor::new(rerun::TensorData::new(vec![3, 4], numbers))).unwrap();
+    rec.flush_blocking().unwrap();
+    drop(rec);
+    let recording = Recording::open(&path).unwrap();
+    let component = recording.entities()["/spectral/U"].values_component().unwrap();
+    let rows: Vec<_> = recording.rows("/spectral/U").unwrap().map(Result::unwrap).collect();
+    let errors: Vec<String> =
+        rows.iter().flat_map(|row| row.values(component)).map(|value| value.unwrap_err().to_string()).collect();
+    assert!(errors.len() == 1 && errors[0].contains("does not fit its 11 numbers"), "{errors:?}");
 }

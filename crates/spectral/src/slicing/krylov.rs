@@ -4,10 +4,10 @@ use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 
+use super::envelope::Envelope;
+use super::normalised::{Normalised, product};
 use crate::decomposition::Decomposition;
 use crate::dot::dot;
-use crate::envelope::Envelope;
-use crate::normalised::{Normalised, product};
 
 /// Columns of a block at least, and how many more than there are eigenvalues below the shift.
 const COLUMNS: usize = 4;

@@ -16,7 +16,7 @@ use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::say;
 use crate::scoring::{self, Scored};
-use crate::{overwriting, progress, typeset};
+use crate::{outputs, progress, typeset};
 
 /// Runs every configuration over every recording, and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
@@ -49,7 +49,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
             problems.note(path, &column.name, &scored);
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
-                scored.wrong.write(folder, &family, &column.name)?;
+                if let Err(error) = scored.wrong.write(folder, &family, &column.name) {
+                    problems.not_written(&error);
+                }
                 wrong += scored.wrong.count();
             }
         }
@@ -172,6 +174,11 @@ impl Problems {
         self.say(format!("error: left out: {error:#}"));
     }
 
+    /// A picture that cannot be written; the figures do not depend on it.
+    fn not_written(&mut self, error: &anyhow::Error) {
+        self.say(format!("lost: {error:#}"));
+    }
+
     fn say(&mut self, sentence: String) {
         if !self.sentences.contains(&sentence) {
             self.sentences.push(sentence);
@@ -204,8 +211,11 @@ impl<'a> Outputs<'a> {
             return Err(UsageError("--json and --markdown name the same place".to_owned()).into());
         }
         let outputs: Vec<_> = args.json.iter().chain(&args.markdown).map(PathBuf::as_path).collect();
-        overwriting::refuse(&outputs, read)?;
-        let open = |path: &PathBuf| overwriting::create(path, read);
+        outputs::refuse(&outputs, read)?;
+        if let Some(folder) = &args.draw_wrong {
+            std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        }
+        let open = |path: &PathBuf| outputs::create(path, read);
         let (json, markdown) = (args.json.as_ref().map(open), args.markdown.as_ref().map(open));
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }

@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Affinity, Csr, StageError, Weights};
 
-use crate::twins::Twins;
+use super::twins::Twins;
 
 /// W and D of sound affinities; of twins together, if there are any (see [`Twins`]).
 #[derive(Clone, Copy)]

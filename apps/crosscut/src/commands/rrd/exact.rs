@@ -7,12 +7,13 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use crosscut_ingest::Sensor;
 use crosscut_messages::{Header, LaserScan, Time};
-use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_pipeline::{Config, Engine, Layer, Registry};
 use crosscut_recorder::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
 use crosscut_spectral::Laplacian;
 use crosscut_stage::{Frame, wrap_angle_rad};
 
 use super::selection::Selection;
+use crate::config;
 use crate::exit::UsageError;
 
 /// Recomputed eigenvalues may differ from the recorded ones by this much: other machines round otherwise.
@@ -82,9 +83,9 @@ impl<'a> Recomputation<'a> {
         };
         let toml = recording.config_toml().context("the recording has no /config")?;
         let registry = Registry::standard();
-        let schema = Schema::new(&registry).with_section("ingest", crosscut_ingest::PARAMS);
         let layer = Layer::file(Path::new("/config"), &toml)?;
-        let config = Config::resolve(&schema, &[layer]).context("it was recorded by another version of crosscut")?;
+        let config = Config::resolve(&config::schema(&registry), &[layer])
+            .context("it was recorded by another version of crosscut")?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
             upside_down: config.params("ingest").flag("upside_down"),

@@ -3,11 +3,11 @@
 use crosscut_stage::StageError;
 use faer::Mat;
 
+use super::graph::{Edge, Graph};
+use super::sparse::MOST_BYTES;
 use crate::decomposition::Decomposition;
 use crate::forest::Forest;
-use crate::graph::{Edge, Graph};
 use crate::laplacian::dense_bytes;
-use crate::sparse::MOST_BYTES;
 
 /// The returns in m blocks: what is tied by more than weak links, and the links between them.
 ///

@@ -1,6 +1,6 @@
 //! Which returns of a dense W are connected, in an order in which L is narrow.
 
-use crate::normalised::Normalised;
+use super::normalised::Normalised;
 
 /// Smaller entries of D^-1/2 W D^-1/2 connect nothing, and are left out where that makes the envelope smaller: all of
 /// them together move the eigenvalues of n returns by n·1e-15 at most (Gershgorin), a twentieth of what k may depend

@@ -1,6 +1,6 @@
 //! The order of the returns of each block in which their edges are short.
 
-use crate::graph::Graph;
+use super::graph::Graph;
 
 /// A block whose edges are longer than this is ordered by search along them.
 const LONG: usize = 16;

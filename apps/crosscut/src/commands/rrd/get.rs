@@ -9,12 +9,13 @@ use super::say_damages;
 use super::selection::Selection;
 use crate::cli::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
-use crate::overwriting;
 use crate::say::say;
+use crate::{flight, outputs};
 
 /// Writes what was asked for; what is damaged, or was made by another version, makes the exit code 3.
 pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
-    overwriting::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
+    flight::refuse_nothing(args.from, args.to)?;
+    outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = Recording::open(&args.recording)?;
     let selection = Selection::new(args, &recording);
     let entity = format!("/{}", args.entity.trim_start_matches('/'));

@@ -54,6 +54,9 @@ fn suite_into(name: &str, split: SplitArg, folder: &Path, stop: &StopFlag) -> an
     if chosen.is_empty() {
         return Err(unknown("suite", name, suites().iter().map(|s| s.name)).into());
     }
+    if folder.is_file() {
+        return Err(UsageError(format!("{} is a file; --suite writes a folder", folder.display())).into());
+    }
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let split = match split {
         SplitArg::Dev => Split::Dev,

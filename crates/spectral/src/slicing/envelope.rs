@@ -7,9 +7,9 @@ use faer::linalg::triangular_inverse::invert_unit_lower_triangular;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
-use crate::connected::Unseen;
+use super::connected::Unseen;
+use super::normalised::Normalised;
 use crate::decomposition::make_room;
-use crate::normalised::Normalised;
 
 /// Columns that are worked on together.
 const PANEL: usize = 16;

@@ -1,4 +1,4 @@
-//! The second eigenvalue of a block.
+//! The second eigenvalue of a block, and its eigenvector: the Fiedler pair.
 
 use crate::dot::dot;
 
@@ -24,9 +24,9 @@ const MOST_STEPS: usize = 100;
 /// How much of the start vector is noise, in case the rest has nothing of the eigenvector.
 const NOISE: f64 = 1e-2;
 
-/// Finds the second eigenvalue; holds its buffers.
+/// Finds the Fiedler pair; holds its buffers.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Second {
+pub(crate) struct Fiedler {
     /// A unit vector, orthogonal to that of the first eigenvalue.
     vector: Vec<f64>,
     solution: Vec<f64>,
@@ -47,7 +47,7 @@ struct Estimate {
     error: f64,
 }
 
-impl Second {
+impl Fiedler {
     /// The second eigenvalue λ of a block whose first is 0, with the unit eigenvector `zero`.
     ///
     /// Inverse iteration, orthogonal to `zero`. The Rayleigh quotient of the vector is at least λ, and λ is above every

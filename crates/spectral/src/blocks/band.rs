@@ -1,9 +1,9 @@
 //! One block's Laplacian as a band matrix, and its factorisation.
 
-use crate::graph::Graph;
-use crate::order::Order;
-use crate::second::ShiftInvert;
-use crate::split::Split;
+use super::fiedler::ShiftInvert;
+use super::graph::Graph;
+use super::order::Order;
+use super::split::Split;
 
 /// The longest edges that the kernels are compiled for: to 2 neighbours on either side, as along a wall, and to 4.
 const USUAL_WIDTHS: [usize; 2] = [2, 4];

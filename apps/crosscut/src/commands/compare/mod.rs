@@ -21,7 +21,7 @@ use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::say;
-use crate::{flight, overwriting, progress, typeset};
+use crate::{flight, outputs, progress, typeset};
 
 /// Answers that a configuration may be ahead of the slowest.
 const AHEAD: usize = 64;
@@ -52,7 +52,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let mut recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(configurations::files(&args.with));
-    let mut json = args.json.as_ref().map(|path| overwriting::create(path, &read)).transpose()?;
+    let mut json = args.json.as_ref().map(|path| outputs::create(path, &read)).transpose()?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 

@@ -1,4 +1,5 @@
-//! What is written must not be what is read, nor what else is written.
+//! Files that are written: none that is read, none twice, none that another run writes to, and each opened before the
+//! work begins.
 
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -9,14 +10,15 @@ use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A new file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there
-/// already stays until something is written.
+/// A file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there
+/// already stays until something is written, and where nothing is, a new file goes again.
 pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
     }
     refuse(&[path], read)?;
     let cannot = || format!("cannot write {}", path.display());
+    let is_new = !path.exists();
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
     if !file.metadata().with_context(cannot)?.is_file() {
         return Ok(Box::new(file)); // a pipe or a device
@@ -25,15 +27,25 @@ pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
         anyhow::bail!("cannot write {}: another program is writing to it", path.display());
     }
-    Ok(Box::new(Replaced { file, written: 0, whole: 0 }))
+    Ok(Box::new(Replaced { file, new: is_new.then(|| path.to_owned()), written: 0, whole: 0 }))
 }
 
 /// A file that is emptied when it is first written to, and cut back to what was whole at the last flush when the disk
 /// is full.
 struct Replaced {
     file: File,
+    /// Its path, if there was none before.
+    new: Option<PathBuf>,
     written: u64,
     whole: u64,
+}
+
+impl Drop for Replaced {
+    fn drop(&mut self) {
+        if let Some(path) = self.new.take_if(|_| self.written == 0) {
+            std::fs::remove_file(path).ok(); // an empty file is in nobody's way
+        }
+    }
 }
 
 impl Write for Replaced {
@@ -59,14 +71,6 @@ impl Write for Replaced {
     }
 }
 
-/// An error if a file cannot be written because its folder is not there.
-pub(crate) fn check_folder(path: &Path) -> anyhow::Result<()> {
-    let Some((folder, _)) = parts(path) else { return Ok(()) };
-    let is_folder = folder.metadata().with_context(|| format!("cannot write {}", path.display()))?.is_dir();
-    anyhow::ensure!(is_folder, "cannot write {}: {} is no folder", path.display(), folder.display());
-    Ok(())
-}
-
 /// Refuses an output that is one of the files `read`, or that another output is written to already.
 pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
     for (i, output) in outputs.iter().enumerate() {
@@ -79,14 +83,18 @@ pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageErr
 }
 
 /// Refuses a recording of which a later part (FLIGHT-2.rrd...) would be written over one of the `others`.
+#[cfg(feature = "rerun")]
 pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
-    let Some((folder, first)) = place(recording) else { return Ok(()) };
+    use crosscut_recorder::part_number;
+
+    let Some((folder, _)) = place(recording) else { return Ok(()) };
     // Parts that are there already may be known by other names as well.
-    let files = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+    let files = std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|file| file.file_name());
     let parts: Vec<_> =
-        files.filter(|file| is_part(first, &file.file_name())).map(|file| folder.join(file.file_name())).collect();
+        files.filter(|name| part_number(recording, name).is_some()).map(|name| folder.join(name)).collect();
     for other in others {
-        let would_be_part = place(other).is_some_and(|(of, name)| of == folder && is_part(first, name));
+        let would_be_part =
+            place(other).is_some_and(|(of, name)| of == folder && part_number(recording, name).is_some());
         if would_be_part || parts.iter().any(|part| is_same_file(part, other)) {
             let (other, recording) = (other.display(), recording.display());
             return Err(UsageError(format!(
@@ -97,12 +105,9 @@ pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item 
     Ok(())
 }
 
-/// Whether a recording whose first file is `first` may have a later part of this name.
-fn is_part(first: &OsStr, name: &OsStr) -> bool {
-    let extension = |name| Path::new(name).extension().map(OsStr::to_string_lossy);
-    let stem = |name| Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
-    let part = stem(name).strip_prefix(&*stem(first)).and_then(|rest| rest.strip_prefix('-')?.parse::<u64>().ok());
-    extension(name) == extension(first) && part.is_some()
+#[cfg(not(feature = "rerun"))]
+pub(crate) fn refuse_parts<'a>(_: &Path, _: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
+    Ok(())
 }
 
 /// Whether both names lead to the same file, or would if it were made.
@@ -136,18 +141,4 @@ fn place(path: &Path) -> Option<(PathBuf, &OsStr)> {
 fn parts(path: &Path) -> Option<(&Path, &OsStr)> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     Some((folder, path.file_name()?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn later_parts_are_told_from_other_files_by_their_names() {
-        let is_part = |first: &str, name: &str| is_part(OsStr::new(first), OsStr::new(name));
-        assert!(is_part("z.rrd", "z-2.rrd") && is_part("z.rrd", "z-117.rrd") && is_part("z", "z-2"));
-        for other in ["z.rrd", "z-2.mcap", "z-2", "z-b.rrd", "z-.rrd", "zz-2.rrd", "z2.rrd"] {
-            assert!(!is_part("z.rrd", other), "{other}");
-        }
-    }
 }

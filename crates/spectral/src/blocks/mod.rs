@@ -1,20 +1,28 @@
 //! `blocks`: the eigenvalues near zero, block by block, for sparse graphs.
 
+mod band;
+mod fiedler;
+mod graph;
+mod order;
+mod sparse;
+mod split;
+mod twins;
+
 use crosscut_stage::{
     Affinity, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
     Value,
 };
 
 use crate::FaerEvd;
-use crate::band::{Band, NarrowBands};
 use crate::degrees::check_degrees;
-use crate::graph::{Edge, Graph, GraphBuffers};
 use crate::laplacian::dense_bytes;
-use crate::order::Order;
-use crate::second::{Second, ShiftInvert};
-use crate::sparse::{MOST_BYTES, Sparse};
-use crate::split::Split;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use band::{Band, NarrowBands};
+use fiedler::{Fiedler, ShiftInvert};
+use graph::{Edge, Graph, GraphBuffers};
+use order::Order;
+use sparse::{MOST_BYTES, Sparse};
+use split::Split;
 
 const WEAK_LINK: ParamSpec = ParamSpec {
     name: "weak_link",
@@ -117,7 +125,7 @@ struct Solver {
     narrow: NarrowBands,
     band: Band,
     sparse: Sparse,
-    second: Second,
+    fiedler: Fiedler,
     zero: Vec<f64>,
     /// The least of the next eigenvalues of the blocks that have one zero.
     next: Option<f64>,
@@ -139,7 +147,7 @@ impl Solver {
             if self.order.members(block).len() == 1 {
                 continue;
             }
-            let Self { split, order, narrow, band, sparse, second, zero, .. } = self;
+            let Self { split, order, narrow, band, sparse, fiedler, zero, .. } = self;
             let laplacian = take(graph, split, order, block, (narrow, band, sparse))?;
             if self.next.is_some_and(|next| laplacian.count_below(next).is_some_and(|below| below <= 1)) {
                 continue;
@@ -147,7 +155,7 @@ impl Solver {
             let volume = split.volumes()[block];
             zero.clear();
             zero.extend(order.members(block).iter().map(|&i| (graph.degrees[i as usize] / volume).sqrt()));
-            match second.find(laplacian, zero) {
+            match fiedler.find(laplacian, zero) {
                 Some(next) if next.lower >= tolerance => {
                     self.next = Some(self.next.map_or(next.upper, |least| least.min(next.upper)));
                 }

@@ -61,7 +61,7 @@ pub(crate) fn observers(
     }
     Ok(match recorder {
         Ok(recorder) => {
-            recorder.served().inspect(|served| crate::view::say_where(served));
+            recorder.served().inspect(|served| crate::commands::view::say_where(served));
             let (served, recorded) = (recorder.served().is_some(), Some(recorder.recorded()));
             Observers { list: vec![Box::new(recorder)], served, recorded }
         }

@@ -12,10 +12,10 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use super::fiedler::ShiftInvert;
+use super::graph::Graph;
+use super::order::Order;
 use crate::decomposition::make_room;
-use crate::graph::Graph;
-use crate::order::Order;
-use crate::second::ShiftInvert;
 
 /// No block and no graph of blocks takes more memory than this.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;

@@ -1,18 +1,23 @@
 //! `slicing`: the lowest eigenvalues of a dense W, connected part by connected part.
 
+mod connected;
+mod envelope;
+mod krylov;
+mod normalised;
+
 use crosscut_stage::{
     Affinity, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError, Value, Weights,
 };
 use faer::Mat;
 
-use crate::connected::Unseen;
 use crate::decomposition::Decomposition;
 use crate::embedding::sign_of_largest;
-use crate::envelope::Envelope;
-use crate::krylov::{Krylov, Lowest};
 use crate::laplacian::dense_bytes;
-use crate::normalised::Normalised;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use connected::Unseen;
+use envelope::Envelope;
+use krylov::{Krylov, Lowest};
+use normalised::Normalised;
 
 /// Parts of fewer returns, or fewer for each eigenvalue, are decomposed in full, which is faster then.
 const FEWEST_RETURNS: usize = 24;

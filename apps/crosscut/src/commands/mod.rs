@@ -1,0 +1,12 @@
+//! One file or folder per command; `crosscut config` is printed by [`crate::config`].
+
+pub(crate) mod compare;
+pub(crate) mod evaluate;
+pub(crate) mod info;
+pub(crate) mod paper;
+#[cfg(feature = "rerun")]
+pub(crate) mod rrd;
+pub(crate) mod run;
+pub(crate) mod simulate;
+#[cfg(feature = "rerun")]
+pub(crate) mod view;
