@@ -16,11 +16,11 @@
 //! | range | the beam is | note |
 //! |---|---|---|
 //! | NaN, +∞ | no return | |
-//! | 0 | no return | yes |
+//! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞ | unknown | |
-//! | negative, below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
+//! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
 //! | anything else | a return | if most are farther than 500 m, as in millimetres |
 //!
 //! *No return* means that nothing is there within range; *unknown* that nothing is known.

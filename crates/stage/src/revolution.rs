@@ -1,6 +1,7 @@
 //! One full sweep of the lidar: its returns, and the beams that they came from.
 
 use std::f64::consts::{PI, TAU};
+use std::iter::repeat_n;
 
 use crate::Point;
 
@@ -33,8 +34,10 @@ pub struct Sweep {
     pub step_rad: f64,
     /// A beam without a return saw free space up to here; infinite if the sensor states no limit.
     pub range_max_m: f64,
-    /// The beams cover the full turn, so that the first and the last are neighbours.
+    /// The beams cover the full turn, or all of it but a narrow sector.
     pub full_turn: bool,
+    /// How many beams that sector would take, between the last one and the first; nothing is known there.
+    pub missing: usize,
     /// The message's own `angle_min`, `angle_increment`, `range_min`, `range_max`, untouched.
     pub wire_geometry: [f32; 4],
 }
@@ -55,7 +58,8 @@ pub enum Beam {
 pub struct View {
     /// The first of them, in message order.
     pub first: usize,
-    /// How many they are: so many from the first on, and on from the last beam of the message to beam 0.
+    /// How many they are: so many from the first on, and on from the last beam of the message, by way of those that are
+    /// missing in the turn, to beam 0.
     pub len: usize,
     /// They cover the full turn.
     pub full_turn: bool,
@@ -65,7 +69,7 @@ pub struct View {
 
 /// A wider sector of a full turn in which nothing is known, as where part of the vehicle stands before the sensor, leaves
 /// a limited view. Behind a narrower one a wall may be seen to go on.
-const BLIND_RAD: f64 = 30.0 * PI / 180.0;
+pub const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 
 /// A sweep of more beams is worked on as a cloud: neighbouring returns are nearer to each other than a range is exact.
 const MOST_BEAMS: usize = 4096;
@@ -129,14 +133,16 @@ impl Sweep {
     /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.
     pub fn view(&self) -> View {
         let clockwise = self.is_clockwise();
-        let whole = View { first: 0, len: self.len(), full_turn: self.full_turn, clockwise };
+        let turn = self.len() + self.missing;
+        let whole = View { first: 0, len: turn, full_turn: self.full_turn, clockwise };
         if !self.full_turn || !self.beams.contains(&Beam::Unknown) {
             return whole;
         }
-        let (begin, blind) = widest_run(self.len(), |beam| self.beams[beam] == Beam::Unknown);
+        let is_unknown = |beam: usize| self.beams.get(beam).is_none_or(|seen| *seen == Beam::Unknown);
+        let (begin, blind) = widest_run(turn, is_unknown);
         // Blind all around, it has no end.
-        if blind < self.len() && blind as f64 * self.step_rad > BLIND_RAD {
-            View { first: (begin + blind) % self.len(), len: self.len() - blind, full_turn: false, clockwise }
+        if blind < turn && blind as f64 * self.step_rad > BLIND_RAD {
+            View { first: (begin + blind) % turn, len: turn - blind, full_turn: false, clockwise }
         } else {
             whole
         }
@@ -145,11 +151,14 @@ impl Sweep {
     /// What the beams of a view saw, in the order in which an anticlockwise look around the sensor meets them.
     pub fn anticlockwise(&self, view: View) -> impl Iterator<Item = Beam> {
         let (end, all) = (view.first + view.len, self.len());
-        let (ahead, around) = (&self.beams[view.first..end.min(all)], &self.beams[..end.saturating_sub(all)]);
-        let of = |beams, holds: bool| if holds { beams } else { &[][..] };
-        let forward = of(ahead, !view.clockwise).iter().chain(of(around, !view.clockwise));
-        let backward = of(around, view.clockwise).iter().rev().chain(of(ahead, view.clockwise).iter().rev());
-        forward.chain(backward).copied()
+        let missing = end.saturating_sub(all).min(self.missing);
+        let (ahead, around) = (&self.beams[view.first..end.min(all)], &self.beams[..end.saturating_sub(all + missing)]);
+        let of = |holds: bool| {
+            let part = |beams| if holds { beams } else { &[][..] };
+            let gap = repeat_n(&Beam::Unknown, if holds { missing } else { 0 });
+            part(ahead).iter().chain(gap).chain(part(around))
+        };
+        of(!view.clockwise).chain(of(view.clockwise).rev()).copied()
     }
 
     /// Whether the message lists its beams clockwise in the body frame (a negative increment, or upside down).
@@ -166,6 +175,7 @@ impl Sweep {
         self.step_rad = 0.0;
         self.range_max_m = 0.0;
         self.full_turn = false;
+        self.missing = 0;
         self.wire_geometry = [0.0; 4];
     }
 }
@@ -246,6 +256,43 @@ mod tests {
                 assert_eq!(sweep.anticlockwise(view).collect::<Vec<_>>(), expected);
             }
             beams.reverse();
+        }
+    }
+
+    #[test]
+    fn beams_that_are_missing_in_a_turn_are_met_as_unknown_between_the_last_and_the_first() {
+        let step_rad = TAU / 36.0;
+        for clockwise in [false, true] {
+            let turned = |beam: u32| if clockwise { -f64::from(beam) } else { f64::from(beam) };
+            let bearings_rad = (0..34).map(|beam| wrap_angle_rad(turned(beam) * step_rad)).collect();
+            let beams: Vec<_> = (0..34).map(Beam::Return).collect();
+            let sweep = Sweep { beams, bearings_rad, step_rad, full_turn: true, missing: 2, ..Sweep::default() };
+            let met: Vec<_> = sweep.anticlockwise(sweep.view()).collect();
+            let mut expected: Vec<_> = (0..34).map(Beam::Return).chain([Beam::Unknown; 2]).collect();
+            if clockwise {
+                expected.reverse();
+            }
+            assert_eq!(met, expected);
+        }
+    }
+
+    #[test]
+    fn beams_that_are_missing_widen_a_blind_sector_beside_them() {
+        for first_of_blind in [0, 32] {
+            let mut beams = vec![Beam::NoReturn; 34];
+            beams[first_of_blind..first_of_blind + 2].fill(Beam::Unknown);
+            let sweep = |missing| Sweep {
+                beams: beams.clone(),
+                step_rad: TAU / 36.0,
+                full_turn: true,
+                missing,
+                ..Sweep::default()
+            };
+            let view = sweep(2).view();
+            assert_eq!((view.len, view.full_turn), (32, false));
+            let met: Vec<_> = sweep(2).anticlockwise(view).collect();
+            assert_eq!(met, [Beam::NoReturn; 32]);
+            assert!(sweep(0).view().full_turn);
         }
     }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::Notes;
+use crosscut_stage::{BLIND_RAD, Notes};
 
 /// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
 const LEAST_STEP_RAD: f64 = 1e-6;
@@ -62,10 +62,11 @@ impl Fan {
         self.increment_rad.abs()
     }
 
-    /// Whether the gap from the last beam round to the first is about one step.
-    pub(super) fn full_turn(&self) -> bool {
-        let span_rad = (self.beams_in_turn - 1) as f64 * self.step_rad();
-        self.beams_in_turn > 2 && TAU - span_rad <= 1.5 * self.step_rad()
+    /// How many beams are missing between the last one and the first: none where the gap is about one step. `None` if
+    /// they leave out more than walls are followed across.
+    pub(super) fn missing(&self) -> Option<usize> {
+        let steps = (TAU / self.step_rad() - self.beams_in_turn as f64).max(0.0).round();
+        (self.beams_in_turn > 2 && steps * self.step_rad() <= BLIND_RAD).then_some(steps as usize)
     }
 }
 

@@ -81,7 +81,7 @@ impl Limits {
         } else if range_m == 0.0 {
             (&mut tally.zero, Reading::Nothing)
         } else if range_m < 0.0 {
-            (&mut tally.negative, Reading::Unknown)
+            (&mut tally.negative, Reading::Nothing)
         } else if range_m >= self.wire_max_m * (1.0 - ROUNDING) {
             (&mut tally.at_wire_max, Reading::Nothing)
         } else if range_m < self.wire_min_m {
@@ -109,7 +109,7 @@ impl Limits {
         };
         note(tally.masked, "in masked sectors left out".to_owned());
         note(tally.zero, "of range 0 read as no return".to_owned());
-        note(tally.negative, "of negative range left out".to_owned());
+        note(tally.negative, "of negative range read as no return".to_owned());
         note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
         note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
         note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));

@@ -4,7 +4,7 @@ mod fan;
 mod limits;
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::{Beam, Interval, Notes, ParamSpec, Params, Point, Revolution, Shape, wrap_angle_rad};
+use crosscut_stage::{Beam, Interval, Notes, ParamSpec, Params, Point, Revolution, Shape, counted, wrap_angle_rad};
 
 use self::fan::Fan;
 use self::limits::{Limits, Reading, Tally};
@@ -126,7 +126,11 @@ impl Sensor {
             return;
         };
         sweep.step_rad = fan.step_rad();
-        sweep.full_turn = fan.full_turn();
+        (sweep.full_turn, sweep.missing) = (fan.missing().is_some(), fan.missing().unwrap_or(0));
+        if sweep.missing > 0 {
+            let beams = counted(sweep.missing as u64, "beam");
+            notes.add(format!("{beams} short of a full turn: walls are followed across"));
+        }
         let mut tally = Tally::default();
         for (i, &range_m) in scan.ranges.iter().enumerate() {
             let angle_rad = self.in_body_frame_rad(fan.angle_rad(i));

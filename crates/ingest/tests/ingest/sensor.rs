@@ -69,7 +69,7 @@ fn each_kind_of_range_means_what_the_table_says() {
         (f32::NEG_INFINITY, Beam::Unknown, None),
         (0.0, Beam::NoReturn, Some("1 beam of range 0 read as no return")),
         (-0.0, Beam::NoReturn, Some("1 beam of range 0 read as no return")),
-        (-1.0, Beam::Unknown, Some("1 beam of negative range left out")),
+        (-1.0, Beam::NoReturn, Some("1 beam of negative range read as no return")),
         (30.0, Beam::NoReturn, Some("1 beam at or beyond range_max 30 m read as no return")),
         (29.999_998, Beam::NoReturn, Some("1 beam at or beyond range_max 30 m read as no return")),
         (65.535, Beam::NoReturn, Some("1 beam at or beyond range_max 30 m read as no return")),
@@ -187,8 +187,28 @@ fn the_turn_is_full_only_if_the_beams_go_all_the_way_round() {
         assert!(sweep(&revolution).full_turn && notes.is_empty(), "{beams} beams: {notes:?}");
         assert_eq!(revolution.len(), beams);
     }
-    let (revolution, _) = plain(&LaserScan { ranges: vec![5.0; 357], ..full_turn(360) });
-    assert!(!sweep(&revolution).full_turn, "four steps are missing");
+}
+
+#[test]
+fn a_turn_that_is_a_little_short_of_full_is_one_with_a_blind_sector_and_a_limited_view_is_not() {
+    let short = |beams: usize, step_rad: f32| LaserScan {
+        angle_increment: step_rad,
+        ranges: vec![5.0; beams],
+        ..full_turn(beams)
+    };
+    // As a driver does that has a step of 0.007 rad and room for as many as fit.
+    let of_driver = short(897, 0.007);
+    let degree = TAU32 / 360.0;
+    for (scan, missing) in [(of_driver, 1), (short(359, degree), 1), (short(355, degree), 5), (short(330, degree), 30)]
+    {
+        let (revolution, notes) = plain(&scan);
+        let sweep = sweep(&revolution);
+        assert_eq!((sweep.full_turn, sweep.missing, sweep.len()), (true, missing, scan.ranges.len()));
+        assert_eq!(sweep.view().len, scan.ranges.len() + missing);
+        assert!(notes.iter().any(|note| note.contains("short of a full turn")), "{notes:?}");
+    }
+    let (revolution, _) = plain(&short(329, degree));
+    assert_eq!((sweep(&revolution).full_turn, sweep(&revolution).missing), (false, 0));
 }
 
 #[test]
