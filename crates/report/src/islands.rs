@@ -21,7 +21,8 @@ pub(crate) struct Limits {
 /// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free
 /// if on both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other
 /// there is room, and both are long walls that run out past it side by side: it stands in the way on between them. Where
-/// a limited view ends, it is enough that there is room to the end of it.
+/// a limited view ends, it is enough that there is room to the end of it, or that the wall is nearer than a vehicle lets
+/// one come: then it is of the vehicle itself.
 ///
 /// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
 /// of them farther, stand free together.
@@ -81,9 +82,12 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
 
 fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> bool {
     let is_one = |at: usize| walls.contains(&ring.entries[at].wall);
+    let is_of_vehicle =
+        || (0..ring.len()).filter(|&at| is_one(at)).all(|at| ring.entries[at].range_m < limits.vehicle_width_m);
     let is_cut =
         |at: usize, anticlockwise: bool| is_one(at) && ring.room_to_end_m(at, anticlockwise) < limits.vehicle_width_m;
-    if !ring.full_turn && ring.len() > 0 && (is_cut(0, false) || is_cut(ring.len() - 1, true)) {
+    let is_at_end = !ring.full_turn && ring.len() > 0 && (is_cut(0, false) || is_cut(ring.len() - 1, true));
+    if is_at_end && !is_of_vehicle() {
         return false;
     }
     let steps: Vec<Step> = (0..ring.edges()).filter_map(|at| Step::from_one_to_another(ring, at, is_one)).collect();

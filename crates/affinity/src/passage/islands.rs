@@ -14,6 +14,11 @@ const SPACINGS: f64 = 2.0;
 /// Between a wall and an island a vehicle can pass, so the island is as far off the line of the wall, and so many times
 /// the roughness of the walls more, by which bumps may stand out.
 const BUMPS: f64 = 8.0;
+/// What is seen past both ends of a leg of the vehicle, or of somebody beside it, is so many times farther. No bump of a wall
+/// stands before it like that, so it need not be as far off the line.
+const WELL_BEHIND: f64 = 1.5;
+const LEG_OFF_M: f64 = 0.3;
+const LEG_BUMPS: f64 = 4.0;
 /// The tip between two branches hides its own walls, and the more so the rougher they are: both run towards it, and
 /// miss it by so many times their roughness, or less, together.
 const TIP_BUMPS: f64 = 120.0;
@@ -67,19 +72,21 @@ pub(super) fn take(ring: &mut Ring, pieces: &mut Pieces, limits: &Limits, island
 /// Whether so many pieces that follow each other, from `first` on, stand free.
 fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limits: &Limits) -> bool {
     let n = pieces.len();
-    let at_the_end = !ring.full_turn && (first == 0 || first + together >= n);
-    if n < together + 2 || at_the_end {
+    let piece = |step: usize| &pieces[(first + step) % n];
+    let of_vehicle = || (0..together).flat_map(piece).all(|&i| ring.range_m(i) < limits.passage_m);
+    let [at_first, at_last] = [first == 0, first + together >= n].map(|is_last| is_last && !ring.full_turn);
+    // What an end of the view cuts may be of a wall, unless it is nearer than a vehicle lets a wall come.
+    if n < together + 2 || ((at_first || at_last) && !of_vehicle()) {
         return false;
     }
-    let piece = |step: usize| &pieces[(first + step) % n];
     let run = [first, (first + together - 1) % n];
     let is_short = |piece: &[usize]| {
         let ends = [piece[0], piece[piece.len() - 1]];
         piece.iter().all(|&i| ends.iter().all(|&end| !ring.are_apart(end, i, limits.island_m)))
     };
     (0..together).all(|step| piece(step).len() >= LEAST_RETURNS)
-        && hides(ring, piece(0), End::First, piece(n - 1))
-        && hides(ring, piece(together - 1), End::Last, piece(together))
+        && (at_first || hides(ring, piece(0), End::First, piece(n - 1)))
+        && (at_last || hides(ring, piece(together - 1), End::Last, piece(together)))
         && (0..together).all(|step| is_short(piece(step)))
         && (1..together).all(|step| {
             let (a, b) = (piece(step - 1), piece(step));
@@ -103,7 +110,15 @@ fn is_of_wall_beside(
         let off_m = || off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m);
         if ring.is_shaded(from, to) { None } else { off_m() }
     });
-    let near_m = limits.passage_m + BUMPS * limits.roughness_m;
+    let stands_well_before = |(at, end): (usize, End)| {
+        let outer = beside(ring, pieces, at, end).next();
+        outer.is_none_or(|outer| ring.range_m(outer) >= WELL_BEHIND * ring.range_m(end.at(&pieces[at], 0)))
+    };
+    let near_m = if [(first, End::First), (last, End::Last)].into_iter().all(stands_well_before) {
+        LEG_OFF_M + LEG_BUMPS * limits.roughness_m
+    } else {
+        limits.passage_m + BUMPS * limits.roughness_m
+    };
     let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
     match offs_m {
         [Some(before_m), Some(after_m)] => before_m.min(after_m) < near_m || is_tip([before_m, after_m]),
