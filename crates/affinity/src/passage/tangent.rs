@@ -7,6 +7,14 @@ const LEAST_RETURNS: usize = 3;
 const LEAST_LENGTH_M: f64 = 0.1;
 /// The stretch is at least so many times the first spacing: far returns are metres apart.
 const SPACINGS: f64 = 2.5;
+/// And so many times as long as its returns scatter across it, by the first of them: a line through a cloud of far returns,
+/// whose ranges are not exact, has a direction only where the cloud is long.
+const SCATTERS: f64 = 12.0;
+const SCATTER_RETURNS: usize = 14;
+const SCATTER_LEAST_RETURNS: usize = 6;
+/// Of returns that scatter by a standard deviation of 1, evenly spaced: the median distance of each from the line
+/// through those beside it, 0.6745 √(3/2).
+const MEDIAN_OFF: f64 = 0.826_1;
 /// No more returns than this are looked at.
 const MOST_RETURNS: usize = 60;
 
@@ -34,10 +42,18 @@ pub(super) struct Tangents {
 #[derive(Clone, Copy, Debug)]
 struct Kept {
     direction: Position,
-    taken: u32,
+    looked_at: LookedAt,
     last: u32,
-    /// The one after the last, which was too far; `None` if there was none, or it was not looked at.
+    /// The one after the last, if it or that there is none mattered.
     next: Option<u32>,
+}
+
+/// The first returns of an end.
+#[derive(Clone, Copy, Debug)]
+struct LookedAt {
+    returns: usize,
+    /// Whether it matters what comes after them: that was too far, or there was nothing.
+    and_next: bool,
 }
 
 impl Tangents {
@@ -51,18 +67,19 @@ impl Tangents {
     /// What [`tangent`] says of the piece.
     pub(super) fn of(&mut self, ring: &Ring, piece: &[usize], end: End) -> Position {
         let at = |k: usize| end.at(piece, k);
+        let after = |returns: usize| (returns < piece.len()).then(|| at(returns) as u32);
         let rests_on = |kept: &Kept| {
-            let (taken, next) = (kept.taken as usize, kept.next.map(|next| next as usize));
-            let as_far = piece.len() >= taken && at(taken - 1) == kept.last as usize;
-            as_far && (taken == MOST_RETURNS || piece.len() == taken || next == Some(at(taken)))
+            let LookedAt { returns, and_next } = kept.looked_at;
+            let as_far = piece.len() >= returns && at(returns - 1) == kept.last as usize;
+            as_far && (!and_next || after(returns) == kept.next)
         };
         let slot = &mut self.kept[at(0)][usize::from(end == End::Last)];
         if let Some(kept) = slot.filter(rests_on) {
             return kept.direction;
         }
-        let (direction, taken) = tangent_and_taken(ring, piece, end, self.stretch_m);
-        let next = (taken < piece.len()).then(|| at(taken) as u32);
-        *slot = Some(Kept { direction, taken: taken as u32, last: at(taken - 1) as u32, next });
+        let (direction, looked_at) = tangent_and_looked_at(ring, piece, end, self.stretch_m);
+        let returns = looked_at.returns;
+        *slot = Some(Kept { direction, looked_at, last: at(returns - 1) as u32, next: after(returns) });
         direction
     }
 }
@@ -77,14 +94,15 @@ impl End {
 /// The unit direction, anticlockwise around the sensor, of a piece of two returns or more at one of its ends: the
 /// principal axis of its returns, weighted by exp(-(d/stretch)²) at a distance d from the end.
 pub(super) fn tangent(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> Position {
-    tangent_and_taken(ring, piece, end, stretch_m).0
+    tangent_and_looked_at(ring, piece, end, stretch_m).0
 }
 
-/// The same, and on how many returns it rests.
-fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (Position, usize) {
+/// The same, and what it rests on.
+fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (Position, LookedAt) {
     let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
+    let stretch_m = stretch_m.max(scattered_m(ring, piece, end, stretch_m));
     let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
     let (mut walked_m, mut taken) = (0.0, 1);
@@ -109,7 +127,37 @@ fn tangent_and_taken(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> 
     let axis = principal_axis(xx, xy, yy);
     let inward = at(taken - 1) - tip;
     let onward = if end == End::Last { -inward } else { inward };
-    (if axis.dot(&onward) < 0.0 { -axis } else { axis }, taken)
+    let of_scatter = piece.len().min(SCATTER_RETURNS);
+    // All were too few: there may be more.
+    let and_next = if taken < of_scatter { of_scatter < SCATTER_RETURNS } else { taken < MOST_RETURNS };
+    let looked_at = LookedAt { returns: taken.max(of_scatter), and_next };
+    (if axis.dot(&onward) < 0.0 { -axis } else { axis }, looked_at)
+}
+
+/// [`SCATTERS`] times how far the first returns at an end of a piece scatter across it, from the median distance of each
+/// from the line through those beside it; 0 if that is no longer than `least_m`, as it is nearly always.
+fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
+    let returns = piece.len().min(SCATTER_RETURNS);
+    if returns < SCATTER_LEAST_RETURNS {
+        return 0.0;
+    }
+    let at = |k: usize| ring.position_m(end.at(piece, k));
+    let off_and_chord = |k: usize| {
+        let chord = at(k + 1) - at(k - 1);
+        ((at(k) - at(k - 1)).perp(&chord).abs(), chord.norm_squared())
+    };
+    let (count, least_off_m) = (returns - 2, least_m * MEDIAN_OFF / SCATTERS);
+    let is_over = |&(off, squared): &(f64, f64)| off * off > least_off_m * least_off_m * squared;
+    let over = (1..returns - 1).map(off_and_chord).filter(is_over).count();
+    if over + count / 2 < count {
+        return 0.0;
+    }
+    let mut offs_m = [0.0; SCATTER_RETURNS - 2];
+    for (off_m, k) in offs_m.iter_mut().zip(1..returns - 1) {
+        let (off, squared) = off_and_chord(k);
+        *off_m = off / squared.sqrt().max(f64::MIN_POSITIVE);
+    }
+    SCATTERS / MEDIAN_OFF * *offs_m[..count].select_nth_unstable_by(count / 2, f64::total_cmp).1
 }
 
 /// The unit eigenvector of the larger eigenvalue of a covariance: it halves the angle of (xx - yy, 2 xy).
