@@ -69,6 +69,8 @@ const IN_FRONT_SHARE: f64 = 0.65;
 /// No patch of lost beams explains that nothing is seen over more than this angle, or, far off, over so wide a patch of
 /// more beams than get lost elsewhere, and no corner hides in it. The width of the gap is that between its ends.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
+/// At the end of the range such an angle is no wider than so many gaps: beams that slant into a way on meet its sides.
+const BEHIND_BLANK: f64 = 2.5;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
 const BLANK_SHARE: f64 = 0.9;
@@ -287,8 +289,10 @@ impl Judge<'_> {
         let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(ends);
         let door_m = is_door.then_some(DOOR_SHARE * self.limits.passage_m);
         let (dark_rad, nearer_m) = (self.dark_rad(ends), self.nearer_m(ends));
+        let behind_m = dark_rad * self.ring.range_max_m;
+        let is_wide = dark_rad > BLANK_RAD && behind_m < BEHIND_BLANK * self.ring.distance_m(ends.0, ends.1);
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
-        let is_blank = dark_rad > BLANK_RAD || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
+        let is_blank = is_wide || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
         let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);
         [door_m, blank_m].into_iter().flatten().min_by(f64::total_cmp)
     }
