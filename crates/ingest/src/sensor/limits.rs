@@ -7,6 +7,14 @@ use crosscut_stage::{Notes, counted};
 /// another unit does not hit the number that it states.
 const ROUNDING: f64 = 1e-6;
 
+/// So many neighbouring beams never tell the very same range, the largest of the scan, but where nothing comes back: a
+/// driver's word for that, with a `range_max` that is larger still...
+const CODE_BEAMS: usize = 4;
+/// ...unless ranges are so coarse that more than this share of all neighbours elsewhere are equal, or hardly any beam says
+/// anything else.
+const COARSE_SHARE: f64 = 0.05;
+const ELSEWHERE_SHARE: f64 = 0.1;
+
 /// No wall of a tunnel is so far away: ranges like this are of another unit.
 const FAR_M: f64 = 500.0;
 
@@ -28,6 +36,7 @@ pub(super) struct Tally {
     zero: usize,
     negative: usize,
     at_wire_max: usize,
+    code: usize,
     below_wire_min: usize,
     below_min: usize,
     beyond_max: usize,
@@ -41,6 +50,8 @@ pub(super) struct Limits {
     wire_min_m: f64,
     /// Infinite if the scan states none.
     wire_max_m: f64,
+    /// The range by which the scan says that nothing came back, if there is one.
+    code_m: Option<f32>,
     min_m: f64,
     max_m: f64,
 }
@@ -64,7 +75,8 @@ impl Limits {
             ));
             (wire_min_m, wire_max_m) = (0.0, f64::INFINITY);
         }
-        Self { wire_min_m, wire_max_m, min_m, max_m }
+        let code_m = code_m(&scan.ranges, (wire_max_m * (1.0 - ROUNDING)) as f32);
+        Self { wire_min_m, wire_max_m, code_m, min_m, max_m }
     }
 
     /// A beam without a return saw free space up to here.
@@ -84,6 +96,8 @@ impl Limits {
             (&mut tally.negative, Reading::Nothing)
         } else if range_m >= self.wire_max_m * (1.0 - ROUNDING) {
             (&mut tally.at_wire_max, Reading::Nothing)
+        } else if self.code_m.is_some_and(|code_m| range_m == f64::from(code_m)) {
+            (&mut tally.code, Reading::Nothing)
         } else if range_m < self.wire_min_m {
             (&mut tally.below_wire_min, Reading::Unknown)
         } else if range_m < self.min_m {
@@ -111,6 +125,9 @@ impl Limits {
         note(tally.zero, "of range 0 read as no return".to_owned());
         note(tally.negative, "of negative range read as no return".to_owned());
         note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
+        if let Some(code_m) = self.code_m {
+            note(tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));
+        }
         note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
         note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
         if 2 * tally.far_returns > tally.returns {
@@ -121,4 +138,22 @@ impl Limits {
         }
         note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
     }
+}
+
+/// The largest range below `limit_m`, if it stands for none.
+fn code_m(ranges_m: &[f32], limit_m: f32) -> Option<f32> {
+    let are_ranges = |&range_m: &f32| range_m > 0.0 && range_m < limit_m;
+    let largest_m = ranges_m.iter().copied().filter(are_ranges).reduce(f32::max)?;
+    let runs = ranges_m.chunk_by(|a, b| a == b).filter(|run| are_ranges(&run[0]));
+    let (mut is_in_row, mut elsewhere, mut equal) = (false, 0, 0);
+    for run in runs {
+        if run[0] == largest_m {
+            is_in_row |= run.len() >= CODE_BEAMS;
+        } else {
+            (elsewhere, equal) = (elsewhere + run.len(), equal + run.len() - 1);
+        }
+    }
+    let is_fine = equal as f64 <= COARSE_SHARE * elsewhere as f64;
+    let are_others = elsewhere as f64 >= ELSEWHERE_SHARE * ranges_m.len() as f64;
+    (is_in_row && is_fine && are_others).then_some(largest_m)
 }

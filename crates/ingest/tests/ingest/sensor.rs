@@ -241,6 +241,31 @@ fn yaw_turns_and_upside_down_mirrors_before_the_yaw() {
 }
 
 #[test]
+fn a_constant_below_range_max_that_stands_for_no_return_is_read_so_and_equal_ranges_of_a_wall_are_not() {
+    let wall = |step_m: f32| (0..80).map(move |i| ((2.0 + 0.003 * (i * i) as f32) / step_m).round() * step_m);
+    let behind =
+        |step_m: f32, constant_m: f32| -> Vec<f32> { wall(step_m).chain([constant_m; 6]).chain([2.5]).collect() };
+    let read = |ranges: &[f32]| {
+        let (revolution, notes) = plain(&LaserScan {
+            range_max: 100.0,
+            angle_increment: 0.01,
+            angle_max: 0.01 * (ranges.len() - 1) as f32,
+            ..scan(ranges)
+        });
+        (revolution.len(), notes)
+    };
+    let (returns, notes) = read(&behind(0.001, 30.0));
+    assert_eq!(
+        (returns, &notes[..]),
+        (81, &["6 beams of exactly 30 m, the largest range, read as no return".to_owned()][..])
+    );
+    assert_eq!(read(&behind(0.001, 2.0)).0, 87, "not the largest");
+    assert_eq!(read(&behind(2.0, 30.0)).0, 87, "ranges are coarse");
+    assert_eq!(read(&[30.0; 87]).0, 87, "nothing else is seen");
+    assert_eq!(read(&behind(0.001, 30.0)[..83]).0, 83, "three in a row may be chance");
+}
+
+#[test]
 fn configured_limits_cut_both_ends_and_the_smaller_maximum_holds() {
     let cut = sensor(&[("min_range_m", Value::Number(1.0)), ("max_range_m", Value::Number(10.0))]);
     let (revolution, notes) = revolution_of(&scan(&[0.5, 1.0, 10.0, 10.5]), &cut);
