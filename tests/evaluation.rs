@@ -194,8 +194,8 @@ fn a_folder_for_pictures_that_cannot_be_made_is_told_before_the_work_begins() {
 fn a_wall_of_a_high_number_is_drawn_as_soon_as_any_other() {
     let folder = folder();
     let mut truth = tunnel_truth();
-    truth["walls"] = 4_000_000_000_u32.into();
-    truth["labels"][3] = 3_999_999_999_u32.into();
+    truth["walls"] = 2_000_000_000_u32.into();
+    truth["labels"][3] = 1_999_999_999_u32.into();
     let input = recording(folder.path(), "hand.mcap", &[Some(truth)]);
     let drawn = folder.path().join("drawn");
     evaluate(&input, &["--quiet", "--draw-wrong", drawn.to_str().expect("a path in UTF-8")]).expect_code(0);

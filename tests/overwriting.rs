@@ -38,7 +38,6 @@ fn the_input_is_never_overwritten() {
     let folder = folder();
     for input in ["@flight.mcap", "@"] {
         refused(folder.path(), &format!("run {input} --results @flight.mcap"));
-        refused(folder.path(), &format!("run {input} --save @flight.mcap"));
         refused(folder.path(), &format!("run {input} --results @../{}/flight.mcap", name(folder.path())));
         refused(folder.path(), &format!("evaluate {input} --json @flight.mcap"));
     }

@@ -235,6 +235,16 @@ mod tests {
         assert!(!is_island(Beam::Unknown, 3) && !is_island(Beam::Unknown, 0), "cut by the end of the view");
     }
 
+    #[test]
+    fn beside_the_end_of_a_limited_view_what_is_nearer_than_a_vehicle_lets_a_wall_come_is_of_the_vehicle() {
+        let is_island = |range_m: f64| {
+            let beams = (0..5).map(Beam::Return).collect();
+            let sweep = Sweep { beams, step_rad: 10f64.to_radians(), full_turn: false, ..Sweep::default() };
+            marked_in(sweep, &[range_m, range_m, 6.0, 6.0, 6.0], &[0, 0, 1, 1, 1], 2.0)[0]
+        };
+        assert!(is_island(0.5) && !is_island(0.7));
+    }
+
     /// A right wall that ends 4 m ahead, a piece 6 m ahead whose ends lie `piece_m` to the left, and a left wall 6 m
     /// long that runs `left_deg` off the right one. Whether the piece is an island.
     fn piece_in_way(piece_m: [f64; 2], left_deg: f64) -> bool {

@@ -180,7 +180,7 @@ impl<'a> Judge<'a> {
         let gap = self.gap(a, b)?;
         let [clear_m, _] = gap.clear_and_farther_m();
         // Where no vehicle fits in, how far the wall turns does not matter.
-        if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends).is_none() {
+        if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends, || gap.turns().whole_rad).is_none() {
             return None;
         }
         Some(self.room_ratio(&gap, gap.turns())).filter(|&room| room >= 1.0)

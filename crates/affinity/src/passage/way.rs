@@ -69,7 +69,8 @@ const IN_FRONT_SHARE: f64 = 0.65;
 /// No patch of lost beams explains that nothing is seen over more than this angle, or, far off, over so wide a patch of
 /// more beams than get lost elsewhere, and no corner hides in it. The width of the gap is that between its ends.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
-/// At the end of the range such an angle is no wider than so many gaps: beams that slant into a way on meet its sides.
+/// Where the wall hardly turns, such an angle is no wider than so many gaps at the end of the range: beams that slant into a
+/// way on meet its sides.
 const BEHIND_BLANK: f64 = 2.5;
 const FAR_OFF_SHARE: f64 = 2.5;
 const PATCH_SHARE: f64 = 0.78;
@@ -124,7 +125,8 @@ impl Judge<'_> {
         };
         let plain = if is_clear && !is_corner { self.room_ratio_in_plain_sight(gap, turns, clear_m) } else { 0.0 };
         let in_mouth = if is_clear { self.room_ratio_in_mouth(gap, turns, inside_m) } else { 0.0 };
-        let blank_needs_m = self.blank_needs_m(gap.ends).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
+        let blank_needs_m =
+            self.blank_needs_m(gap.ends, || turns.whole_rad).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = [by_width, seen_inside, before_face, in_front, plain, in_mouth].into_iter().fold(0.0, f64::max);
         room.min(clear_m / self.limits.passage_m).max(blank)
@@ -285,12 +287,13 @@ impl Judge<'_> {
 
     /// How far apart the ends of a gap must be for it to be a way on because nothing is seen in it; `None` if that is no
     /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch.
-    pub(super) fn blank_needs_m(&self, ends: (usize, usize)) -> Option<f64> {
+    pub(super) fn blank_needs_m(&self, ends: (usize, usize), turn_rad: impl FnOnce() -> f64) -> Option<f64> {
         let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(ends);
         let door_m = is_door.then_some(DOOR_SHARE * self.limits.passage_m);
         let (dark_rad, nearer_m) = (self.dark_rad(ends), self.nearer_m(ends));
         let behind_m = dark_rad * self.ring.range_max_m;
-        let is_wide = dark_rad > BLANK_RAD && behind_m < BEHIND_BLANK * self.ring.distance_m(ends.0, ends.1);
+        let is_as_of_way = || behind_m < BEHIND_BLANK * self.ring.distance_m(ends.0, ends.1);
+        let is_wide = dark_rad > BLANK_RAD && (is_as_of_way() || turn_rad() > DARK_TURN_RAD);
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
         let is_blank = is_wide || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
         let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);

@@ -35,6 +35,15 @@ fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
 }
 
 #[test]
+fn a_leg_of_the_vehicle_parts_no_wall_though_a_vehicle_would_not_pass_between_them() {
+    let narrow = TUNNEL.map(|wall| wall.map(|[x_m, y_m]| [x_m, 0.6 * y_m]));
+    for (x_m, y_m) in [(0.0, 0.45), (0.25, 0.35), (-0.25, -0.4), (0.3, -0.3)] {
+        let sizes = components(&scan(&[&narrow[..], &pillar([x_m, y_m], 0.08)].concat(), all), &[]);
+        assert_eq!(sizes.len(), 3, "both walls, and the leg at {x_m}, {y_m}: {sizes:?}");
+    }
+}
+
+#[test]
 fn mixed_returns_at_the_edges_of_a_pillar_tie_it_to_no_wall() {
     for (x_m, y_m, radius_m) in [(4.0, 0.3, 0.4), (2.6, 1.1, 0.25), (3.2, -0.88, 0.5), (3.2, 0.88, 0.5)] {
         let scene = [&TUNNEL[..], &pillar([x_m, y_m], radius_m)].concat();

@@ -17,6 +17,36 @@ fn a_mixed_return_at_the_edge_of_a_wall_closes_no_way_on() {
 }
 
 #[test]
+fn ranges_that_are_not_exact_close_no_way_on() {
+    // By 2 % of the range, as of small lidars.
+    let mut state = 1_u64;
+    let mut normal = || {
+        let mut even = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| even()).sum::<f64>() - 6.0
+    };
+    let mut found = 0;
+    for _ in 0..40 {
+        let errors: Vec<f64> = (0..360).map(|_| 1.0 + 0.02 * normal()).collect();
+        // A tunnel that meets another one ahead of it, 8 m away, at an angle.
+        let tee = [[[-30.0, 2.0], [4.0, 2.0]], [[-30.0, -2.0], [4.0, -2.0]], [[10.0, -30.0], [7.0, 30.0]]];
+        found += usize::from(walls(&scan(&tee, |beam, range_m| range_m.map(|m| m * errors[beam]))) == 3);
+    }
+    assert!(found >= 38, "{found} of 40");
+}
+
+#[test]
+fn a_dark_patch_beside_the_vehicle_is_no_way_on_however_wide_the_angle() {
+    let narrow = TUNNEL.map(|wall| wall.map(|[x_m, y_m]| [x_m, 0.6 * y_m]));
+    for half_deg in [20, 30, 40] {
+        let dark = |beam: usize, range_m| if beam.abs_diff(270) < half_deg { None } else { range_m };
+        assert_eq!(components(&scan(&narrow, dark), &[]).len(), 2, "{half_deg}° to either side");
+    }
+}
+
+#[test]
 fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
     let dead_end = [TUNNEL[0], TUNNEL[1], [[6.0, -2.0], [6.0, 2.0]]];
     let nothing_seen = |beam: usize, range_m| if (190..206).contains(&beam) { None } else { range_m };
@@ -50,7 +80,8 @@ fn a_branch_at_an_acute_angle_is_a_way_on_where_its_wall_is_seen_deep_behind_the
 
 #[test]
 fn a_branch_seen_from_straight_in_front_is_a_way_on_and_a_patch_of_lost_beams_is_none() {
-    let front = [[[-30.0, 2.0], [-2.0, 2.0]], [[2.0, 2.0], [30.0, 2.0]], TUNNEL[1]];
+    let side = |x_m: f64| [[[15.0 * x_m, 2.0], [x_m, 2.0]], [[x_m, 2.0], [x_m, 30.0]]];
+    let front = [&side(-2.0)[..], &side(2.0), &TUNNEL[1..]].concat();
     assert_eq!(components(&scan(&front, all), &[]).len(), 3);
     let patch = |beam, range_m: Option<f64>| range_m.filter(|_| !(258..283).contains(&beam));
     assert_eq!(components(&scan(&TUNNEL, patch), &[]).len(), 2);
