@@ -1,7 +1,7 @@
 //! Short pieces that stand free: pillars.
 
 use super::pieces::Pieces;
-use super::ring::Ring;
+use super::ring::{Position, Ring};
 use super::tangent::{End, tangent};
 
 /// What is seen past an end of an island lies at least this much farther.
@@ -22,6 +22,8 @@ const LEG_BUMPS: f64 = 4.0;
 /// The tip between two branches hides its own walls, and the more so the rougher they are: both run towards it, and
 /// miss it by so many times their roughness, or less, together.
 const TIP_BUMPS: f64 = 120.0;
+/// Two stretches on both sides of a shadow are of one wall if the cosine of the angle between them is more than this: 36°.
+const ALIKE: f64 = 0.809_016_994_374_947_5;
 /// Lines of walls are taken over at most so many returns, none farther from the next than this.
 const LINE_RETURNS: usize = 14;
 const LINE_STEP_M: f64 = 2.5;
@@ -107,8 +109,13 @@ fn is_of_wall_beside(
     let offs_m = [(first, End::First), (last, End::Last)].map(|(at, end)| {
         let (tip, outer) = (end.at(&pieces[at], 0), beside(ring, pieces, at, end).next()?);
         let (from, to) = if end == End::First { (outer, tip) } else { (tip, outer) };
-        let off_m = || off_line_m(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m);
-        if ring.is_shaded(from, to) { None } else { off_m() }
+        let line = line_beside(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m)?;
+        // What lies in a shadow says nothing, but that a wall goes on which runs as the one before it does.
+        let runs_alike = || {
+            let along = tangent(ring, piece, end, limits.stretch_m);
+            line.onward.dot(&if end == End::First { along } else { -along }) > ALIKE
+        };
+        (!ring.is_shaded(from, to) || runs_alike()).then_some(line.off_m)
     });
     let stands_well_before = |(at, end): (usize, End)| {
         let outer = beside(ring, pieces, at, end).next();
@@ -139,9 +146,15 @@ fn hides(ring: &Ring, piece: &[usize], end: End, next: &[usize]) -> bool {
         && ring.distance_m(tip, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
 }
 
-/// How far a return lies off the line of the wall of which these are the returns `beside` it, nearest first, if that
-/// runs towards it.
-fn off_line_m(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, stretch_m: f64) -> Option<f64> {
+/// The line of a wall that runs towards a return.
+struct LineBeside {
+    onward: Position,
+    /// How far the return lies off it.
+    off_m: f64,
+}
+
+/// The line of the wall of which these are the returns `beside` another one, nearest first, if that runs towards it.
+fn line_beside(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, stretch_m: f64) -> Option<LineBeside> {
     let mut wall: Vec<usize> = Vec::with_capacity(LINE_RETURNS);
     for i in beside.take(LINE_RETURNS) {
         if wall.last().is_some_and(|&last| ring.distance_m(last, i) > LINE_STEP_M) {
@@ -156,7 +169,7 @@ fn off_line_m(ring: &Ring, beside: impl Iterator<Item = usize>, target: usize, s
     wall.reverse();
     let onward = tangent(ring, &wall, End::Last, stretch_m);
     let towards = ring.position_m(target) - ring.position_m(tip);
-    (onward.dot(&towards) > 0.0).then(|| onward.perp(&towards).abs())
+    (onward.dot(&towards) > 0.0).then(|| LineBeside { onward, off_m: onward.perp(&towards).abs() })
 }
 
 /// The returns of the other pieces, walking away from one end of a piece.

@@ -35,11 +35,15 @@ fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
 }
 
 #[test]
-fn a_leg_of_the_vehicle_parts_no_wall_though_a_vehicle_would_not_pass_between_them() {
-    let narrow = TUNNEL.map(|wall| wall.map(|[x_m, y_m]| [x_m, 0.6 * y_m]));
-    for (x_m, y_m) in [(0.0, 0.45), (0.25, 0.35), (-0.25, -0.4), (0.3, -0.3)] {
-        let sizes = components(&scan(&[&narrow[..], &pillar([x_m, y_m], 0.08)].concat(), all), &[]);
-        assert_eq!(sizes.len(), 3, "both walls, and the leg at {x_m}, {y_m}: {sizes:?}");
+fn the_legs_of_the_vehicle_part_no_wall_though_they_are_nearer_to_it_than_a_vehicle_is_wide() {
+    for half_m in [1.0, 1.2, 1.5] {
+        let tunnel = TUNNEL.map(|wall| wall.map(|[x_m, y_m]| [x_m, 0.5 * half_m * y_m]));
+        for (x_m, y_m) in [(0.3, 0.3), (0.35, 0.25), (0.25, 0.35)] {
+            let legs = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+            let legs = legs.map(|[x, y]| pillar([x * x_m, y * y_m], 0.08)).concat();
+            let sizes = components(&scan(&[&tunnel[..], &legs].concat(), all), &[]);
+            assert_eq!(sizes.len(), 2 + 4, "walls {half_m} m off, legs at {x_m}, {y_m}: {sizes:?}");
+        }
     }
 }
 
