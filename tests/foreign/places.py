@@ -14,13 +14,13 @@ Kinds, each a plane of free space with smooth walls in half of the places and ro
 
 The sensor stands anywhere in the free space near the middle, 0.5 m from all walls, and looks anywhere; beams, view,
 range and noise vary from place to place; beams are lost, and in some places dust is seen. Truth is what `sight` says of
-the same view without noise. Places that it leaves out are drawn anew; how many were is counted. With `--mixed`, beams at edges
-report a range in between what is before and behind.
+the same view without noise. Places that it leaves out are drawn anew; how many were is counted. With `--effects`, what
+real lidars do is done to all of them, one effect at a time (`effects`).
 
-Not here: floors that are not level, walls that shine or swallow light, motion during the revolution, people.
+Not here: floors that are not level, motion during the revolution, people.
 
-Usage: tests/foreign/run places OUT_DIR [--count N] [--seed S] [--mixed SHARE] [KIND...]
-One MCAP a kind, for `crosscut evaluate OUT_DIR`.
+Usage: tests/foreign/run places OUT_DIR [--count N] [--seed S] [--effects] [KIND...]
+One MCAP a kind, or with `--effects` one an effect, for `crosscut evaluate OUT_DIR`.
 """
 
 import argparse
@@ -37,7 +37,8 @@ from shapely import LineString, Point, Polygon, affinity, box
 
 import sight
 import writing
-from sight import Beams, Unclear, directions
+from effects import EFFECTS
+from sight import Beams, Place, Unclear, directions
 from writing import FIRST_STAMP_NS, LASER_SCAN, LASER_SCAN_DEFINITION, PERIOD_NS, scan_message
 
 ARM_M = 70.0  # longer than any range
@@ -51,14 +52,6 @@ class Ground:
     free: shapely.Geometry
     near_m: float = 15.0
     roughest_m: float = 0.2
-
-
-@dataclass(frozen=True)
-class Place:
-    beams: Beams
-    ranges_m: np.ndarray  # float32, inf: nothing in range, or lost
-    truth: dict  # in the format of `/truth`
-    redrawn: int  # how many places were left out before this one
 
 
 # The kinds.
@@ -370,22 +363,6 @@ def measured(view: sight.View, beams: Beams, rng: np.random.Generator) -> tuple[
     return ranges_m.astype(np.float32), labels
 
 
-def with_mixed_edges(place: Place, share: float, rng: np.random.Generator) -> Place:
-    """The same place, but at this share of its edges, where one thing hides another, one of the two beams reports a range in between."""
-    ranges_m, labels = place.ranges_m.copy(), list(place.truth["labels"])
-    with np.errstate(invalid="ignore"):
-        step_m = np.abs(np.diff(ranges_m, append=ranges_m[0] if place.beams.full_turn else np.inf))
-    known_m = np.where(np.isfinite(step_m), step_m, 0)
-    # Along a wall the steps beside one are not much smaller.
-    is_edge = known_m > np.maximum(0.3, 2.5 * np.maximum(np.roll(known_m, 1), np.roll(known_m, -1)))
-    for before in np.flatnonzero(is_edge & (rng.random(len(known_m)) < share)):
-        after = (before + 1) % len(ranges_m)
-        mixed = rng.choice([before, after])
-        ranges_m[mixed] = rng.uniform(*sorted(place.ranges_m[[before, after]]))
-        labels[mixed] = sight.NO_WALL
-    return replace(place, ranges_m=ranges_m, truth={**place.truth, "labels": labels})
-
-
 # Files.
 
 TRUTH_SCHEMA = Path(__file__).parents[2] / "crates/messages/src/truth.schema.json"
@@ -418,23 +395,30 @@ def truth_message(place: Place, scan: writing.Message) -> writing.Message:
     )
 
 
+def with_effect(name: str, places: list[Place], seed: int) -> list[Place]:
+    return [EFFECTS[name](place, np.random.default_rng([seed, *name.encode(), i])) for i, place in enumerate(places)]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests/foreign/run places", description="Writes test places with known truth as MCAP.")
     parser.add_argument("out", type=Path, metavar="OUT_DIR")
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"{', '.join(KINDS)}; all if none")
     parser.add_argument("--count", type=int, default=100, help="places of each kind")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--mixed", type=float, default=0, help="share of the edges at which a beam reports a range in between")
+    parser.add_argument("--effects", action="store_true", help=f"do to the places what real lidars do: {', '.join(EFFECTS)}")
     args = parser.parse_intermixed_args()
     if unknown := [kind for kind in args.kinds if kind not in KINDS]:
         parser.error(f"no kind is called {unknown[0]}; there are {', '.join(KINDS)}")
     args.out.mkdir(parents=True, exist_ok=True)
+    made = {}
     for kind in args.kinds or KINDS:
-        rng = np.random.default_rng([args.seed, *kind.encode()])
-        places = [with_mixed_edges(place, args.mixed, rng) for place in make(kind, args.count, args.seed)]
-        write(args.out / f"{kind}.mcap", places)
-        redrawn = sum(place.redrawn for place in places)
-        print(f"{kind:<10} {len(places)} places, {redrawn / max(redrawn + len(places), 1):.0%} of all drawn left out")
+        made[kind] = make(kind, args.count, args.seed)
+        redrawn = sum(place.redrawn for place in made[kind])
+        print(f"{kind:<10} {args.count} places, {redrawn / max(redrawn + args.count, 1):.0%} of all drawn left out")
+    if args.effects:
+        made = {name: with_effect(name, sum(made.values(), []), args.seed) for name in EFFECTS}
+    for name, places in made.items():
+        write(args.out / f"{name}.mcap", places)
     return 0
 
 

@@ -100,6 +100,14 @@ class View:
         }
 
 
+@dataclass(frozen=True)
+class Place:
+    beams: Beams
+    ranges_m: np.ndarray  # float32, inf: nothing in range, or lost
+    truth: dict  # in the format of `/truth`
+    redrawn: int  # how many places were left out before this one
+
+
 def look(free: Polygon, beams: Beams) -> View:
     """What these beams see; `Unclear` if that is for no single view to say."""
     rays = dense_rays(free, beams)

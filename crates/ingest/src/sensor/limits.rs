@@ -7,9 +7,9 @@ use crosscut_stage::{Notes, counted};
 /// another unit does not hit the number that it states.
 const ROUNDING: f64 = 1e-6;
 
-/// So many neighbouring beams never tell the very same range, the largest of the scan, but where nothing comes back: a
-/// driver's word for that, with a `range_max` that is larger still...
-const CODE_BEAMS: usize = 4;
+/// So many beams hardly ever tell the very same range, the largest of the scan, but where nothing comes back: a driver's
+/// word for that, with a `range_max` that is larger still...
+const CODE_BEAMS: usize = 3;
 /// ...unless ranges are so coarse that more than this share of all neighbours elsewhere are equal, or hardly any beam says
 /// anything else.
 const COARSE_SHARE: f64 = 0.05;
@@ -145,15 +145,15 @@ fn code_m(ranges_m: &[f32], limit_m: f32) -> Option<f32> {
     let are_ranges = |&range_m: &f32| range_m > 0.0 && range_m < limit_m;
     let largest_m = ranges_m.iter().copied().filter(are_ranges).reduce(f32::max)?;
     let runs = ranges_m.chunk_by(|a, b| a == b).filter(|run| are_ranges(&run[0]));
-    let (mut is_in_row, mut elsewhere, mut equal) = (false, 0, 0);
+    let (mut largest, mut elsewhere, mut equal) = (0, 0, 0);
     for run in runs {
         if run[0] == largest_m {
-            is_in_row |= run.len() >= CODE_BEAMS;
+            largest += run.len();
         } else {
             (elsewhere, equal) = (elsewhere + run.len(), equal + run.len() - 1);
         }
     }
     let is_fine = equal as f64 <= COARSE_SHARE * elsewhere as f64;
     let are_others = elsewhere as f64 >= ELSEWHERE_SHARE * ranges_m.len() as f64;
-    (is_in_row && is_fine && are_others).then_some(largest_m)
+    (largest >= CODE_BEAMS && is_fine && are_others).then_some(largest_m)
 }
