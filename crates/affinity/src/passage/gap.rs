@@ -43,7 +43,7 @@ pub(super) struct Judge<'a> {
     /// Those of the same ring.
     tangents: &'a RefCell<Tangents>,
     pub(super) limits: Limits,
-    /// See [`roughness_m`](super::roughness::roughness_m).
+    /// See [`Roughness::off_m`](super::roughness::Roughness::off_m).
     pub(super) roughness_m: f64,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
     pub(super) size_m: f64,

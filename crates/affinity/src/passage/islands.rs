@@ -40,7 +40,7 @@ pub(super) struct Limits {
     pub(super) passage_m: f64,
     /// Length over which the direction of a wall is taken.
     pub(super) stretch_m: f64,
-    /// See [`roughness_m`](super::roughness::roughness_m).
+    /// See [`Roughness::off_m`](super::roughness::Roughness::off_m).
     pub(super) roughness_m: f64,
 }
 

@@ -28,6 +28,7 @@ use dust::Dust;
 use gap::{Judge, Limits};
 use pieces::Pieces;
 use ring::Ring;
+use roughness::Roughness;
 use tangent::Tangents;
 
 const PASSAGE_M: ParamSpec = ParamSpec {
@@ -222,7 +223,8 @@ impl Passage {
         joining::cut_ring(ring, kept, limits.passage_m, walls);
         let hanging = dust.iter().filter(|dust| **dust).count();
         let inside = ring.len() - hanging - walls.returns().len();
-        let roughness_m = roughness::roughness_m(ring, walls);
+        let Roughness { off_m: roughness_m, inexact_share } = Roughness::of(ring, walls);
+        ring.inexact_share = inexact_share;
         let of_island = islands::Limits {
             island_m: self.island_m,
             passage_m: limits.passage_m,

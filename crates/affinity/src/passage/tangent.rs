@@ -138,7 +138,8 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
 /// from the line through those beside it; 0 if that is no longer than `least_m`, as it is nearly always.
 fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
     let returns = piece.len().min(SCATTER_RETURNS);
-    if returns < SCATTER_LEAST_RETURNS {
+    let is_exact = |share: f64| SCATTERS * share * ring.range_m(end.at(piece, 0)) < least_m;
+    if returns < SCATTER_LEAST_RETURNS || ring.inexact_share.is_some_and(is_exact) {
         return 0.0;
     }
     let at = |k: usize| ring.position_m(end.at(piece, k));

@@ -76,9 +76,10 @@ pub(crate) fn mixed(segments: &[Segment], beams: &[usize], share: f64) -> Revolu
     })
 }
 
-/// With bumps of this height in and out of the walls, along the beams.
+/// With bumps of this height in and out of the walls, along the beams: over several of them, or they would be inexact
+/// ranges.
 pub(crate) fn bumps(height_m: f64) -> impl Fn(usize, Option<f64>) -> Option<f64> {
-    move |beam, range_m| range_m.map(|range_m| range_m + height_m * [0.0, 1.0, -1.0][beam % 3])
+    move |beam, range_m| range_m.map(|range_m| range_m + height_m * (TAU * beam as f64 / 12.0).sin())
 }
 
 /// The tunnel with a side branch of that width, of which the far wall is seen and none of the near one.

@@ -38,6 +38,14 @@ fn ranges_that_are_not_exact_close_no_way_on() {
 }
 
 #[test]
+fn inexact_ranges_make_no_wall_rough() {
+    // By 3 cm, from beam to beam: bumps as high would hide as narrow a side passage.
+    let inexact = |beam: usize, range_m: Option<f64>| range_m.map(|range_m| range_m + [0.0, 0.03, -0.03][beam % 3]);
+    assert_eq!(walls(&scan(&with_branch(1.0), inexact)), 3);
+    assert_eq!(walls(&scan(&with_branch(1.0), bumps(0.035))), 2);
+}
+
+#[test]
 fn a_dark_patch_beside_the_vehicle_is_no_way_on_however_wide_the_angle() {
     let narrow = TUNNEL.map(|wall| wall.map(|[x_m, y_m]| [x_m, 0.6 * y_m]));
     for half_deg in [20, 30, 40] {
