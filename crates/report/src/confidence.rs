@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.23, 0.33, -0.9, -0.25, 0.48, 4.24, -0.59, 2.37];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.12, 0.36, -0.84, -0.31, 0.48, 4.2, -0.55, 2.34];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).

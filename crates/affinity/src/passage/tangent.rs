@@ -139,7 +139,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
 fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
     let returns = piece.len().min(SCATTER_RETURNS);
     let is_exact = |share: f64| SCATTERS * share * ring.range_m(end.at(piece, 0)) < least_m;
-    if returns < SCATTER_LEAST_RETURNS || ring.inexact_share.is_some_and(is_exact) {
+    if returns < SCATTER_LEAST_RETURNS || ring.inexact_share.is_none_or(is_exact) {
         return 0.0;
     }
     let at = |k: usize| ring.position_m(end.at(piece, k));
@@ -148,10 +148,9 @@ fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
         ((at(k) - at(k - 1)).perp(&chord).abs(), chord.norm_squared())
     };
     let (count, least_off_m) = (returns - 2, least_m * MEDIAN_OFF / SCATTERS);
-    let is_over = |&(off, squared): &(f64, f64)| off * off > least_off_m * least_off_m * squared;
-    let over = (1..returns - 1).map(off_and_chord).filter(is_over).count();
-    if over + count / 2 < count {
-        return 0.0;
+    let is_less = |&(off, squared): &(f64, f64)| off * off <= least_off_m * least_off_m * squared;
+    if (1..returns - 1).map(off_and_chord).filter(is_less).nth(count / 2).is_some() {
+        return 0.0; // the median is one of those
     }
     let mut offs_m = [0.0; SCATTER_RETURNS - 2];
     for (off_m, k) in offs_m.iter_mut().zip(1..returns - 1) {
