@@ -37,7 +37,7 @@ pub use level_view::{LevelReturn, LevelView};
 pub use notes::{Notes, counted};
 pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
 pub use partition::Partition;
-pub use revolution::{BLIND_RAD, Beam, Revolution, Sweep, View, wrap_angle_rad};
+pub use revolution::{Beam, Revolution, Sweep, View, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use traits::{
     AffinityStage, KmeansStage, Observer, ObserverError, ReportStage, Source, SourceError, SpectralStage, StageError,

@@ -69,7 +69,7 @@ pub struct View {
 
 /// A wider sector of a full turn in which nothing is known, as where part of the vehicle stands before the sensor, leaves
 /// a limited view. Behind a narrower one a wall may be seen to go on.
-pub const BLIND_RAD: f64 = 30.0 * PI / 180.0;
+const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 
 /// A sweep of more beams is worked on as a cloud: neighbouring returns are nearer to each other than a range is exact.
 const MOST_BEAMS: usize = 4096;

@@ -17,7 +17,8 @@ pub(crate) fn scene(index: u64) -> Scene {
     let in_half = |dimension: i32, most: f64| (between(dimension, [-most, most])).max(0.0);
     let width_m = 1.2 * (8.0_f64 / 1.2).powf(share(1));
     let beams_all_around = 180.0 * 8.0_f64.powf(share(2));
-    let view_deg = between(3, [180.0, 540.0]).min(360.0);
+    // A turn that is 5° short is read as full.
+    let view_deg = Some(between(3, [180.0, 540.0])).filter(|view_deg| *view_deg < 355.0).unwrap_or(360.0);
     let lidar = Lidar {
         beams: (beams_all_around * view_deg / 360.0) as usize,
         field_of_view_rad: view_deg.to_radians(),

@@ -3,13 +3,16 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::{BLIND_RAD, Notes};
+use crosscut_stage::Notes;
 
 /// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
 const LEAST_STEP_RAD: f64 = 1e-6;
 
 /// An `angle_min` beyond this is no angle, or one in degrees.
 const LARGEST_ANGLE_RAD: f64 = 2.0 * TAU;
+
+/// A turn that is no shorter than by this is full: a driver had room for as many beams as fit, or left some out.
+const SHORT_RAD: f64 = 5.0 * PI / 180.0;
 
 /// Bearings of the beams in the sensor's frame: beam i looks at `first + i * increment`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,10 +66,10 @@ impl Fan {
     }
 
     /// How many beams are missing between the last one and the first: none where the gap is about one step. `None` if
-    /// they leave out more than walls are followed across.
+    /// that is a limited view.
     pub(super) fn missing(&self) -> Option<usize> {
         let steps = (TAU / self.step_rad() - self.beams_in_turn as f64).max(0.0).round();
-        (self.beams_in_turn > 2 && steps * self.step_rad() <= BLIND_RAD).then_some(steps as usize)
+        (self.beams_in_turn > 2 && steps * self.step_rad() <= SHORT_RAD).then_some(steps as usize)
     }
 }
 
