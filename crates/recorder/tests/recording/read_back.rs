@@ -150,8 +150,8 @@ fn a_file_cut_anywhere_gives_the_rows_before_the_cut_and_says_that_it_is_cut() {
 /// Decodes every value, whether it can be or not.
 fn read_all(recording: &Recording) {
     for entity in recording.entities().keys() {
-        for row in recording.rows(entity).unwrap() {
-            let row = row.unwrap();
+        for row in recording.rows(entity).expect("readable") {
+            let row = row.expect("readable");
             row.components().for_each(|component| drop(row.value(component)));
         }
     }
@@ -204,13 +204,16 @@ fn a_damaged_byte_never_ends_in_a_panic_and_costs_no_more_than_its_message_where
 
 /// The recording at `path` once more, its messages not compressed.
 fn uncompressed(path: &Path) -> Vec<u8> {
-    let file = std::io::BufReader::new(File::open(path).unwrap());
-    let messages: Vec<LogMsg> = DecoderApp::decode_eager(file).unwrap().map(Result::unwrap).collect();
+    let file = std::io::BufReader::new(File::open(path).expect("readable"));
+    let messages: Vec<LogMsg> =
+        DecoderApp::decode_eager(file).expect("readable").map(|message| message.expect("readable")).collect();
     let mut bytes = Vec::new();
     let mut encoder =
-        Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_UNCOMPRESSED, &mut bytes).unwrap();
-    messages.iter().for_each(|message| drop(encoder.append(message).unwrap()));
-    encoder.finish().unwrap();
+        Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_UNCOMPRESSED, &mut bytes).expect("memory");
+    for message in &messages {
+        encoder.append(message).expect("memory");
+    }
+    encoder.finish().expect("memory");
     drop(encoder);
     bytes
 }
