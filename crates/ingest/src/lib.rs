@@ -18,7 +18,7 @@
 //! | NaN, +∞ | no return | |
 //! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
-//! | the largest below `range_max`, if 3 beams or more tell exactly it, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
+//! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞ | unknown | |
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |

@@ -8,8 +8,10 @@ use crosscut_stage::{Notes, counted};
 const ROUNDING: f64 = 1e-6;
 
 /// So many beams hardly ever tell the very same range, the largest of the scan, but where nothing comes back: a driver's
-/// word for that, with a `range_max` that is larger still...
+/// word for that, with a `range_max` that is larger still. Two of them are neighbours, or they are more than one place can
+/// have that looks the same all around...
 const CODE_BEAMS: usize = 3;
+const CODE_BEAMS_APART: usize = 5;
 /// ...unless ranges are so coarse that more than this share of all neighbours elsewhere are equal, or hardly any beam says
 /// anything else.
 const COARSE_SHARE: f64 = 0.05;
@@ -145,15 +147,16 @@ fn code_m(ranges_m: &[f32], limit_m: f32) -> Option<f32> {
     let are_ranges = |&range_m: &f32| range_m > 0.0 && range_m < limit_m;
     let largest_m = ranges_m.iter().copied().filter(are_ranges).reduce(f32::max)?;
     let runs = ranges_m.chunk_by(|a, b| a == b).filter(|run| are_ranges(&run[0]));
-    let (mut largest, mut elsewhere, mut equal) = (0, 0, 0);
+    let (mut largest, mut are_neighbours, mut elsewhere, mut equal) = (0, false, 0, 0);
     for run in runs {
         if run[0] == largest_m {
-            largest += run.len();
+            (largest, are_neighbours) = (largest + run.len(), are_neighbours || run.len() > 1);
         } else {
             (elsewhere, equal) = (elsewhere + run.len(), equal + run.len() - 1);
         }
     }
+    let is_code = largest >= if are_neighbours { CODE_BEAMS } else { CODE_BEAMS_APART };
     let is_fine = equal as f64 <= COARSE_SHARE * elsewhere as f64;
     let are_others = elsewhere as f64 >= ELSEWHERE_SHARE * ranges_m.len() as f64;
-    (largest >= CODE_BEAMS && is_fine && are_others).then_some(largest_m)
+    (is_code && is_fine && are_others).then_some(largest_m)
 }

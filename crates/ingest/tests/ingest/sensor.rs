@@ -262,6 +262,14 @@ fn a_constant_below_range_max_that_stands_for_no_return_is_read_so_and_equal_ran
     assert_eq!(read(&behind(2.0, 30.0)).0, 87, "ranges are coarse");
     assert_eq!(read(&[30.0; 87]).0, 87, "nothing else is seen");
     assert_eq!(read(&behind(0.001, 30.0)[..82]).0, 82, "two may be chance");
+    let apart = |constants: usize| -> Vec<f32> {
+        wall(0.001).enumerate().flat_map(|(i, m)| [Some(m), Some(30.0).filter(|_| i < constants)]).flatten().collect()
+    };
+    assert_eq!(
+        (read(&apart(4)).0, read(&apart(5)).0),
+        (84, 80),
+        "four are as far in a place that is the same all around"
+    );
 }
 
 #[test]
