@@ -45,8 +45,8 @@ impl Pace {
     fn due(&self, stamp_ns: u64) -> Option<Instant> {
         let (due, previous_ns) = self.previous?;
         let pause_ns = Some(stamp_ns.abs_diff(previous_ns)).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
-        let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate).unwrap_or(LONGEST_WAIT);
-        let pause = pause.min(LONGEST_WAIT);
+        let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate);
+        let pause = pause.map_or(LONGEST_WAIT, |pause| pause.min(LONGEST_WAIT));
         if stamp_ns >= previous_ns { due.checked_add(pause) } else { due.checked_sub(pause) }
     }
 }
@@ -67,6 +67,7 @@ mod tests {
             assert_eq!(due[pair] - due[pair - 1], Duration::from_nanos(PERIOD_NS));
         }
     }
+
     #[test]
     fn at_a_rate_too_low_for_any_clock_a_revolution_is_waited_for_and_not_due_at_once() {
         for rate in [1e-300, 1e-12] {

@@ -4,7 +4,7 @@ pub(crate) mod record;
 
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -306,18 +306,18 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn an_svg(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
-        Ok(path)
-    } else {
-        Err("pictures are written as SVG: FILE.svg")
-    }
+    if ends_in(&path, "svg") { Ok(path) } else { Err("pictures are written as SVG: FILE.svg") }
 }
 
 fn no_rrd(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+    if ends_in(&path, "rrd") {
         return Err("what is simulated is an MCAP recording, none for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
+}
+
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|of_path| of_path.eq_ignore_ascii_case(ending))
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{ArgGroup, Args, ValueEnum};
 
-use super::SERVED_AT;
+use super::{SERVED_AT, ends_in};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]
@@ -49,7 +49,7 @@ fn a_file(path: PathBuf) -> Result<PathBuf, &'static str> {
     if path == Path::new("-") {
         return Err("a recording is a file, not standard output: FLIGHT.rrd");
     }
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+    if ends_in(&path, "mcap") {
         return Err("what is saved is for the Rerun viewer, no MCAP recording: FLIGHT.rrd");
     }
     Ok(path)

@@ -106,7 +106,8 @@ fn is_of_wall_beside(
     piece: &[usize],
     limits: &Limits,
 ) -> bool {
-    let offs_m = [(first, End::First), (last, End::Last)].map(|(at, end)| {
+    let ends = [(first, End::First), (last, End::Last)];
+    let offs_m = ends.map(|(at, end)| {
         let (tip, outer) = (end.at(&pieces[at], 0), beside(ring, pieces, at, end).next()?);
         let (from, to) = if end == End::First { (outer, tip) } else { (tip, outer) };
         let line = line_beside(ring, beside(ring, pieces, at, end), end.at(piece, 0), limits.stretch_m)?;
@@ -121,7 +122,7 @@ fn is_of_wall_beside(
         let outer = beside(ring, pieces, at, end).next();
         outer.is_none_or(|outer| ring.range_m(outer) >= WELL_BEHIND * ring.range_m(end.at(&pieces[at], 0)))
     };
-    let near_m = if [(first, End::First), (last, End::Last)].into_iter().all(stands_well_before) {
+    let near_m = if ends.into_iter().all(stands_well_before) {
         LEG_OFF_M + LEG_BUMPS * limits.roughness_m
     } else {
         limits.passage_m + BUMPS * limits.roughness_m

@@ -94,6 +94,14 @@ impl Ring {
         (self.position_m(j) - self.position_m(i)).norm()
     }
 
+    /// The chord from the return before a return to the one after it: that return's distance from it times its length, and
+    /// its length squared.
+    pub(super) fn off_chord(&self, [before, i, after]: [usize; 3]) -> (f64, f64) {
+        let before_m = self.position_m(before);
+        let chord = self.position_m(after) - before_m;
+        ((self.position_m(i) - before_m).perp(&chord).abs(), chord.norm_squared())
+    }
+
     /// Whether two returns are at least so far from each other.
     pub(super) fn are_apart(&self, i: usize, j: usize, least_m: f64) -> bool {
         (self.position_m(j) - self.position_m(i)).norm_squared() >= least_m * least_m

@@ -51,9 +51,7 @@ impl Roughness {
                 let range_squared = ring.range_m(i) * ring.range_m(i);
                 let mut next = Return { position_m: ring.position_m(i), range_squared, off_squared: 0.0 };
                 if let (Some(&before), Some(&after)) = (piece.get(k.wrapping_sub(1)), piece.get(k + 1)) {
-                    let before_m = ring.position_m(before);
-                    let chord = ring.position_m(after) - before_m;
-                    let (off, squared) = ((next.position_m - before_m).perp(&chord), chord.norm_squared());
+                    let (off, squared) = ring.off_chord([before, i, after]);
                     next.off_squared = off * off / squared.max(f64::MIN_POSITIVE);
                     if squared < 4.0 * DENSE_M * DENSE_M {
                         dense += 1;

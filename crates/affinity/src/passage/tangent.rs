@@ -142,19 +142,15 @@ fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
     if returns < SCATTER_LEAST_RETURNS || ring.inexact_share.is_none_or(is_exact) {
         return 0.0;
     }
-    let at = |k: usize| ring.position_m(end.at(piece, k));
-    let off_and_chord = |k: usize| {
-        let chord = at(k + 1) - at(k - 1);
-        ((at(k) - at(k - 1)).perp(&chord).abs(), chord.norm_squared())
-    };
+    let off_chord = |k: usize| ring.off_chord([k - 1, k, k + 1].map(|k| end.at(piece, k)));
     let (count, least_off_m) = (returns - 2, least_m * MEDIAN_OFF / SCATTERS);
     let is_less = |&(off, squared): &(f64, f64)| off * off <= least_off_m * least_off_m * squared;
-    if (1..returns - 1).map(off_and_chord).filter(is_less).nth(count / 2).is_some() {
+    if (1..returns - 1).map(off_chord).filter(is_less).nth(count / 2).is_some() {
         return 0.0; // the median is one of those
     }
     let mut offs_m = [0.0; SCATTER_RETURNS - 2];
     for (off_m, k) in offs_m.iter_mut().zip(1..returns - 1) {
-        let (off, squared) = off_and_chord(k);
+        let (off, squared) = off_chord(k);
         *off_m = off / squared.sqrt().max(f64::MIN_POSITIVE);
     }
     SCATTERS / MEDIAN_OFF * *offs_m[..count].select_nth_unstable_by(count / 2, f64::total_cmp).1

@@ -126,7 +126,8 @@ impl Sensor {
             return;
         };
         sweep.step_rad = fan.step_rad();
-        (sweep.full_turn, sweep.missing) = (fan.missing().is_some(), fan.missing().unwrap_or(0));
+        let missing = fan.missing();
+        (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));
         if sweep.missing > 0 {
             let beams = counted(sweep.missing as u64, "beam");
             notes.add(format!("{beams} short of a full turn: walls are followed across"));

@@ -166,16 +166,18 @@ fn read(from: &mut impl Read, bytes: u64, kind: MessageKind, version: CrateVersi
     let ids = &mut CachingApplicationIdInjector::default();
     caught(|| {
         let stored = Stored::decode(content.into(), span, kind, ids, Some(version)).map_err(|e| e.to_string())?;
-        let stored = stored.ok_or("an end in the middle")?;
-        if let Stored::ArrowMsg(message) = &stored {
-            let bytes = usize::try_from(message.uncompressed_size).map_err(|e| e.to_string())?;
-            match message.compression().into() {
-                Compression::Off => check_sizes(&message.payload)?,
-                Compression::LZ4 if bytes / LZ4_MOST_RATIO > message.payload.len() => return Err(too_large(bytes)),
-                Compression::LZ4 => {
-                    check_sizes(&lz4_flex::block::decompress(&message.payload, bytes).map_err(|e| e.to_string())?)?;
+        let mut stored = stored.ok_or("an end in the middle")?;
+        if let Stored::ArrowMsg(message) = &mut stored {
+            if let Compression::LZ4 = message.compression().into() {
+                let bytes = usize::try_from(message.uncompressed_size).map_err(|e| e.to_string())?;
+                if bytes / LZ4_MOST_RATIO > message.payload.len() {
+                    return Err(too_large(bytes));
                 }
+                let payload = lz4_flex::block::decompress(&message.payload, bytes).map_err(|e| e.to_string())?;
+                message.payload = payload.into();
+                message.set_compression(Compression::Off.into());
             }
+            check_sizes(&message.payload)?;
         }
         stored.to_application((ids, Some(version))).map_err(|e| e.to_string())
     })
