@@ -22,9 +22,8 @@ const WITHOUT_DIRECTION: f64 = 3.0;
 const OFF_LINE_M: f64 = 0.3;
 const OFF_LINE_SHARE: f64 = 0.15;
 /// Two pieces without direction belong together along a line of sight: a wall at grazing incidence. Share of their
-/// distance that is along the beams, and the largest distance.
+/// distance that is along the beams.
 const GRAZING_SHARE: f64 = 0.8;
-const GRAZING_M: f64 = 3.0;
 
 /// What is asked of a gap; see the parameters of the stage.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +159,7 @@ impl<'a> Judge<'a> {
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
-                let grazing = along_m > GRAZING_SHARE * chord_m && chord_m < GRAZING_M;
+                let grazing = along_m > GRAZING_SHARE * chord_m;
                 Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room_ratio: None }
             }
             [before, after] => {
@@ -234,6 +233,11 @@ impl<'p> Gap<'p> {
         let turns_rad @ [before_rad, after_rad] = self.turns_rad();
         let (near_rad, far_rad) = if self.a_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
         Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
+    }
+
+    /// The nearer piece, and its end at the gap.
+    pub(super) fn nearer(&self) -> (&'p [usize], End) {
+        if self.a_is_nearer { (self.a, End::Last) } else { (self.b, End::First) }
     }
 
     /// The farther piece, and its end at the gap.

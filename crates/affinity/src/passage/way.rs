@@ -41,6 +41,11 @@ const MOUTH_BUMPS: f64 = 40.0;
 const BEHIND_LINE_SHARE: f64 = 0.3;
 /// The same of the beam after the next, where that one says nothing.
 const NEXT_BEHIND_LINE_SHARE: f64 = 0.1;
+/// What it meets is no farther away than so many times the spacing of so many returns before it, nor than so many times the
+/// place's size.
+const REACH_TIMES: f64 = 2.5;
+const REACH_SPACINGS: usize = 2;
+const REACH_SHARE: f64 = 6.0;
 /// Its line is also taken over this length, where it strays from it by no more than so many times the roughness of the walls.
 const LONG_M: f64 = 3.0;
 const LONG_BUMPS: f64 = 4.0;
@@ -125,11 +130,13 @@ impl Judge<'_> {
         };
         let plain = if is_clear && !is_corner { self.room_ratio_in_plain_sight(gap, turns, clear_m) } else { 0.0 };
         let in_mouth = if is_clear { self.room_ratio_in_mouth(gap, turns, inside_m) } else { 0.0 };
+        let is_deep = is_clear && !is_corner && farther_aside_m < -INSIDE_M;
+        let into_side = if is_deep { self.room_ratio_into_side_passage(gap) } else { 0.0 };
         let blank_needs_m =
             self.blank_needs_m(gap.ends, || turns.whole_rad).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = [by_width, seen_inside, before_face, in_front, plain, in_mouth].into_iter().fold(0.0, f64::max);
-        room.min(clear_m / self.limits.passage_m).max(blank)
+        room.min(clear_m / self.limits.passage_m).max(blank).max(into_side)
     }
 
     /// How deep behind the nearer wall a bump at its end hides the farther one: the deeper, the farther that is behind it.
@@ -144,6 +151,15 @@ impl Judge<'_> {
     fn room_ratio_before_face(&self, gap: &Gap<'_>) -> f64 {
         let room = gap.chord.norm() / (FACE_SHARE * self.size_m);
         if room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD { room } else { 0.0 }
+    }
+
+    /// The same, however narrow that is beside the place, where a vehicle fits in between the nearer wall and all that is
+    /// seen of the face and behind it, and no bump hides as much; the face begins deep behind the nearer wall, as that of
+    /// no corner does. The line of the farther wall says little here: it is that of the face, or of the wall behind it.
+    fn room_ratio_into_side_passage(&self, gap: &Gap<'_>) -> f64 {
+        let room = gap.chord.norm() / (self.limits.passage_m + PLAIN_BUMPS * self.roughness_m);
+        let is_passage = room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD && self.fits_into_mouth(gap);
+        if is_passage { room } else { 0.0 }
     }
 
     /// The same where it is plain to see how wide the gap is: hardly a beam looks into it.
@@ -200,12 +216,25 @@ impl Judge<'_> {
             if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
         let share = if self.ring.beams_from(p, q) == 1 { BEHIND_LINE_SHARE } else { NEXT_BEHIND_LINE_SHARE };
-        (-share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad)
+        (-share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad) && self.is_in_reach(gap)
+    }
+
+    /// Whether the farther wall begins about where the next beam would meet the nearer one, if that went straight on. Past
+    /// the inner wall of a bend, along whose line it looks, a beam meets the outer one much farther away.
+    fn is_in_reach(&self, gap: &Gap<'_>) -> bool {
+        let (near, end) = gap.nearer();
+        let (p, q) = gap.ends;
+        let back = REACH_SPACINGS.min(near.len() - 1);
+        let (last, before) = (end.at(near, 0), end.at(near, back));
+        let beams =
+            if gap.a_is_nearer { self.ring.beams_from(before, last) } else { self.ring.beams_from(last, before) };
+        let spacing_m = self.ring.distance_m(last, before) * self.ring.beams_from(p, q) as f64 / beams.max(1) as f64;
+        gap.chord.norm() <= (REACH_TIMES * spacing_m).min(REACH_SHARE * self.size_m)
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
     fn long_line(&self, gap: &Gap<'_>) -> Option<Position> {
-        let (near, end) = if gap.a_is_nearer { (gap.a, End::Last) } else { (gap.b, End::First) };
+        let (near, end) = gap.nearer();
         let from_end_m = |k: usize| self.ring.position_m(end.at(near, k)) - self.ring.position_m(end.at(near, 0));
         let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
         let onward = -from_end_m(far).normalize();

@@ -1,6 +1,6 @@
 //! Walls that go on: dead ends, bumps, lost beams.
 
-use crate::{Segment, TUNNEL, all, components, scan, scan_by};
+use crate::{Segment, TUNNEL, all, components, scan, scan_as_far_as, scan_by};
 
 #[test]
 fn a_wall_goes_on_across_beams_that_were_lost_and_behind_a_bump() {
@@ -66,6 +66,16 @@ fn a_dead_end_is_one_wall_from_wherever_its_end_is_seen() {
             let walls = components(&scan(&dead_end, all), &[]).len();
             assert_eq!(walls, 1, "{width_m} m wide, {share} of it to the right, end {end_m} m ahead");
         }
+    }
+}
+
+#[test]
+fn a_dead_end_is_one_wall_also_where_it_is_seen_so_far_away_that_returns_of_its_sides_are_metres_apart() {
+    for (half_m, end_m) in [1.0, 1.5, 2.0].into_iter().flat_map(|half| [15.0, 20.0, 25.0].map(|end| (half, end))) {
+        let side = |y_m: f64| [[-80.0, y_m], [end_m, y_m]];
+        let dead_end = [side(half_m), side(-half_m), [[end_m, half_m], [end_m, -half_m]]];
+        let walls = components(&scan_as_far_as(40.0, 360, &dead_end, all), &[]).len();
+        assert_eq!(walls, 1, "{half_m} m to either side, end {end_m} m ahead");
     }
 }
 

@@ -1,4 +1,5 @@
-//! The graph of passages on scenes computed by hand: straight walls, one ray per degree, range limit 15 m.
+//! The graph of passages on scenes computed by hand: straight walls, one ray per degree and a range limit of 15 m
+//! unless a test says otherwise.
 
 mod dead_ends;
 mod pillars;
@@ -40,14 +41,23 @@ pub(crate) fn scan_by(
     segments: &[Segment],
     report: impl Fn(usize, Option<f64>) -> Option<f64>,
 ) -> Revolution {
+    scan_as_far_as(15.0, beams, segments, report)
+}
+
+/// The same with another range limit.
+pub(crate) fn scan_as_far_as(
+    range_max_m: f64,
+    beams: usize,
+    segments: &[Segment],
+    report: impl Fn(usize, Option<f64>) -> Option<f64>,
+) -> Revolution {
     let step_rad = TAU / beams as f64;
-    let (mut points_m, mut sweep) =
-        (Vec::new(), Sweep { step_rad, range_max_m: 15.0, full_turn: true, ..Sweep::default() });
+    let (mut points_m, mut sweep) = (Vec::new(), Sweep { step_rad, range_max_m, full_turn: true, ..Sweep::default() });
     for beam in 0..beams {
         let bearing_rad = wrap_angle_rad(-PI + (beam as f64 + 0.5) * step_rad);
         let seen_m = segments.iter().filter_map(|segment| hit_m(segment, bearing_rad)).min_by(f64::total_cmp);
         sweep.bearings_rad.push(bearing_rad);
-        sweep.beams.push(match report(beam, seen_m.filter(|range_m| *range_m < 15.0)) {
+        sweep.beams.push(match report(beam, seen_m.filter(|range_m| *range_m < range_max_m)) {
             Some(range_m) => {
                 points_m.push(Point::new(range_m * bearing_rad.cos(), range_m * bearing_rad.sin(), 0.0));
                 Beam::Return(points_m.len() as u32 - 1)

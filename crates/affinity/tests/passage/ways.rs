@@ -1,6 +1,10 @@
 //! Ways on: where walls end.
 
-use crate::{TUNNEL, all, bumps, components, mixed, scan, scan_by, walls, with_branch, with_branch_at};
+use std::f64::consts::PI;
+
+use crate::{
+    Segment, TUNNEL, all, bumps, components, mixed, scan, scan_as_far_as, scan_by, walls, with_branch, with_branch_at,
+};
 
 #[test]
 fn a_mixed_return_at_the_edge_of_a_wall_closes_no_way_on() {
@@ -120,6 +124,41 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_whose_bumps_may_hide_it_and_o
 fn a_side_passage_is_a_way_on_also_where_only_the_face_of_its_corner_tells_it_from_a_hidden_stretch_of_wall() {
     // Its far side, 10 m ahead, is seen over half a metre; behind that corner the wall goes straight on.
     assert_eq!(components(&scan(&with_branch_at(8.0, 2.25), all), &[]), [164, 158, 6]);
+}
+
+#[test]
+fn a_side_passage_is_a_way_on_where_its_face_is_seen_however_large_the_place_is() {
+    // A corridor as narrow as a door leads away from one that is wide; its left wall has a gap, with the face behind.
+    let wide = [[[-3.0, -30.0], [-3.0, 30.0]], [[1.6, -30.0], [1.6, -0.95]], [[1.7, 0.85], [1.7, 30.0]]];
+    for far_m in [4.2, 4.6, 5.0] {
+        let narrow = [[[1.7, 0.85], [2.75, 0.85]], [[far_m, 0.85], [30.0, 0.85]], [[1.6, -0.95], [30.0, -0.95]]];
+        let jamb = [[[far_m, 0.85], [far_m, 0.95]], [[far_m, 0.95], [far_m + 0.27, 0.95]]];
+        let face = [[far_m + 0.27, 0.95], [far_m + 0.27, 3.0]];
+        let scene = [&wide[..], &narrow, &jamb, &[face]].concat();
+        assert_eq!(components(&scan(&scene, all), &[]).len(), 4, "to {far_m} m ahead");
+    }
+}
+
+#[test]
+fn a_bend_is_no_end_of_a_tunnel_for_a_lidar_that_sees_the_outer_wall_far_behind_the_inner_one() {
+    // The tunnel bends to the left ahead and behind; the beam past its inner wall goes on along that.
+    let bent = |radius_m: f64, half_m: f64| -> Vec<Segment> {
+        let wall = |offset_m: f64| {
+            let corner = move |i: i32| {
+                let (sin, cos) = (PI * f64::from(i) / 720.0).sin_cos();
+                [(radius_m + offset_m) * sin, radius_m - (radius_m + offset_m) * cos]
+            };
+            (-360..360).map(move |i| [corner(i), corner(i + 1)])
+        };
+        wall(half_m).chain(wall(-half_m)).collect()
+    };
+    for (radius_m, half_m) in [30.0, 45.0, 60.0, 80.0, 110.0].into_iter().flat_map(|m| [1.2, 1.75, 2.5].map(|h| (m, h)))
+    {
+        for beams in [360, 720] {
+            let seen = scan_as_far_as(60.0, beams, &bent(radius_m, half_m), all);
+            assert_eq!(walls(&seen), 2, "radius {radius_m} m, half width {half_m} m, {beams} beams");
+        }
+    }
 }
 
 #[test]
