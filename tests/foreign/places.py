@@ -41,7 +41,7 @@ from effects import EFFECTS
 from sight import Beams, Place, Unclear, directions
 from writing import FIRST_STAMP_NS, LASER_SCAN, LASER_SCAN_DEFINITION, PERIOD_NS, scan_message
 
-ARM_M = 70.0  # longer than any range
+ARM_M = 110.0  # longer than any range
 WALL_CLEARANCE_M = 0.5
 
 
@@ -50,7 +50,7 @@ class Ground:
     """Free space, and where in it the sensor may stand: no further than `near_m` from the origin."""
 
     free: shapely.Geometry
-    near_m: float = 15.0
+    near_m: float = 30.0
     roughest_m: float = 0.2
 
 
@@ -297,8 +297,8 @@ def draw(ground: Ground, rng: np.random.Generator, redrawn: int) -> Place:
 
 
 def any_beams(rng: np.random.Generator) -> Beams:
-    count = int(rng.choice([180, 360, 720, 1080], p=[0.1, 0.7, 0.1, 0.1]))
-    range_max_m = rng.uniform(10, 40)
+    count = int(rng.choice([180, 360, 720, 1080, 1800], p=[0.1, 0.55, 0.1, 0.1, 0.15]))
+    range_max_m = np.exp(rng.uniform(np.log(10), np.log(100)))
     if rng.random() < 0.75:
         return Beams(count, -np.pi, 2 * np.pi / count, range_max_m, full_turn=True)
     view_rad = np.radians(rng.uniform(180, 270))

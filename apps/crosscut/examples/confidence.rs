@@ -54,10 +54,10 @@ fn main() -> anyhow::Result<()> {
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     answers.iter().for_each(|answer| scoreboard.add(&answer.family, 0, &answer.score));
-    let [one, opening, gap, unseen, ratio, apart, islands, margin] = BETA;
+    let [one, opening, gap, unseen, longest, ratio, apart, islands, margin] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {ratio}, {apart}, {islands}, {margin}) \
-         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i, m)\n"
+        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {longest}, {ratio}, {apart}, {islands}, {margin}) \
+         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &markdown(table);

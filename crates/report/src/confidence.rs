@@ -6,7 +6,7 @@
 //! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is
 //! as sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln r, φ, i, m)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)
 //! ```
 //! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
 //! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the
@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.12, 0.36, -0.84, -0.31, 0.48, 4.2, -0.55, 2.34];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.07, 0.41, -0.74, -0.27, -0.47, 0.42, 4.35, -0.69, 2.96];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).
@@ -47,6 +47,8 @@ pub struct Grounds {
     pub most_within_walls_m: f64,
     /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
     pub unseen_within_walls_rad: f64,
+    /// l: the length of the longest such gap, metres.
+    pub longest_within_walls_m: f64,
     /// r: the width of the narrowest opening as a part of that of the widest; those that the end of the view cuts
     /// aside.
     pub narrowest_to_widest: f64,
@@ -60,7 +62,7 @@ pub struct Grounds {
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 8;
+    pub const INPUTS: usize = 9;
 
     /// Of an answer that has walls, with the margin of its spectrum; `None` without a wall, or without beams.
     pub fn of(
@@ -91,6 +93,7 @@ impl Grounds {
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             unseen_within_walls_rad: 0.0,
+            longest_within_walls_m: 0.0,
             narrowest_to_widest: narrowest_to_widest(answer),
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
@@ -105,6 +108,8 @@ impl Grounds {
             } else if !sides.are_two_walls() {
                 let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
                 grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
+                let [from_m, to_m] = edge_m;
+                grounds.longest_within_walls_m = grounds.longest_within_walls_m.max((to_m - from_m).norm());
                 let clearance_m = clearance_m(&sides);
                 if clearance_m > grounds.most_within_walls_m {
                     let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
@@ -121,9 +126,11 @@ impl Grounds {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
         let unseen = self.unseen_within_walls_rad.to_degrees().clamp(UNSEEN_DEG[0], UNSEEN_DEG[1]).ln();
+        let longest = (self.longest_within_walls_m / vehicle_width_m).max(1.0).ln();
         let ratio = self.narrowest_to_widest.max(LEAST_RATIO).ln();
         let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
-        [1.0, opening, gap, unseen, ratio, self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)), margin]
+        let (apart, islands) = (self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)));
+        [1.0, opening, gap, unseen, longest, ratio, apart, islands, margin]
     }
 }
 

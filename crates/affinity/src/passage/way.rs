@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, tangent};
+use super::tangent::tangent;
 
 // Widths are shares of the place's size: so wide at least is a gap that is a way on.
 
