@@ -130,13 +130,13 @@ impl Judge<'_> {
         };
         let plain = if is_clear && !is_corner { self.room_ratio_in_plain_sight(gap, turns, clear_m) } else { 0.0 };
         let in_mouth = if is_clear { self.room_ratio_in_mouth(gap, turns, inside_m) } else { 0.0 };
-        let is_deep = is_clear && !is_corner && farther_aside_m < -INSIDE_M;
-        let into_side = if is_deep { self.room_ratio_into_side_passage(gap) } else { 0.0 };
         let blank_needs_m =
             self.blank_needs_m(gap.ends, || turns.whole_rad).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = [by_width, seen_inside, before_face, in_front, plain, in_mouth].into_iter().fold(0.0, f64::max);
-        room.min(clear_m / self.limits.passage_m).max(blank).max(into_side)
+        let room = room.min(clear_m / self.limits.passage_m).max(blank);
+        let is_deep = is_clear && !is_corner && farther_aside_m < -INSIDE_M;
+        if room < 1.0 && is_deep { room.max(self.room_ratio_into_side_passage(gap)) } else { room }
     }
 
     /// How deep behind the nearer wall a bump at its end hides the farther one: the deeper, the farther that is behind it.
