@@ -123,10 +123,10 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 ///    or if that is small beside the place, whose size is the median range: less than `clear_share` of it, or than a
 ///    smaller share if the gap is dark or T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a
 ///    tunnel recede. It can as well where nothing is seen over a wide angle, or in a door where no beams get lost, before
-///    the face of a corner or of a side passage, where a gap is in plain sight and wider, or the farther wall deeper behind the nearer one,
-///    than a bump hides, and where that is seen through a mouth; not where the other side of the place meets the nearer
-///    wall in a corner, or where the next beam meets what goes on along its line, no farther away than the spacing of
-///    its returns lets expect: nothing is hidden then.
+///    the face of a corner or of a side passage, where a gap is in plain sight and wider, or the farther wall deeper
+///    behind the nearer one, than a bump hides, and where that is seen through a mouth; not where the other side of the
+///    place meets the nearer wall in a corner, or where the next beam meets what goes on along its line, no farther away
+///    than the spacing of its returns lets expect: nothing is hidden then.
 ///    Pieces join at the least |T| first, so that directions come from ever longer walls.
 /// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small,
 ///    or alone, joins anew. What is left over goes to the nearer of the walls beside it.
