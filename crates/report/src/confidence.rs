@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.96, 0.41, -0.74, -0.26, -0.46, 0.4, 4.38, -0.68, 2.82];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.01, 0.41, -0.74, -0.27, -0.48, 0.41, 4.37, -0.67, 2.9];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).

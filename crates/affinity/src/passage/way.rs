@@ -24,6 +24,8 @@ const INSIDE_CORNER_BUMPS: f64 = 10.0;
 const FACE_M: f64 = 0.3;
 const FACE_RAD: f64 = 80.0 * PI / 180.0;
 const FACE_SHARE: f64 = 0.75;
+/// A side passage is so many times as wide as the vehicle, which turns into it; less may be a niche.
+const SIDE_TIMES: f64 = 2.0;
 
 /// Where hardly a beam looks between two walls that turn by this much, a gap is a way on in any place if it is wider than
 /// the vehicle by so many times the roughness of the walls, more where they hardly turn: no bump of theirs hides as much.
@@ -157,7 +159,7 @@ impl Judge<'_> {
     /// seen of the face and behind it, and no bump hides as much; the face begins deep behind the nearer wall, as that of
     /// no corner does. The line of the farther wall says little here: it is that of the face, or of the wall behind it.
     fn room_ratio_into_side_passage(&self, gap: &Gap<'_>) -> f64 {
-        let room = gap.chord.norm() / (self.limits.passage_m + PLAIN_BUMPS * self.roughness_m);
+        let room = gap.chord.norm() / (SIDE_TIMES * self.limits.passage_m + PLAIN_BUMPS * self.roughness_m);
         let is_passage = room >= 1.0 && self.face_turn_rad(gap) >= FACE_RAD && self.fits_into_mouth(gap);
         if is_passage { room } else { 0.0 }
     }
