@@ -6,6 +6,7 @@ import time
 import traceback
 from pathlib import Path
 
+import carmen
 import determinism
 import elsewhere
 import killing
@@ -28,6 +29,7 @@ CHECKS = {
     "mcap_io": mcap_io,
     "determinism": determinism,
     "elsewhere": elsewhere,
+    "carmen": carmen,
 }
 # Needs a program with the feature `web`, and a browser.
 ON_DEMAND = {"browser": web_viewer}
