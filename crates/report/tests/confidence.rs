@@ -134,6 +134,17 @@ fn a_stretch_of_wall_that_is_not_seen_speaks_against_an_answer() {
 }
 
 #[test]
+fn a_long_gap_within_a_wall_speaks_against_an_answer_though_few_beams_look_into_it() {
+    let (plain, sure) = grounds(&tunnel());
+    // Of the left wall, 1.75 m away, from 5 m to 10 m ahead.
+    let hidden = 1.75_f64.atan2(10.0)..1.75_f64.atan2(5.0);
+    let (gap, unsure) = grounds_of(scan(&tunnel(), 360, |bearing| hidden.contains(&bearing)));
+    assert!((gap.longest_within_walls_m - 5.0).abs() < 1.0, "{gap:?}");
+    assert!(plain.longest_within_walls_m < 2.5, "{plain:?}");
+    assert!(unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
 fn beams_far_apart_speak_against_any_answer() {
     let with_beams = |beams: usize| grounds_of(scan(&tunnel(), beams, |_| false)).1;
     assert!(with_beams(90) > 0.9, "{}", with_beams(90));
