@@ -7,7 +7,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from mcap_ros2.writer import Writer
 
 import writing
 from flights import Flights
@@ -39,7 +38,7 @@ def check(flights: Flights, verdicts: Verdicts):
     for log in logs:
         scans = list(scans_of(log))
         path = folder / f"{log.stem}.mcap"
-        write(path, scans)
+        writing.write_scans(path, ((s.first_rad, s.step_rad, s.range_max_m, s.ranges_m) for s in scans))
         results = lines(flights.crosscut.results(path, preset="default").expect(0).stdout)
         told = [scan.ranges_m < scan.range_max_m for scan in scans]
         right = [np.array_equal(np.array(line["labels"]) != -1, seen) for line, seen in zip(results, told)]
@@ -73,12 +72,3 @@ def scans_of(log: Path) -> Iterator[Scan]:
             remissions = int(fields[8 + count])
             pose = fields[9 + count + remissions :][:3]
             yield Scan(first_rad, step_rad, farthest_m, ranges_m, tuple(pose))
-
-
-def write(path: Path, scans: list[Scan]):
-    with path.open("wb") as file, Writer(file) as writer:
-        schema = writer.register_msgdef(writing.LASER_SCAN, writing.LASER_SCAN_DEFINITION)
-        for i, scan in enumerate(scans):
-            stamp_ns = writing.FIRST_STAMP_NS + i * writing.PERIOD_NS
-            message = writing.scan_message(scan.first_rad, scan.step_rad, scan.range_max_m, scan.ranges_m, stamp_ns)
-            writer.write_message("/scan", schema, message, log_time=stamp_ns, publish_time=stamp_ns, sequence=i)

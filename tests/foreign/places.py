@@ -32,14 +32,12 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from mcap_ros2.writer import Writer as Ros2Writer
 from shapely import LineString, Point, Polygon, affinity, box
 
 import sight
 import writing
 from effects import EFFECTS
 from sight import Beams, Place, Unclear, directions
-from writing import FIRST_STAMP_NS, LASER_SCAN, LASER_SCAN_DEFINITION, PERIOD_NS, scan_message
 
 ARM_M = 110.0  # longer than any range
 WALL_CLEARANCE_M = 0.5
@@ -370,13 +368,8 @@ TRUTH_SCHEMA = Path(__file__).parents[2] / "crates/messages/src/truth.schema.jso
 
 def write(path: Path, places: list[Place]):
     """The places at 10 Hz as `/scan`, each with its `/truth` at the same time."""
-    with path.open("wb") as file, Ros2Writer(file) as writer:
-        schema = writer.register_msgdef(LASER_SCAN, LASER_SCAN_DEFINITION)
-        for i, place in enumerate(places):
-            stamp_ns = FIRST_STAMP_NS + i * PERIOD_NS
-            beams = place.beams
-            scan = scan_message(beams.first_rad, beams.step_rad, beams.range_max_m, place.ranges_m, stamp_ns)
-            writer.write_message("/scan", schema, scan, log_time=stamp_ns, sequence=i)
+    seen = ((place.beams, place.ranges_m) for place in places)
+    writing.write_scans(path, ((by.first_rad, by.step_rad, by.range_max_m, ranges_m) for by, ranges_m in seen))
     # The writer of ROS 2 writes nothing else: what it wrote is written again, with the truth in between.
     scans = writing.messages_of(path)
     truths = [truth_message(place, scan) for place, scan in zip(places, scans)]

@@ -82,6 +82,15 @@ def write_ros2(
                 writer.write_message(topic, scan_schema, message_of(scene, stamp_ns), log_time=stamp_ns, sequence=i)
 
 
+def write_scans(path: Path, scans: Iterable[tuple[float, float, float, np.ndarray]]):
+    """Scans of any geometry at 10 Hz, each its first bearing, step, range limit and ranges, through the ROS 2 writer."""
+    with path.open("wb") as file, Ros2Writer(file) as writer:
+        schema = writer.register_msgdef(LASER_SCAN, LASER_SCAN_DEFINITION)
+        for i, scan in enumerate(scans):
+            stamp_ns = FIRST_STAMP_NS + i * PERIOD_NS
+            writer.write_message("/scan", schema, scan_message(*scan, stamp_ns), log_time=stamp_ns, sequence=i)
+
+
 @dataclass(frozen=True)
 class Message:
     """One message of a recording, undecoded."""

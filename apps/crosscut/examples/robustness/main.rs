@@ -49,9 +49,9 @@ const PAGE: &str = "\
 
 Preset `default`, nothing retuned. Each number is the share of right answers, in %, of 100 places with 1 to 5 branches,
 bumps of 5 cm, 15 m range unless it is said, whose seeds are not those of any suite; 95 % of the time it is within 4
-points of the true share where it is 97. What is wrong at 1.2 m are mostly far ends of branches, where the returns of one wall are metres apart, more
-than the branch is wide. `cargo run --release -p crosscut --no-default-features --example robustness -- docs/robustness`
-makes this page and its figure.
+points of the true share where it is 97. What is wrong at 1.2 m are mostly far ends of branches, where the returns of one
+wall are metres apart, more than the branch is wide. `cargo run --release -p crosscut --no-default-features --example
+robustness -- docs/robustness` makes this page and its figure.
 ";
 
 const RANGE_TEXT: &str = "\
@@ -134,9 +134,10 @@ impl Method {
         Ok(cell)
     }
 
-    /// A row of cells, from the narrowest to the widest.
-    fn row(&mut self, places: impl Fn(f64) -> Places) -> anyhow::Result<Vec<Cell>> {
-        WIDTHS_M.iter().map(|&width_m| self.cell(&places(width_m))).collect()
+    /// A row of cells for each of these, from the narrowest to the widest.
+    fn rows<T: Copy>(&mut self, of: &[T], places: impl Fn(T, f64) -> Places) -> anyhow::Result<Vec<Vec<Cell>>> {
+        let mut row = |&each: &T| WIDTHS_M.iter().map(|&width_m| self.cell(&places(each, width_m))).collect();
+        of.iter().map(&mut row).collect()
     }
 }
 
@@ -154,23 +155,17 @@ fn places_with_pillars(width_m: f64, lidar: Lidar) -> Places {
 fn main() -> anyhow::Result<()> {
     let folder = std::env::args().nth(1).context("say a folder to write to")?;
     let mut method = Method::new()?;
-    let by_beams = BEAMS.map(|beams| method.row(|width_m| places(width_m, Lidar { beams, ..Lidar::CLEAN })));
-    let by_beams = by_beams.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let by_beams = method.rows(&BEAMS, |beams, width_m| places(width_m, Lidar { beams, ..Lidar::CLEAN }))?;
     let by_range =
-        RANGES_M.map(|range_max_m| method.row(|width_m| places(width_m, Lidar { range_max_m, ..Lidar::CLEAN })));
-    let by_range = by_range.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    let by_view = VIEWS_DEG.map(|view_deg| {
+        method.rows(&RANGES_M, |range_max_m, width_m| places(width_m, Lidar { range_max_m, ..Lidar::CLEAN }))?;
+    let by_view = method.rows(&VIEWS_DEG, |view_deg, width_m| {
         let full_turn = view_deg == 360.0;
         let beams = (view_deg * BEAMS_PER_DEG) as usize + usize::from(!full_turn);
-        let lidar = Lidar { beams, field_of_view_rad: view_deg.to_radians(), ..Lidar::CLEAN };
-        method.row(|width_m| places(width_m, lidar))
-    });
-    let by_view = by_view.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    let by_edges = EDGES.map(|(_, mixed_at_edges, loss_at_edges)| {
-        let lidar = Lidar { mixed_at_edges, loss_at_edges, ..Lidar::CLEAN };
-        method.row(|width_m| places_with_pillars(width_m, lidar))
-    });
-    let by_edges = by_edges.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+        places(width_m, Lidar { beams, field_of_view_rad: view_deg.to_radians(), ..Lidar::CLEAN })
+    })?;
+    let by_edges = method.rows(&EDGES, |(_, mixed_at_edges, loss_at_edges), width_m| {
+        places_with_pillars(width_m, Lidar { mixed_at_edges, loss_at_edges, ..Lidar::CLEAN })
+    })?;
 
     let beams = BEAMS.map(|beams| format!("{beams} beams"));
     let ranges = RANGES_M.map(|range_max_m| format!("{range_max_m} m"));

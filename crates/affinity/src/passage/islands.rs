@@ -141,10 +141,9 @@ fn hides(ring: &Ring, piece: &[usize], end: End, next: &[usize]) -> bool {
     let apart = ring.beams_apart(tip, outer);
     let behind_m = ring.range_m(outer) - ring.range_m(tip);
     let aside_m = ring.range_m(tip) * apart.min(STEP_BEAMS) as f64 * ring.step_rad;
-    let spacing_m = ring.distance_m(tip, inner) / ring.beams_apart(tip, inner).max(1) as f64;
     behind_m > BEHIND_M
         && aside_m < STEEP * behind_m
-        && ring.distance_m(tip, outer) > SPACINGS * spacing_m * apart.min(STEP_BEAMS) as f64
+        && ring.distance_m(tip, outer) > SPACINGS * ring.spacing_m(tip, inner) * apart.min(STEP_BEAMS) as f64
 }
 
 /// The line of a wall that runs towards a return.

@@ -123,6 +123,11 @@ impl Ring {
         if self.full_turn { apart.min(self.beams - apart) } else { apart }
     }
 
+    /// How far it is from one return to the other for each beam between them.
+    pub(super) fn spacing_m(&self, i: usize, j: usize) -> f64 {
+        self.distance_m(i, j) / self.beams_apart(i, j).max(1) as f64
+    }
+
     /// How many beams it is from a return anticlockwise to another.
     pub(super) fn beams_from(&self, from: usize, to: usize) -> usize {
         (self.returns[to].beam + self.beams - self.returns[from].beam) % self.beams

@@ -225,13 +225,9 @@ impl Judge<'_> {
     /// the inner wall of a bend, along whose line it looks, a beam meets the outer one much farther away.
     fn is_in_reach(&self, gap: &Gap<'_>) -> bool {
         let (near, end) = gap.nearer();
-        let (p, q) = gap.ends;
-        let back = REACH_SPACINGS.min(near.len() - 1);
-        let (last, before) = (end.at(near, 0), end.at(near, back));
-        let beams =
-            if gap.a_is_nearer { self.ring.beams_from(before, last) } else { self.ring.beams_from(last, before) };
-        let spacing_m = self.ring.distance_m(last, before) * self.ring.beams_from(p, q) as f64 / beams.max(1) as f64;
-        gap.chord.norm() <= (REACH_TIMES * spacing_m).min(REACH_SHARE * self.size_m)
+        let (last, before) = (end.at(near, 0), end.at(near, REACH_SPACINGS.min(near.len() - 1)));
+        let next_m = self.ring.spacing_m(last, before) * self.ring.beams_from(gap.ends.0, gap.ends.1) as f64;
+        gap.chord.norm() <= (REACH_TIMES * next_m).min(REACH_SHARE * self.size_m)
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
