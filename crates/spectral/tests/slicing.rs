@@ -79,3 +79,40 @@ fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition()
     let (compared, undecided, fallbacks) = (compared.get(), undecided.get(), fallbacks.get());
     assert!(compared > 280 && fallbacks < 5, "{compared} compared, {undecided} undecided, {fallbacks} in full");
 }
+
+/// Groups of 8 returns in a ring, whose neighbours are tied weakly; and beside them, not connected with them, a chain.
+/// Of the trace of D^-1/2 W D^-1/2 the chain has most, of the smallest eigenvalues the groups.
+fn groups_and_a_chain() -> Affinity {
+    let (groups, size, chain) = (15, 8, 120);
+    let ring = groups * size;
+    let weight = |i: usize, j: usize| match (i < ring, j < ring) {
+        (true, true) if i / size == j / size => 1.0,
+        (true, true) if i.is_multiple_of(size) && j.is_multiple_of(size) => {
+            let apart = (i / size).abs_diff(j / size);
+            if apart == 1 || apart == groups - 1 { 0.01 } else { 0.0 }
+        }
+        (false, false) if i.abs_diff(j) <= 1 => 1.0,
+        _ => 0.0,
+    };
+    let n = ring + chain;
+    let mut affinity = Affinity::default();
+    let w = affinity.weights.make_dense(n);
+    for j in 0..n {
+        (0..n).for_each(|i| w[(i, j)] = weight(i, j));
+    }
+    affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
+    affinity
+}
+
+#[test]
+fn a_part_that_has_more_of_the_smallest_eigenvalues_than_its_share_gives_them_all() {
+    let (affinity, rule) = (groups_and_a_chain(), ZeroRule::Tolerance(TOLERANCE));
+    let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+    for eigenvalues in [2, 8, EIGENVALUES] {
+        let (found, _) = spectrum(&mut Slicing::new(rule, eigenvalues as u32).expect("allowed"), &affinity);
+        assert_eq!((found.k, found.eigenvalues.len()), (2, eigenvalues.max(3)));
+        for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
+            assert!((ours - full).abs() <= 1e-10, "λ_{j} of {eigenvalues}: {ours} is {full}");
+        }
+    }
+}

@@ -35,6 +35,12 @@ impl Unseen {
         Some(first as u32)
     }
 
+    /// Takes back what has been found.
+    pub(crate) fn put_back(&mut self, l: &Normalised<'_>, members: &[u32]) {
+        members.iter().for_each(|&i| self.scale[i as usize] = l.scale[i as usize]);
+        self.count += members.len();
+    }
+
     /// Moves those that are connected with return `j` to the end of `found`, from the least degree to larger ones.
     ///
     /// One return after the other as they come to stand in `found`, that is the order of Cuthill and McKee.

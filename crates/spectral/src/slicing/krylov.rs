@@ -2,19 +2,21 @@
 
 use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, unzip, zip};
+use faer::{Accum, ColRef, Mat, MatRef, Par, concat, unzip, zip};
 
 use super::envelope::Envelope;
 use super::normalised::{Normalised, product};
-use crate::decomposition::Decomposition;
+use super::tall;
+use super::tridiagonal::Tridiagonal;
 use crate::dot::dot;
 
 /// Columns of a block at least, and how many more than there are eigenvalues below the shift.
 const COLUMNS: usize = 4;
 const SPARE: usize = 2;
-/// Before so many blocks, and so many columns for each eigenvalue, it is not looked whether they suffice.
+/// Before so many blocks, and if more than the zeros and the next are wanted so many columns for each eigenvalue
+/// beside, it is not looked whether they suffice: of as many nearly half would not.
 const LEAST_BLOCKS: usize = 4;
-const LEAST_SHARE: usize = 3;
+const LEAST_SHARE: usize = 2;
 /// Columns at most, for each eigenvalue and beside.
 const MOST_SHARE: usize = 6;
 const MOST_BESIDE: usize = 48;
@@ -34,7 +36,7 @@ const DEPENDENT: f64 = 1e-10;
 #[derive(Default)]
 pub(crate) struct Krylov {
     space: Space,
-    small: Decomposition,
+    small: Tridiagonal,
     values: Vec<f64>,
 }
 
@@ -86,7 +88,8 @@ impl Krylov {
         wanted: usize,
     ) -> Result<Option<Lowest>, StageError> {
         let columns = (envelope.below() + SPARE).max(COLUMNS);
-        let least = (LEAST_BLOCKS * columns).max(LEAST_SHARE * wanted);
+        let beyond = if wanted > envelope.below() + 1 { LEAST_SHARE * wanted } else { 0 };
+        let least = LEAST_BLOCKS * columns + beyond;
         self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
         while self.space.grow(envelope) {
             if self.space.dimension >= least
@@ -115,24 +118,40 @@ impl Krylov {
         let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
         let needed = Needed { n: envelope.n(), below: envelope.below(), outside };
 
-        let y = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
         let inverses: Vec<f64> = chosen.iter().map(|&j| values[j].recip()).collect();
-        let (z, beyond) = space.step(y.as_ref(), &inverses);
-        let small_enough = |j: usize| needed.is_met(j, envelope.shift() + inverses[j], beyond[j] * inverses[j].abs());
+        let beyond = space.beyond(&small.last_rows(space.columns, &chosen), &inverses);
+        let lengths: Vec<f64> = (0..wanted).map(|j| beyond.col(j).norm_l2()).collect();
+        let small_enough = |j: usize| needed.is_met(j, envelope.shift() + inverses[j], lengths[j] * inverses[j].abs());
         if !(0..wanted).all(small_enough) {
             return Ok(None);
         }
+        // Sums of y, and those of z = V y + (the next block) R y / ν in the basis.
+        let sums = |weights: MatRef<'_, f64>| {
+            let y = small.sums(&chosen, weights);
+            let z = concat![[y], [product(beyond.as_ref(), weights)]];
+            (y, z)
+        };
         let below = envelope.below().min(wanted);
-        let [of_others, stepped] = [&y, &z].map(|columns| columns.subcols(below, wanted - below));
+        // Each of the zeros; of the others random sums of the vectors, and of the vectors / ν.
+        let signs: Vec<f64> = (0..wanted).map(|_| random(&mut space.noise).signum()).collect();
+        let weights = Mat::from_fn(wanted, below + 2, |j, column| match (j < below, column.checked_sub(below)) {
+            (true, None) => f64::from(u8::from(j == column)),
+            (false, Some(0)) => signs[j],
+            (false, Some(_)) => signs[j] * inverses[j],
+            _ => 0.0,
+        });
+        let (y, z) = sums(weights.as_ref());
         // Of few it costs as much to know whether they are right as to settle them.
-        let sound =
-            wanted - below > FEW && space.step_error(l, envelope, of_others, stepped, &inverses[below..]) <= ERROR;
-        let unsettled = if sound { below } else { wanted };
-        let mut turn = z.subcols(0, unsettled).to_owned();
+        let sound = wanted - below > FEW && space.step_error(l, envelope, z.col(below), y.col(below + 1)) <= ERROR;
+        let (unsettled, mut turn) = if sound {
+            (below, z.subcols(0, below).to_owned())
+        } else {
+            (wanted, sums(Mat::<f64>::identity(wanted, wanted).as_ref()).1)
+        };
         make_orthonormal(&mut turn, &mut space.noise);
         let vectors = product(space.basis.subcols(0, space.dimension), turn.as_ref());
         let Some(mut lowest) = self.settle(l, envelope, vectors, &needed)? else { return Ok(None) };
-        let quotient = |j: usize| envelope.shift() + inverses[j] / (1.0 + beyond[j] * beyond[j]);
+        let quotient = |j: usize| envelope.shift() + inverses[j] / (1.0 + lengths[j] * lengths[j]);
         lowest.eigenvalues.extend((unsettled..wanted).map(quotient));
         let found = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
         Ok((found == below).then_some(lowest))
@@ -152,7 +171,8 @@ impl Krylov {
         for _ in 0..=CORRECTIONS {
             let image = l.times(envelope.members(), &vectors);
             self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
-            let turn = Mat::from_fn(wanted, wanted, |i, j| self.small.eigenvector(j)[i]);
+            let all: Vec<usize> = (0..wanted).collect();
+            let turn = self.small.sums(&all, Mat::<f64>::identity(wanted, wanted).as_ref());
             vectors = product(vectors.as_ref(), turn.as_ref());
             let mut residuals = product(image.as_ref(), turn.as_ref());
             let mut settled = true;
@@ -224,7 +244,7 @@ impl Space {
         // X is symmetric: of the blocks before the last two there is no more in the image than what rounding leaves.
         let back = from.saturating_sub(*columns);
         let basis = basis.subcols(back, *dimension - back);
-        let known = product(basis.transpose(), image.as_ref());
+        let known = projection(basis, image.as_ref());
         for j in 0..*columns {
             for (i, row) in (back..*dimension).enumerate() {
                 projected[(row, from + j)] = known[(i, j)];
@@ -236,30 +256,25 @@ impl Space {
         true
     }
 
-    /// The coordinates of z = V y + (the next block) R y / ν for each y, and ‖R y / ν‖.
-    fn step(&self, y: MatRef<'_, f64>, inverses: &[f64]) -> (Mat<f64>, Vec<f64>) {
-        let mut beyond = product(self.remainder.as_ref(), y.subrows(y.nrows() - self.columns, self.columns));
+    /// R y / ν of each y, of which `last` are the last rows.
+    fn beyond(&self, last: &Mat<f64>, inverses: &[f64]) -> Mat<f64> {
+        let mut beyond = product(self.remainder.as_ref(), last.as_ref());
         for (j, inverse) in inverses.iter().enumerate() {
             beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
         }
-        let entry = |i, j| if i < y.nrows() { y[(i, j)] } else { beyond[(i - y.nrows(), j)] };
-        let z = Mat::from_fn(self.dimension, y.ncols(), entry);
-        (z, (0..y.ncols()).map(|j| beyond.col(j).norm_l2()).collect())
+        beyond
     }
 
-    /// How far (L - shift·I) z is from V y / ν, for a random sum of such z and y.
+    /// How far (L - shift·I) z is from V y / ν, for a sum of such z and of such y / ν.
     fn step_error(
-        &mut self,
+        &self,
         l: &Normalised<'_>,
         envelope: &Envelope,
-        y: MatRef<'_, f64>,
-        z: MatRef<'_, f64>,
-        inverses: &[f64],
+        z: ColRef<'_, f64>,
+        quotient: ColRef<'_, f64>,
     ) -> f64 {
-        let signs = Mat::from_fn(inverses.len(), 1, |_, _| random(&mut self.noise).signum());
-        let quotients = Mat::from_fn(inverses.len(), 1, |j, _| signs[(j, 0)] * inverses[j]);
-        let sum = product(self.basis.subcols(0, self.dimension), product(z, signs.as_ref()).as_ref());
-        let expected = product(self.basis.subcols(0, y.nrows()), product(y, quotients.as_ref()).as_ref());
+        let sum = product(self.basis.subcols(0, self.dimension), z.as_mat());
+        let expected = product(self.basis.subcols(0, quotient.nrows()), quotient.as_mat());
         let mut image = l.times(envelope.members(), &sum);
         zip!(image.as_mut(), sum.as_ref(), expected.as_ref())
             .for_each(|unzip!(image, z, expected)| *image -= envelope.shift() * z + expected);
@@ -270,7 +285,7 @@ impl Space {
     fn append(&mut self, mut block: Mat<f64>) {
         let basis = self.basis.subcols(0, self.dimension);
         let project = |block: &mut Mat<f64>| {
-            let along = product(basis.transpose(), block.as_ref());
+            let along = projection(basis, block.as_ref());
             matmul(block.as_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
         };
         // X makes what rounding leaves of the zeros large again; once more is enough.
@@ -284,6 +299,13 @@ impl Space {
         self.basis.subcols_mut(self.dimension, block.ncols()).copy_from(&block);
         self.dimension += block.ncols();
     }
+}
+
+/// aᵀ x.
+fn projection(a: MatRef<'_, f64>, x: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.ncols(), x.ncols());
+    tall::add_transposed(out.as_mut(), 1.0, a, x);
+    out
 }
 
 /// Makes the columns of `block` orthonormal; returns R, `block` was what it is now times R. A column in which nothing

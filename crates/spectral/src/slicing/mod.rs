@@ -4,6 +4,8 @@ mod connected;
 mod envelope;
 mod krylov;
 mod normalised;
+mod tall;
+mod tridiagonal;
 
 use crosscut_stage::{
     Affinity, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError, Value, Weights,
@@ -19,9 +21,11 @@ use envelope::Envelope;
 use krylov::{Krylov, Lowest};
 use normalised::Normalised;
 
-/// Parts of fewer returns, or fewer for each eigenvalue, are decomposed in full, which is faster then.
-const FEWEST_RETURNS: usize = 24;
-const RETURNS_PER_EIGENVALUE: usize = 5;
+/// Parts of fewer returns, and so many more for each eigenvalue, are decomposed in full, which is faster then.
+const FEWEST_RETURNS: usize = 20;
+const RETURNS_PER_EIGENVALUE: usize = 4;
+/// Eigenvalues of a part beyond its share.
+const SPARE: usize = 2;
 
 const EIGENVALUES: ParamSpec = ParamSpec {
     name: "eigenvalues",
@@ -46,6 +50,9 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 ///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
 ///    decomposed in full, with a note.
 ///
+/// Of the eigenvalues that are asked for, of a block its share of the trace of D^-1/2 W D^-1/2 is computed first, and all
+/// of them only if the block may have more.
+///
 /// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10, or to 1e-8
 /// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
 /// within 100·n·ε of τ.
@@ -61,6 +68,14 @@ pub struct Slicing {
 struct Part {
     members: Vec<u32>,
     lowest: Lowest,
+}
+
+impl Part {
+    /// Whether there may be more of the `wanted` lowest eigenvalues of all parts, up to `last`, in this one.
+    fn may_lack(&self, wanted: usize, last: f64) -> bool {
+        let known = &self.lowest.eigenvalues;
+        known.len() < wanted.min(self.members.len()) && known.last().is_none_or(|&highest| highest < last)
+    }
 }
 
 impl Slicing {
@@ -83,11 +98,12 @@ impl Slicing {
         }
     }
 
-    /// The zeros and the next eigenvalue, or as many as are asked for, of the part of return `first`.
+    /// The zeros and the next eigenvalue, or `eigenvalues` of the returns if that is more, of the part of return `first`.
     fn solve(
         &mut self,
         l: &Normalised<'_>,
         first: u32,
+        eigenvalues: impl Fn(&[u32]) -> usize,
         unseen: &mut Unseen,
         notes: &mut Notes,
     ) -> Result<Part, StageError> {
@@ -99,19 +115,19 @@ impl Slicing {
         }
         let members = envelope.members().to_vec();
         let n = members.len();
-        let wanted = self.eigenvalues.max(envelope.below() + 1).min(n);
-        if n >= FEWEST_RETURNS.max(RETURNS_PER_EIGENVALUE * wanted) {
+        let wanted = eigenvalues(&members).max(envelope.below() + 1).min(n);
+        if n >= FEWEST_RETURNS + RETURNS_PER_EIGENVALUE * wanted {
             if factorised && let Some(lowest) = krylov.lowest(l, envelope, wanted)? {
                 return Ok(Part { members, lowest });
             }
             notes.add(format!("slicing: {n} connected returns by full decomposition"));
         }
-        let mut eigenvalues = Vec::new();
-        full.decompose(l.form(&members).as_ref(), &mut eigenvalues)?;
-        let below = eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
-        eigenvalues.truncate(self.eigenvalues.max(below + 1));
-        let vectors = Mat::from_fn(n, eigenvalues.len(), |i, j| full.eigenvector(j)[i]);
-        Ok(Part { members, lowest: Lowest { eigenvalues, vectors } })
+        let mut all = Vec::new();
+        full.decompose(l.form(&members).as_ref(), &mut all)?;
+        let below = all.partition_point(|&eigenvalue| eigenvalue < tolerance);
+        all.truncate(wanted.max(below + 1));
+        let vectors = Mat::from_fn(n, all.len(), |i, j| full.eigenvector(j)[i]);
+        Ok(Part { members, lowest: Lowest { eigenvalues: all, vectors } })
     }
 }
 
@@ -128,8 +144,21 @@ impl SpectralStage for Slicing {
         let l = Normalised::new(affinity, w)?;
         let mut unseen = Unseen::all(&l);
         let mut parts = Vec::new();
+        let all = self.eigenvalues;
+        let trace: f64 = l.degrees.iter().map(|degree| degree.recip()).sum();
+        let share = |members: &[u32]| {
+            let of_part: f64 = members.iter().map(|&i| l.degrees[i as usize].recip()).sum();
+            all.min((all as f64 * of_part / trace).ceil() as usize + SPARE)
+        };
         while let Some(first) = unseen.take_first() {
-            parts.push(self.solve(&l, first, &mut unseen, notes)?);
+            parts.push(self.solve(&l, first, share, &mut unseen, notes)?);
+        }
+        let last = last_of_all(&parts, all);
+        for part in parts.iter_mut().filter(|part| part.may_lack(all, last)) {
+            unseen.put_back(&l, &part.members);
+            if let Some(first) = unseen.take_first() {
+                *part = self.solve(&l, first, |_| all, &mut unseen, notes)?;
+            }
         }
         self.assemble(&parts, affinity.degrees.len(), out)
     }
@@ -169,6 +198,13 @@ impl Slicing {
         }
         Ok(())
     }
+}
+
+/// The last of the `wanted` lowest eigenvalues of what is known of the parts.
+fn last_of_all(parts: &[Part], wanted: usize) -> f64 {
+    let mut all: Vec<f64> = parts.iter().flat_map(|part| &part.lowest.eigenvalues).copied().collect();
+    all.sort_by(f64::total_cmp);
+    all.get(wanted - 1).copied().unwrap_or(f64::INFINITY)
 }
 
 fn dense(weights: &Weights) -> Mat<f64> {
