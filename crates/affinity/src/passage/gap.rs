@@ -235,6 +235,12 @@ impl<'p> Gap<'p> {
         Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
     }
 
+    /// The return at the nearer end, and that at the farther one.
+    pub(super) fn nearer_and_farther(&self) -> (usize, usize) {
+        let (p, q) = self.ends;
+        if self.a_is_nearer { (p, q) } else { (q, p) }
+    }
+
     /// The nearer piece, and its end at the gap.
     pub(super) fn nearer(&self) -> (&'p [usize], End) {
         if self.a_is_nearer { (self.a, End::Last) } else { (self.b, End::First) }

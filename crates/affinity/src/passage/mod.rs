@@ -7,6 +7,7 @@ mod gap;
 mod islands;
 mod joining;
 mod mixed;
+mod mouth;
 mod pieces;
 mod ring;
 mod roughness;

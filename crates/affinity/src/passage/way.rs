@@ -1,6 +1,6 @@
 //! What makes a gap a way on: how much room there is, and how much it needs.
 
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
 use super::ring::{Position, Ring, turn_rad};
@@ -32,11 +32,6 @@ const SIDE_TIMES: f64 = 2.0;
 const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
 const PLAIN_BUMPS: f64 = 70.0;
 const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
-/// What is seen so far across the line of the nearer wall, and so deep behind it over as wide a gap, is seen through a mouth: it
-/// is another wall, however straight it goes on from the nearer one, unless it turns back by more than a right angle.
-const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
-const MOUTH_M: f64 = 1.5;
-const MOUTH_BUMPS: f64 = 40.0;
 
 /// The nearer wall hides nothing if the next beam meets the farther one no farther behind its line than this share of the
 /// angle at which that wall is seen: a beam that passes its end goes on behind the line at the whole angle.
@@ -137,6 +132,9 @@ impl Judge<'_> {
         let blank = blank_needs_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m);
         let room = [by_width, seen_inside, before_face, in_front, plain, in_mouth].into_iter().fold(0.0, f64::max);
         let room = room.min(clear_m / self.limits.passage_m).max(blank);
+        if room >= 1.0 && is_clear && self.is_slit(gap) {
+            return 0.0;
+        }
         let is_deep = is_clear && !is_corner && farther_aside_m < -INSIDE_M;
         if room < 1.0 && is_deep { room.max(self.room_ratio_into_side_passage(gap)) } else { room }
     }
@@ -170,26 +168,6 @@ impl Judge<'_> {
         let turns_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turns.whole_rad);
         let is_plain = turns_enough && has_hardly_a_beam(self.ring, gap);
         if is_plain { clear_m / (self.limits.passage_m + bumps * self.roughness_m) } else { 0.0 }
-    }
-
-    /// The same in a mouth through which the farther wall is seen, so deep and so far across.
-    fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
-        let goes_on = (-FRAC_PI_2..self.limits.straight_rad).contains(&turns.whole_rad);
-        let is_across = goes_on && turns.near_rad < -MOUTH_RAD;
-        let room = deep_m / (MOUTH_M + MOUTH_BUMPS * self.roughness_m);
-        let is_mouth = is_across && room >= 1.0 && self.fits_into_mouth(gap) && !self.is_inner_corner(gap);
-        if is_mouth { room } else { 0.0 }
-    }
-
-    /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one on, as
-    /// far as a quarter turn.
-    fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
-        let (p, q) = gap.ends;
-        let (near, far, direction) = if gap.a_is_nearer { (p, q, 1) } else { (q, p, -1) };
-        let quarter_turn = (FRAC_PI_2 / self.ring.step_rad) as usize;
-        let onward = (1..self.ring.len() as isize).map_while(|steps| self.ring.after(far, direction * steps));
-        let mut seen = onward.take_while(|&other| self.ring.beams_apart(far, other) < quarter_turn);
-        seen.all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }
 
     /// How much the wall turns over [`FACE_M`].
@@ -241,7 +219,7 @@ impl Judge<'_> {
     }
 
     /// Whether the farther wall meets the line of the nearer one in a corner.
-    fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
+    pub(super) fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
         let (far, end) = gap.farther();
         let direction = if gap.a_is_nearer { gap.after } else { gap.before };
         if direction.dot(&gap.chord) <= 0.0 {
