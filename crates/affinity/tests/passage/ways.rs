@@ -244,6 +244,58 @@ fn a_wall_seen_through_a_mouth_is_another_one_though_it_goes_on_as_straight_as_t
 }
 
 #[test]
+fn a_wall_seen_at_a_slant_through_a_mouth_far_aside_is_another_one() {
+    for (from_m, near_m) in [(2.5, 2.0), (3.0, 2.0), (3.0, 2.4), (3.5, 2.6)] {
+        for drift_m in [2.0, 2.5, 3.0] {
+            let (to_m, far_m) = (from_m + 3.0, near_m + drift_m);
+            let side = [[[-3.0, near_m], [from_m, near_m]], [[to_m, near_m], [8.0, near_m]]];
+            let ends = [[[-3.0, -2.0], [-3.0, near_m]], [[8.0, -2.0], [8.0, near_m]]];
+            let along = [[[-3.0, -2.0], [8.0, -2.0]], [[-25.0, far_m], [25.0, far_m]]];
+            let found = walls(&scan_by(720, &[side, ends, along].concat(), all));
+            assert_eq!(found, 2, "from {from_m} m on, {near_m} m beside, a drift of {drift_m} m");
+        }
+    }
+}
+
+#[test]
+fn a_wall_seen_through_a_door_is_another_one_though_it_runs_as_the_wall_around_the_door_does() {
+    // A room of 6 m by 5 m, its door somewhere in one side, and a corridor along that side, 2 m wide.
+    for (from_m, door_m) in [(-2.8, 0.9), (-1.0, 0.9), (0.5, 1.0), (1.8, 1.1)] {
+        for beside_m in [1.0, 2.0, 3.5] {
+            let (left_m, right_m, near_m, far_m) = (-3.0, 3.0, beside_m, beside_m + 2.0);
+            let sides = [[[left_m, near_m - 5.0], [left_m, near_m]], [[right_m, near_m - 5.0], [right_m, near_m]]];
+            let door = [[[left_m, near_m], [from_m, near_m]], [[from_m + door_m, near_m], [right_m, near_m]]];
+            let ends = [[[left_m, near_m - 5.0], [right_m, near_m - 5.0]], [[-25.0, far_m], [25.0, far_m]]];
+            for bump_m in [0.0, 0.015] {
+                let room = scan_by(720, &[sides, door, ends].concat(), bumps(bump_m));
+                assert_eq!(walls(&room), 2, "{door_m} m from {from_m} m on, {beside_m} m ahead, bumps {bump_m} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_slit_that_no_vehicle_passes_parts_no_wall_though_another_one_is_seen_through_it() {
+    // A box half a metre and more in front of the wall on the left, and a slit between it and the next, of which the far
+    // side is seen.
+    let mut parted = Vec::new();
+    for wall_m in [2.3, 2.4, 2.5] {
+        for from_m in [0.3, 0.5, 1.0, 2.0, 3.0] {
+            for slit_m in [0.2, 0.3, 0.4] {
+                let to_m = from_m + slit_m;
+                let belt = [[[-30.0, 1.7], [from_m, 1.7]], [[to_m, 1.7], [30.0, 1.7]]];
+                let slit = [[[from_m, 1.7], [from_m, wall_m]], [[to_m, 1.7], [to_m, wall_m]]];
+                let sides = [[[-30.0, wall_m], [30.0, wall_m]], TUNNEL[1]];
+                if walls(&scan_by(720, &[belt, slit, sides].concat(), all)) != 2 {
+                    parted.push((wall_m, from_m, slit_m));
+                }
+            }
+        }
+    }
+    assert_eq!(parted, [], "the wall, from where on the slit, how wide");
+}
+
+#[test]
 fn a_wall_that_runs_away_behind_a_door_is_another_one() {
     // Through a door in the left wall one side of the room behind it is seen, which leads away from the tunnel.
     let door = [[[-30.0, 2.0], [3.0, 2.0]], [[5.5, 2.0], [30.0, 2.0]]];
