@@ -39,16 +39,16 @@ impl Judge<'_> {
     /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one on, as
     /// far as a quarter turn.
     pub(super) fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
-        let (near, far) = gap.nearer_and_farther();
-        self.onward(gap, far).all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
+        let (near, _) = gap.nearer_and_farther();
+        self.onward(gap, self.limits.passage_m).all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
     }
 
     /// Whether it is a slit between two pieces of a wall that no vehicle passes: a single return may be in its way and be
     /// none of a wall.
     pub(super) fn is_slit(&self, gap: &Gap<'_>) -> bool {
-        let (near, far) = gap.nearer_and_farther();
+        let (near, _) = gap.nearer_and_farther();
         let mut in_a_row = 0;
-        self.onward(gap, far).any(|other| {
+        self.onward(gap, self.limits.passage_m).any(|other| {
             in_a_row = if self.ring.are_apart(near, other, self.limits.passage_m) { 0 } else { in_a_row + 1 };
             in_a_row == SLIT_RETURNS
         })
@@ -58,8 +58,9 @@ impl Judge<'_> {
     /// seen, the next wall is nearer again, and a vehicle could pass between the two.
     fn behind_doorway_m(&self, gap: &Gap<'_>) -> Option<f64> {
         let (near, far) = gap.nearer_and_farther();
+        let widest_m = DOORWAY_TIMES * self.limits.passage_m;
         let mut last = far;
-        let jamb = self.onward(gap, far).find(|&other| {
+        let jamb = self.onward(gap, widest_m).find(|&other| {
             let before = std::mem::replace(&mut last, other);
             let is_nearer = self.ring.range_m(other) < self.ring.range_m(before);
             is_nearer && self.ring.are_apart(before, other, self.limits.passage_m)
@@ -67,20 +68,27 @@ impl Judge<'_> {
         let near_m = self.ring.position_m(near);
         let across = self.ring.position_m(jamb) - near_m;
         let (width_m, towards) = (across.norm(), if gap.a_is_nearer { gap.before } else { -gap.after });
-        let is_doorway = (self.limits.passage_m..=DOORWAY_TIMES * self.limits.passage_m).contains(&width_m)
-            && towards.dot(&across) >= DOORWAY_ALONG * width_m;
+        let is_doorway =
+            (self.limits.passage_m..=widest_m).contains(&width_m) && towards.dot(&across) >= DOORWAY_ALONG * width_m;
         // Behind is right of the way anticlockwise.
         let left_m = |i: usize| across.perp(&(self.ring.position_m(i) - near_m)) / width_m;
         let behind_m = |i: usize| if gap.a_is_nearer { -left_m(i) } else { left_m(i) };
-        let seen = std::iter::once(far).chain(self.onward(gap, far)).take_while(|&i| i != jamb);
+        let seen = std::iter::once(far).chain(self.onward(gap, widest_m)).take_while(|&i| i != jamb);
         is_doorway.then(|| seen.map(behind_m).fold(f64::INFINITY, f64::min))
     }
 
-    /// The returns after the farther end of a gap, `far`, away from the nearer one, as far as a quarter turn.
-    fn onward(&self, gap: &Gap<'_>, far: usize) -> impl Iterator<Item = usize> {
+    /// The returns after the farther end of a gap, away from the nearer one, as far as a quarter turn and as one can be
+    /// within `reach_m` of the nearer end.
+    fn onward(&self, gap: &Gap<'_>, reach_m: f64) -> impl Iterator<Item = usize> {
         let (ring, direction) = (self.ring, if gap.a_is_nearer { 1 } else { -1 });
-        let quarter_turn = (FRAC_PI_2 / ring.step_rad) as usize;
+        let (near, far) = gap.nearer_and_farther();
+        let beams = |angle_rad: f64| (angle_rad / ring.step_rad) as usize;
+        let quarter_turn = beams(FRAC_PI_2);
+        let share = reach_m / ring.range_m(near);
+        let most_from_near = if share < 1.0 { beams(share.asin()) } else { usize::MAX };
         let returns = (1..ring.len() as isize).map_while(move |steps| ring.after(far, direction * steps));
-        returns.take_while(move |&other| ring.beams_apart(far, other) < quarter_turn)
+        returns.take_while(move |&other| {
+            ring.beams_apart(far, other) < quarter_turn && ring.beams_apart(near, other) <= most_from_near
+        })
     }
 }
