@@ -31,17 +31,19 @@ fn walls() -> impl Strategy<Value = Affinity> {
         }
         let square =
             |i: usize, j: usize| (0..2).map(|axis| (points_m[i][axis] - points_m[j][axis]).powi(2)).sum::<f64>();
-        let n = points_m.len();
-        let mut affinity = Affinity::default();
-        let w = affinity.weights.make_dense(n);
-        for j in 0..n {
-            for i in 0..n {
-                w[(i, j)] = (-1.5 * square(i, j)).exp();
-            }
-        }
-        affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
-        affinity
+        dense(points_m.len(), |i, j| (-1.5 * square(i, j)).exp())
     })
+}
+
+/// n returns with such weights, and their degrees.
+fn dense(n: usize, weight: impl Fn(usize, usize) -> f64) -> Affinity {
+    let mut affinity = Affinity::default();
+    let w = affinity.weights.make_dense(n);
+    for j in 0..n {
+        (0..n).for_each(|i| w[(i, j)] = weight(i, j));
+    }
+    affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
+    affinity
 }
 
 #[test]
@@ -94,14 +96,7 @@ fn groups_and_a_chain() -> Affinity {
         (false, false) if i.abs_diff(j) <= 1 => 1.0,
         _ => 0.0,
     };
-    let n = ring + chain;
-    let mut affinity = Affinity::default();
-    let w = affinity.weights.make_dense(n);
-    for j in 0..n {
-        (0..n).for_each(|i| w[(i, j)] = weight(i, j));
-    }
-    affinity.degrees = (0..n).map(|j| w.col(j).iter().sum()).collect();
-    affinity
+    dense(ring + chain, weight)
 }
 
 #[test]

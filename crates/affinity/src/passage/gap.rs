@@ -241,6 +241,11 @@ impl<'p> Gap<'p> {
         if self.a_is_nearer { (p, q) } else { (q, p) }
     }
 
+    /// The direction in which the nearer wall runs towards its end.
+    pub(super) fn nearer_onward(&self) -> Position {
+        if self.a_is_nearer { self.before } else { -self.after }
+    }
+
     /// The nearer piece, and its end at the gap.
     pub(super) fn nearer(&self) -> (&'p [usize], End) {
         if self.a_is_nearer { (self.a, End::Last) } else { (self.b, End::First) }

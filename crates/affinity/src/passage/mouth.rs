@@ -39,19 +39,23 @@ impl Judge<'_> {
     /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one on, as
     /// far as a quarter turn.
     pub(super) fn fits_into_mouth(&self, gap: &Gap<'_>) -> bool {
-        let (near, _) = gap.nearer_and_farther();
-        self.onward(gap, self.limits.passage_m).all(|other| self.ring.are_apart(near, other, self.limits.passage_m))
+        self.leave_room(gap).all(|leaves_room| leaves_room)
     }
 
     /// Whether it is a slit between two pieces of a wall that no vehicle passes: a single return may be in its way and be
     /// none of a wall.
     pub(super) fn is_slit(&self, gap: &Gap<'_>) -> bool {
-        let (near, _) = gap.nearer_and_farther();
         let mut in_a_row = 0;
-        self.onward(gap, self.limits.passage_m).any(|other| {
-            in_a_row = if self.ring.are_apart(near, other, self.limits.passage_m) { 0 } else { in_a_row + 1 };
+        self.leave_room(gap).any(|leaves_room| {
+            in_a_row = if leaves_room { 0 } else { in_a_row + 1 };
             in_a_row == SLIT_RETURNS
         })
+    }
+
+    /// Of the returns after the farther end, whether each leaves room for a vehicle between it and the nearer end.
+    fn leave_room(&self, gap: &Gap<'_>) -> impl Iterator<Item = bool> {
+        let ((near, _), passage_m) = (gap.nearer_and_farther(), self.limits.passage_m);
+        self.onward(gap, passage_m).map(move |other| self.ring.are_apart(near, other, passage_m))
     }
 
     /// How far behind a doorway all is that is seen through it, metres, if the nearer wall ends at one: beyond what is
@@ -67,9 +71,9 @@ impl Judge<'_> {
         })?;
         let near_m = self.ring.position_m(near);
         let across = self.ring.position_m(jamb) - near_m;
-        let (width_m, towards) = (across.norm(), if gap.a_is_nearer { gap.before } else { -gap.after });
-        let is_doorway =
-            (self.limits.passage_m..=widest_m).contains(&width_m) && towards.dot(&across) >= DOORWAY_ALONG * width_m;
+        let width_m = across.norm();
+        let is_doorway = (self.limits.passage_m..=widest_m).contains(&width_m)
+            && gap.nearer_onward().dot(&across) >= DOORWAY_ALONG * width_m;
         // Behind is right of the way anticlockwise.
         let left_m = |i: usize| across.perp(&(self.ring.position_m(i) - near_m)) / width_m;
         let behind_m = |i: usize| if gap.a_is_nearer { -left_m(i) } else { left_m(i) };

@@ -178,8 +178,7 @@ impl Judge<'_> {
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     fn is_in_line(&self, gap: &Gap<'_>) -> bool {
-        has_hardly_a_beam(self.ring, gap)
-            && self.goes_on_along(gap, if gap.a_is_nearer { gap.before } else { -gap.after })
+        has_hardly_a_beam(self.ring, gap) && self.goes_on_along(gap, gap.nearer_onward())
     }
 
     /// The same of the line over [`LONG_M`], if the wall is straight there: its end may lie on a bump.

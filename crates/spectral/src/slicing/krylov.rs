@@ -14,7 +14,7 @@ use crate::dot::dot;
 const COLUMNS: usize = 4;
 const SPARE: usize = 2;
 /// Before so many blocks, and if more than the zeros and the next are wanted so many columns for each eigenvalue
-/// beside, it is not looked whether they suffice: of as many nearly half would not.
+/// beside, it is not looked whether they suffice.
 const LEAST_BLOCKS: usize = 4;
 const LEAST_SHARE: usize = 2;
 /// Columns at most, for each eigenvalue and beside.
