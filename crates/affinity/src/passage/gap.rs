@@ -86,19 +86,14 @@ pub(super) struct Gap<'p> {
 
 impl<'a> Judge<'a> {
     /// Learns the size of the place, and how many beams get lost, from the pieces of its walls.
-    pub(super) fn new(
-        ring: &'a Ring,
-        tangents: &'a RefCell<Tangents>,
-        pieces: &Pieces,
-        limits: Limits,
-        roughness_m: f64,
-    ) -> Self {
+    pub(super) fn new(ring: &'a Ring, tangents: &'a RefCell<Tangents>, pieces: &Pieces, limits: Limits) -> Self {
         tangents.borrow_mut().start(ring, limits.stretch_m);
         let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
         let middle = ranges_m.len() / 2;
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
+        let roughness_m = ring.roughness.off_m;
         let mut judge = Self { ring, tangents, limits, roughness_m, size_m, lost_beams: 0, lossy_places: 0 };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
             judge.lose(ring.dark_between(pair[0], pair[1]));

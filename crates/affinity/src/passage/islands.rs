@@ -40,8 +40,6 @@ pub(super) struct Limits {
     pub(super) passage_m: f64,
     /// Length over which the direction of a wall is taken.
     pub(super) stretch_m: f64,
-    /// See [`Roughness::off_m`](super::roughness::Roughness::off_m).
-    pub(super) roughness_m: f64,
 }
 
 /// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is
@@ -123,11 +121,11 @@ fn is_of_wall_beside(
         outer.is_none_or(|outer| ring.range_m(outer) >= WELL_BEHIND * ring.range_m(end.at(&pieces[at], 0)))
     };
     let near_m = if ends.into_iter().all(stands_well_before) {
-        LEG_OFF_M + LEG_BUMPS * limits.roughness_m
+        LEG_OFF_M + LEG_BUMPS * ring.roughness.off_m
     } else {
-        limits.passage_m + BUMPS * limits.roughness_m
+        limits.passage_m + BUMPS * ring.roughness.off_m
     };
-    let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * limits.roughness_m;
+    let is_tip = |[before_m, after_m]: [f64; 2]| before_m + after_m < TIP_BUMPS * ring.roughness.off_m;
     match offs_m {
         [Some(before_m), Some(after_m)] => before_m.min(after_m) < near_m || is_tip([before_m, after_m]),
         [one, other] => one.or(other).is_some_and(|off_m| off_m < near_m),

@@ -225,16 +225,11 @@ impl Passage {
         joining::cut_ring(ring, kept, limits.passage_m, walls);
         let hanging = dust.iter().filter(|dust| **dust).count();
         let inside = ring.len() - hanging - walls.returns().len();
-        let Roughness { off_m: roughness_m, inexact_share } = Roughness::of(ring, walls);
-        ring.inexact_share = inexact_share;
-        let of_island = islands::Limits {
-            island_m: self.island_m,
-            passage_m: limits.passage_m,
-            stretch_m: limits.stretch_m,
-            roughness_m,
-        };
+        ring.roughness = Roughness::of(ring, walls);
+        let of_island =
+            islands::Limits { island_m: self.island_m, passage_m: limits.passage_m, stretch_m: limits.stretch_m };
         islands::take(ring, walls, &of_island, islands);
-        let judge = Judge::new(ring, tangents, walls, *limits, roughness_m);
+        let judge = Judge::new(ring, tangents, walls, *limits);
         let mut left_over = joining::join(ring, &judge, walls, least_returns);
         if joining::cut_at_ways(&judge, walls) {
             left_over.extend(joining::join(ring, &judge, walls, least_returns));

@@ -3,6 +3,8 @@
 use crosscut_stage::{Beam, Point, StageError, Sweep};
 use nalgebra::Vector2;
 
+use super::roughness::Roughness;
+
 /// Points of the plane, metres.
 pub(super) type Position = Vector2<f64>;
 
@@ -16,8 +18,8 @@ pub(super) struct Ring {
     /// The last return is followed by the first.
     pub(super) full_turn: bool,
     pub(super) range_max_m: f64,
-    /// The standard deviation of ranges as a share of them, where that is known.
-    pub(super) inexact_share: Option<f64>,
+    /// Of its walls, once it is cut into pieces.
+    pub(super) roughness: Roughness,
     /// The returns are numbered clockwise.
     pub(super) clockwise: bool,
     /// How many beams came back with nothing.
@@ -46,7 +48,7 @@ impl Ring {
         let view = sweep.view();
         (self.beams, self.step_rad, self.full_turn) = (view.len, sweep.step_rad, view.full_turn);
         (self.clockwise, self.range_max_m) = (view.clockwise, sweep.range_max_m);
-        self.inexact_share = None;
+        self.roughness = Roughness::default();
         self.returns.clear();
         self.dark = 0;
         let n = points_m.len();

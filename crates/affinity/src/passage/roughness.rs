@@ -27,7 +27,7 @@ struct Return {
 }
 
 /// What single returns tell of the walls and of the lidar.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Roughness {
     /// How far the returns of a wall lie off its line, in metres: the root of their mean square over a stretch, and of all
     /// stretches the median, so that corners do not count. 0 if no piece is so long. Stretches are taken from either end

@@ -7,6 +7,16 @@ const LEAST_RETURNS: usize = 3;
 const LEAST_LENGTH_M: f64 = 0.1;
 /// The stretch is at least so many times the first spacing: far returns are metres apart.
 const SPACINGS: f64 = 2.5;
+/// A prop or a beam along a wall shows its own sides, and hides the wall behind it. So the stretch is also so many times as long
+/// as a gap, with no beam in it, that begins no farther from the end than this, nor than so many times the roughness of the walls:
+/// at the far corner of a branch of smooth walls, what is as short is the face of that corner.
+const GAPS: f64 = 1.5;
+const PROP_M: f64 = 0.45;
+const PROP_BUMPS: f64 = 5.0;
+/// Between props, and where walls are as rough, no short stretch has the direction of its wall: the stretch is at least so many
+/// times what the roughness of the walls exceeds this by.
+const ROUGHNESSES: f64 = 40.0;
+const ROUGH_M: f64 = 0.12;
 /// And so many times as long as its returns scatter across it, by the first of them: a line through a cloud of far returns,
 /// whose ranges are not exact, has a direction only where the cloud is long.
 const SCATTERS: f64 = 12.0;
@@ -57,9 +67,9 @@ struct LookedAt {
 }
 
 impl Tangents {
-    /// Forgets what is kept of another scan.
+    /// Forgets what is kept of another scan; of this one, roughness is known.
     pub(super) fn start(&mut self, ring: &Ring, stretch_m: f64) {
-        self.stretch_m = stretch_m;
+        self.stretch_m = stretch_m.max(ROUGHNESSES * (ring.roughness.off_m - ROUGH_M));
         self.kept.clear();
         self.kept.resize(ring.len(), [None; 2]);
     }
@@ -102,6 +112,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
+    let stretch_m = stretch_m.max(GAPS * gap_behind_prop_m(ring, piece, end));
     let stretch_m = stretch_m.max(scattered_m(ring, piece, end, stretch_m));
     let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
@@ -134,12 +145,22 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     (if axis.dot(&onward) < 0.0 { -axis } else { axis }, looked_at)
 }
 
+/// The widest gap with no beam in it that begins near an end of a piece.
+fn gap_behind_prop_m(ring: &Ring, piece: &[usize], end: End) -> f64 {
+    let prop_m = PROP_M.min(PROP_BUMPS * ring.roughness.off_m);
+    let near = |&k: &usize| !ring.are_apart(end.at(piece, 0), end.at(piece, k), prop_m);
+    let gaps =
+        (0..piece.len().min(MOST_RETURNS) - 1).take_while(near).map(|k| [end.at(piece, k), end.at(piece, k + 1)]);
+    let hides = |&[from, to]: &[usize; 2]| ring.beams_apart(from, to) == 1;
+    gaps.filter(hides).map(|[from, to]| ring.distance_m(from, to)).fold(0.0, f64::max)
+}
+
 /// [`SCATTERS`] times how far the first returns at an end of a piece scatter across it, from the median distance of each
 /// from the line through those beside it; 0 if that is no longer than `least_m`, as it is nearly always.
 fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
     let returns = piece.len().min(SCATTER_RETURNS);
     let is_exact = |share: f64| SCATTERS * share * ring.range_m(end.at(piece, 0)) < least_m;
-    if returns < SCATTER_LEAST_RETURNS || ring.inexact_share.is_none_or(is_exact) {
+    if returns < SCATTER_LEAST_RETURNS || ring.roughness.inexact_share.is_none_or(is_exact) {
         return 0.0;
     }
     let off_chord = |k: usize| ring.off_chord([k - 1, k, k + 1].map(|k| end.at(piece, k)));

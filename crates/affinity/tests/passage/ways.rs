@@ -296,6 +296,30 @@ fn a_slit_that_no_vehicle_passes_parts_no_wall_though_another_one_is_seen_throug
 }
 
 #[test]
+fn a_row_of_props_along_a_wall_parts_it_nowhere_though_each_hides_the_wall_behind_it() {
+    // Timber sets: square props 0.05 or 0.1 m in front of both walls. Far along them only the props are seen.
+    let mut parted = Vec::new();
+    for spacing_m in [1.1, 1.3, 1.5, 1.7, 1.9] {
+        for (size_m, off_m) in [(0.15, 0.05), (0.2, 0.05), (0.3, 0.05), (0.3, 0.1)] {
+            for half_m in [1.5, 2.0] {
+                let sets = (0..60).map(|set| spacing_m * (f64::from(set) - 30.0 + 0.3));
+                let props = sets.flat_map(|x| [(x, -1.0), (x, 1.0)]).flat_map(|(x, side)| {
+                    let [near, far] = [half_m - off_m - size_m, half_m - off_m].map(|y| side * y);
+                    let corners = [[x, near], [x + size_m, near], [x + size_m, far], [x, far], [x, near]];
+                    [0, 1, 2, 3].map(|k| [corners[k], corners[k + 1]])
+                });
+                let sides = [1.0, -1.0].map(|side| [[-60.0, side * half_m], [60.0, side * half_m]]);
+                let tunnel: Vec<Segment> = sides.into_iter().chain(props).collect();
+                if walls(&scan_by(720, &tunnel, all)) != 2 {
+                    parted.push((spacing_m, size_m, off_m, half_m));
+                }
+            }
+        }
+    }
+    assert_eq!(parted, [], "spacing, size, in front of the wall, half width");
+}
+
+#[test]
 fn a_wall_that_runs_away_behind_a_door_is_another_one() {
     // Through a door in the left wall one side of the room behind it is seen, which leads away from the tunnel.
     let door = [[[-30.0, 2.0], [3.0, 2.0]], [[5.5, 2.0], [30.0, 2.0]]];
