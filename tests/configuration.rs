@@ -5,7 +5,10 @@ use crate::program::{run, shipped_flight};
 #[test]
 fn the_printed_configuration_is_a_configuration_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let printed = run(["config", "--preset", "paper", "--set", "affinity.sigma_per_m2=2.5"]).expect_code(0).stdout;
+    // What TOML escapes otherwise than Rust, and what it does not escape.
+    let frame_id = "ingest.frame_id=a \"b\" \\ \u{7}\u{200d}\u{e9}";
+    let set = ["--set", "affinity.sigma_per_m2=2.5", "--set", frame_id];
+    let printed = run([&["config", "--preset", "paper"][..], &set].concat()).expect_code(0).stdout;
     let path = crate::flight::file(folder.path(), "mine.toml", printed.as_bytes());
     let again = run(["config".as_ref(), "--config".as_ref(), path.as_os_str()]).expect_code(0).stdout;
     assert!(again.contains("sigma_per_m2 = 2.5"), "{again}");

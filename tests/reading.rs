@@ -1,8 +1,11 @@
 //! `crosscut rrd`: recordings listed, exported, recomputed and compared.
 
+use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+
+use crosscut_messages::LaserScan;
 
 use crate::flight::{Writing, bytes, file, tunnel_scan};
 use crate::program::{Ran, lines, run, shipped_flight};
@@ -170,6 +173,21 @@ fn what_cannot_be_exported_is_said_with_what_can() {
     says(get(&flight, "/affinity/W", &folder.path().join("x.txt"), &[]).expect_code(2), ".npy");
     says(get(&flight, "/report/place", &folder.path().join("x.npy"), &[]).expect_code(2), ".jsonl");
     says(get(&flight, "/affinity/W", &flight, &[]).expect_code(2), "overwritten");
+}
+
+#[test]
+fn a_matrix_of_more_returns_than_are_drawn_is_told_to_be_exported_exactly_and_never_as_zeros() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [input, flight, out] = ["many.mcap", "many.rrd", "w.npy"].map(|name| folder.path().join(name));
+    let many = LaserScan { angle_increment: 2.0 * PI / 1100.0, ranges: vec![3.0; 1100], ..tunnel_scan(1) };
+    std::fs::write(&input, bytes(&[tunnel_scan(0), many], &Writing::default())).expect("a file");
+    let [input, saved] = [&input, &flight].map(|path| path.to_str().expect("UTF-8"));
+    run(["run", input, "--quiet", "--save", saved]).expect_code(0);
+    let w = |more: &[&str]| get(&flight, "/affinity/W", &out, more);
+    let refused = w(&["--revolution", "1"]).expect_code(2).stderr;
+    assert!(refused.contains("more than 1024") && refused.contains("--exact") && !out.exists(), "{refused}");
+    assert!(w(&[]).expect_code(0).stderr.contains("1 revolution is not drawn"));
+    w(&["--revolution", "1", "--exact"]).expect_code(0);
 }
 
 #[test]

@@ -3,6 +3,10 @@
 use std::fmt::Display;
 use std::io::Write;
 
+/// Of a flight in which nothing is seen.
+pub(crate) const NO_RETURN: &str =
+    "note: no scan has a return that can be used: nothing came back, or the notes of the results say why";
+
 /// Says a line on standard error. Nobody may be there to hear it (`2>&1 | head`, a full disk): that ends nothing and
 /// changes no exit code.
 pub(crate) fn say(words: impl Display) {

@@ -28,7 +28,7 @@ pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
 }
 
 fn counts(summary: &Summary) -> Table {
-    let mut table = plain(&["junctions", "revolutions", "share"]);
+    let mut table = plain(&["walls", "revolutions", "share"]);
     for (junctions, revolutions) in &summary.junctions {
         let share = 100.0 * *revolutions as f64 / summary.revolutions as f64;
         table.add_row([junctions.to_string(), revolutions.to_string(), format!("{share:.1} %")]);

@@ -120,8 +120,8 @@ impl AffinityStage for Breakpoint {
         for i in 0..n {
             let (j, beam) = ((i + 1) % n, self.beam_of_return[i]);
             let wraps = i + 1 == n;
-            // For the last return: through the last beam to the first.
-            let steps = self.beam_of_return[j] + if wraps { sweep.len() } else { 0 } - beam;
+            // For the last return: through the last beam, and those that a turn is short of, to the first.
+            let steps = self.beam_of_return[j] + if wraps { sweep.len() + sweep.missing } else { 0 } - beam;
             let neighbours = i != j && (!wraps || sweep.full_turn);
             self.tied_to_next.push(neighbours && self.goes_on(revolution, i, j, steps, sweep.step_rad));
         }

@@ -75,6 +75,15 @@ fn in_a_full_turn_the_last_return_is_a_neighbour_of_the_first() {
 }
 
 #[test]
+fn beams_that_a_turn_is_short_of_are_missing_at_its_seam_as_anywhere_else() {
+    for (missing, tied) in [(0, true), (2, true), (3, false)] {
+        let mut short = sweep(&vec![Some(4.0); 120 - missing], 3.0, true);
+        short.sweep.as_mut().expect("made above").missing = missing;
+        assert_eq!(edges(&short).contains(&(0, 119 - missing)), tied, "{missing} beams");
+    }
+}
+
+#[test]
 fn two_returns_on_a_turn_of_two_beams_have_one_edge_at_most() {
     assert_eq!(edges(&sweep(&[Some(4.0), Some(4.0)], 180.0, true)), []);
     let (mut near, turn) = (sweep(&[Some(4.0), Some(4.0)], 5.0, true), TAU / 72.0);

@@ -32,7 +32,7 @@ impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
         let place = junction.place.to_string().replace('_', " ");
-        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions as u64, "junction"));
+        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions as u64, "wall"));
         let islands = junction.walls.iter().filter(|wall| wall.island).count();
         let small = k.saturating_sub(junction.junctions + islands);
         let beside = [

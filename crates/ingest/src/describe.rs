@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::{Notes, Revolution};
+use crosscut_stage::{Notes, Revolution, counted};
 
 use crate::container::{Container, TopicReader};
 use crate::topics::topics_of;
@@ -142,6 +142,11 @@ fn describe_first(
         seq += 1;
     }
     let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+    // Ordinary with many drivers, so no note of each revolution; but others mean that nothing is known.
+    let not_numbers = scan.ranges.iter().filter(|range| range.is_nan()).count();
+    if not_numbers > 0 {
+        notes.add(format!("{} of range NaN read as no return", counted(not_numbers as u64, "beam")));
+    }
     sensor.revolution(&scan, &mut revolution, &mut notes);
     let sweep = revolution.sweep.as_ref()?;
     Some(ScanDescription {

@@ -15,7 +15,8 @@
 //!
 //! | range | the beam is | note |
 //! |---|---|---|
-//! | NaN, +∞ | no return | |
+//! | +∞ | no return | |
+//! | NaN, of an invalid measurement by REP 117, but as many drivers say that nothing came back | no return | in a [`Description`] |
 //! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |

@@ -94,7 +94,7 @@ pub use options::{RecorderError, RecorderOptions};
 pub use parts::part_number;
 pub use reading::{
     Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
-    differences,
+    differences, is_picture,
 };
 pub use recorder::Recorder;
 pub use scope::{Detail, Scope};

@@ -60,7 +60,7 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
     let confidence = 100.0 * junction.confidence;
     let mut lines = vec![
-        format!("# {} · {}\n", counted(count as u64, "junction"), spaced(&junction.place)),
+        format!("# {} · {}\n", counted(count as u64, "wall"), spaced(&junction.place)),
         format!("k = {k}, {}, confidence {confidence:.0} %.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));

@@ -28,7 +28,7 @@ pub struct ResultsLine {
     pub confidence: f64,
     /// `closed`, `dead_end`, `corridor`, `bend`, `tee`, `cross`, `junction_5`..., `partial_view`.
     pub place: String,
-    /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`].
+    /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`], so with as many zeros the next is not there.
     pub eigenvalues: Vec<f64>,
     /// Walls, by id.
     pub walls: Vec<WallLine>,
@@ -126,7 +126,7 @@ mod tests {
             String::from_utf8(out).expect("text"),
             concat!(
                 r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":0.0,"#,
-                r#""place":"closed","eigenvalues":[],"walls":[],"openings":[],"labels":[],"notes":[]}"#,
+                r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"labels":[],"notes":[]}"#,
                 "\n"
             )
         );

@@ -74,7 +74,7 @@ impl Suite {
         Some((0..SCENES).map(move |index| places.cloud(1 + index % 5, seed(index), rings)))
     }
 
-    /// Families share no scene: each has seeds of its own.
+    /// Families of scenes share none: each has seeds of its own. Flights fly mines of their own by the split's seeds.
     fn first_seed(&self, split: Split) -> u64 {
         let family = self.name.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(131) + u64::from(byte));
         (family << 32).wrapping_add(split.first_seed())

@@ -74,7 +74,6 @@ impl fmt::Display for Evidence {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
     /// No way on.
-    #[default]
     Closed,
     /// One way on.
     DeadEnd,
@@ -89,6 +88,7 @@ pub enum Place {
     /// This many ways on, five or more.
     Junction(usize),
     /// The sensor does not see all around, or sees no wall, so the place cannot be named.
+    #[default]
     PartialView,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The same description checks a value, prints the configuration and documents the stage.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// The description of one parameter.
 #[derive(Clone, Copy, Debug)]
@@ -172,10 +172,24 @@ impl fmt::Display for Value {
             Self::Integer(i) => write!(f, "{i}"),
             // {:?} prints the shortest text that reads back as the same number: "1e-8", "1.5", "inf".
             Self::Number(x) => write!(f, "{x:?}"),
-            Self::Text(text) => write!(f, "{text:?}"),
+            Self::Text(text) => write_toml_text(f, text),
             Self::Pairs(pairs) => write!(f, "{pairs:?}"),
         }
     }
+}
+
+/// A basic string of TOML, whose escapes are not those of Rust.
+fn write_toml_text(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+    f.write_char('"')?;
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => write!(f, "\\{c}")?,
+            // All of them are below U+00A0.
+            c if c.is_control() => write!(f, "\\u{:04X}", c as u32)?,
+            c => f.write_char(c)?,
+        }
+    }
+    f.write_char('"')
 }
 
 /// Checked values for all parameters of one stage.

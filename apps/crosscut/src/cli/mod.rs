@@ -227,7 +227,7 @@ pub(crate) struct PaperArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// An MCAP recording.
+    /// An MCAP recording, or a folder with the parts of one.
     pub(crate) input: PathBuf,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
@@ -262,7 +262,7 @@ pub(crate) struct RrdGetArgs {
     /// A recording.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// What to take, as `rrd ls` names it: /affinity/W.
+    /// What to take, as `rrd ls` names it: /spectral/eigenvalues; /affinity/W is a picture unless made anew with --exact.
     pub(crate) entity: String,
     /// Which component of it; the one with the numbers if not given.
     #[arg(long, value_name = "NAME", conflicts_with = "exact")]

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe};
+use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe, recordings_in};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
@@ -13,15 +13,22 @@ use crate::config;
 use crate::exit::Outcome;
 use crate::say::{printable, say};
 
-/// Prints the description of a recording; what is damaged makes the exit code 3.
+/// Prints the description of a recording, or of each part of one in a folder; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
-    let description = describe(&args.input, &Sensor::new(config.params("ingest")))?;
-    std::io::stdout().write_all(printable(&text(&description)).as_bytes()).context("standard output")?;
-    for loss in &description.losses {
-        say(format_args!("lost: {loss}"));
+    let sensor = Sensor::new(config.params("ingest"));
+    let (mut outcome, mut between) = (Outcome::Done, "");
+    for part in recordings_in(std::slice::from_ref(&args.input))? {
+        let description = describe(&part, &sensor)?;
+        let text = format!("{between}{}", text(&description));
+        std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;
+        for loss in &description.losses {
+            say(format_args!("lost: {loss}"));
+            outcome = Outcome::SomethingLost;
+        }
+        between = "\n";
     }
-    Ok(if description.losses.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
+    Ok(outcome)
 }
 
 fn text(recording: &Description) -> String {

@@ -15,7 +15,7 @@ use crate::exit::{Outcome, UsageError, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::observers::{self, Observers};
 use crate::over_time::{self, OverTime};
-use crate::say::say;
+use crate::say::{NO_RETURN, say};
 use crate::{config, flight, outputs, progress, summary};
 
 /// Runs the flight; results are on disk before anything else is done with a revolution.
@@ -126,7 +126,7 @@ impl Written {
 /// What is not there although every revolution was worked on.
 fn say_what_is_missing(returns: usize, observers: &Observers) {
     if returns == 0 {
-        say("note: no scan has a return that can be used; the notes of the results say why");
+        say(NO_RETURN);
     }
     if observers.recorded_nothing() {
         say("note: nothing is recorded: no revolution lies within --record-revolutions or --record-seconds");

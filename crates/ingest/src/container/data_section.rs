@@ -104,11 +104,16 @@ impl DataSection {
     }
 
     fn visit_record(&mut self, (opcode, length): (u8, u64), visitor: &mut impl Visitor) -> Result<(), Damage> {
+        let is_there = self.at_byte.saturating_add(HEAD_BYTES).saturating_add(length) <= self.length;
         let mut record = (&mut self.input).take(length);
-        match opcode {
+        let visited = match opcode {
             op::CHUNK => visit_chunk(record, &mut self.body, visitor),
             _ => visit((opcode, length), &mut record, &mut self.body, visitor),
-        }
+        };
+        visited.map_err(|damage| match damage {
+            Damage::Ended if is_there => Damage::Record("what is in it does not fit its length".to_owned()),
+            damage => damage,
+        })
     }
 
     /// Where the recording ends whose messages end at `end_of_data`: behind its footer and magic bytes, if these can be

@@ -35,7 +35,7 @@ mod value;
 use std::path::PathBuf;
 
 pub use difference::{Difference, Differences, differences};
-pub use recording::{Component, Entity, Recording};
+pub use recording::{Component, Entity, Recording, is_picture};
 pub use rows::{Row, Rows};
 pub use value::{Array, Numbers, Value};
 

@@ -61,12 +61,15 @@ pub struct Component {
     pub first: String,
 }
 
+/// W and L as pictures.
+const PICTURE: &str = "EncodedDepthImage:blob";
+
 /// Components that hold values rather than drawings of them, the first of an entity's before the others.
 const VALUES: [&str; 9] = [
     "Tensor:data",
     "BarChart:values",
     "Scalars:scalars",
-    "EncodedDepthImage:blob",
+    PICTURE,
     "StateChange:state",
     "TextDocument:text",
     "TextLog:text",
@@ -80,6 +83,12 @@ impl Entity {
         let first = || self.components.keys().next().map(String::as_str);
         VALUES.into_iter().find(|name| self.components.contains_key(*name)).or_else(first)
     }
+}
+
+/// Whether a component is a picture of a matrix: its numbers are right to half a decade, and all of them 0 where none was
+/// drawn, of a revolution without returns or with more than 1024.
+pub fn is_picture(component: &str) -> bool {
+    component == PICTURE
 }
 
 /// Whether a component is there for the eye.

@@ -20,7 +20,7 @@ use crate::cli::CompareArgs;
 use crate::configurations::{self, Configuration};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::say;
+use crate::say::{NO_RETURN, say};
 use crate::{flight, outputs, progress, typeset};
 
 /// Answers that a configuration may be ahead of the slowest.
@@ -38,6 +38,8 @@ struct Compared {
     summaries: Vec<Summary>,
     /// Of the first scan that was compared.
     first_stamp_ns: u64,
+    /// Whether any scan has one.
+    any_return: bool,
 }
 
 /// Runs every configuration over the flight at the same time, and compares the answers scan by scan.
@@ -63,6 +65,9 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let (problems, outcome) = problems(&configurations, &recordings, &compared.summaries);
     for problem in &problems {
         say(problem);
+    }
+    if !compared.any_return {
+        say(NO_RETURN);
     }
     let failed = "the outcome cannot be written";
     if let Some(out) = &mut json {
@@ -101,23 +106,25 @@ fn side_by_side(
             streams.push(Builder::new().name(format!("compare {name}")).spawn_scoped(scope, run)?);
             answers.push(of_configuration.into_iter().peekable());
         }
-        let (differences, first_stamp_ns) = meet(answers, bar)?;
+        let (differences, first_stamp_ns, any_return) = meet(answers, bar)?;
         let joined = |stream: ScopedJoinHandle<'_, io::Result<Summary>>| stream.join().expect("streams catch panics");
         let summaries = streams.into_iter().map(joined).collect::<io::Result<_>>();
-        Ok(Compared { differences, summaries: summaries.context("a thread could not be started")?, first_stamp_ns })
+        let summaries = summaries.context("a thread could not be started")?;
+        Ok(Compared { differences, summaries, first_stamp_ns, any_return })
     })
 }
 
-/// The differences of every configuration from the first, and the stamp of the first scan.
+/// The differences of every configuration from the first, the stamp of the first scan, and whether any has a return.
 ///
 /// A setting may leave scans out (`ingest.frame_id`), so answers meet by `seq`.
-fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
+fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64, bool)> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
-    let mut first_stamp_ns = None;
+    let (mut first_stamp_ns, mut any_return) = (None, false);
     while let Some(seq) = next_seq(&mut answers) {
         let is_next = |answer: &Option<ResultsLine>| answer.as_ref().is_some_and(|line| line.seq == seq);
         let lines: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
         first_stamp_ns = first_stamp_ns.or_else(|| lines.iter().flatten().map(|line| line.stamp_ns).next());
+        any_return |= lines.iter().flatten().any(|line| line.returns > 0);
         let (first, others) = lines.split_first().expect("there are two configurations at least");
         for (other, differences) in others.iter().zip(&mut differences) {
             match (first, other) {
@@ -129,7 +136,7 @@ fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Dif
         }
         bar.inc(1);
     }
-    Ok((differences, first_stamp_ns.unwrap_or(0)))
+    Ok((differences, first_stamp_ns.unwrap_or(0), any_return))
 }
 
 /// The next revolution that any of them answered; none if the flight is over, or one of them stopped early.

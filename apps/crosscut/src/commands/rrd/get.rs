@@ -1,7 +1,8 @@
 //! `crosscut rrd get`: values of an entity as a file that other programs read.
 
 use anyhow::Context;
-use crosscut_recorder::{Entity, ReadError, Recording, Rows};
+use crosscut_recorder::{Entity, ReadError, Recording, Rows, Value, is_picture};
+use crosscut_stage::counted;
 
 use super::exact::Recomputation;
 use super::output::Output;
@@ -44,14 +45,37 @@ fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Sele
         output.add(None, &value)?;
         return Ok(output);
     }
-    let mut output = Output::create(&args.out, selection.is_one())?;
+    let is_picture = is_picture(&component);
+    let (mut output, mut not_drawn) = (Output::create(&args.out, selection.is_one())?, 0);
     for row in rows {
         let row = row?;
         for value in row.values(&component).filter(|_| selection.holds(&row)) {
-            output.add(Some(&row), &value?)?;
+            let value = value?;
+            if is_picture && is_dark(&value) {
+                not_drawn += 1;
+            } else {
+                output.add(Some(&row), &value)?;
+            }
         }
     }
+    if not_drawn > 0 {
+        let revolutions = counted(not_drawn, "revolution");
+        let none =
+            format!("{entity} of {revolutions} is not drawn: no returns, or more than 1024; --exact makes it anew");
+        if output.values == 0 {
+            return Err(UsageError(none).into());
+        }
+        say(format_args!("note: {none}"));
+    }
+    if is_picture {
+        say(format_args!("note: {entity} is read from pictures, right to half a decade; --exact makes it anew"));
+    }
     Ok(output)
+}
+
+/// Whether a picture shows nothing.
+fn is_dark(picture: &Value) -> bool {
+    matches!(picture, Value::Numbers(array) if array.to_f64().iter().all(|&x| x == 0.0))
 }
 
 /// Values made anew from the recorded ranges, and what does not agree with the recording.
