@@ -79,7 +79,8 @@ impl Words<'_> {
         let line = |verdict: &Verdict| {
             let what = if verdict.is_way { "a way on" } else { "the wall goes on" };
             let between = self.between(verdict.returns.map(|i| i as usize));
-            format!("- **{:.2}** times the room that a way on needs: {what} ({between})", verdict.room_ratio)
+            let Verdict { room_ratio, reason, .. } = verdict;
+            format!("- **{room_ratio:.2}** times the room that a way on needs ({reason}): {what} ({between})")
         };
         let lines: Vec<String> = verdicts.iter().take(TOLD_VERDICTS).map(line).collect();
         let title = "Where walls were taken to end or to go on, the most doubtful first:";

@@ -208,7 +208,7 @@ fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
 #[test]
 fn the_most_doubtful_verdicts_are_told_first_and_in_words() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
-    let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio };
+    let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio, reason: "width" };
     frame.affinity.verdicts =
         vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");
@@ -216,9 +216,9 @@ fn the_most_doubtful_verdicts_are_told_first_and_in_words() {
     assert_eq!(
         told,
         [
-            "- **1.10** times the room that a way on needs: a way on (returns 3, 4: 3.00 m)",
-            "- **0.80** times the room that a way on needs: the wall goes on (returns 2, 3: 1.50 m)",
-            "- **0.01** times the room that a way on needs: the wall goes on (returns 0, 1: 1.00 m)",
+            "- **1.10** times the room that a way on needs (width): a way on (returns 3, 4: 3.00 m)",
+            "- **0.80** times the room that a way on needs (width): the wall goes on (returns 2, 3: 1.50 m)",
+            "- **0.01** times the room that a way on needs (width): the wall goes on (returns 0, 1: 1.00 m)",
         ]
     );
 }

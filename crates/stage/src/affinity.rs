@@ -22,6 +22,8 @@ pub struct Verdict {
     pub is_way: bool,
     /// The room that there is, divided by the room that a way on needs: the nearer to 1, the more doubtful.
     pub room_ratio: f64,
+    /// What decides there, in a few words: the rule by which there is the most room, or why there is none.
+    pub reason: &'static str,
 }
 
 /// W, stored densely or by its nonzero entries.

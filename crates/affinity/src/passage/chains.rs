@@ -7,6 +7,7 @@ use crosscut_stage::{Affinity, Verdict};
 use super::gap::{Closing, Judge};
 use super::pieces::Pieces;
 use super::ring::Ring;
+use super::way::Room;
 
 /// A return that no wall was found for goes to the nearer of the walls beside it, if that is no farther than this.
 const NEAR_M: f64 = 3.0;
@@ -118,8 +119,8 @@ impl Chains {
             if !judge.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
-            let Closing { cost, room_ratio } = judge.closing(&chain[..at], &chain[at..]);
-            verdicts.extend(room_ratio.map(|ratio| verdict(ring, [pair[0], pair[1]], false, ratio)));
+            let Closing { cost, room } = judge.closing(&chain[..at], &chain[at..]);
+            verdicts.extend(room.map(|room| verdict(ring, [pair[0], pair[1]], false, room)));
             cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
@@ -160,8 +161,8 @@ impl Chains {
         for at in 0..gaps {
             let next = (at + 1) % walls.len();
             let (a, b) = (&walls[at], &walls[next]);
-            let room = judge.least_room_ratio(a, b);
-            let eigenvalue = 0.5 * leak / room.powi(DECIDED_POWER);
+            let room = judge.least_room(a, b);
+            let eigenvalue = 0.5 * leak / room.ratio.powi(DECIDED_POWER);
             let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
             self.tie(ring, a[a.len() - 1], b[0], weight);
             verdicts.push(verdict(ring, [a[a.len() - 1], b[0]], true, room));
@@ -225,6 +226,6 @@ impl Chains {
     }
 }
 
-fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, room_ratio: f64) -> Verdict {
-    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room_ratio }
+fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, Room { ratio, rule }: Room) -> Verdict {
+    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room_ratio: ratio, reason: rule.words() }
 }

@@ -6,6 +6,7 @@ use std::f64::consts::{PI, TAU};
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
 use super::tangent::{End, Tangents, has_direction, tangent};
+use super::way::{Room, Rule};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
@@ -64,8 +65,8 @@ pub(super) struct Turns {
 pub(super) struct Closing {
     /// `None` where a vehicle could pass.
     pub(super) cost: Option<f64>,
-    /// How many times the room that a way on needs there is; `None` if a piece has no direction.
-    pub(super) room_ratio: Option<f64>,
+    /// `None` if a piece has no direction.
+    pub(super) room: Option<Room>,
 }
 
 /// A gap between two pieces that have directions there.
@@ -145,17 +146,16 @@ impl<'a> Judge<'a> {
             [Some(before), Some(after)] => {
                 let gap = Gap::new(ring, [a, b], [before, after]);
                 let turns = gap.turns();
-                // 1 or more where there is room between the two walls, and the wall turns enough for that to be a way on.
-                let room = self.room_ratio(&gap, turns);
+                let room = self.room(&gap, turns);
                 let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
                 let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
-                let cost = (room < 1.0).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
-                Closing { cost, room_ratio: Some(room) }
+                let cost = (!room.is_way()).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
+                Closing { cost, room: Some(room) }
             }
             [None, None] => {
                 let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
                 let grazing = along_m > GRAZING_SHARE * chord_m;
-                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room_ratio: None }
+                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room: None }
             }
             [before, after] => {
                 let cost = before.or(after).and_then(|line| {
@@ -163,7 +163,7 @@ impl<'a> Judge<'a> {
                     let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
                     (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
                 });
-                Closing { cost, room_ratio: None }
+                Closing { cost, room: None }
             }
         }
     }
@@ -177,17 +177,18 @@ impl<'a> Judge<'a> {
         if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends, || gap.turns().whole_rad).is_none() {
             return None;
         }
-        Some(self.room_ratio(&gap, gap.turns())).filter(|&room| room >= 1.0)
+        Some(self.room(&gap, gap.turns())).filter(|room| room.is_way()).map(|room| room.ratio)
     }
 
     /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
     /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
-    pub(super) fn least_room_ratio(&self, a: &[usize], b: &[usize]) -> f64 {
-        let Some(gap) = self.gap(a, b) else { return WITHOUT_DIRECTION };
+    pub(super) fn least_room(&self, a: &[usize], b: &[usize]) -> Room {
+        let Some(gap) = self.gap(a, b) else { return Room { ratio: WITHOUT_DIRECTION, rule: Rule::NoDirection } };
         let turns = gap.turns();
-        let rooms = [-DOUBT_RAD, 0.0, DOUBT_RAD]
-            .map(|more_rad| self.room_ratio_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
-        rooms.into_iter().fold(f64::INFINITY, f64::min).max(LEAST_DECIDED)
+        let rooms @ [_, Room { rule, .. }, _] = [-DOUBT_RAD, 0.0, DOUBT_RAD]
+            .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
+        let least = rooms.into_iter().map(|room| room.ratio).fold(f64::INFINITY, f64::min);
+        Room { ratio: least.max(LEAST_DECIDED), rule }
     }
 
     /// Whether islands hide what is in the gap.

@@ -2,10 +2,12 @@
 
 mod carrying;
 mod chains;
+mod dark;
 mod dust;
 mod gap;
 mod islands;
 mod joining;
+mod line;
 mod mixed;
 mod mouth;
 mod pieces;

@@ -201,7 +201,7 @@ fn the_answer_notes_and_timings_read_back() {
     let place: Vec<components::Text> = recording.at("/report/place", StateChange::descriptor_state(), 2).unwrap();
     assert_eq!(place[0].as_str(), "tee");
     let summary: Vec<components::Text> = recording.at("/report/summary", TextDocument::descriptor_text(), 2).unwrap();
-    assert!(summary[0].starts_with("# 3 junctions · tee"), "{}", summary[0].as_str());
+    assert!(summary[0].starts_with("# 3 walls · tee"), "{}", summary[0].as_str());
     let note: Vec<components::Text> = recording.at("/log", TextLog::descriptor_text(), 2).unwrap();
     assert_eq!(note[0].as_str(), "3 beams masked");
     for step in Step::ALL {
