@@ -164,7 +164,7 @@ fn the_words_name_beams_distances_weights_and_what_was_dropped() {
     frame.junction.junctions = 2;
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## k = 2, 2 junctions",
+        "## k = 2, 2 walls",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
         "0 (blue)",
