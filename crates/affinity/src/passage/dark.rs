@@ -12,7 +12,8 @@ pub(super) const DARK_RAD: f64 = 3.5 * PI / 180.0;
 const FAR_SHARE: f64 = 0.8;
 /// ...or if more came back with nothing than so many times those that are lost in a row where a wall clearly goes on.
 const LOST_TIMES: u32 = 2;
-/// Then it is a way on if it is so wide, as a share of the place's size, at the end of the range...
+/// Then it is a way on if it is so wide, as a share of the place's size, at the end of the range; so far apart its ends, if both
+/// lie there, as hardly a return shows how the farther wall runs...
 const DARK_SHARE: f64 = 0.45;
 /// ...so wide nearer, where a dark surface is as likely...
 const DARK_NEAR_SHARE: f64 = 0.7;
@@ -64,7 +65,8 @@ impl Judge<'_> {
     }
 
     /// How far apart the ends of a gap must be for it to be a way on because nothing is seen in it; `None` if that is no
-    /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch.
+    /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch, nor the dark
+    /// end of a tunnel.
     pub(super) fn blank_needs_m(&self, ends: (usize, usize), turn_rad: impl FnOnce() -> f64) -> Option<f64> {
         let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(ends);
         let door_m = is_door.then_some(DOOR_TIMES * self.limits.passage_m);
@@ -75,7 +77,14 @@ impl Judge<'_> {
         let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
         let is_blank = is_wide || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
         let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);
-        [door_m, blank_m].into_iter().flatten().min_by(f64::total_cmp)
+        let far_m = self.is_dark_end(ends).then_some(DARK_SHARE * self.size_m);
+        [door_m, blank_m, far_m].into_iter().flatten().min_by(f64::total_cmp)
+    }
+
+    /// Whether both ends of a gap lie at the end of the range, and so many beams came back with nothing that none are lost.
+    fn is_dark_end(&self, ends: (usize, usize)) -> bool {
+        let are_far = self.nearer_m(ends) > FAR_SHARE * self.ring.range_max_m;
+        are_far && self.is_dark(ends) && !self.is_shaded(ends) && self.is_unlost(ends)
     }
 
     /// Whether a gap is one across the line of sight in which nothing is seen, well before the end of the range, and what

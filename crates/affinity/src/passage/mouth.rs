@@ -10,7 +10,7 @@ const MOUTH_RAD: f64 = 50.0 * PI / 180.0;
 const MOUTH_M: f64 = 1.5;
 const MOUTH_BUMPS: f64 = 40.0;
 /// Seen less far across, it could as well be the shadow of a bump, if walls are rough.
-const SLANT_RAD: f64 = 30.0 * PI / 180.0;
+const SLANT_RAD: f64 = 20.0 * PI / 180.0;
 const SLANT_BUMPS: f64 = 100.0;
 /// A doorway is at most so many times as wide as the vehicle, and the nearer wall runs towards the other side of it: the
 /// cosine of the angle between them is this at least. What is seen through it lies so many times that width behind it.

@@ -42,6 +42,10 @@ const PLAIN_BUMPS: f64 = 70.0;
 /// ...or by so many where they hardly turn.
 const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 
+/// A corner hides no more behind it than this...
+const CORNER_HIDES_M: f64 = 0.1;
+/// ...and so many times the roughness of the walls: what is seen deeper behind the nearer wall leads on.
+const CORNER_HIDES_BUMPS: f64 = 15.0;
 /// A farther wall that is seen over a wider angle than this...
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 /// ...and turns by more than a right angle over this stretch at its end, is the other side of the place itself.
@@ -200,17 +204,18 @@ impl Judge<'_> {
             is_corner: false,
         };
         if look.is_clear() {
-            look.bump_hides_m = self.bump_hides_m(gap, turns);
-            let is_hidden = look.inside_m() < look.bump_hides_m;
-            look.is_corner = look.turns_somewhat && is_hidden && self.is_inner_corner(gap);
+            let bumps = if turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
+            look.bump_hides_m = self.shadow_m(gap, BUMP_HIDES_M, bumps);
+            let hides_all = look.inside_m() < self.shadow_m(gap, CORNER_HIDES_M, CORNER_HIDES_BUMPS);
+            look.is_corner = look.turns_somewhat && hides_all && self.is_inner_corner(gap);
         }
         look
     }
 
-    /// How deep behind the nearer wall a bump at its end hides the farther one: the deeper, the farther that is behind it.
-    fn bump_hides_m(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
-        let bumps = if turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
-        (BUMP_HIDES_M + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
+    /// How deep behind the nearer wall a bump at its end hides the farther one, so high and so many times the roughness of the
+    /// walls: the deeper, the farther that is behind it.
+    fn shadow_m(&self, gap: &Gap<'_>, bump_m: f64, bumps: f64) -> f64 {
+        (bump_m + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
     }
 
     /// Whether the farther wall meets the line of the nearer one in a corner: it is the other side of the place.

@@ -296,6 +296,23 @@ fn a_slit_that_no_vehicle_passes_parts_no_wall_though_another_one_is_seen_throug
 }
 
 #[test]
+fn a_bend_is_no_dead_end_though_little_is_seen_of_its_far_wall_behind_the_corner() {
+    // The tunnel turns right; past its inner corner, one to three beams meet the outer wall 0.3 to 0.7 m behind the line.
+    let mut closed = Vec::new();
+    for (half_m, corner_m, turn_deg) in [(1.0, 5.0, 105.0), (1.0, 6.0, 100.0), (1.4, 7.0, 110.0), (1.75, 8.0, 100.0)] {
+        let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
+        let width_m = 2.0 * half_m;
+        let onward = |[x, y]: [f64; 2]| [[x, y], [x + 20.0 * cos, y - 20.0 * sin]];
+        let [inner, outer] = [[corner_m, -half_m], [corner_m + width_m * (1.0 + cos) / sin, half_m]];
+        let sides = [[[-30.0, -half_m], inner], [[-30.0, half_m], outer]];
+        if walls(&scan_by(720, &[sides, [onward(inner), onward(outer)]].concat(), all)) != 2 {
+            closed.push((half_m, corner_m, turn_deg));
+        }
+    }
+    assert_eq!(closed, [], "half width, how far ahead the corner is, how far the tunnel turns");
+}
+
+#[test]
 fn a_row_of_props_along_a_wall_parts_it_nowhere_though_each_hides_the_wall_behind_it() {
     // Timber sets: square props 0.05 or 0.1 m in front of both walls. Far along them only the props are seen.
     let mut parted = Vec::new();
