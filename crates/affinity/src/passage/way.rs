@@ -39,8 +39,10 @@ const IN_FRONT_SHARE: f64 = 0.65;
 const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
 /// ...and the gap is wider than the vehicle by so many times their roughness, as no bump of theirs hides as much...
 const PLAIN_BUMPS: f64 = 70.0;
-/// ...or by so many where they hardly turn.
+/// ...or by so many where they hardly turn...
 const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
+/// ...or if it is so wide, as a share of the place's size.
+const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
 /// A corner hides no more behind it than this...
 const CORNER_HIDES_M: f64 = 0.1;
@@ -285,8 +287,13 @@ impl Judge<'_> {
         if !turns_enough || !look.is_clear() || look.is_corner || !has_hardly_a_beam(self.ring, look.gap) {
             return 0.0;
         }
-        let bumps = if turn_rad < self.limits.straight_rad { PLAIN_STRAIGHT_BUMPS } else { PLAIN_BUMPS };
-        look.clear_m / (self.limits.passage_m + bumps * self.roughness_m)
+        let needed_m = |bumps: f64| self.limits.passage_m + bumps * self.roughness_m;
+        let needed_m = if turn_rad < self.limits.straight_rad {
+            needed_m(PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * self.size_m)
+        } else {
+            needed_m(PLAIN_BUMPS)
+        };
+        look.clear_m / needed_m
     }
 
     /// The range of the farther end of a gap.
