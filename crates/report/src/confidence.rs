@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.86, 0.41, -0.71, -0.3, -0.5, 0.44, 4.37, -0.71, 2.87];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.35, 0.51, -0.67, -0.28, -0.43, 0.36, 4.16, -0.72, 3.16];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).

@@ -48,6 +48,8 @@ const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 const CORNER_HIDES_M: f64 = 0.1;
 /// ...and so many times the roughness of the walls: what is seen deeper behind the nearer wall leads on.
 const CORNER_HIDES_BUMPS: f64 = 15.0;
+/// Nor is the gap before it wider than this share of the place's size.
+const CORNER_SHARE: f64 = 1.4;
 /// A farther wall that is seen over a wider angle than this...
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 /// ...and turns by more than a right angle over this stretch at its end, is the other side of the place itself.
@@ -208,8 +210,9 @@ impl Judge<'_> {
         if look.is_clear() {
             let bumps = if turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
             look.bump_hides_m = self.shadow_m(gap, BUMP_HIDES_M, bumps);
-            let hides_all = look.inside_m() < self.shadow_m(gap, CORNER_HIDES_M, CORNER_HIDES_BUMPS);
-            look.is_corner = look.turns_somewhat && hides_all && self.is_inner_corner(gap);
+            let can_hide = look.clear_m < CORNER_SHARE * self.size_m
+                && look.inside_m() < self.shadow_m(gap, CORNER_HIDES_M, CORNER_HIDES_BUMPS);
+            look.is_corner = look.turns_somewhat && can_hide && self.is_inner_corner(gap);
         }
         look
     }
