@@ -112,7 +112,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
-    let stretch_m = stretch_m.max(GAPS * gap_behind_prop_m(ring, piece, end));
+    let stretch_m = past_prop_m(ring, piece, end, stretch_m);
     let stretch_m = stretch_m.max(scattered_m(ring, piece, end, stretch_m));
     let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
@@ -145,14 +145,24 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     (if axis.dot(&onward) < 0.0 { -axis } else { axis }, looked_at)
 }
 
-/// The widest gap with no beam in it that begins near an end of a piece.
-fn gap_behind_prop_m(ring: &Ring, piece: &[usize], end: End) -> f64 {
+/// The stretch, or [`GAPS`] times the widest gap with no beam in it that begins near an end of a piece, if that is more.
+fn past_prop_m(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> f64 {
     let prop_m = PROP_M.min(PROP_BUMPS * ring.roughness.off_m);
-    let near = |&k: &usize| !ring.are_apart(end.at(piece, 0), end.at(piece, k), prop_m);
-    let gaps =
-        (0..piece.len().min(MOST_RETURNS) - 1).take_while(near).map(|k| [end.at(piece, k), end.at(piece, k + 1)]);
-    let hides = |&[from, to]: &[usize; 2]| ring.beams_apart(from, to) == 1;
-    gaps.filter(hides).map(|[from, to]| ring.distance_m(from, to)).fold(0.0, f64::max)
+    let tip_m = ring.position_m(end.at(piece, 0));
+    let (mut here, mut here_m, mut widest_squared) = (end.at(piece, 0), tip_m, 0.0);
+    for k in 1..piece.len().min(MOST_RETURNS) {
+        if (here_m - tip_m).norm_squared() >= prop_m * prop_m {
+            break;
+        }
+        let next = end.at(piece, k);
+        let next_m = ring.position_m(next);
+        let squared = (next_m - here_m).norm_squared();
+        if squared > widest_squared && ring.beams_apart(here, next) == 1 {
+            widest_squared = squared;
+        }
+        (here, here_m) = (next, next_m);
+    }
+    stretch_m.max(GAPS * widest_squared.sqrt())
 }
 
 /// [`SCATTERS`] times how far the first returns at an end of a piece scatter across it, from the median distance of each
