@@ -86,6 +86,7 @@ fn the_configuration_file_is_never_overwritten() {
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");
 }
 
+#[cfg(feature = "rerun")]
 #[test]
 fn a_later_part_of_a_recording_never_replaces_another_file_of_the_run() {
     let folder = folder();

@@ -93,12 +93,14 @@ fn topics(topics: &[TopicDescription]) -> String {
 
 fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let [range_min_m, range_max_m] = scan.range_m;
+    // Drivers that know no limit state the largest number.
+    let range_max = if range_max_m < 1e6 { format!("{range_max_m} m") } else { "no limit".to_owned() };
     let around = if scan.full_turn { ", all the way round" } else { "" };
     let [view_deg, step_deg] = [scan.field_of_view_rad, scan.step_rad].map(f64::to_degrees);
     let view =
         if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
     let mut text = format!(
-        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} to {range_max_m} m",
+        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}",
         scan.frame_id,
         counted(scan.beams as u64, "beam"),
         counted(scan.returns as u64, "return"),

@@ -26,7 +26,10 @@ pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         _ if args.list => list(),
         (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out, &stop),
         (None, Some(suite), Some(out)) => suite_into(suite, args.split, out, &stop),
-        _ => Err(UsageError("say a scenario or --suite NAME, and --out; --list shows them".to_owned()).into()),
+        (Some(_), _, None) | (_, Some(_), None) => {
+            Err(UsageError("--out is missing: the file to write, or the folder of a suite".to_owned()).into())
+        }
+        _ => Err(UsageError("which scenario, or --suite NAME? --list shows them".to_owned()).into()),
     }
 }
 
