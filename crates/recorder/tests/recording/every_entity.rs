@@ -188,7 +188,7 @@ fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -
                 .walls
                 .iter()
                 .map(|wall| format!("| {} | {} | {} |", wall.id, COLOURS[wall.id as usize], wall.returns));
-            let count = format!("# {} junctions · ", frame.junction.junctions);
+            let count = format!("# {} walls · ", frame.junction.junctions);
             let Value::Texts(texts) = value else { return false };
             texts[0].starts_with(&count) && openings.chain(walls).all(|row| texts[0].contains(&row))
         },
