@@ -186,8 +186,12 @@ fn a_matrix_of_more_returns_than_are_drawn_is_told_to_be_exported_exactly_and_ne
     let w = |more: &[&str]| get(&flight, "/affinity/W", &out, more);
     let refused = w(&["--revolution", "1"]).expect_code(2).stderr;
     assert!(refused.contains("more than 1024") && refused.contains("--exact") && !out.exists(), "{refused}");
-    assert!(w(&[]).expect_code(0).stderr.contains("1 revolution is not drawn"));
+    assert!(w(&[]).expect_code(0).stderr.contains("not drawn of 1 revolution"));
     w(&["--revolution", "1", "--exact"]).expect_code(0);
+    // A Laplacian of returns that are all alone is 0, and drawn.
+    let alone = recorded(&flight, &["--set", "affinity.sigma_per_m2=1e6"]).len();
+    let zeros = get(&flight, "/spectral/L", &out, &[]).expect_code(0).stderr;
+    assert!(alone > 0 && !zeros.contains("not drawn"), "{zeros}");
 }
 
 #[test]

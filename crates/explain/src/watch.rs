@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crosscut_stage::{Frame, Place};
+use crosscut_stage::{Frame, Place, counted};
 
 /// A margin below this is low, and has to rise above [`RECOVERED_DECADES`] before it is told again.
 const LOW_DECADES: f64 = 0.5;
@@ -33,9 +33,9 @@ impl fmt::Display for Event {
         match self {
             Self::Changed { junctions: [before, now], place: [from, to] } => {
                 if before == now {
-                    write!(f, "still {now} junctions")?;
+                    write!(f, "still {}", counted(*now as u64, "wall"))?;
                 } else {
-                    write!(f, "{before} → {now} junctions")?;
+                    write!(f, "{before} → {}", counted(*now as u64, "wall"))?;
                 }
                 if from == to { write!(f, " ({to})") } else { write!(f, " ({from} → {to})") }
             }

@@ -200,7 +200,7 @@ fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
         .map(|(junctions, margin)| watch.events(&frame(junctions, margin)).iter().map(Event::to_string).collect())
         .to_vec();
     assert_eq!(told[1], ["low margin: k = 0 holds by 0.40 decades"]);
-    assert_eq!(told[3], ["3 → 4 junctions (tee)"]);
+    assert_eq!(told[3], ["3 → 4 walls (tee)"]);
     assert_eq!(told[6], ["low margin: k = 0 holds by 0.10 decades"]);
     assert!([0, 2, 4, 5].iter().all(|&i| told[i].is_empty()), "{told:?}");
 }

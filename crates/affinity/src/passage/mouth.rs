@@ -25,7 +25,7 @@ impl Judge<'_> {
     /// seen, so deep behind the nearer one.
     pub(super) fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
         let goes_on = (-FRAC_PI_2..self.limits.straight_rad).contains(&turns.whole_rad);
-        if !goes_on || deep_m < self.limits.passage_m || self.is_inner_corner(gap) {
+        if !goes_on || deep_m < self.limits.passage_m || self.is_other_side(gap) {
             return 0.0;
         }
         let bumps = if turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };

@@ -112,7 +112,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let at = |k: usize| ring.position_m(end.at(piece, k));
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
-    let stretch_m = past_prop_m(ring, piece, end, stretch_m);
+    let (stretch_m, read) = past_prop_m(ring, piece, end, stretch_m);
     let stretch_m = stretch_m.max(scattered_m(ring, piece, end, stretch_m));
     let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
@@ -138,31 +138,32 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let axis = principal_axis(xx, xy, yy);
     let inward = at(taken - 1) - tip;
     let onward = if end == End::Last { -inward } else { inward };
-    let of_scatter = piece.len().min(SCATTER_RETURNS);
+    let (taken, of_scatter) = (taken.max(read), piece.len().min(SCATTER_RETURNS));
     // All were too few: there may be more.
     let and_next = if taken < of_scatter { of_scatter < SCATTER_RETURNS } else { taken < MOST_RETURNS };
     let looked_at = LookedAt { returns: taken.max(of_scatter), and_next };
     (if axis.dot(&onward) < 0.0 { -axis } else { axis }, looked_at)
 }
 
-/// The stretch, or [`GAPS`] times the widest gap with no beam in it that begins near an end of a piece, if that is more.
-fn past_prop_m(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> f64 {
+/// The stretch, or [`GAPS`] times the widest gap with no beam in it that begins near an end of a piece, if that is more; and how
+/// many returns were looked at for that.
+fn past_prop_m(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (f64, usize) {
     let prop_m = PROP_M.min(PROP_BUMPS * ring.roughness.off_m);
     let tip_m = ring.position_m(end.at(piece, 0));
-    let (mut here, mut here_m, mut widest_squared) = (end.at(piece, 0), tip_m, 0.0);
-    for k in 1..piece.len().min(MOST_RETURNS) {
+    let (mut here, mut here_m, mut widest_squared, mut read) = (end.at(piece, 0), tip_m, 0.0, 1);
+    while read < piece.len().min(MOST_RETURNS) {
         if (here_m - tip_m).norm_squared() >= prop_m * prop_m {
             break;
         }
-        let next = end.at(piece, k);
+        let next = end.at(piece, read);
         let next_m = ring.position_m(next);
         let squared = (next_m - here_m).norm_squared();
         if squared > widest_squared && ring.beams_apart(here, next) == 1 {
             widest_squared = squared;
         }
-        (here, here_m) = (next, next_m);
+        (here, here_m, read) = (next, next_m, read + 1);
     }
-    stretch_m.max(GAPS * widest_squared.sqrt())
+    (stretch_m.max(GAPS * widest_squared.sqrt()), read)
 }
 
 /// [`SCATTERS`] times how far the first returns at an end of a piece scatter across it, from the median distance of each

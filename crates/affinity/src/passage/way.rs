@@ -44,12 +44,12 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// ...or if it is so wide, as a share of the place's size.
 const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
-/// A corner hides no more behind it than this...
-const CORNER_HIDES_M: f64 = 0.1;
+/// An inner corner hides no more behind it than this...
+const INNER_CORNER_HIDES_M: f64 = 0.1;
 /// ...and so many times the roughness of the walls: what is seen deeper behind the nearer wall leads on.
-const CORNER_HIDES_BUMPS: f64 = 15.0;
+const INNER_CORNER_HIDES_BUMPS: f64 = 15.0;
 /// Nor is the gap before it wider than this share of the place's size.
-const CORNER_SHARE: f64 = 1.4;
+const INNER_CORNER_SHARE: f64 = 1.4;
 /// A farther wall that is seen over a wider angle than this...
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 /// ...and turns by more than a right angle over this stretch at its end, is the other side of the place itself.
@@ -68,6 +68,8 @@ pub(super) enum Rule {
     Slit,
     /// None: the wall turns too little.
     Straight,
+    /// None by the rules that a corner rules out: the place ends in one.
+    InnerCorner,
     /// The clear width for how much the walls turn.
     Width,
     /// How deep behind the nearer wall the farther one is seen.
@@ -95,6 +97,7 @@ impl Rule {
             Self::LongLine => "the line of the nearer wall over 3 m goes on",
             Self::Slit => "a slit",
             Self::Straight => "the wall turns too little",
+            Self::InnerCorner => "an inner corner",
             Self::Width => "width for the turn",
             Self::SeenInside => "depth behind the nearer wall",
             Self::Face => "the face of a corner",
@@ -176,7 +179,12 @@ impl Judge<'_> {
         }
         let look = self.look(gap, turns);
         let share = self.share_of_place(&look);
-        let room = Room::none(if share.is_some() { Rule::Width } else { Rule::Straight })
+        let otherwise = match share {
+            Some(_) => Rule::Width,
+            None if look.is_corner => Rule::InnerCorner,
+            None => Rule::Straight,
+        };
+        let room = Room::none(otherwise)
             .or((Rule::Width, share.map_or(0.0, |share| look.clear_m / (share * self.size_m))))
             .or((Rule::SeenInside, self.room_ratio_seen_inside(&look)))
             .or((Rule::Face, if share.is_none() || look.is_clear() { self.room_ratio_before_face(&look) } else { 0.0 }))
@@ -210,9 +218,9 @@ impl Judge<'_> {
         if look.is_clear() {
             let bumps = if turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
             look.bump_hides_m = self.shadow_m(gap, BUMP_HIDES_M, bumps);
-            let can_hide = look.clear_m < CORNER_SHARE * self.size_m
-                && look.inside_m() < self.shadow_m(gap, CORNER_HIDES_M, CORNER_HIDES_BUMPS);
-            look.is_corner = look.turns_somewhat && can_hide && self.is_inner_corner(gap);
+            let can_hide = look.clear_m < INNER_CORNER_SHARE * self.size_m
+                && look.inside_m() < self.shadow_m(gap, INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS);
+            look.is_corner = look.turns_somewhat && can_hide && self.is_other_side(gap);
         }
         look
     }
@@ -223,8 +231,8 @@ impl Judge<'_> {
         (bump_m + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
     }
 
-    /// Whether the farther wall meets the line of the nearer one in a corner: it is the other side of the place.
-    pub(super) fn is_inner_corner(&self, gap: &Gap<'_>) -> bool {
+    /// Whether the farther wall is the other side of the place, which meets the line of the nearer one in a corner.
+    pub(super) fn is_other_side(&self, gap: &Gap<'_>) -> bool {
         let (far, end) = gap.farther();
         let direction = if gap.a_is_nearer { gap.after } else { gap.before };
         if direction.dot(&gap.chord) <= 0.0 {

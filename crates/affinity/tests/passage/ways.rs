@@ -297,7 +297,7 @@ fn a_slit_that_no_vehicle_passes_parts_no_wall_though_another_one_is_seen_throug
 
 #[test]
 fn a_bend_is_no_dead_end_though_little_is_seen_of_its_far_wall_behind_the_corner() {
-    // The tunnel turns right; past its inner corner, one to three beams meet the outer wall 0.3 to 0.7 m behind the line.
+    // The tunnel turns right; past its inner corner, three to five beams meet the outer wall up to 0.13 to 0.43 m behind the line.
     let mut closed = Vec::new();
     for (half_m, corner_m, turn_deg) in [(1.0, 5.0, 105.0), (1.0, 6.0, 100.0), (1.4, 7.0, 110.0), (1.75, 8.0, 100.0)] {
         let (sin, cos) = f64::to_radians(turn_deg).sin_cos();

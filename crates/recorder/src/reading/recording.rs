@@ -85,7 +85,7 @@ impl Entity {
     }
 }
 
-/// Whether a component is a picture of a matrix: its numbers are right to half a decade, and all of them 0 where none was
+/// Whether a component is a picture of a matrix: its numbers are right to half a decade, and those of W all 0 where none is
 /// drawn, of a revolution without returns or with more than 1024.
 pub fn is_picture(component: &str) -> bool {
     component == PICTURE

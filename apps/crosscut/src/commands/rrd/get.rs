@@ -1,5 +1,7 @@
 //! `crosscut rrd get`: values of an entity as a file that other programs read.
 
+use std::collections::BTreeSet;
+
 use anyhow::Context;
 use crosscut_recorder::{Entity, ReadError, Recording, Rows, Value, is_picture};
 use crosscut_stage::counted;
@@ -46,22 +48,20 @@ fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Sele
         return Ok(output);
     }
     let is_picture = is_picture(&component);
-    let (mut output, mut not_drawn) = (Output::create(&args.out, selection.is_one())?, 0);
+    let not_drawn = if is_picture { not_drawn(recording, &component, selection)? } else { BTreeSet::new() };
+    let mut output = Output::create(&args.out, selection.is_one())?;
     for row in rows {
         let row = row?;
         for value in row.values(&component).filter(|_| selection.holds(&row)) {
-            let value = value?;
-            if is_picture && is_dark(&value) {
-                not_drawn += 1;
-            } else {
-                output.add(Some(&row), &value)?;
+            if !not_drawn.contains(&row.revolution) {
+                output.add(Some(&row), &value?)?;
             }
         }
     }
-    if not_drawn > 0 {
-        let revolutions = counted(not_drawn, "revolution");
+    if !not_drawn.is_empty() {
+        let revolutions = counted(not_drawn.len() as u64, "revolution");
         let none =
-            format!("{entity} of {revolutions} is not drawn: no returns, or more than 1024; --exact makes it anew");
+            format!("{entity} is not drawn of {revolutions}: no returns, or more than 1024; --exact makes it anew");
         if output.values == 0 {
             return Err(UsageError(none).into());
         }
@@ -73,9 +73,19 @@ fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Sele
     Ok(output)
 }
 
-/// Whether a picture shows nothing.
-fn is_dark(picture: &Value) -> bool {
-    matches!(picture, Value::Numbers(array) if array.to_f64().iter().all(|&x| x == 0.0))
+/// The revolutions of which no matrix is drawn: W is dark, whose diagonal is 1. L may be 0 everywhere.
+fn not_drawn(recording: &Recording, component: &str, selection: &Selection) -> anyhow::Result<BTreeSet<i64>> {
+    let is_dark = |picture: &Value| matches!(picture, Value::Numbers(w) if w.to_f64().iter().all(|&x| x == 0.0));
+    let mut not_drawn = BTreeSet::new();
+    for row in rows(recording, "/affinity/W")? {
+        let row = row?;
+        for value in row.values(component).filter(|_| selection.holds(&row)) {
+            if is_dark(&value?) {
+                not_drawn.insert(row.revolution);
+            }
+        }
+    }
+    Ok(not_drawn)
 }
 
 /// Values made anew from the recorded ranges, and what does not agree with the recording.
