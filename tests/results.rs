@@ -114,6 +114,7 @@ fn what_a_line_says_of_walls_openings_labels_and_eigenvalues_agrees_on_every_sca
         let (ran, lines) = results_of(&recording, &[]);
         ran.expect_code(0);
         assert_eq!(lines.len(), scans, "{name}");
+        assert!(lines.iter().all(|line| line["returns"].as_u64() > Some(100)), "{name} has returns everywhere");
         for line in &lines {
             assert_agrees(line);
         }

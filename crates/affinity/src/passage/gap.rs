@@ -43,8 +43,6 @@ pub(super) struct Judge<'a> {
     /// Those of the same ring.
     tangents: &'a RefCell<Tangents>,
     pub(super) limits: Limits,
-    /// See [`Roughness::off_m`](super::roughness::Roughness::off_m).
-    pub(super) roughness_m: f64,
     /// The size of the place: the median range, or [`HALL_M`] if that is less.
     pub(super) size_m: f64,
     /// The most beams that are lost in a row where a wall clearly goes on.
@@ -94,8 +92,7 @@ impl<'a> Judge<'a> {
         let median_m =
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
-        let roughness_m = ring.roughness.off_m;
-        let mut judge = Self { ring, tangents, limits, roughness_m, size_m, lost_beams: 0, lossy_places: 0 };
+        let mut judge = Self { ring, tangents, limits, size_m, lost_beams: 0, lossy_places: 0 };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
             judge.lose(ring.dark_between(pair[0], pair[1]));
         }

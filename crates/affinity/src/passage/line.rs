@@ -59,7 +59,7 @@ impl Judge<'_> {
         let from_end_m = |k: usize| self.ring.position_m(end.at(near, k)) - self.ring.position_m(end.at(near, 0));
         let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
         let onward = -from_end_m(far).normalize();
-        let is_straight = (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= LONG_BUMPS * self.roughness_m);
+        let is_straight = (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= LONG_BUMPS * self.ring.roughness.off_m);
         is_straight.then_some(onward)
     }
 }

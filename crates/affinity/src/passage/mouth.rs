@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::gap::{Gap, Judge, Turns};
+use super::gap::{Gap, Judge};
+use super::way::Look;
 
 /// What is seen so far across the line of the nearer wall, and so deep behind it over as wide a gap, is seen through a mouth: it
 /// is another wall, however straight it goes on from the nearer one, unless it turns back by more than a right angle.
@@ -23,13 +24,14 @@ const SLIT_RETURNS: u32 = 2;
 impl Judge<'_> {
     /// How many times the room that a way on needs there is beside a mouth or a doorway through which the farther wall is
     /// seen, so deep behind the nearer one.
-    pub(super) fn room_ratio_in_mouth(&self, gap: &Gap<'_>, turns: Turns, deep_m: f64) -> f64 {
+    pub(super) fn room_ratio_in_mouth(&self, look: &Look<'_, '_>) -> f64 {
+        let (gap, turns, deep_m) = (look.gap, look.turns, look.inside_m());
         let goes_on = (-FRAC_PI_2..self.limits.straight_rad).contains(&turns.whole_rad);
-        if !goes_on || deep_m < self.limits.passage_m || self.is_other_side(gap) {
+        if !look.is_clear() || !goes_on || deep_m < self.limits.passage_m || self.is_other_side(gap) {
             return 0.0;
         }
         let bumps = if turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
-        let room = deep_m / (MOUTH_M + bumps * self.roughness_m);
+        let room = deep_m / (MOUTH_M + bumps * self.ring.roughness.off_m);
         if turns.near_rad < -SLANT_RAD && room >= 1.0 && self.fits_into_mouth(gap) {
             return room;
         }

@@ -133,9 +133,9 @@ impl Room {
 }
 
 /// What several rules ask of a gap whose walls turn like this.
-struct Look<'g, 'p> {
-    gap: &'g Gap<'p>,
-    turns: Turns,
+pub(super) struct Look<'g, 'p> {
+    pub(super) gap: &'g Gap<'p>,
+    pub(super) turns: Turns,
     /// Nothing is seen in it.
     is_dark: bool,
     /// Islands hide what is in it.
@@ -155,12 +155,12 @@ struct Look<'g, 'p> {
 
 impl Look<'_, '_> {
     /// Something is seen in it.
-    fn is_clear(&self) -> bool {
+    pub(super) fn is_clear(&self) -> bool {
         !self.is_dark && !self.is_shaded
     }
 
     /// A vehicle has as much room to both sides.
-    fn inside_m(&self) -> f64 {
+    pub(super) fn inside_m(&self) -> f64 {
         self.clear_m.min(self.depth_m)
     }
 }
@@ -187,13 +187,10 @@ impl Judge<'_> {
         let room = Room::none(otherwise)
             .or((Rule::Width, share.map_or(0.0, |share| look.clear_m / (share * self.size_m))))
             .or((Rule::SeenInside, self.room_ratio_seen_inside(&look)))
-            .or((Rule::Face, if share.is_none() || look.is_clear() { self.room_ratio_before_face(&look) } else { 0.0 }))
+            .or((Rule::Face, self.room_ratio_before_face(&look, share)))
             .or((Rule::InFront, self.room_ratio_behind_wall_in_front(&look)))
             .or((Rule::PlainSight, self.room_ratio_in_plain_sight(&look)))
-            .or((
-                Rule::Mouth,
-                if look.is_clear() { self.room_ratio_in_mouth(gap, turns, look.inside_m()) } else { 0.0 },
-            ));
+            .or((Rule::Mouth, self.room_ratio_in_mouth(&look)));
         let room = Room { ratio: room.ratio.min(look.clear_m / self.limits.passage_m), ..room };
         let room = room.or((Rule::Blank, self.room_ratio_of_blank(gap, turns)));
         if room.is_way() {
@@ -228,7 +225,7 @@ impl Judge<'_> {
     /// How deep behind the nearer wall a bump at its end hides the farther one, so high and so many times the roughness of the
     /// walls: the deeper, the farther that is behind it.
     fn shadow_m(&self, gap: &Gap<'_>, bump_m: f64, bumps: f64) -> f64 {
-        (bump_m + bumps * self.roughness_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
+        (bump_m + bumps * self.ring.roughness.off_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
     }
 
     /// Whether the farther wall is the other side of the place, which meets the line of the nearer one in a corner.
@@ -264,10 +261,12 @@ impl Judge<'_> {
     }
 
     /// The same before the face of a corner, if one is seen: the far side of a side passage, seen along the wall that it
-    /// leaves. Behind the corner that wall goes on as if it had only been hidden.
-    fn room_ratio_before_face(&self, look: &Look<'_, '_>) -> f64 {
+    /// leaves. Behind the corner that wall goes on as if it had only been hidden. Where nothing is seen, the width of such a
+    /// gap tells more, if there is a `share` of the place for it.
+    fn room_ratio_before_face(&self, look: &Look<'_, '_>, share: Option<f64>) -> f64 {
         let room = look.gap.chord.norm() / (FACE_SHARE * self.size_m);
-        if room >= 1.0 && !look.is_corner && self.turns_to_face(look.gap) { room } else { 0.0 }
+        let can_be = !look.is_corner && (share.is_none() || look.is_clear());
+        if room >= 1.0 && can_be && self.turns_to_face(look.gap) { room } else { 0.0 }
     }
 
     /// The same, however narrow that is beside the place, where a vehicle fits in between the nearer wall and all that is
@@ -275,7 +274,8 @@ impl Judge<'_> {
     /// no corner does. The line of the farther wall says little here: it is that of the face, or of the wall behind it.
     fn room_ratio_into_side_passage(&self, look: &Look<'_, '_>) -> f64 {
         let is_deep = look.is_clear() && !look.is_corner && look.depth_m > BUMP_HIDES_M;
-        let room = look.gap.chord.norm() / (SIDE_TIMES * self.limits.passage_m + PLAIN_BUMPS * self.roughness_m);
+        let room =
+            look.gap.chord.norm() / (SIDE_TIMES * self.limits.passage_m + PLAIN_BUMPS * self.ring.roughness.off_m);
         let is_passage = is_deep && room >= 1.0 && self.turns_to_face(look.gap) && self.fits_into_mouth(look.gap);
         if is_passage { room } else { 0.0 }
     }
@@ -298,7 +298,7 @@ impl Judge<'_> {
         if !turns_enough || !look.is_clear() || look.is_corner || !has_hardly_a_beam(self.ring, look.gap) {
             return 0.0;
         }
-        let needed_m = |bumps: f64| self.limits.passage_m + bumps * self.roughness_m;
+        let needed_m = |bumps: f64| self.limits.passage_m + bumps * self.ring.roughness.off_m;
         let needed_m = if turn_rad < self.limits.straight_rad {
             needed_m(PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * self.size_m)
         } else {

@@ -54,6 +54,11 @@ impl DataSection {
         Ok(())
     }
 
+    /// Where the record here ends, whose body has this length.
+    fn end_of_record(&self, length: u64) -> u64 {
+        self.at_byte.saturating_add(HEAD_BYTES).saturating_add(length)
+    }
+
     /// Reads past what is left of a record, which is in the buffer more often than not.
     fn skip_to(&mut self, at_byte: u64) -> io::Result<()> {
         let here = self.input.stream_position()?;
@@ -70,7 +75,7 @@ impl DataSection {
             Ok(None) => return Step::Stopped { at_byte, damage: Damage::Ended },
             Err(damage) => return Step::Stopped { at_byte, damage },
         };
-        let end = at_byte.saturating_add(HEAD_BYTES).saturating_add(length);
+        let end = self.end_of_record(length);
         let ends_data = matches!((opcode, length), (op::DATA_END, DATA_END_BYTES) | (op::FOOTER, FOOTER_BYTES));
         if ends_data && end <= self.length {
             return Step::End { at_byte };
@@ -104,7 +109,7 @@ impl DataSection {
     }
 
     fn visit_record(&mut self, (opcode, length): (u8, u64), visitor: &mut impl Visitor) -> Result<(), Damage> {
-        let is_there = self.at_byte.saturating_add(HEAD_BYTES).saturating_add(length) <= self.length;
+        let is_there = self.end_of_record(length) <= self.length;
         let mut record = (&mut self.input).take(length);
         let visited = match opcode {
             op::CHUNK => visit_chunk(record, &mut self.body, visitor),
@@ -122,7 +127,7 @@ impl DataSection {
         self.go_to(end_of_data).ok()?;
         loop {
             let head = read_head(&mut self.input).ok()??;
-            let next = self.at_byte.saturating_add(HEAD_BYTES).saturating_add(head.1);
+            let next = self.end_of_record(head.1);
             self.skip_to(Some(next).filter(|&next| next <= self.length)?).ok()?;
             if head == (op::FOOTER, FOOTER_BYTES) {
                 let mut magic = [0; mcap::MAGIC.len()];
