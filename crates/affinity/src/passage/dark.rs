@@ -7,7 +7,7 @@ use super::gap::{Gap, Judge, Turns};
 /// Nothing is seen in a gap into which so many beams came back with nothing...
 const DARK_BEAMS: u32 = 4;
 /// ...over so wide an angle.
-pub(super) const DARK_RAD: f64 = 3.5 * PI / 180.0;
+const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// There is nothing if one of its ends lies farther than this share of the sensor's range...
 const FAR_SHARE: f64 = 0.8;
 /// ...or if more came back with nothing than so many times those that are lost in a row where a wall clearly goes on.

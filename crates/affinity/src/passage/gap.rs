@@ -10,7 +10,7 @@ use super::way::{Room, Rule};
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
-const HALL_M: f64 = 6.0;
+const HALL_M: f64 = 4.5;
 /// A wall clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
 const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
 const LOST_OFF_SHARE: f64 = 0.3;

@@ -1,6 +1,7 @@
 //! Whether what is behind a gap is where the nearer wall goes on, so that nothing is hidden.
 
-use super::dark::DARK_RAD;
+use std::f64::consts::PI;
+
 use super::gap::{Gap, Judge};
 use super::ring::{Position, Ring, turn_rad};
 
@@ -18,7 +19,9 @@ const REACH_SHARE: f64 = 6.0;
 /// The line is also taken over this length...
 const LONG_M: f64 = 3.0;
 /// ...where returns stray from it by no more than so many times the roughness of the walls.
-const LONG_BUMPS: f64 = 4.0;
+const LONG_BUMPS: f64 = 8.0;
+/// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
+const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
 
 impl Judge<'_> {
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
@@ -68,5 +71,5 @@ impl Judge<'_> {
 /// that came back with nothing, from the air or from too little to be a wall, says nothing.
 pub(super) fn has_hardly_a_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
     let steps = ring.beams_from(gap.ends.0, gap.ends.1);
-    steps == 1 || (steps == 2 && 2.0 * ring.step_rad < DARK_RAD)
+    steps == 1 || (steps == 2 && 2.0 * ring.step_rad < ONE_BEAM_RAD)
 }

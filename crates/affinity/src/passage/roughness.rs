@@ -4,7 +4,7 @@ use super::pieces::Pieces;
 use super::ring::{Position, Ring};
 
 /// Roughness is taken over stretches of so much wall, of so many returns or more.
-const STRETCH_M: f64 = 2.0;
+const STRETCH_M: f64 = 2.2;
 const LEAST_RETURNS: u32 = 4;
 
 /// Returns that are spaced like this or closer lie on one line with those beside them, on any wall: what is off it says how

@@ -3,10 +3,14 @@
 use super::ring::{Position, Ring};
 
 /// A piece of fewer returns, or shorter than this, has no direction.
-const LEAST_RETURNS: usize = 3;
+const LEAST_RETURNS: usize = 2;
 const LEAST_LENGTH_M: f64 = 0.1;
-/// The stretch is at least so many times the first spacing: far returns are metres apart.
-const SPACINGS: f64 = 2.5;
+/// Of two returns that are no farther apart than this, both may be of one prop.
+const LEAST_LENGTH_OF_TWO_M: f64 = 0.3;
+/// A direction is taken from so many returns, if the piece has them...
+const LEAST_TAKEN: usize = 3;
+/// ...and over so many times the first spacing at least: far returns are metres apart.
+const SPACINGS: f64 = 2.25;
 /// A prop or a beam along a wall shows its own sides, and hides the wall behind it. So the stretch is also so many times as long
 /// as a gap, with no beam in it, that begins no farther from the end than this, nor than so many times the roughness of the walls:
 /// at the far corner of a branch of smooth walls, what is as short is the face of that corner.
@@ -37,7 +41,8 @@ pub(super) enum End {
 
 /// Whether a piece is long enough to have a direction.
 pub(super) fn has_direction(ring: &Ring, piece: &[usize]) -> bool {
-    piece.len() >= LEAST_RETURNS && ring.are_apart(piece[0], piece[piece.len() - 1], LEAST_LENGTH_M)
+    let least_m = if piece.len() == LEAST_RETURNS { LEAST_LENGTH_OF_TWO_M } else { LEAST_LENGTH_M };
+    piece.len() >= LEAST_RETURNS && ring.are_apart(piece[0], piece[piece.len() - 1], least_m)
 }
 
 /// The directions of the ends of pieces over one length of wall. Pieces are joined and cut, but their ends seldom
@@ -121,7 +126,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     while taken < piece.len().min(MOST_RETURNS) {
         let offset = at(taken) - tip;
         walked_m += (at(taken) - at(taken - 1)).norm();
-        if taken >= LEAST_RETURNS && (offset.norm_squared() > squared || 0.5 * walked_m > stretch_m) {
+        if taken >= LEAST_TAKEN && (offset.norm_squared() > squared || 0.5 * walked_m > stretch_m) {
             break;
         }
         let weight = (-offset.norm_squared() / squared).exp();

@@ -137,9 +137,9 @@ pub(super) struct Look<'g, 'p> {
     pub(super) gap: &'g Gap<'p>,
     pub(super) turns: Turns,
     /// Nothing is seen in it.
-    is_dark: bool,
+    pub(super) is_dark: bool,
     /// Islands hide what is in it.
-    is_shaded: bool,
+    pub(super) is_shaded: bool,
     /// The distance of the nearer end from the line of the farther wall. It is small at a bump, and at a corner of which only
     /// the returns are missing; at a branch it is the width of the branch.
     clear_m: f64,
