@@ -25,6 +25,8 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(args.config.config.clone());
     refuse_overwriting(args, &read)?;
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?; // before there is a file that it would leave half made
     let mut recording = flight::open(&args.flight, &config)?;
     let mut lost = Vec::new();
     let mut written = Written::open(args, &config, &read, &mut lost)?;
@@ -35,8 +37,6 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     }
     let said = lost.len();
 
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
     let bar = progress::bar(recording.total_messages(), args.quiet);
     let start = Instant::now();
     let mut sink = |frame: &Frame| {
