@@ -5,9 +5,9 @@ use super::ring::Ring;
 
 /// So many returns on either side are looked at; the outermost say nothing of both sides.
 const REACH: usize = 4;
-/// Two returns this many beam spacings apart, plus [`SLACK_M`], are in touch.
+/// Two returns nearer to each other than so many spacings of their beams, of 5 cm at least, are in touch.
 const SPACINGS: f64 = 4.0;
-const SLACK_M: f64 = 0.05;
+const LEAST_SPACING_M: f64 = 0.05;
 /// Dust is nearer than what is around it by at least this much.
 const NEARER_M: f64 = 0.3;
 /// Share of the returns around it that are farther.
@@ -67,5 +67,5 @@ fn company(ring: &Ring, i: usize) -> usize {
 
 fn in_touch(ring: &Ring, i: usize, j: usize) -> bool {
     let spacing_m = ring.range_m(i).min(ring.range_m(j)) * ring.step_rad * ring.beams_apart(i, j) as f64;
-    ring.distance_m(i, j) < SPACINGS * spacing_m.max(SLACK_M) + SLACK_M
+    ring.distance_m(i, j) < SPACINGS * spacing_m.max(LEAST_SPACING_M)
 }

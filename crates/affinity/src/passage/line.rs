@@ -8,8 +8,6 @@ use super::ring::{Position, Ring, turn_rad};
 /// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that is seen: a beam
 /// that passes the end of a wall goes on behind its line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
-/// The same of the beam after the next, where that one says nothing.
-const NEXT_BEHIND_LINE_SHARE: f64 = 0.1;
 /// It is no farther away than so many times the spacing...
 const REACH_TIMES: f64 = 2.5;
 /// ...of so many returns before it...
@@ -36,15 +34,13 @@ impl Judge<'_> {
     }
 
     /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
-    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`], or
-    /// [`NEXT_BEHIND_LINE_SHARE`].
+    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
     fn goes_on_along(&self, gap: &Gap<'_>, onward: Position) -> bool {
         let (p, q) = gap.ends;
         let (end, turned_rad) =
             if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
         let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        let share = if self.ring.beams_from(p, q) == 1 { BEHIND_LINE_SHARE } else { NEXT_BEHIND_LINE_SHARE };
-        (-share * seen_at_rad..self.limits.straight_rad).contains(&turned_rad) && self.is_in_reach(gap)
+        (-BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad).contains(&turned_rad) && self.is_in_reach(gap)
     }
 
     /// Whether the farther wall begins about where the next beam would meet the nearer one, if that went straight on. Past

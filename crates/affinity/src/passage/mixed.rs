@@ -11,9 +11,8 @@ use super::ring::Ring;
 
 /// It lies at least so far behind the edge, and as far in front of what is behind that.
 const BETWEEN_M: f64 = 0.5;
-/// Beside a pillar: the beams beside it are no farther away than this, and it leaves the lines that lead to them from so
-/// many returns before by this share of the distance, or more.
-const BEAMS: usize = 2;
+/// Beside a pillar: it leaves the lines that lead to those beside it, from so many returns before, by this share of the
+/// distance, or more.
 const LINES: isize = 2;
 const OFF_LINE_SHARE: f64 = 0.25;
 /// In a way on: it is so far off the lines of both walls.
@@ -47,8 +46,7 @@ fn is_between_edge_and_behind(ring: &Ring, i: usize, to_edge: isize, limits: &Li
     let [Some(edge), Some(behind)] = [to_edge, -to_edge].map(|direction| ring.after(i, direction)) else {
         return false;
     };
-    ring.beams_apart(i, edge).max(ring.beams_apart(i, behind)) <= BEAMS
-        && is_off_line(ring, i, edge, to_edge)
+    is_off_line(ring, i, edge, to_edge)
         && is_off_line(ring, i, behind, -to_edge)
         && is_edge_of_pillar(ring, edge, to_edge, limits)
 }

@@ -13,8 +13,6 @@ const MOUTH_BUMPS: f64 = 40.0;
 /// Seen less far across, it could as well be the shadow of a bump, if walls are rough.
 const SLANT_RAD: f64 = 20.0 * PI / 180.0;
 const SLANT_BUMPS: f64 = 100.0;
-/// No bump hides more than so many times the place's size.
-const MOUTH_SHARE: f64 = 1.8;
 /// A doorway is at most so many times as wide as the vehicle, and the nearer wall runs towards the other side of it: the
 /// cosine of the angle between them is this at least. What is seen through it lies so many times that width behind it.
 const DOORWAY_TIMES: f64 = 4.0;
@@ -33,8 +31,7 @@ impl Judge<'_> {
             return 0.0;
         }
         let bumps = if turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
-        let needed_m = (MOUTH_M + bumps * self.ring.roughness.off_m).min(MOUTH_SHARE * self.size_m);
-        let room = deep_m / needed_m;
+        let room = deep_m / (MOUTH_M + bumps * self.ring.roughness.off_m);
         if turns.near_rad < -SLANT_RAD && room >= 1.0 && self.fits_into_mouth(gap) {
             return room;
         }
