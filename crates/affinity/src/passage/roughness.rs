@@ -37,6 +37,8 @@ pub(super) struct Roughness {
     /// off the line of their neighbours, nor than they would if ranges were as inexact everywhere as they are near by,
     /// where neighbours are so dense that no bump parts them.
     pub(super) off_m: f64,
+    /// The standard deviation of ranges as a share of them, by the dense returns; `None` if they are few.
+    pub(super) inexact_share: Option<f64>,
 }
 
 impl Roughness {
@@ -60,19 +62,18 @@ impl Roughness {
             }
             ends.push(returns.len());
         }
-        let inexact_squared =
-            if dense >= LEAST_DENSE { share_squared / f64::from(dense) / MEAN_SQUARE_OFF } else { 0.0 };
+        let inexact_squared = (dense >= LEAST_DENSE).then(|| share_squared / f64::from(dense) / MEAN_SQUARE_OFF);
         let mut offs_m: Vec<f64> = Vec::with_capacity(2 * n / LEAST_RETURNS as usize);
         let mut start = 0;
         for end in ends {
             let wall = &returns[start..end];
-            take_stretches(wall.iter(), inexact_squared, &mut offs_m);
-            take_stretches(wall.iter().rev(), inexact_squared, &mut offs_m);
+            take_stretches(wall.iter(), inexact_squared.unwrap_or(0.0), &mut offs_m);
+            take_stretches(wall.iter().rev(), inexact_squared.unwrap_or(0.0), &mut offs_m);
             start = end;
         }
         let middle = offs_m.len() / 2;
         let off_m = if offs_m.is_empty() { 0.0 } else { *offs_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        Self { off_m }
+        Self { off_m, inexact_share: inexact_squared.map(f64::sqrt) }
     }
 }
 

@@ -21,6 +21,14 @@ const PROP_BUMPS: f64 = 5.0;
 /// times what the roughness of the walls exceeds this by.
 const ROUGHNESSES: f64 = 40.0;
 const ROUGH_M: f64 = 0.12;
+/// And so many times as long as its returns scatter across it, by the first of them: a line through a cloud of far returns,
+/// whose ranges are not exact, has a direction only where the cloud is long.
+const SCATTERS: f64 = 12.0;
+const SCATTER_RETURNS: usize = 14;
+const SCATTER_LEAST_RETURNS: usize = 6;
+/// Of returns that scatter by a standard deviation of 1, evenly spaced: the median distance of each from the line
+/// through those beside it, 0.6745 √(3/2).
+const MEDIAN_OFF: f64 = 0.826_1;
 /// No more returns than this are looked at.
 const MOST_RETURNS: usize = 60;
 
@@ -110,6 +118,7 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let tip = at(0);
     let stretch_m = stretch_m.max(SPACINGS * (at(1) - tip).norm()).max(f64::MIN_POSITIVE);
     let (stretch_m, read) = past_prop_m(ring, piece, end, stretch_m);
+    let stretch_m = stretch_m.max(scattered_m(ring, piece, end, stretch_m));
     let squared = stretch_m * stretch_m;
     // The tip lies at no distance from itself: its weight is 1, and it moves nothing.
     let (mut walked_m, mut taken) = (0.0, 1);
@@ -134,8 +143,10 @@ fn tangent_and_looked_at(ring: &Ring, piece: &[usize], end: End, stretch_m: f64)
     let axis = principal_axis(xx, xy, yy);
     let inward = at(taken - 1) - tip;
     let onward = if end == End::Last { -inward } else { inward };
-    let returns = taken.max(read);
-    let looked_at = LookedAt { returns, and_next: returns < MOST_RETURNS };
+    let (taken, of_scatter) = (taken.max(read), piece.len().min(SCATTER_RETURNS));
+    // All were too few: there may be more.
+    let and_next = if taken < of_scatter { of_scatter < SCATTER_RETURNS } else { taken < MOST_RETURNS };
+    let looked_at = LookedAt { returns: taken.max(of_scatter), and_next };
     (if axis.dot(&onward) < 0.0 { -axis } else { axis }, looked_at)
 }
 
@@ -158,6 +169,28 @@ fn past_prop_m(ring: &Ring, piece: &[usize], end: End, stretch_m: f64) -> (f64, 
         (here, here_m, read) = (next, next_m, read + 1);
     }
     (stretch_m.max(GAPS * widest_squared.sqrt()), read)
+}
+
+/// [`SCATTERS`] times how far the first returns at an end of a piece scatter across it, from the median distance of each
+/// from the line through those beside it; 0 if that is no longer than `least_m`, as it is nearly always.
+fn scattered_m(ring: &Ring, piece: &[usize], end: End, least_m: f64) -> f64 {
+    let returns = piece.len().min(SCATTER_RETURNS);
+    let is_exact = |share: f64| SCATTERS * share * ring.range_m(end.at(piece, 0)) < least_m;
+    if returns < SCATTER_LEAST_RETURNS || ring.roughness.inexact_share.is_none_or(is_exact) {
+        return 0.0;
+    }
+    let off_chord = |k: usize| ring.off_chord([k - 1, k, k + 1].map(|k| end.at(piece, k)));
+    let (count, least_off_m) = (returns - 2, least_m * MEDIAN_OFF / SCATTERS);
+    let is_less = |&(off, squared): &(f64, f64)| off * off <= least_off_m * least_off_m * squared;
+    if (1..returns - 1).map(off_chord).filter(is_less).nth(count / 2).is_some() {
+        return 0.0; // the median is one of those
+    }
+    let mut offs_m = [0.0; SCATTER_RETURNS - 2];
+    for (off_m, k) in offs_m.iter_mut().zip(1..returns - 1) {
+        let (off, squared) = off_chord(k);
+        *off_m = off / squared.sqrt().max(f64::MIN_POSITIVE);
+    }
+    SCATTERS / MEDIAN_OFF * *offs_m[..count].select_nth_unstable_by(count / 2, f64::total_cmp).1
 }
 
 /// The unit eigenvector of the larger eigenvalue of a covariance: it halves the angle of (xx - yy, 2 xy).
