@@ -44,8 +44,9 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// ...or if it is so wide, as a share of the place's size.
 const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
-/// An inner corner hides no more behind it than so many times the roughness of the walls: what is seen deeper behind the nearer
-/// wall leads on.
+/// An inner corner hides no more behind it than this...
+const INNER_CORNER_HIDES_M: f64 = 0.1;
+/// ...and so many times the roughness of the walls: what is seen deeper behind the nearer wall leads on.
 const INNER_CORNER_HIDES_BUMPS: f64 = 15.0;
 /// Nor is the gap before it wider than this share of the place's size.
 const INNER_CORNER_SHARE: f64 = 1.4;
@@ -215,7 +216,7 @@ impl Judge<'_> {
             let bumps = if turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
             look.bump_hides_m = self.shadow_m(gap, BUMP_HIDES_M, bumps);
             let can_hide = look.clear_m < INNER_CORNER_SHARE * self.size_m
-                && look.inside_m() < self.shadow_m(gap, 0.0, INNER_CORNER_HIDES_BUMPS);
+                && look.inside_m() < self.shadow_m(gap, INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS);
             look.is_corner = look.turns_somewhat && can_hide && self.is_other_side(gap);
         }
         look
