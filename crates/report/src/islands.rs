@@ -1,6 +1,6 @@
 //! Walls that stand free in front of others: pillars.
 
-use crosscut_stage::{Junction, Point, Revolution, Wall};
+use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 
 use crate::ring::{Position, Ring};
 
@@ -84,8 +84,11 @@ fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u3
     let is_one = |at: usize| walls.contains(&ring.entries[at].wall);
     let is_of_vehicle =
         || (0..ring.len()).filter(|&at| is_one(at)).all(|at| ring.entries[at].range_m < limits.vehicle_width_m);
-    let is_cut =
-        |at: usize, anticlockwise: bool| is_one(at) && ring.room_to_end_m(at, anticlockwise) < limits.vehicle_width_m;
+    // In doubt it is a wall: any beam of which nothing is known may have met more of it.
+    let is_cut = |at: usize, anticlockwise: bool| {
+        let is_doubtful = || ring.beams_to_end(at, anticlockwise).contains(&Beam::Unknown);
+        is_one(at) && (ring.room_to_end_m(at, anticlockwise) < limits.vehicle_width_m || is_doubtful())
+    };
     let is_at_end = !ring.full_turn && ring.len() > 0 && (is_cut(0, false) || is_cut(ring.len() - 1, true));
     if is_at_end && !is_of_vehicle() {
         return false;

@@ -84,13 +84,20 @@ impl Ring {
         std::iter::successors(Some(at), next).take(count).map(|at| &self.entries[at])
     }
 
-    /// How far the first or the last entry of a limited view is from that end of it, across the beams; 0 unless all are
-    /// known between the two, and most came back with nothing.
+    /// What the beams saw between the first or the last entry of a limited view and that end of it.
+    pub(crate) fn beams_to_end(&self, at: usize, anticlockwise: bool) -> &[Beam] {
+        let beam = self.entries[at].beam;
+        if anticlockwise { &self.beams[beam + 1..] } else { &self.beams[..beam] }
+    }
+
+    /// How far the first or the last entry of a limited view is from that end of it, across the beams; 0 unless most between
+    /// the two came back with nothing, and no two beside each other are unknown: a single one may have met dust or the edge of
+    /// a wall, more are a sector that was not looked at.
     pub(crate) fn room_to_end_m(&self, at: usize, anticlockwise: bool) -> f64 {
-        let end = &self.entries[at];
-        let beams = if anticlockwise { &self.beams[end.beam + 1..] } else { &self.beams[..end.beam] };
-        let count = |kind: Beam| beams.iter().filter(|beam| **beam == kind).count();
-        if count(Beam::Unknown) > 0 || 2 * count(Beam::NoReturn) <= beams.len() {
+        let (end, beams) = (&self.entries[at], self.beams_to_end(at, anticlockwise));
+        let dark = beams.iter().filter(|beam| **beam == Beam::NoReturn).count();
+        let is_masked = beams.windows(2).any(|two| two == [Beam::Unknown; 2]);
+        if is_masked || 2 * dark <= beams.len() {
             return 0.0;
         }
         // What is free is known from the first to the last of the beams.

@@ -191,6 +191,17 @@ fn an_opening_that_the_end_of_the_view_cuts_is_one_as_far_as_it_is_seen() {
 }
 
 #[test]
+fn a_single_beam_of_which_nothing_is_known_hides_no_opening_at_the_end_of_the_view() {
+    // The last returns are 7.5° off the axis, where the view ends; one beam a degree.
+    let unknown =
+        |from_rad: f64, to_rad: f64| part(scan(&tunnel(), 360, |b| (from_rad..to_rad).contains(&b)), 0.0..2.0);
+    let [none, single, two] =
+        [unknown(0.0, 0.0), unknown(0.03, 0.046), unknown(0.03, 0.064)].map(|masked| openings_of(&masked));
+    assert_eq!((none.len(), single.len(), two.len()), (1, 1, 0));
+    assert_eq!(none[0].bearing_rad, single[0].bearing_rad);
+}
+
+#[test]
 fn the_end_of_the_view_is_no_opening_where_a_wall_reaches_it_or_nothing_is_known() {
     let beside = |blind: bool| part(scan(&tunnel(), 360, |b| blind && b < 0.3), 0.0..2.0);
     assert_eq!(openings_of(&beside(false)).len(), 1);
