@@ -8,6 +8,8 @@ use crate::{Link, WallLinks};
 const AGREES: f64 = 10.0;
 /// W is exp(-σ d²) if σ = -ln W / d² is the same for its links to within this share.
 const SAME_SCALE: f64 = 1e-6;
+/// A σ that is farther from the present one than by this factor is not named: by then other links than this one decide.
+const NEAR: f64 = 3.0;
 
 /// A change that would give another count.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +24,8 @@ pub struct Change {
     pub walls: Vec<u32>,
     /// The link that stands for the eigenvalue, if one does.
     pub link: Option<Link>,
-    /// The σ of W = exp(-σ d²) that would bring the eigenvalue to τ, in 1/m², if W is of that kind: about.
+    /// The σ of W = exp(-σ d²) that would bring the eigenvalue to τ, in 1/m², if W is of that kind: about, and only if it is
+    /// near the present one.
     pub sigma_per_m2: Option<f64>,
 }
 
@@ -34,7 +37,8 @@ pub(crate) fn changes(frame: &Frame, walls: &[WallLinks]) -> Vec<Change> {
         [one_more(spectrum, walls), one_less(spectrum, frame.revolution.len(), walls)].into_iter().flatten().collect();
     for change in &mut changes {
         let reach = |link: Link| rescaled(frame, link, spectrum.tolerance / change.eigenvalue);
-        change.sigma_per_m2 = sigma.and(change.link).and_then(reach);
+        let is_near = |reached: &f64| sigma.is_some_and(|now| (now / NEAR..=now * NEAR).contains(reached));
+        change.sigma_per_m2 = change.link.and_then(reach).filter(is_near);
     }
     changes.sort_by(|a, b| a.decades.total_cmp(&b.decades));
     changes
@@ -96,7 +100,7 @@ fn scale(frame: &Frame, walls: &[WallLinks]) -> Option<f64> {
 
 /// The σ at which the link's weight would be `factor` times what it is.
 fn rescaled(frame: &Frame, link: Link, factor: f64) -> Option<f64> {
-    sigma_of(frame, link, link.weight * factor).filter(|sigma| *sigma > 0.0)
+    sigma_of(frame, link, link.weight * factor)
 }
 
 /// The σ at which the link would have this weight.

@@ -113,6 +113,15 @@ fn the_scale_that_is_named_changes_the_count() {
 }
 
 #[test]
+fn no_scale_is_named_that_is_so_far_away_that_other_links_decide_by_then() {
+    let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-5);
+    let changes = Explanation::of(&frame).changes;
+    assert!(changes.iter().all(|change| change.link.is_some()), "{changes:?}");
+    let named: Vec<(usize, bool)> = changes.iter().map(|change| (change.k, change.sigma_per_m2.is_some())).collect();
+    assert_eq!(named, [(1, true), (3, false)], "to break a wall would take a σ of 5.2 per m²: {changes:?}");
+}
+
+#[test]
 fn no_scale_is_named_for_a_w_that_is_no_gaussian_of_the_distance() {
     let mut frame = gaussian(&PLACES_M, &WALLS, 1.5);
     let w = frame.affinity.weights.make_dense(7);
