@@ -36,7 +36,7 @@ pub(crate) fn changes(frame: &Frame, walls: &[WallLinks]) -> Vec<Change> {
     let mut changes: Vec<Change> =
         [one_more(spectrum, walls), one_less(spectrum, frame.revolution.len(), walls)].into_iter().flatten().collect();
     for change in &mut changes {
-        let reach = |link: Link| rescaled(frame, link, spectrum.tolerance / change.eigenvalue);
+        let reach = |link: Link| sigma_of(frame, link, link.weight * (spectrum.tolerance / change.eigenvalue));
         let is_near = |reached: &f64| sigma.is_some_and(|now| (now / NEAR..=now * NEAR).contains(reached));
         change.sigma_per_m2 = change.link.and_then(reach).filter(is_near);
     }
@@ -96,11 +96,6 @@ fn scale(frame: &Frame, walls: &[WallLinks]) -> Option<f64> {
     let sigmas: Vec<f64> = links.filter_map(|link| sigma_of(frame, link, link.weight)).collect();
     let (least, most) = (sigmas.iter().copied().reduce(f64::min)?, sigmas.iter().copied().reduce(f64::max)?);
     (sigmas.len() > 1 && least > 0.0 && most / least - 1.0 < SAME_SCALE).then_some(least)
-}
-
-/// The σ at which the link's weight would be `factor` times what it is.
-fn rescaled(frame: &Frame, link: Link, factor: f64) -> Option<f64> {
-    sigma_of(frame, link, link.weight * factor)
 }
 
 /// The σ at which the link would have this weight.

@@ -85,7 +85,7 @@ const MIXTURE: &str = "\
 (likewise), a view from 180° to 360° (half of them 360°), 10 to 25 m range, bumps of 1 to 6 % of the width, and each in
 half of the places: up to 30 % of the beams lost, up to 15 % in patches, up to 4 % dust. A third of those wider than 4 m
 have pillars. No number was fitted to them, those of the confidence included; which inputs the confidence has was chosen
-with a look at scenes of this kind, and that one beam says nothing of a gap only where that is less than 3.5° wide with a look at
+with a look at scenes of this kind, and that one beam says nothing only of a narrow gap with a look at
 these and at the first table.
 ";
 
