@@ -45,72 +45,75 @@ const BEHIND_DOOR_SHARE: f64 = 1.5;
 impl Judge<'_> {
     /// How wide a way on is as a share of the place's size, where beams into a dark gap came back with nothing because there is
     /// nothing; `None` if they may have been lost.
-    pub(super) fn share_in_the_dark(&self, ends: (usize, usize), turns: Turns) -> Option<f64> {
+    pub(super) fn share_in_the_dark(&self, gap: &Gap<'_>, turns: Turns) -> Option<f64> {
         if turns.whole_rad < DARK_TURN_RAD {
             return None;
         }
-        if self.is_far(ends) { Some(DARK_SHARE) } else { self.is_unlost(ends).then_some(DARK_NEAR_SHARE) }
+        if self.is_far(gap.far_m) { Some(DARK_SHARE) } else { self.is_unlost(gap).then_some(DARK_NEAR_SHARE) }
     }
 
     /// Whether so many beams into the gap came back with nothing that what is there is not seen.
-    pub(super) fn is_dark(&self, (p, q): (usize, usize)) -> bool {
-        self.ring.dark_between(p, q) >= DARK_BEAMS && self.dark_rad((p, q)) > DARK_RAD
+    pub(super) fn is_dark(&self, gap: &Gap<'_>) -> bool {
+        self.dark_beams(gap) >= DARK_BEAMS && self.dark_rad(gap) > DARK_RAD
     }
 
-    /// How many times the room that a way on needs there is, if nothing else than one explains that nothing is seen. No corner
-    /// can be missing there, so the gap is as wide as its ends are apart.
+    /// Whether islands hide what is in the gap.
+    pub(super) fn is_shaded(&self, gap: &Gap<'_>) -> bool {
+        self.ring.is_shaded(gap.ends.0, gap.ends.1)
+    }
+
+    /// How many times the room that a way on needs there is, if nothing else than one explains that nothing is seen; 0 if that
+    /// is no reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch, nor the dark end
+    /// of a tunnel. No corner can be missing there, so the gap is as wide as its ends are apart.
     pub(super) fn room_ratio_of_blank(&self, gap: &Gap<'_>, turns: Turns) -> f64 {
-        let needed_m = self.blank_needs_m(gap.ends, || turns.whole_rad).filter(|_| turns.whole_rad > -DARK_TURN_RAD);
-        needed_m.map_or(0.0, |needed_m| gap.chord.norm() / needed_m)
-    }
-
-    /// How far apart the ends of a gap must be for it to be a way on because nothing is seen in it; `None` if that is no
-    /// reason: it is neither a door, nor dark over so wide an angle, nor, far off, over so wide a patch, nor the dark
-    /// end of a tunnel.
-    pub(super) fn blank_needs_m(&self, ends: (usize, usize), turn_rad: impl FnOnce() -> f64) -> Option<f64> {
-        let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(ends);
+        if turns.whole_rad <= -DARK_TURN_RAD {
+            return 0.0;
+        }
+        let (chord_m, dark_rad) = (gap.chord.norm(), self.dark_rad(gap));
+        let is_door = self.lossy_places <= LOSSY_PLACES && self.is_door(gap);
         let door_m = is_door.then_some(DOOR_TIMES * self.limits.passage_m);
-        let (dark_rad, nearer_m) = (self.dark_rad(ends), self.nearer_m(ends));
-        let behind_m = dark_rad * self.ring.range_max_m;
-        let is_as_of_way = || behind_m < BEHIND_BLANK * self.ring.distance_m(ends.0, ends.1);
-        let is_wide = dark_rad > BLANK_RAD && (is_as_of_way() || turn_rad() > DARK_TURN_RAD);
-        let patch_m = if nearer_m > FAR_OFF_SHARE * self.size_m { dark_rad * nearer_m } else { 0.0 };
-        let is_blank = is_wide || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(ends));
+        let is_as_of_way = dark_rad * self.ring.range_max_m < BEHIND_BLANK * chord_m;
+        let is_wide = dark_rad > BLANK_RAD && (is_as_of_way || turns.whole_rad > DARK_TURN_RAD);
+        let patch_m = if gap.near_m > FAR_OFF_SHARE * self.size_m { dark_rad * gap.near_m } else { 0.0 };
+        let is_blank = is_wide || (patch_m > PATCH_SHARE * self.size_m && self.is_unlost(gap));
         let blank_m = is_blank.then_some(BLANK_SHARE * self.size_m);
-        let far_m = self.is_dark_end(ends).then_some(DARK_SHARE * self.size_m);
-        [door_m, blank_m, far_m].into_iter().flatten().min_by(f64::total_cmp)
+        let far_m = self.is_dark_end(gap).then_some(DARK_SHARE * self.size_m);
+        let needed_m = [door_m, blank_m, far_m].into_iter().flatten().min_by(f64::total_cmp);
+        needed_m.map_or(0.0, |needed_m| chord_m / needed_m)
     }
 
     /// Whether both ends of a gap lie at the end of the range, and so many beams came back with nothing that none are lost.
-    fn is_dark_end(&self, ends: (usize, usize)) -> bool {
-        let are_far = self.nearer_m(ends) > FAR_SHARE * self.ring.range_max_m;
-        are_far && self.is_dark(ends) && !self.is_shaded(ends) && self.is_unlost(ends)
+    fn is_dark_end(&self, gap: &Gap<'_>) -> bool {
+        self.is_far(gap.near_m) && self.is_dark(gap) && !self.is_shaded(gap) && self.is_unlost(gap)
     }
 
     /// Whether a gap is one across the line of sight in which nothing is seen, well before the end of the range, and what
     /// lies behind it need not be wider than this place for that.
-    fn is_door(&self, (p, q): (usize, usize)) -> bool {
-        let (from_m, to_m) = (self.ring.position_m(p), self.ring.position_m(q));
-        let (chord, middle_m) = (to_m - from_m, 0.5 * (from_m + to_m));
-        let is_across = chord.perp(&middle_m).abs() > ACROSS * chord.norm() * middle_m.norm();
-        let is_near = self.nearer_m((p, q)) < FAR_SHARE * self.ring.range_max_m;
-        let behind_m = self.dark_rad((p, q)) * self.ring.range_max_m;
-        let is_empty = self.is_dark((p, q)) && !self.is_shaded((p, q));
-        is_empty && is_across && is_near && behind_m < BEHIND_DOOR_SHARE * self.size_m
+    fn is_door(&self, gap: &Gap<'_>) -> bool {
+        let middle_m = self.ring.position_m(gap.ends.0) + 0.5 * gap.chord;
+        let is_across = gap.chord.perp(&middle_m).abs() > ACROSS * gap.chord.norm() * middle_m.norm();
+        let behind_m = self.dark_rad(gap) * self.ring.range_max_m;
+        let is_empty = self.is_dark(gap) && !self.is_shaded(gap);
+        is_empty && is_across && !self.is_far(gap.near_m) && behind_m < BEHIND_DOOR_SHARE * self.size_m
     }
 
     /// Whether more beams came back with nothing than [`LOST_TIMES`] those that get lost elsewhere.
-    fn is_unlost(&self, (p, q): (usize, usize)) -> bool {
-        self.ring.dark_between(p, q) > LOST_TIMES * self.lost_beams
+    fn is_unlost(&self, gap: &Gap<'_>) -> bool {
+        self.dark_beams(gap) > LOST_TIMES * self.lost_beams
     }
 
-    /// Whether the gap lies at the end of the range.
-    fn is_far(&self, ends: (usize, usize)) -> bool {
-        self.farther_m(ends) > FAR_SHARE * self.ring.range_max_m
+    /// Whether so much is about the sensor's range.
+    fn is_far(&self, range_m: f64) -> bool {
+        range_m > FAR_SHARE * self.ring.range_max_m
+    }
+
+    /// How many beams into the gap came back with nothing.
+    fn dark_beams(&self, gap: &Gap<'_>) -> u32 {
+        self.ring.dark_between(gap.ends.0, gap.ends.1)
     }
 
     /// The angle in which nothing is seen.
-    fn dark_rad(&self, (p, q): (usize, usize)) -> f64 {
-        f64::from(self.ring.dark_between(p, q)) * self.ring.step_rad
+    fn dark_rad(&self, gap: &Gap<'_>) -> f64 {
+        f64::from(self.dark_beams(gap)) * self.ring.step_rad
     }
 }

@@ -73,6 +73,9 @@ pub(super) struct Gap<'p> {
     pub(super) b: &'p [usize],
     /// The last return of `a`, and the first of `b`.
     pub(super) ends: (usize, usize),
+    /// The ranges of the nearer of them, and of the farther one.
+    pub(super) near_m: f64,
+    pub(super) far_m: f64,
     /// The direction in which the wall runs at the end of `a`: a unit vector.
     pub(super) before: Position,
     /// From the end of `a` to the start of `b`.
@@ -169,11 +172,6 @@ impl<'a> Judge<'a> {
     /// one.
     pub(super) fn room_ratio_of_way(&self, a: &[usize], b: &[usize]) -> Option<f64> {
         let gap = self.gap(a, b)?;
-        let [clear_m, _] = gap.clear_and_farther_m();
-        // Where no vehicle fits in, how far the wall turns does not matter.
-        if clear_m < self.limits.passage_m && self.blank_needs_m(gap.ends, || gap.turns().whole_rad).is_none() {
-            return None;
-        }
         Some(self.room(&gap, gap.turns())).filter(|room| room.is_way()).map(|room| room.ratio)
     }
 
@@ -186,11 +184,6 @@ impl<'a> Judge<'a> {
             .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
         let least = rooms.into_iter().map(|room| room.ratio).fold(f64::INFINITY, f64::min);
         Room { ratio: least.max(LEAST_DECIDED), rule }
-    }
-
-    /// Whether islands hide what is in the gap.
-    pub(super) fn is_shaded(&self, (p, q): (usize, usize)) -> bool {
-        self.ring.is_shaded(p, q)
     }
 
     /// How much the wall turns left at both ends of a gap, over this stretch of either piece.
@@ -219,7 +212,9 @@ impl<'p> Gap<'p> {
     fn new(ring: &Ring, [a, b]: [&'p [usize]; 2], [before, after]: [Position; 2]) -> Self {
         let (p, q) = (a[a.len() - 1], b[0]);
         let chord = ring.position_m(q) - ring.position_m(p);
-        Self { a, b, ends: (p, q), before, chord, after, a_is_nearer: ring.range_m(p) < ring.range_m(q) }
+        let [p_m, q_m] = [p, q].map(|end| ring.range_m(end));
+        let (near_m, far_m) = (p_m.min(q_m), p_m.max(q_m));
+        Self { a, b, ends: (p, q), near_m, far_m, before, chord, after, a_is_nearer: p_m < q_m }
     }
 
     fn turns(&self) -> Turns {

@@ -204,8 +204,8 @@ impl Judge<'_> {
         let mut look = Look {
             gap,
             turns,
-            is_dark: self.is_dark(gap.ends),
-            is_shaded: self.is_shaded(gap.ends),
+            is_dark: self.is_dark(gap),
+            is_shaded: self.is_shaded(gap),
             clear_m,
             depth_m: -farther_aside_m,
             turns_somewhat: (self.limits.straight_rad..self.limits.way_rad).contains(&turns.whole_rad),
@@ -225,7 +225,7 @@ impl Judge<'_> {
     /// How deep behind the nearer wall a bump at its end hides the farther one, so high and so many times the roughness of the
     /// walls: the deeper, the farther that is behind it.
     fn shadow_m(&self, gap: &Gap<'_>, bump_m: f64, bumps: f64) -> f64 {
-        (bump_m + bumps * self.ring.roughness.off_m) * self.farther_m(gap.ends) / self.nearer_m(gap.ends)
+        (bump_m + bumps * self.ring.roughness.off_m) * gap.far_m / gap.near_m
     }
 
     /// Whether the farther wall is the other side of the place, which meets the line of the nearer one in a corner.
@@ -245,7 +245,7 @@ impl Judge<'_> {
         if look.turns.whole_rad >= self.limits.way_rad {
             return Some(WAY_SHARE);
         }
-        let dark = if look.is_dark { self.share_in_the_dark(look.gap.ends, look.turns) } else { None };
+        let dark = if look.is_dark { self.share_in_the_dark(look.gap, look.turns) } else { None };
         let turned = if look.is_shaded { SHADE_SHARE } else { self.limits.clear_share };
         dark.or((look.turns_somewhat && !look.is_corner).then_some(turned))
     }
@@ -305,15 +305,5 @@ impl Judge<'_> {
             needed_m(PLAIN_BUMPS)
         };
         look.clear_m / needed_m
-    }
-
-    /// The range of the farther end of a gap.
-    pub(super) fn farther_m(&self, (p, q): (usize, usize)) -> f64 {
-        self.ring.range_m(p).max(self.ring.range_m(q))
-    }
-
-    /// The range of the nearer end of a gap.
-    pub(super) fn nearer_m(&self, (p, q): (usize, usize)) -> f64 {
-        self.ring.range_m(p).min(self.ring.range_m(q))
     }
 }
