@@ -138,3 +138,23 @@ fn a_sweep_of_more_beams_than_ranges_are_exact_is_worked_on_as_a_cloud() {
     let largest = graph(&cloud).degrees.iter().fold(0.0, |a: f64, b| a.max(*b));
     assert!(largest < f64::from(n) / 50.0, "a return is tied to what is near it: {largest}");
 }
+
+#[test]
+fn the_mirror_image_of_a_cloud_has_the_same_walls() {
+    // Rubble in the shadow at the mouth of a branch is as many steps away from one of its walls as from the other.
+    let branch =
+        [([[-12.0, -2.0], [2.0, -2.0]], 1), ([[12.0, -2.0], [5.0, -2.0]], 2), ([[5.0, -2.0], [5.0, -14.0]], 2)];
+    let (mut cloud, _) = tube(&[&[LEFT], &branch[..]].concat(), 6000);
+    let mut spread = Spread(2);
+    let mut rubble = || {
+        let x = 2.0 + 3.0 * spread.next();
+        Point::new(x, -x - 0.4 - 4.0 * spread.next(), 0.0)
+    };
+    cloud.points_m.extend(std::iter::repeat_with(&mut rubble).take(2000));
+    let walls = components(&graph(&cloud));
+    assert!(walls[6000..].iter().any(|&wall| wall != walls[6000]), "it is of both");
+    cloud.points_m.iter_mut().for_each(|point_m| point_m.y = -point_m.y);
+    let mirrored = components(&graph(&cloud));
+    let differ = (0..walls.len()).filter(|&i| walls[i] != mirrored[i]).count();
+    assert_eq!(differ, 0, "of {} returns", walls.len());
+}

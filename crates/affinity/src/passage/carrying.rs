@@ -37,8 +37,9 @@ struct Representative {
     level: LevelReturn,
     /// Its number among those that are seen.
     seen: Option<u32>,
-    /// The representative from which a wall was carried on to it.
+    /// The representative from which a wall was carried on to it, in how many steps from what is seen of that.
     carried_from: Option<u32>,
+    steps: u32,
     /// The two nearest of the representatives that it is tied to, if there are any.
     nearest: [Option<Tie>; 2],
 }
@@ -50,7 +51,8 @@ impl Carrying {
     ///    that is no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen
     ///    represent themselves.
     /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps
-    ///    first: each is tied to the one that it was reached from, so that nothing unseen joins two walls.
+    ///    first: each is tied to the one that it was reached from, of several the nearest, so that nothing unseen joins
+    ///    two walls.
     /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied
     ///    to. So what ties the parts of a wall grows with its number of returns as the parts do, and the second
     ///    eigenvalue of its block does not fall with it.
@@ -90,6 +92,7 @@ impl Carrying {
                     level: *level,
                     seen: is_seen.then_some(of_seen.len() as u32),
                     carried_from: None,
+                    steps: 0,
                     nearest: [None; 2],
                 });
             }
@@ -102,7 +105,8 @@ impl Carrying {
         starts.resize(view.beams() + 1, representatives.len());
     }
 
-    /// Sets `carried_from`, breadth first from the seen returns that have an edge.
+    /// Sets `carried_from`, breadth first from the seen returns that have an edge; of those that reach it in as few steps,
+    /// the nearest, so that the mirror image of a cloud has the same walls.
     fn carry(&mut self, seen: &Affinity, beams: usize, passage_m: f64) {
         let Self { representatives, starts, of_seen, open, .. } = self;
         let is_of_wall = |one: &Representative| one.seen.is_some_and(|seen_at| seen.degrees[seen_at as usize] > 1.0);
@@ -111,14 +115,21 @@ impl Carrying {
         let mut next = 0;
         while let Some(&from) = open.get(next) {
             next += 1;
-            let Representative { place_m, level, .. } = representatives[from as usize];
+            let Representative { place_m, level, steps, .. } = representatives[from as usize];
             for stretch in beams_within(passage_m, level, beams).map(|beams| starts[beams.start]..starts[beams.end]) {
                 for at in stretch {
-                    let to = &mut representatives[at];
-                    let is_near = (to.place_m - place_m).norm_squared() <= passage_m * passage_m;
-                    if is_near && to.carried_from.is_none() && to.seen.is_none() {
-                        to.carried_from = Some(from);
-                        open.push(at as u32);
+                    let to = representatives[at];
+                    let squared = (to.place_m - place_m).norm_squared();
+                    let is_nearer = |other: u32| {
+                        let other_squared = (to.place_m - representatives[other as usize].place_m).norm_squared();
+                        to.steps == steps + 1 && squared < other_squared
+                    };
+                    if squared <= passage_m * passage_m && to.seen.is_none() && to.carried_from.is_none_or(is_nearer) {
+                        representatives[at].carried_from = Some(from);
+                        representatives[at].steps = steps + 1;
+                        if to.carried_from.is_none() {
+                            open.push(at as u32);
+                        }
                     }
                 }
             }
