@@ -77,7 +77,11 @@ impl Words<'_> {
         let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
         verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
         let line = |verdict: &Verdict| {
-            let what = if verdict.is_way { "a way on" } else { "the wall goes on" };
+            let what = match (verdict.is_way, verdict.room_ratio >= 1.0) {
+                (true, _) => "a way on",
+                (false, false) => "the wall goes on",
+                (false, true) => "the wall goes on all the same, as it was joined piece by piece",
+            };
             let between = self.between(verdict.returns.map(|i| i as usize));
             let Verdict { room_ratio, reason, .. } = verdict;
             format!("- **{room_ratio:.2}** times the room that a way on needs ({reason}): {what} ({between})")
