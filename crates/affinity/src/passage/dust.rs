@@ -1,7 +1,7 @@
 //! Returns that hang in the air: dust, and what is mixed beside pillars.
 
-use super::mixed;
 use super::ring::Ring;
+use super::{Limits, mixed};
 
 /// So many returns on either side are looked at; the outermost say nothing of both sides.
 const REACH: usize = 4;
@@ -26,7 +26,7 @@ pub(super) struct Dust {
 impl Dust {
     /// The returns that fewer than [`COMPANY`] of their neighbours touch although most of these are farther, on both
     /// sides, and those that are mixed beside pillars. A ring so small that a return is its own neighbour has none.
-    pub(super) fn find(&mut self, ring: &Ring, pillars: &mixed::Limits) -> &[bool] {
+    pub(super) fn find(&mut self, ring: &Ring, limits: &Limits) -> &[bool] {
         let n = ring.len();
         self.is_dust.clear();
         self.is_dust.resize(n, false);
@@ -40,7 +40,7 @@ impl Dust {
         for (i, (around_m, is_dust)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.is_dust).enumerate() {
             let beside_m = [around_m[REACH - 1], around_m[REACH], around_m[REACH + 1]];
             *is_dust = (stands_out(around_m) && company(ring, i) < COMPANY)
-                || mixed::is_beside_pillar(ring, i, beside_m, pillars);
+                || mixed::is_beside_pillar(ring, i, beside_m, limits);
         }
         &self.is_dust
     }

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
+use super::Limits;
 use super::pieces::Pieces;
 use super::ring::{Position, Ring, turn_rad};
 use super::tangent::{End, Tangents, has_direction, tangent};
@@ -25,16 +26,6 @@ const OFF_LINE_SHARE: f64 = 0.15;
 /// Two pieces without direction belong together along a line of sight: a wall at grazing incidence. Share of their
 /// distance that is along the beams.
 const GRAZING_SHARE: f64 = 0.8;
-
-/// What is asked of a gap; see the parameters of the stage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    pub(super) passage_m: f64,
-    pub(super) stretch_m: f64,
-    pub(super) straight_rad: f64,
-    pub(super) way_rad: f64,
-    pub(super) clear_share: f64,
-}
 
 /// Judges the gaps of one scan.
 #[derive(Clone, Copy, Debug)]

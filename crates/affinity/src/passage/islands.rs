@@ -1,5 +1,7 @@
 //! Short pieces that stand free: pillars.
 
+use super::Limits;
+use super::joining::LEAST_RETURNS;
 use super::pieces::Pieces;
 use super::ring::{Position, Ring};
 use super::tangent::{End, tangent};
@@ -29,18 +31,6 @@ const LINE_RETURNS: usize = 14;
 const LINE_STEP_M: f64 = 2.5;
 /// So many islands may stand beside each other.
 const MOST_TOGETHER: usize = 2;
-/// Fewer returns are no island.
-const LEAST_RETURNS: usize = 3;
-
-/// What is asked of an island.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// It is shorter.
-    pub(super) island_m: f64,
-    pub(super) passage_m: f64,
-    /// Length over which the direction of a wall is taken.
-    pub(super) stretch_m: f64,
-}
 
 /// Takes the islands out of `pieces` into `islands`, nearest first, so that one that is partly hidden by another is
 /// found after it. Two beside each other, neither of them behind the other, are found together.

@@ -5,7 +5,7 @@ use super::mixed;
 use super::pieces::Pieces;
 use super::ring::Ring;
 
-/// Pieces of fewer returns are no wall.
+/// Pieces of fewer returns are no wall, and no island.
 pub(super) const LEAST_RETURNS: usize = 3;
 
 /// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.

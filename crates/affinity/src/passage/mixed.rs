@@ -5,6 +5,7 @@
 //! alone cannot be told from the one return that is seen of a wall. So it is one only where that makes a difference: beside
 //! a pillar, which it would tie to what is behind it, and in a way on, which it would close.
 
+use super::Limits;
 use super::gap::Judge;
 use super::joining::LEAST_RETURNS;
 use super::ring::Ring;
@@ -17,15 +18,6 @@ const LINES: isize = 2;
 const OFF_LINE_SHARE: f64 = 0.25;
 /// In a way on: it is so far off the lines of both walls.
 const OFF_LINE_M: f64 = 0.2;
-
-/// What a pillar is.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// It is shorter,
-    pub(super) island_m: f64,
-    /// and its returns are nearer to each other.
-    pub(super) passage_m: f64,
-}
 
 /// Whether a range is one of those between a near one and a far one.
 fn is_between(near_m: f64, here_m: f64, far_m: f64) -> bool {

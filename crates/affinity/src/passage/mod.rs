@@ -28,7 +28,7 @@ use crate::finite::check_finite;
 use carrying::Carrying;
 use chains::Chains;
 use dust::Dust;
-use gap::{Judge, Limits};
+use gap::Judge;
 use pieces::Pieces;
 use ring::Ring;
 use roughness::Roughness;
@@ -145,7 +145,6 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 pub struct Passage {
     limits: Limits,
     height_m: f64,
-    island_m: f64,
     wall_rad: f64,
     leak: f64,
     cloud: Cloud,
@@ -155,6 +154,17 @@ pub struct Passage {
     walls: Pieces,
     islands: Pieces,
     chains: Chains,
+}
+
+/// What is asked of walls, gaps and islands: the parameters of these names.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    passage_m: f64,
+    stretch_m: f64,
+    straight_rad: f64,
+    way_rad: f64,
+    clear_share: f64,
+    island_m: f64,
 }
 
 /// Held from one cloud to the next.
@@ -189,12 +199,12 @@ impl Passage {
             straight_rad: params.number(STRAIGHT_DEG.name).to_radians(),
             way_rad: params.number(WAY_DEG.name).to_radians(),
             clear_share: params.number(CLEAR_SHARE.name),
+            island_m: params.number(ISLAND_M.name),
         };
         Self {
             limits,
             height_m: params.number(HEIGHT_M.name),
             cloud: Cloud::default(),
-            island_m: params.number(ISLAND_M.name),
             wall_rad: params.number(WALL_DEG.name).to_radians(),
             leak: params.number(LEAK.name),
             ring: Ring::default(),
@@ -217,8 +227,7 @@ impl Passage {
     ) -> Result<(), StageError> {
         let Self { limits, ring, dust, tangents, walls, islands, .. } = self;
         ring.fill(sweep, points_m)?;
-        let pillars = mixed::Limits { island_m: self.island_m, passage_m: limits.passage_m };
-        let dust = dust.find(ring, &pillars);
+        let dust = dust.find(ring, limits);
 
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
@@ -228,9 +237,7 @@ impl Passage {
         let hanging = dust.iter().filter(|dust| **dust).count();
         let inside = ring.len() - hanging - walls.returns().len();
         ring.roughness = Roughness::of(ring, walls);
-        let of_island =
-            islands::Limits { island_m: self.island_m, passage_m: limits.passage_m, stretch_m: limits.stretch_m };
-        islands::take(ring, walls, &of_island, islands);
+        islands::take(ring, walls, limits, islands);
         let judge = Judge::new(ring, tangents, walls, *limits);
         let mut left_over = joining::join(ring, &judge, walls, least_returns);
         if joining::cut_at_ways(&judge, walls) {
