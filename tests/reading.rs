@@ -234,6 +234,50 @@ fn in_parts(folder: &Path) -> [PathBuf; 3] {
 }
 
 #[test]
+fn a_recording_that_is_called_like_a_part_of_another_is_kept_and_the_other_goes_on_beside_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [first, second, _] = in_parts(folder.path());
+    recorded(&second, &["--to", "3"]);
+    let kept = std::fs::read(&second).expect("recorded");
+    for _ in ["beside it", "in place of its own parts"] {
+        in_parts(folder.path());
+        assert!(std::fs::read(&second).expect("still there") == kept);
+        let names = std::fs::read_dir(folder.path()).expect("a folder").map(|file| file.expect("an entry").file_name());
+        let mut names: Vec<_> = names.collect();
+        names.sort();
+        assert_eq!(names, ["tee-2.rrd", "tee-3.rrd", "tee-4.rrd", "tee.rrd"]);
+        let listed = rrd(&["ls", first.to_str().expect("UTF-8")]).expect_code(0);
+        assert!(listed.stdout.contains("0 to 136") && listed.stderr.is_empty(), "{}", listed.stderr);
+    }
+}
+
+#[test]
+fn the_reasons_of_a_revolution_are_read_without_a_viewer() {
+    let (folder, flight, results) = folder();
+    let out = folder.path().join("why.md");
+    get(&flight, "/report/why", &out, &[]).expect_code(0);
+    let all = std::fs::read_to_string(&out).expect("exported");
+    assert_eq!(all.matches("# Revolution ").count(), results.len());
+    let printed = get(&flight, "/report/why", Path::new("-"), &["--revolution", "16"]).expect_code(0).stdout;
+    assert!(!printed.is_empty() && all.contains(&printed) && !printed.starts_with("# Revolution"), "{printed}");
+    let numbers = get(&flight, "/spectral/U", Path::new("-"), &["--revolution", "16"]).expect_code(2).stderr;
+    assert!(numbers.contains("no text") && numbers.contains(".npy"), "{numbers}");
+}
+
+#[test]
+fn a_recording_gives_its_settings_to_another_run() {
+    let (folder, flight, _) = folder();
+    let other = folder.path().join("other.rrd");
+    recorded(&flight, &["--set", "affinity.sigma_per_m2=1.25"]);
+    recorded(&other, &["--config", flight.to_str().expect("UTF-8")]);
+    let same = rrd(&["diff", flight.to_str().expect("UTF-8"), other.to_str().expect("UTF-8")]).expect_code(0).stdout;
+    assert!(same.starts_with("the same"), "{same}");
+    let input = shipped_flight().display().to_string();
+    let no_recording = run(["run", &input, "--config", "/nowhere/tee.rrd"]).expect_code(2).stderr;
+    assert!(no_recording.contains("/nowhere/tee.rrd"), "{no_recording}");
+}
+
+#[test]
 fn a_missing_part_of_a_recording_is_said_and_the_rest_is_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [first, second, third] = in_parts(folder.path());

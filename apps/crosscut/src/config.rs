@@ -1,6 +1,7 @@
 //! `crosscut config`, and the configuration of the other commands.
 
 use std::io::Write;
+use std::path::Path;
 
 use anyhow::Context;
 use crosscut_pipeline::{Config, Layer, Registry, Schema};
@@ -25,8 +26,7 @@ pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registr
     let schema = schema(registry);
     let mut layers = vec![Layer::preset(&args.preset).map_err(usage)?];
     if let Some(path) = &args.config {
-        let text = std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))?;
-        layers.push(Layer::file(path, &text).map_err(usage)?);
+        layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
     }
     layers.push(Layer::settings("--with", own).map_err(usage)?);
     layers.push(Layer::settings("--set", &args.set).map_err(usage)?);
@@ -39,6 +39,25 @@ pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registr
         .into());
     }
     Ok(config)
+}
+
+/// The text of a file of settings, or that of the settings which a recording was made with.
+fn settings_in(path: &Path) -> Result<String, UsageError> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+        return settings_of_recording(path);
+    }
+    std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))
+}
+
+#[cfg(feature = "rerun")]
+fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
+    let recording = crosscut_recorder::Recording::open(path).map_err(usage)?;
+    recording.config_toml().ok_or_else(|| usage(format!("the recording has no /config: {}", path.display())))
+}
+
+#[cfg(not(feature = "rerun"))]
+fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
+    Err(usage(format!("{}: {}", path.display(), crate::exit::without_rerun())))
 }
 
 /// All settings there are.

@@ -241,7 +241,10 @@ impl Recording {
         }
         previous.stamp_ns = revolution.stamp_ns;
         if revolution.frame_id != previous.frame_id {
-            notes.add(format!("frame_id `{}` after `{}`", revolution.frame_id, previous.frame_id));
+            notes.add(format!(
+                "frame_id `{}` after `{}`; of several sensors on a topic ingest.frame_id takes one",
+                revolution.frame_id, previous.frame_id
+            ));
             previous.frame_id.clone_from(&revolution.frame_id);
         }
     }

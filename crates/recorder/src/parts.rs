@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use rerun::log::Chunk;
+use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStream, RecordingStreamResult, Tensor, TensorBuffer, components};
 
 use crate::reading::Damage;
+use crate::reading::messages::{Messages, chunk_of};
 use crate::tensors::f64_vector;
 
 /// FLIGHT.rrd is the first part, FLIGHT-2.rrd the second.
@@ -35,6 +36,31 @@ pub(crate) fn called_like_parts(first: &Path) -> Vec<PathBuf> {
 pub fn part_number(first: &Path, name: &OsStr) -> Option<u64> {
     let part = Path::new(name).file_stem()?.to_str()?.rsplit_once('-')?.1.parse().ok()?;
     (part > 1 && part_path(first, part).file_name() == Some(name)).then_some(part)
+}
+
+/// The number of the next file after `number` that a part may be written to. A recording of its own that is called like
+/// a part is passed over; a later part, as an older recording of this name left it, is replaced.
+pub(crate) fn next_free(first: &Path, number: u64) -> u64 {
+    let next = number + 1;
+    (next..).find(|&number| is_free(&part_path(first, number))).unwrap_or(next)
+}
+
+fn is_free(path: &Path) -> bool {
+    match path.metadata() {
+        Ok(file) if file.is_file() && file.len() > 0 => part_in(path).is_some_and(|part| part > 1),
+        _ => true, // where nothing can be written, creating it says why
+    }
+}
+
+/// Which part a file says it is; `None` if it is no recording, or says nothing.
+fn part_in(path: &Path) -> Option<u64> {
+    Messages::open(path).ok()?.flatten().find_map(|(_, message)| {
+        let LogMsg::ArrowMsg(_, message) = message else { return None };
+        let chunk = chunk_of(&message).ok().filter(|chunk| chunk.entity_path().to_string() == MARK)?;
+        let mut marks = Marks::default();
+        marks.read(&chunk);
+        marks.goes_on.into_keys().next()
+    })
 }
 
 /// Where every part says which it is.

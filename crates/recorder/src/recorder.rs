@@ -55,6 +55,8 @@ pub struct Recorder {
     extent: Option<Extent>,
     /// The part being written, from 1.
     part: u64,
+    /// The number in the name of its file: greater where a recording of its own is called like a part.
+    file_number: u64,
     /// A new part is begun as soon as that does not hold up a live flight.
     part_is_due: bool,
     plan: Plan,
@@ -118,6 +120,7 @@ impl Recorder {
             backlog,
             extent: None,
             part: 1,
+            file_number: 1,
             part_is_due: false,
             plan: Plan::new(options.scope.clone()),
             options,
@@ -202,7 +205,8 @@ impl Recorder {
     fn begin_part(&mut self) -> Result<(), RecorderError> {
         self.part_is_due = false;
         let (Some(file), Some(first)) = (self.file.clone(), &self.options.path) else { return Ok(()) };
-        let next = part_path(first, self.part + 1);
+        self.file_number = parts::next_free(first, self.file_number);
+        let next = part_path(first, self.file_number);
         parts::log(&self.rec, self.part, true)?;
         self.flush_to_the_end()?;
         self.part += 1;

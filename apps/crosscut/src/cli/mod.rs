@@ -118,8 +118,8 @@ pub(crate) struct ConfigArgs {
     /// Settings to start from: paper, default, or a baseline: threshold, breakpoint, dbscan.
     #[arg(long, default_value = "default")]
     pub(crate) preset: String,
-    /// A file of settings (TOML), over the preset.
-    #[arg(long, value_name = "FILE.toml")]
+    /// A file of settings (TOML), over the preset; or a recording made with --save, for the settings it was made with.
+    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
     pub(crate) config: Option<PathBuf>,
     /// A single setting, over the file: vehicle.width_m=0.8. May be given again.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
@@ -146,6 +146,9 @@ pub(crate) struct SimulateArgs {
     /// Show the scenarios and suites.
     #[arg(long)]
     pub(crate) list: bool,
+    /// No progress, and no word of what was written.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -162,8 +165,8 @@ pub(crate) struct EvaluateArgs {
     /// no two of one name.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// A configuration to evaluate: a preset, or a file of settings over the preset `default`, and single settings over
-    /// that: `paper,affinity.sigma_per_m2=3`. May be given again, to see them side by side.
+    /// A configuration to evaluate: a preset, or a file of settings (or a recording made with --save) over the preset
+    /// `default`, and single settings over that: `paper,affinity.sigma_per_m2=3`. May be given again, to see them side by side.
     #[arg(long, value_name = "PRESET|FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
     /// A single setting, over every configuration. May be given again.
@@ -194,8 +197,8 @@ pub(crate) struct EvaluateArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) flight: FlightArgs,
-    /// A configuration: a preset, or a file of settings over the preset `default`, and single settings over that:
-    /// `paper,affinity.sigma_per_m2=3`. Given twice or more; the first is what the others are compared with.
+    /// A configuration: a preset, or a file of settings (or a recording made with --save) over the preset `default`,
+    /// and single settings over that: `paper,affinity.sigma_per_m2=3`. Given twice or more; the first is what the others are compared with.
     #[arg(long, required = true, value_name = "PRESET|FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
     /// A single setting, over every configuration. May be given again.
@@ -227,8 +230,9 @@ pub(crate) struct PaperArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// An MCAP recording, or a folder with the parts of one.
-    pub(crate) input: PathBuf,
+    /// MCAP recordings, or folders of them.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
 }
@@ -279,7 +283,7 @@ pub(crate) struct RrdGetArgs {
     /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
     #[arg(long)]
     pub(crate) exact: bool,
-    /// Where to write: .npy, .csv, .parquet or .jsonl.
+    /// Where to write: .npy, .csv, .parquet or .jsonl; words also as they are, as .md or with `-` to standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

@@ -42,7 +42,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
             if stop.is_set() {
-                problems.interrupted = true;
+                problems.interrupt(path, &column.name);
                 break 'all;
             }
             let scored = scoring::score(path, args.topic.as_deref(), &column.config, &registry, &stop, &bar)?;
@@ -58,13 +58,13 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     }
     bar.finish_and_clear();
 
-    if problems.interrupted {
-        problems.say("interrupted: the figures are of what was compared before that".to_owned());
+    if let Some(place) = problems.interrupted.clone() {
+        problems.say(format!("interrupted {place}: the figures are of what was compared before that"));
     }
     for problem in &problems.sentences {
         say(problem);
     }
-    if args.draw_wrong.is_some() && wrong == 0 && !problems.failed && !problems.interrupted {
+    if args.draw_wrong.is_some() && wrong == 0 && !problems.failed && problems.interrupted.is_none() {
         say("nothing is wrong, so nothing is drawn");
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
@@ -136,8 +136,8 @@ fn say_what_changes_the_scans(columns: &[Configuration]) {
 struct Problems {
     sentences: Vec<String>,
     failed: bool,
-    /// Something was left to do.
-    interrupted: bool,
+    /// Where something was left to do.
+    interrupted: Option<String>,
 }
 
 impl Problems {
@@ -146,26 +146,31 @@ impl Problems {
             self.say(format!("lost: {loss}"));
         }
         let compared = scored.evaluation.revolutions();
-        let path = path.display();
+        let file = path.display();
         match &scored.end {
             End::Failed(failure) => {
                 self.failed = true;
-                self.say(format!("error: {configuration}: {failure}; the {compared} before it count, in {path}"));
+                self.say(format!("error: {configuration}: {failure}; the {compared} before it count, in {file}"));
             }
             End::Complete if compared == 0 => {
                 self.failed = true;
-                self.say(format!("error: no scan could be compared with its truth, in {path}"));
+                self.say(format!("error: no scan could be compared with its truth, in {file}"));
             }
             // Nothing is written here: it is a defect of the scoring, which must not pass for a shorter flight.
             End::ResultsLost(error) => {
                 self.failed = true;
                 self.say(format!(
-                    "error: {configuration}: a result cannot be scored: {error}; the {compared} before it count, in {path}"
+                    "error: {configuration}: a result cannot be scored: {error}; the {compared} before it count, in {file}"
                 ));
             }
-            End::Interrupted => self.interrupted = true,
+            End::Interrupted => self.interrupt(path, configuration),
             End::Complete => {}
         }
+    }
+
+    /// From here on something was left to do. Configurations side by side are of equally many revolutions before it.
+    fn interrupt(&mut self, path: &Path, configuration: &str) {
+        self.interrupted.get_or_insert_with(|| format!("at {configuration}, in {}", path.display()));
     }
 
     /// A recording that cannot be evaluated.
@@ -188,7 +193,7 @@ impl Problems {
     fn outcome(&self) -> Outcome {
         if self.failed {
             Outcome::Failed
-        } else if self.interrupted {
+        } else if self.interrupted.is_some() {
             Outcome::Interrupted
         } else if !self.sentences.is_empty() {
             Outcome::SomethingLost

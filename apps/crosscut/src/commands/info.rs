@@ -13,12 +13,12 @@ use crate::config;
 use crate::exit::Outcome;
 use crate::say::{printable, say};
 
-/// Prints the description of a recording, or of each part of one in a folder; what is damaged makes the exit code 3.
+/// Prints the description of every recording; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
     let (mut outcome, mut between) = (Outcome::Done, "");
-    for part in recordings_in(std::slice::from_ref(&args.input))? {
+    for part in recordings_in(&args.input)? {
         let description = describe(&part, &sensor)?;
         let text = format!("{between}{}", text(&description));
         std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;

@@ -64,6 +64,13 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         let scans = counted(recording.of_other_frames(), "scan");
         say(format_args!("note: {scans} of another frame than ingest.frame_id left out"));
     }
+    if let End::ResultsLost(error) = &summary.end
+        && is_closed_pipe(error)
+        && (args.record.save.is_some() || args.over_time.is_some())
+    {
+        let made = counted(summary.revolutions, "revolution");
+        say(format_args!("note: nobody reads the results any more, so the flight ended after {made}"));
+    }
     let outcome = outcome(&summary, !lost.is_empty());
     if observers.served && !stop.is_set() {
         say("the flight is over and still served; Ctrl-C ends it");

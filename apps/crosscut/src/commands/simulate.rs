@@ -24,8 +24,8 @@ pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     }
     match (&args.scenario, &args.suite, out) {
         _ if args.list => list(),
-        (Some(scenario), None, Some(out)) => flight(scenario, args.seed, out, &stop),
-        (None, Some(suite), Some(out)) => suite_into(suite, args.split, out, &stop),
+        (Some(scenario), None, Some(out)) => flight(scenario, args, out, &stop),
+        (None, Some(suite), Some(out)) => suite_into(suite, args, out, &stop),
         (Some(_), _, None) | (_, Some(_), None) => {
             Err(UsageError("--out is missing: the file to write, or the folder of a suite".to_owned()).into())
         }
@@ -46,13 +46,13 @@ fn list() -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn flight(name: &str, seed: u64, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
+fn flight(name: &str, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
-    write(out, (scenario.fly)(seed), None, stop)
+    write(out, (scenario.fly)(args.seed), None, args.quiet, stop)
 }
 
-fn suite_into(name: &str, split: SplitArg, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
+fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     let chosen: Vec<&Suite> = suites().iter().filter(|suite| name == ALL || suite.name == name).collect();
     if chosen.is_empty() {
         return Err(unknown("suite", name, suites().iter().map(|s| s.name)).into());
@@ -61,7 +61,7 @@ fn suite_into(name: &str, split: SplitArg, folder: &Path, stop: &StopFlag) -> an
         return Err(UsageError(format!("{} is a file; --suite writes a folder", folder.display())).into());
     }
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let split = match split {
+    let split = match args.split {
         SplitArg::Dev => Split::Dev,
         SplitArg::Report => Split::Report,
     };
@@ -70,7 +70,7 @@ fn suite_into(name: &str, split: SplitArg, folder: &Path, stop: &StopFlag) -> an
         let outcome = if stop.is_set() {
             Outcome::Interrupted
         } else {
-            write(&path, suite.scenes(split), Some(SCENES as u64), stop)?
+            write(&path, suite.scenes(split), Some(SCENES as u64), args.quiet, stop)?
         };
         if outcome != Outcome::Done {
             return Ok(outcome);
@@ -87,6 +87,7 @@ fn write(
     path: &Path,
     scenes: impl Iterator<Item = Scene>,
     total: Option<u64>,
+    quiet: bool,
     stop: &StopFlag,
 ) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::Done;
@@ -96,12 +97,14 @@ fn write(
         }
         outcome == Outcome::Done
     });
-    let bar = progress::bar(total, false);
+    let bar = progress::bar(total, quiet);
     let written = write_mcap(path, bar.wrap_iter(scenes))?;
     bar.finish_and_clear();
-    let interrupted = if outcome == Outcome::Done { "" } else { "interrupted: " };
-    let written = counted(u64::from(written), "revolution");
-    say(format_args!("{interrupted}{written} with truth: {}", path.display()));
+    if !quiet {
+        let interrupted = if outcome == Outcome::Done { "" } else { "interrupted: " };
+        let written = counted(u64::from(written), "revolution");
+        say(format_args!("{interrupted}{written} with truth: {}", path.display()));
+    }
     Ok(outcome)
 }
 

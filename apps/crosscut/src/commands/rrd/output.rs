@@ -1,4 +1,4 @@
-//! Values as files: NumPy arrays, CSV, Parquet, JSON lines.
+//! Values as files: NumPy arrays, CSV, Parquet, JSON lines, and words as they are.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -13,10 +13,10 @@ use super::table::{self, Item};
 use super::unfinished::Unfinished;
 use crate::exit::UsageError;
 
-/// The file that values go to. It takes the place of an older one when it is finished.
+/// Where values go to: a file, which takes the place of an older one when it is finished, or standard output.
 pub(super) struct Output {
     format: Format,
-    file: Unfinished,
+    file: Option<Unfinished>,
     /// How many values it holds.
     pub(super) values: usize,
 }
@@ -31,11 +31,17 @@ enum Format {
     Parquet(ParquetFile),
     /// One object a revolution.
     JsonLines(BufWriter<File>),
+    /// Words as they are, those of several revolutions under headings.
+    Markdown { out: Box<dyn Write>, one: bool },
 }
 
 impl Output {
-    /// To be written to `path`. An array of `one` revolution has no dimension for revolutions.
+    /// To be written to `path`, `-` for standard output. An array of `one` revolution has no dimension for revolutions.
     pub(super) fn create(path: &Path, one: bool) -> anyhow::Result<Self> {
+        if path == Path::new("-") {
+            let format = Format::Markdown { out: Box::new(std::io::stdout()), one };
+            return Ok(Self { format, file: None, values: 0 });
+        }
         let file = Unfinished::beside(path);
         file.remove_on_interrupt()?;
         let create = || file.create().with_context(|| format!("cannot write {}", path.display()));
@@ -44,13 +50,14 @@ impl Output {
             Some("csv") => Format::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
             Some("parquet") => Format::Parquet(ParquetFile::new(create()?)),
             Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
+            Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
             _ => {
                 let text =
-                    format!("{}: --out takes a file that ends in .npy, .csv, .parquet or .jsonl", path.display());
+                    format!("{}: --out takes a file that ends in .npy, .csv, .parquet, .jsonl or .md", path.display());
                 return Err(UsageError(text).into());
             }
         };
-        Ok(Self { format, file, values: 0 })
+        Ok(Self { format, file: Some(file), values: 0 })
     }
 
     /// Adds the value of a revolution, or one that holds for the whole flight.
@@ -72,8 +79,9 @@ impl Output {
             Format::Csv { mut file, .. } => file.flush()?,
             Format::Parquet(file) => file.finish()?,
             Format::JsonLines(mut file) => file.flush()?,
+            Format::Markdown { mut out, .. } => out.flush()?,
         }
-        Ok(self.file.finish()?)
+        Ok(self.file.map_or(Ok(()), Unfinished::finish)?)
     }
 }
 
@@ -96,6 +104,15 @@ impl Format {
                 let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
                 Ok(writeln!(file, "{line}")?)
             }
+            Self::Markdown { out, one } => match value {
+                Value::Texts(texts) => {
+                    if let Some(revolution) = revolution.filter(|_| !*one) {
+                        writeln!(out, "# Revolution {revolution}\n")?;
+                    }
+                    texts.iter().try_for_each(|text| Ok(writeln!(out, "{}\n", text.trim_end())?))
+                }
+                other => bail!(UsageError(format!("{other} is no text: take a file .npy, .csv, .parquet or .jsonl"))),
+            },
         }
     }
 }
