@@ -112,7 +112,9 @@ impl Words<'_> {
             Some((to, link)) => format!("strongest to another {}, to {}", self.link(link), self.wall(to)),
             None => "no link to another".to_owned(),
         };
-        format!("- **{}**: {inside}; {outside}", self.wall(wall.wall))
+        let of_wall = self.frame.junction.walls.iter().find(|of_wall| of_wall.id == wall.wall);
+        let returns = of_wall.map_or_else(String::new, |wall| format!(", {}", counted(wall.returns as u64, "return")));
+        format!("- **{}**{returns}: {inside}; {outside}", self.wall(wall.wall))
     }
 
     fn closest(&self, [a, b]: [u32; 2], returns: [usize; 2]) -> String {

@@ -1,4 +1,5 @@
-//! Walls that stand free in front of others: pillars.
+//! Walls that stand free in front of others: pillars. They are found here whatever the affinity is; the one that is called
+//! `passage` has rules of its own for them, so that it does not tie them to what is behind.
 
 use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 

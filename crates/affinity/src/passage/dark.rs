@@ -2,7 +2,12 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use super::gap::{Gap, Judge, Turns};
+use super::gap::{Gap, Judge, Turns, whole_turn_rad};
+use super::pieces::Pieces;
+
+/// A wall clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
+const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
+const LOST_OFF_SHARE: f64 = 0.3;
 
 /// Nothing is seen in a gap into which so many beams came back with nothing...
 const DARK_BEAMS: u32 = 4;
@@ -43,6 +48,34 @@ const ACROSS: f64 = FRAC_1_SQRT_2;
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 impl Judge<'_> {
+    /// Learns how many beams get lost where a wall clearly goes on, within its pieces and between them.
+    pub(super) fn count_lost_beams(&mut self, pieces: &Pieces) {
+        for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
+            self.lose(self.ring.dark_between(pair[0], pair[1]));
+        }
+        let gaps = if self.ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
+        for at in 0..gaps {
+            let (a, b) = (&pieces[at], &pieces[(at + 1) % pieces.len()]);
+            let lost_beams = self.ring.dark_between(a[a.len() - 1], b[0]);
+            if lost_beams > 0 && self.clearly_goes_on(a, b) {
+                self.lose(lost_beams);
+            }
+        }
+    }
+
+    /// So many beams are lost at a place where a wall clearly goes on.
+    fn lose(&mut self, beams: u32) {
+        self.lost_beams = self.lost_beams.max(beams);
+        self.lossy_places += u32::from(beams > 1);
+    }
+
+    fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
+        let Some(gap) = self.gap(a, b) else { return false };
+        let [of_q, of_p] = gap.aside_m();
+        let off_m = of_q.abs().max(of_p.abs());
+        off_m < LOST_OFF_SHARE * self.size_m && whole_turn_rad(gap.turns_rad()) < LOST_TURN_RAD
+    }
+
     /// How wide a way on is as a share of the place's size, where beams into a dark gap came back with nothing because there is
     /// nothing; `None` if they may have been lost.
     pub(super) fn share_in_the_dark(&self, gap: &Gap<'_>, turns: Turns) -> Option<f64> {

@@ -4,22 +4,16 @@ use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use super::Limits;
-use super::pieces::Pieces;
+use super::pieces::{End, Pieces};
 use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{End, Tangents, has_direction, tangent};
-use super::way::{Room, Rule};
+use super::tangent::{Tangents, has_direction, tangent};
+use super::way::Room;
 
 /// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
 /// that.
 const HALL_M: f64 = 4.5;
-/// A wall clearly goes on where it turns by less, and is off its line by no more than this share of the place's size.
-const LOST_TURN_RAD: f64 = 30.0 * PI / 180.0;
-const LOST_OFF_SHARE: f64 = 0.3;
-/// Turns are known to within this much.
-const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
-/// How decided a verdict is at least, and one on pieces without directions.
-const LEAST_DECIDED: f64 = 1.05;
-const WITHOUT_DIRECTION: f64 = 3.0;
+/// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
+const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
 /// A piece without a direction belongs to a wall if it lies within this of its line, plus a share of the distance.
 const OFF_LINE_M: f64 = 0.3;
 const OFF_LINE_SHARE: f64 = 0.15;
@@ -87,31 +81,8 @@ impl<'a> Judge<'a> {
             if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let size_m = median_m.min(HALL_M);
         let mut judge = Self { ring, tangents, limits, size_m, lost_beams: 0, lossy_places: 0 };
-        for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
-            judge.lose(ring.dark_between(pair[0], pair[1]));
-        }
-        let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
-        for at in 0..gaps {
-            let (a, b) = (&pieces[at], &pieces[(at + 1) % pieces.len()]);
-            let lost_beams = ring.dark_between(a[a.len() - 1], b[0]);
-            if lost_beams > 0 && judge.clearly_goes_on(a, b) {
-                judge.lose(lost_beams);
-            }
-        }
+        judge.count_lost_beams(pieces);
         judge
-    }
-
-    /// So many beams are lost at a place where a wall clearly goes on.
-    fn lose(&mut self, beams: u32) {
-        self.lost_beams = self.lost_beams.max(beams);
-        self.lossy_places += u32::from(beams > 1);
-    }
-
-    fn clearly_goes_on(&self, a: &[usize], b: &[usize]) -> bool {
-        let Some(gap) = self.gap(a, b) else { return false };
-        let [of_q, of_p] = gap.aside_m();
-        let off_m = of_q.abs().max(of_p.abs());
-        off_m < LOST_OFF_SHARE * self.size_m && whole_turn_rad(gap.turns_rad()) < LOST_TURN_RAD
     }
 
     /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
@@ -159,24 +130,6 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
-    /// one.
-    pub(super) fn room_ratio_of_way(&self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let gap = self.gap(a, b)?;
-        Some(self.room(&gap, gap.turns())).filter(|room| room.is_way()).map(|room| room.ratio)
-    }
-
-    /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
-    /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
-    pub(super) fn least_room(&self, a: &[usize], b: &[usize]) -> Room {
-        let Some(gap) = self.gap(a, b) else { return Room { ratio: WITHOUT_DIRECTION, rule: Rule::NoDirection } };
-        let turns = gap.turns();
-        let rooms @ [_, Room { rule, .. }, _] = [-DOUBT_RAD, 0.0, DOUBT_RAD]
-            .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
-        let least = rooms.into_iter().map(|room| room.ratio).fold(f64::INFINITY, f64::min);
-        Room { ratio: least.max(LEAST_DECIDED), rule }
-    }
-
     /// How much the wall turns left at both ends of a gap, over this stretch of either piece.
     pub(super) fn turns_over_rad(&self, a: &[usize], b: &[usize], stretch_m: f64) -> [f64; 2] {
         let directions =
@@ -184,8 +137,15 @@ impl<'a> Judge<'a> {
         Gap::new(self.ring, [a, b], directions).turns_rad()
     }
 
+    /// Whether at most one beam looks into the gap, and the angle is not so wide that this means that nothing is seen in it:
+    /// one that came back with nothing, from the air or from too little to be a wall, says nothing.
+    pub(super) fn has_hardly_a_beam(&self, gap: &Gap<'_>) -> bool {
+        let steps = self.ring.beams_from(gap.ends.0, gap.ends.1);
+        steps == 1 || (steps == 2 && 2.0 * self.ring.step_rad < ONE_BEAM_RAD)
+    }
+
     /// The gap between two pieces; `None` if one of them has no direction.
-    fn gap<'p>(&self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>> {
+    pub(super) fn gap<'p>(&self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>> {
         let [before, after] = self.directions(a, b);
         Some(Gap::new(self.ring, [a, b], [before?, after?]))
     }
@@ -208,7 +168,7 @@ impl<'p> Gap<'p> {
         Self { a, b, ends: (p, q), near_m, far_m, before, chord, after, a_is_nearer: p_m < q_m }
     }
 
-    fn turns(&self) -> Turns {
+    pub(super) fn turns(&self) -> Turns {
         let turns_rad @ [before_rad, after_rad] = self.turns_rad();
         let (near_rad, far_rad) = if self.a_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
         Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
@@ -242,12 +202,12 @@ impl<'p> Gap<'p> {
     }
 
     /// How much the wall turns left at the one end and at the other.
-    fn turns_rad(&self) -> [f64; 2] {
+    pub(super) fn turns_rad(&self) -> [f64; 2] {
         [turn_rad(self.before, self.chord), turn_rad(self.chord, self.after)]
     }
 
     /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
-    fn aside_m(&self) -> [f64; 2] {
+    pub(super) fn aside_m(&self) -> [f64; 2] {
         [self.before.perp(&self.chord), self.after.perp(&-self.chord)]
     }
 }

@@ -1,10 +1,11 @@
-//! Short pieces that stand free: pillars.
+//! Short pieces that stand free: pillars. Here they are kept from being tied to walls; whether what is tied together in the
+//! end is called an island, the report says, by rules that hold for any affinity.
 
 use super::Limits;
 use super::joining::LEAST_RETURNS;
-use super::pieces::Pieces;
+use super::pieces::{End, Pieces};
 use super::ring::{Position, Ring};
-use super::tangent::{End, tangent};
+use super::tangent::tangent;
 
 /// What is seen past an end of an island lies at least this much farther.
 const BEHIND_M: f64 = 0.5;

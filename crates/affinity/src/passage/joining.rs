@@ -8,23 +8,6 @@ use super::ring::Ring;
 /// Pieces of fewer returns are no wall, and no island.
 pub(super) const LEAST_RETURNS: usize = 3;
 
-/// Writes the ring of the `kept` returns into `pieces`, cut where two that follow each other are a passage apart.
-pub(super) fn cut_ring(ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64, pieces: &mut Pieces) {
-    pieces.clear();
-    let is_apart = |from: usize, to: usize| ring.are_apart(from, to, passage_m);
-    for i in kept {
-        let starts_piece = pieces.returns().last().is_none_or(|&last| is_apart(last, i));
-        pieces.push(i, starts_piece);
-    }
-    if let [first, .., last] = *pieces.returns()
-        && pieces.len() > 1
-        && ring.full_turn
-        && !is_apart(last, first)
-    {
-        pieces.join(pieces.len() - 1);
-    }
-}
-
 /// Joins neighbours at the least cost first, until a vehicle could pass between any two. What is then too small to be a
 /// wall is taken out, smallest first, and what is beside it is looked at again; how large a wall is that the end of the
 /// view cuts is not known, so it counts from [`LEAST_RETURNS`] on. A mixed return in a way on is taken out before it joins

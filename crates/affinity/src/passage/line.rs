@@ -1,9 +1,7 @@
 //! Whether what is behind a gap is where the nearer wall goes on, so that nothing is hidden.
 
-use std::f64::consts::PI;
-
 use super::gap::{Gap, Judge};
-use super::ring::{Position, Ring, turn_rad};
+use super::ring::{Position, turn_rad};
 
 /// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that is seen: a beam
 /// that passes the end of a wall goes on behind its line at the whole angle.
@@ -18,19 +16,16 @@ const REACH_SHARE: f64 = 6.0;
 const LONG_M: f64 = 3.0;
 /// ...where returns stray from it by no more than so many times the roughness of the walls.
 const LONG_BUMPS: f64 = 8.0;
-/// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
-const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
-
 impl Judge<'_> {
     /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
     /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
     pub(super) fn is_in_line(&self, gap: &Gap<'_>) -> bool {
-        has_hardly_a_beam(self.ring, gap) && self.goes_on_along(gap, gap.nearer_onward())
+        self.has_hardly_a_beam(gap) && self.goes_on_along(gap, gap.nearer_onward())
     }
 
     /// The same of the line over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
     pub(super) fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
-        has_hardly_a_beam(self.ring, gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
+        self.has_hardly_a_beam(gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
     }
 
     /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
@@ -61,11 +56,4 @@ impl Judge<'_> {
         let is_straight = (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= LONG_BUMPS * self.ring.roughness.off_m);
         is_straight.then_some(onward)
     }
-}
-
-/// Whether at most one beam looks into the gap, and the angle is not so wide that this means that nothing is seen in it: one
-/// that came back with nothing, from the air or from too little to be a wall, says nothing.
-pub(super) fn has_hardly_a_beam(ring: &Ring, gap: &Gap<'_>) -> bool {
-    let steps = ring.beams_from(gap.ends.0, gap.ends.1);
-    steps == 1 || (steps == 2 && 2.0 * ring.step_rad < ONE_BEAM_RAD)
 }

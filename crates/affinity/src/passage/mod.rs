@@ -233,7 +233,7 @@ impl Passage {
         let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
         let inside_m = limits.passage_m / 2.0;
         let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
-        joining::cut_ring(ring, kept, limits.passage_m, walls);
+        walls.fill(ring, kept, limits.passage_m);
         let hanging = dust.iter().filter(|dust| **dust).count();
         let inside = ring.len() - hanging - walls.returns().len();
         ring.roughness = Roughness::of(ring, walls);

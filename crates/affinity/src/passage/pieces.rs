@@ -2,6 +2,8 @@
 
 use std::ops::Index;
 
+use super::ring::Ring;
+
 /// Pieces as they follow each other, none of them empty. They lie in one buffer, so that joining and cutting them moves
 /// no returns.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +17,23 @@ pub(super) struct Pieces {
 impl Pieces {
     pub(super) fn len(&self) -> usize {
         self.ends.len()
+    }
+
+    /// The ring of the `kept` returns, cut where two that follow each other are a passage apart.
+    pub(super) fn fill(&mut self, ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64) {
+        self.clear();
+        let is_apart = |from: usize, to: usize| ring.are_apart(from, to, passage_m);
+        for i in kept {
+            let starts_piece = self.returns.last().is_none_or(|&last| is_apart(last, i));
+            self.push(i, starts_piece);
+        }
+        if let [first, .., last] = self.returns[..]
+            && self.len() > 1
+            && ring.full_turn
+            && !is_apart(last, first)
+        {
+            self.join(self.len() - 1);
+        }
     }
 
     pub(super) fn clear(&mut self) {
@@ -70,6 +89,20 @@ impl Pieces {
 
     fn start(&self, at: usize) -> usize {
         if at == 0 { 0 } else { self.ends[at - 1] }
+    }
+}
+
+/// Which end of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    First,
+    Last,
+}
+
+impl End {
+    /// The k-th return of a piece from this end on.
+    pub(super) fn at(self, piece: &[usize], k: usize) -> usize {
+        piece[if self == Self::Last { piece.len() - 1 - k } else { k }]
     }
 }
 

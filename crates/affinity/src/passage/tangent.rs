@@ -1,5 +1,6 @@
 //! The direction in which a wall ends.
 
+use super::pieces::End;
 use super::ring::{Position, Ring};
 
 /// A piece of fewer returns, or shorter than this, has no direction.
@@ -31,13 +32,6 @@ const SCATTER_LEAST_RETURNS: usize = 6;
 const MEDIAN_OFF: f64 = 0.826_1;
 /// No more returns than this are looked at.
 const MOST_RETURNS: usize = 60;
-
-/// Which end of a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
-    First,
-    Last,
-}
 
 /// Whether a piece is long enough to have a direction.
 pub(super) fn has_direction(ring: &Ring, piece: &[usize]) -> bool {
@@ -96,13 +90,6 @@ impl Tangents {
         let returns = looked_at.returns;
         *slot = Some(Kept { direction, looked_at, last: at(returns - 1) as u32, next: after(returns) });
         direction
-    }
-}
-
-impl End {
-    /// The k-th return of a piece from this end on.
-    pub(super) fn at(self, piece: &[usize], k: usize) -> usize {
-        piece[if self == Self::Last { piece.len() - 1 - k } else { k }]
     }
 }
 

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use super::gap::{Gap, Judge, Turns, whole_turn_rad};
-use super::line::has_hardly_a_beam;
 use super::tangent::tangent;
 
 /// Walls that turn by less do not make a corner whose returns could be missing.
@@ -54,6 +53,12 @@ const INNER_CORNER_SHARE: f64 = 1.4;
 const ACROSS_RAD: f64 = 34.0 * PI / 180.0;
 /// ...and turns by more than a right angle over this stretch at its end, is the other side of the place itself.
 const BENDING_M: f64 = 4.0;
+
+/// Turns are known to within this much.
+const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
+/// How decided a verdict is at least, and one on pieces without directions.
+const LEAST_DECIDED: f64 = 1.05;
+const WITHOUT_DIRECTION: f64 = 3.0;
 
 /// What decides at a gap: why it is a way on, or why none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,6 +171,24 @@ impl Look<'_, '_> {
 }
 
 impl Judge<'_> {
+    /// How many times the room that a way on needs there is between two walls with directions, if that is enough for
+    /// one.
+    pub(super) fn room_ratio_of_way(&self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let gap = self.gap(a, b)?;
+        Some(self.room(&gap, gap.turns())).filter(|room| room.is_way()).map(|room| room.ratio)
+    }
+
+    /// How decided it is that the gap is a way on: how many times the room that one needs there is, or would be if the
+    /// wall turned by [`DOUBT_RAD`] less or more in all; at least [`LEAST_DECIDED`].
+    pub(super) fn least_room(&self, a: &[usize], b: &[usize]) -> Room {
+        let Some(gap) = self.gap(a, b) else { return Room { ratio: WITHOUT_DIRECTION, rule: Rule::NoDirection } };
+        let turns = gap.turns();
+        let rooms @ [_, Room { rule, .. }, _] = [-DOUBT_RAD, 0.0, DOUBT_RAD]
+            .map(|more_rad| self.room_if(&gap, Turns { whole_rad: turns.whole_rad + more_rad, ..turns }));
+        let least = rooms.into_iter().map(|room| room.ratio).fold(f64::INFINITY, f64::min);
+        Room { ratio: least.max(LEAST_DECIDED), rule }
+    }
+
     /// How much room there is at the gap.
     pub(super) fn room(&self, gap: &Gap<'_>, turns: Turns) -> Room {
         let room = self.room_if(gap, turns);
@@ -295,7 +318,7 @@ impl Judge<'_> {
     fn room_ratio_in_plain_sight(&self, look: &Look<'_, '_>) -> f64 {
         let turn_rad = look.turns.whole_rad;
         let turns_enough = (PLAIN_RAD..self.limits.way_rad).contains(&turn_rad);
-        if !turns_enough || !look.is_clear() || look.is_corner || !has_hardly_a_beam(self.ring, look.gap) {
+        if !turns_enough || !look.is_clear() || look.is_corner || !self.has_hardly_a_beam(look.gap) {
             return 0.0;
         }
         let needed_m = |bumps: f64| self.limits.passage_m + bumps * self.ring.roughness.off_m;
