@@ -106,15 +106,15 @@ impl Words<'_> {
         let inside = match wall.weakest {
             Some(link) => format!("weakest link inside {}", self.link(link)),
             None if wall.pieces > 1 => format!("{} parts without a link", wall.pieces),
-            None => "one return".to_owned(),
+            None => "no link inside".to_owned(),
         };
         let outside = match wall.strongest {
             Some((to, link)) => format!("strongest to another {}, to {}", self.link(link), self.wall(to)),
             None => "no link to another".to_owned(),
         };
-        let of_wall = self.frame.junction.walls.iter().find(|of_wall| of_wall.id == wall.wall);
-        let returns = of_wall.map_or_else(String::new, |wall| format!(", {}", counted(wall.returns as u64, "return")));
-        format!("- **{}**{returns}: {inside}; {outside}", self.wall(wall.wall))
+        let returns = self.frame.junction.wall_of_return.iter().filter(|of| **of == Some(wall.wall)).count();
+        let returns = counted(returns as u64, "return");
+        format!("- **{}**, {returns}: {inside}; {outside}", self.wall(wall.wall))
     }
 
     fn closest(&self, [a, b]: [u32; 2], returns: [usize; 2]) -> String {

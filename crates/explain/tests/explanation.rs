@@ -176,7 +176,7 @@ fn the_words_name_beams_distances_weights_and_what_was_dropped() {
         "## k = 2, 2 walls",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
-        "0 (blue)",
+        "0 (blue)**, 4 returns: ",
         "- 3 beams masked",
         "1 saw nothing",
     ] {
