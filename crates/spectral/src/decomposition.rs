@@ -4,9 +4,20 @@ use crosscut_stage::StageError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use crate::laplacian::dense_bytes;
+
+/// Smaller entries say nothing beside a Laplacian's rounding of 1e-16, nor beside a tolerance of 1e-14.
+const NEGLIGIBLE: f64 = 1e-30;
+
+/// A matrix with 0 for what is negligible. Few returns, far from each other, have links such as 1e-260, with which the QR
+/// iteration of a full decomposition may go on for ever, or end with no numbers.
+pub(crate) fn without_negligible(matrix: MatRef<'_, f64>) -> Mat<f64> {
+    let entry = |x: f64| if x.abs() < NEGLIGIBLE { 0.0 } else { x };
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| entry(matrix[(i, j)]))
+}
 
 /// Householder tridiagonalisation, then divide and conquer (implicit QR below 128 rows), on one thread: the bits of
 /// faer's eigenvectors depend on the number of threads.
@@ -25,7 +36,7 @@ impl Decomposition {
     /// Writes the n eigenvalues of a symmetric matrix, ascending, and keeps its eigenvectors.
     ///
     /// # Errors
-    /// When it does not converge.
+    /// When it does not converge, or to no number.
     pub(crate) fn decompose(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         let n = matrix.nrows();
         self.eigenvectors.resize_with(n, n, |_, _| 0.0);
@@ -35,7 +46,7 @@ impl Decomposition {
     /// Writes the n eigenvalues of a symmetric matrix, ascending, without its eigenvectors.
     ///
     /// # Errors
-    /// When it does not converge.
+    /// When it does not converge, or to no number.
     pub(crate) fn values(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         evd(matrix, eigenvalues, None, &mut self.scratch)
     }
@@ -54,11 +65,11 @@ impl Decomposition {
 }
 
 /// The eigenvalues of a symmetric matrix, and its eigenvectors if there is a place for them; makes `scratch` as large as
-/// it has to be.
+/// it has to be. Where it does not converge, that is done without what is negligible.
 fn evd(
     matrix: MatRef<'_, f64>,
     eigenvalues: &mut Vec<f64>,
-    eigenvectors: Option<MatMut<'_, f64>>,
+    mut eigenvectors: Option<MatMut<'_, f64>>,
     scratch: &mut MemBuffer,
 ) -> Result<(), StageError> {
     let n = matrix.nrows();
@@ -68,9 +79,17 @@ fn evd(
         return Ok(());
     }
     make_room(scratch, scratch_of(n));
-    let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
-    self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default())
-        .map_err(|_| StageError::NoConvergence { n })
+    let mut converges = |matrix: MatRef<'_, f64>| {
+        let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
+        let eigenvectors = eigenvectors.as_mut().map(MatMut::rb_mut);
+        let done = self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default());
+        done.is_ok() && eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite())
+    };
+    if converges(matrix) || converges(without_negligible(matrix).as_ref()) {
+        Ok(())
+    } else {
+        Err(StageError::NoConvergence { n })
+    }
 }
 
 /// Makes `scratch` as large as it has to be.

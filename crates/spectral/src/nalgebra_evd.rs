@@ -1,8 +1,10 @@
 //! `nalgebra`: the full symmetric decomposition of the nalgebra library, a second opinion on `faer`.
 
 use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError};
-use nalgebra::{DMatrix, SymmetricEigen};
+use faer::MatRef;
+use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
+use crate::decomposition::without_negligible;
 use crate::embedding::embed;
 use crate::laplacian::{Laplacian, dense_bytes};
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
@@ -47,8 +49,8 @@ impl SpectralStage for NalgebraEvd {
         if n == 0 {
             return embed(self.rule, |_| &[], out);
         }
-        let matrix = DMatrix::from_fn(n, n, |i, j| laplacian[(i, j)]);
-        let evd = SymmetricEigen::try_new(matrix, f64::EPSILON, ITERATIONS_PER_EIGENVALUE * n)
+        let evd = decompose(laplacian)
+            .or_else(|| decompose(without_negligible(laplacian).as_ref()))
             .ok_or(StageError::NoConvergence { n })?;
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| evd.eigenvalues[a].total_cmp(&evd.eigenvalues[b]));
@@ -61,4 +63,12 @@ impl SpectralStage for NalgebraEvd {
         // L, the copy that is tridiagonalised in place, and the eigenvectors.
         dense_bytes(n).saturating_mul(3)
     }
+}
+
+/// `None` where it does not converge, or to no number.
+fn decompose(matrix: MatRef<'_, f64>) -> Option<SymmetricEigen<f64, Dyn>> {
+    let n = matrix.nrows();
+    let matrix = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
+    let evd = SymmetricEigen::try_new(matrix, f64::EPSILON, ITERATIONS_PER_EIGENVALUE * n)?;
+    evd.eigenvalues.iter().chain(&evd.eigenvectors).all(|x| x.is_finite()).then_some(evd)
 }

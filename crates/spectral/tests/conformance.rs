@@ -272,3 +272,26 @@ fn the_zeros_of_very_many_returns_on_their_own_take_no_matrix_of_n_by_k() {
         assert!((0..n).all(|i| found.u.row(i).eq([(i, 1.0)])), "{}", kind.name);
     }
 }
+
+#[test]
+fn few_returns_far_from_each_other_whose_links_are_next_to_nothing_are_decomposed() {
+    let mut state = 88_172_645_463_325_252_u64;
+    let mut place_m = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        20.0 * ((state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
+    for n in (4..8).cycle().take(6000) {
+        let places_m: Vec<_> = (0..n).map(|_| [place_m(), place_m()]).collect();
+        let squared =
+            |i: usize, j: usize| (0..2).map(|axis| (places_m[i][axis] - places_m[j][axis]).powi(2)).sum::<f64>();
+        let mut affinity = Affinity::default();
+        *affinity.weights.make_dense(n) = Mat::from_fn(n, n, |i, j| (-1.5 * squared(i, j)).exp());
+        affinity.degrees = (0..n).map(|i| (0..n).map(|j| (-1.5 * squared(i, j)).exp()).sum()).collect();
+        for kind in KINDS.iter().filter(|kind| kind.name != "components") {
+            let mut found = Spectrum::default();
+            let done = build(kind).spectrum(&affinity, &mut found, &mut Notes::default());
+            assert!(done.is_ok(), "{}: {done:?} at {places_m:?}", kind.name);
+            assert!(found.eigenvalues.iter().all(|l| (-1e-14..2.0 + 1e-14).contains(l)), "{}: {places_m:?}", kind.name);
+        }
+    }
+}
