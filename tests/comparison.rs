@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::flight::{Writing, bytes, file, tunnel_scan};
+use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
 use crate::program::{Ran, column, results_of, run, shipped_flight};
 
 fn compare(input: &Path, with: &[&str], more: &[&str]) -> Ran {
@@ -128,4 +128,36 @@ fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
+}
+
+#[test]
+fn seconds_of_a_part_of_a_flight_count_from_the_beginning_of_the_flight() {
+    let flight = shipped_flight();
+    let stamps_ns = column(&results_of(&flight, &[]).1, "stamp_ns");
+    // No scan that is taken lies at 5.02 s itself: the first is a while after it.
+    let shown = compare(&flight, &["default", "paper"], &["--from", "5.02", "--every", "4", "--all"]).expect_code(0);
+    let (_, stretches) = shown.stdout.split_once("stretches where").expect("the table of stretches");
+    let rows = stretches.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let rows: Vec<_> = rows.filter(|row| row.first().is_some_and(|cell| cell.parse::<u64>().is_ok())).collect();
+    assert!(!rows.is_empty(), "{}", shown.stdout);
+    for row in rows {
+        let seq: usize = row[0].parse().expect("a number");
+        let from_s = (stamps_ns[seq] - stamps_ns[0]) as f64 / 1e9;
+        assert_eq!(row[2], format!("{from_s:.2}"), "at revolution {seq}: {}", shown.stdout);
+    }
+}
+
+#[test]
+fn a_flight_of_which_nothing_can_be_read_is_no_comparison() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut damaged = tunnel(20, &Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() });
+    let magic = [0x28, 0xb5, 0x2f, 0xfd]; // of zstd: every chunk is lost
+    let places: Vec<usize> = (0..damaged.len() - 4).filter(|&at| damaged[at..at + 4] == magic).collect();
+    for at in places {
+        damaged[at] ^= 0xff;
+    }
+    let input = file(folder.path(), "damaged.mcap", &damaged);
+    let ran = compare(&input, &["default", "paper"], &[]).expect_code(1);
+    assert!(ran.stderr.contains("error: no scan could be read"), "{}", ran.stderr);
+    assert!(!ran.stderr.contains("no scan has a return"), "untrue: {}", ran.stderr);
 }

@@ -23,6 +23,21 @@ fn every_count_that_flickers_is_listed_with_what_is_different_and_marked_in_the_
 }
 
 #[test]
+fn seconds_in_the_list_count_from_the_first_scan_of_the_flight_wherever_the_run_begins() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let rows = |more: &[&str]| {
+        let picture = folder.path().join("tee.svg");
+        let options = [&["--preset", "paper", "--over-time", picture.to_str().expect("UTF-8")], more].concat();
+        results_of(&shipped_flight(), &options).0.expect_code(0);
+        let list = std::fs::read_to_string(folder.path().join("tee.md")).expect("written");
+        let cells = list.lines().filter(|line| line.contains(" returns")).map(|line| line.split(" | ").take(2));
+        cells.map(|cells| cells.map(str::to_owned).collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    let (whole, part) = (rows(&[]), rows(&["--from", "2"]));
+    assert!(!part.is_empty() && part.iter().all(|row| whole.contains(row)), "{part:?} of {whole:?}");
+}
+
+#[test]
 fn a_picture_that_cannot_be_written_is_a_loss_and_the_results_are_whole() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nowhere = folder.path().join("missing/tee.svg");

@@ -43,6 +43,8 @@ pub struct Recording {
     first_log_time_ns: Option<u64>,
     /// When the last message was recorded that was looked at, seconds after the first.
     since_first_s: f64,
+    /// Of the first revolution that was given, the same.
+    starts_at_s: Option<f64>,
     /// Whether any message lay in the time asked for.
     any_selected: bool,
     previous: Option<Previous>,
@@ -92,6 +94,7 @@ impl Recording {
             next_seq: 0,
             first_log_time_ns: None,
             since_first_s: 0.0,
+            starts_at_s: None,
             any_selected: false,
             previous: None,
             last_log_time_ns: 0,
@@ -116,6 +119,11 @@ impl Recording {
     /// When the last revolution was recorded, nanoseconds since the epoch; 0 before the first.
     pub fn last_log_time_ns(&self) -> u64 {
         self.last_log_time_ns
+    }
+
+    /// When the first revolution that was given was recorded, seconds after the first scan of the flight.
+    pub fn starts_at_s(&self) -> Option<f64> {
+        self.starts_at_s
     }
 
     /// How many scans were recorded later than the scan that came after them in the file; without an index they come
@@ -224,6 +232,7 @@ impl Recording {
             }
         }
         out.seq = seq;
+        self.starts_at_s.get_or_insert(self.since_first_s);
         true
     }
 

@@ -274,10 +274,10 @@ pub(crate) struct RrdGetArgs {
     /// One revolution, by its number; all if not given.
     #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
     pub(crate) revolution: Option<i64>,
-    /// From this many seconds after the start.
+    /// From this many seconds after the first revolution recorded.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
-    /// To this many seconds after the start.
+    /// To this many seconds after the first revolution recorded.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
     /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.

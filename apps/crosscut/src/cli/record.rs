@@ -36,7 +36,7 @@ pub(crate) struct RecordArgs {
     /// Record these revolutions alone (`seq`, both included): 100..200, 100.. or ..200.
     #[arg(long, value_name = "A..B", value_parser = range::<u64>, requires = "recorded")]
     pub(crate) record_revolutions: Option<Span<u64>>,
-    /// Record this time alone, in seconds after the first revolution: 12.5..20, 12.5.. or ..20.
+    /// Record this time alone, in seconds after the first revolution of the run: 12.5..20, 12.5.. or ..20.
     #[arg(long, value_name = "A..B", value_parser = range::<f64>, requires = "recorded")]
     pub(crate) record_seconds: Option<Span<f64>>,
     /// End a file after N revolutions and go on in FLIGHT-2.rrd, FLIGHT-3.rrd...

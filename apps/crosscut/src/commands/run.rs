@@ -51,7 +51,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     if !args.quiet {
         say(summary::table(&summary, start.elapsed()).trim_end());
     }
-    lost.extend(written.finish().err().map(|error| format!("{error:#}")));
+    lost.extend(written.finish(recording.starts_at_s().unwrap_or(0.0)).err().map(|error| format!("{error:#}")));
     lost.extend(recording.losses().iter().map(ToString::to_string));
     lost.extend(summary.observer_errors.iter().cloned());
     for loss in &lost[said..] {
@@ -125,8 +125,8 @@ impl Written {
         Ok(())
     }
 
-    fn finish(&mut self) -> anyhow::Result<()> {
-        self.over_time.as_mut().map_or(Ok(()), OverTime::write)
+    fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
     }
 }
 

@@ -21,6 +21,8 @@ pub(crate) struct OverTime {
     picture: Box<dyn Write + Send>,
     list: Box<dyn Write + Send>,
     vehicle_width_m: f64,
+    /// When the first revolution was recorded, seconds after the first scan of the flight.
+    starts_at_s: f64,
     moments: Vec<Moment>,
 }
 
@@ -42,7 +44,7 @@ impl OverTime {
     pub(crate) fn create(svg: &Path, read: &[PathBuf], vehicle_width_m: f64) -> anyhow::Result<Self> {
         let title = svg.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let [picture, list] = [svg, &list_beside(svg)].map(|path| outputs::create(path, read));
-        Ok(Self { title, picture: picture?, list: list?, vehicle_width_m, moments: Vec::new() })
+        Ok(Self { title, picture: picture?, list: list?, vehicle_width_m, starts_at_s: 0.0, moments: Vec::new() })
     }
 
     /// Takes in the next revolution of the flight.
@@ -64,8 +66,10 @@ impl OverTime {
         });
     }
 
-    /// Draws the picture and writes the list of flips; nothing without revolutions.
-    pub(crate) fn write(&mut self) -> anyhow::Result<()> {
+    /// Draws the picture and writes the list of flips; nothing without revolutions. The first was recorded `starts_at_s`
+    /// after the first scan of the flight.
+    pub(crate) fn write(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        self.starts_at_s = starts_at_s;
         if self.moments.is_empty() {
             return Ok(());
         }
@@ -76,9 +80,9 @@ impl OverTime {
         self.list.write_all(list.as_bytes()).context("the list of the flight over time")
     }
 
-    /// Seconds since the first revolution.
+    /// Seconds after the first scan of the flight.
     fn seconds(&self, moment: &Moment) -> f64 {
-        (moment.stamp_ns as f64 - self.moments[0].stamp_ns as f64) / 1e9
+        self.starts_at_s + (moment.stamp_ns as f64 - self.moments[0].stamp_ns as f64) / 1e9
     }
 
     /// What a flip has that the nearest revolution with the count around it has not, or the other way round.

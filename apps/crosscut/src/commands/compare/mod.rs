@@ -66,7 +66,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     for problem in &problems {
         say(problem);
     }
-    if !compared.any_return {
+    if !compared.any_return && compared.summaries.iter().any(|summary| summary.revolutions > 0) {
         say(NO_RETURN);
     }
     let failed = "the outcome cannot be written";
@@ -75,8 +75,9 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
         out.write_all(document.as_bytes()).context(failed)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        let from_s = args.flight.from.unwrap_or(0.0);
-        let tables = shown::tables(&configurations, &compared, from_s, args.all);
+        // A setting may leave out the scans that another begins with (`ingest.frame_id`).
+        let starts_at_s = recordings.iter().filter_map(Recording::starts_at_s).reduce(f64::min).unwrap_or(0.0);
+        let tables = shown::tables(&configurations, &compared, starts_at_s, args.all);
         io::stdout().write_all(typeset::text(&tables).as_bytes()).context(failed)?;
     }
     Ok(outcome)
@@ -165,11 +166,23 @@ fn problems(
         problems.push("interrupted: the figures are of the revolutions before that".to_owned());
     }
     for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
-        // `ResultsLost` is how a stream is told that another one stopped.
         if let End::Failed(failure) = &summary.end {
             problems.push(format!("error: {name}: {failure}; the revolutions before it are compared"));
             outcome = Outcome::Failed;
         }
+    }
+    if matches!(outcome, Outcome::Failed | Outcome::Interrupted) {
+        return (problems, outcome); // the others were told to stop by `ResultsLost`
+    }
+    for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
+        if let End::ResultsLost(error) = &summary.end {
+            problems.push(format!("error: {name}: its answers cannot be compared: {error}"));
+            outcome = Outcome::Failed;
+        }
+    }
+    if summaries.iter().all(|summary| summary.revolutions == 0) {
+        problems.push("error: no scan could be read".to_owned());
+        outcome = Outcome::Failed;
     }
     (problems, outcome)
 }

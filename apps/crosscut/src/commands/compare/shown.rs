@@ -14,14 +14,14 @@ use crate::configurations::Configuration;
 const STRETCHES: usize = 15;
 
 /// Settings, agreement, counts, times, and where the walls differ. Times on the flight are seconds after its first
-/// scan; the first one compared is at `from_s`.
-pub(super) fn tables(configurations: &[Configuration], compared: &Compared, from_s: f64, all: bool) -> Vec<Table> {
+/// scan; the first one compared is at `starts_at_s`.
+pub(super) fn tables(configurations: &[Configuration], compared: &Compared, starts_at_s: f64, all: bool) -> Vec<Table> {
     let first = &configurations[0].name;
     let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);
     let mut tables = vec![settings(configurations), agreement(first, others())];
     tables.extend(others().map(|(other, differences)| counts(first, other, differences)));
     tables.push(times(configurations, compared));
-    let since_start_s = |stamp_ns: u64| from_s + (stamp_ns as f64 - compared.first_stamp_ns as f64) / 1e9;
+    let since_start_s = |stamp_ns: u64| starts_at_s + (stamp_ns as f64 - compared.first_stamp_ns as f64) / 1e9;
     tables.extend(others().map(|(other, differences)| stretches(first, other, differences, since_start_s, all)));
     tables
 }
