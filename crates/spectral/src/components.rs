@@ -1,57 +1,148 @@
-//! `components`: the zero eigenvalues without a decomposition, for 0/1 graphs.
+//! `components`: the zero eigenvalues without a decomposition, of the graph without its weak edges.
 
-use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{
+    Affinity, Interval, Kind, Notes, ParamError, ParamSpec, Params, Shape, SpectralStage, Spectrum, StageError, Value,
+};
 
 use crate::degrees::check_degrees;
 use crate::forest::Forest;
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "components",
-    doc: "the zero eigenvalues alone, exact: one for each connected component, however weak its edges (baseline)",
-    params: &[],
-    build: |_| Box::new(Components::default()),
+const LEAST_WEIGHT: ParamSpec = ParamSpec {
+    name: "least_weight",
+    unit: "",
+    shape: Shape::Number { default: 1e-4, range: Interval::closed(0.0, 1.0) },
+    doc: "an edge of less is none, as the leaks of affinity passage, or returns 2.5 m apart by rbf; 0: every weight is one",
 };
 
-/// The components of the graph, by union-find. Every weight that is not 0 is an edge.
+const PARAMS: &[ParamSpec] = &[LEAST_WEIGHT];
+
+pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
+    name: "components",
+    doc: "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
+    params: PARAMS,
+    build: |params| Box::new(Components::with(params)),
+};
+
+/// The components of the graph, by union-find. Every weight of at least `least_weight` is an edge; weaker ones, and those
+/// of 0, are not there, in L as well.
 ///
-/// L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
+/// That L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
 /// components in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros
 /// without the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive
 /// number could replace.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Components {
+    least_weight: f64,
     forest: Forest,
+    /// Σ of the edges at each return.
+    degrees: Vec<f64>,
     /// Σ D_ii over the component of each number.
     volumes: Vec<f64>,
+}
+
+impl Components {
+    /// Of a graph without the edges of less than `least_weight`.
+    ///
+    /// # Errors
+    /// When that is below 0 or above 1.
+    pub fn new(least_weight: f64) -> Result<Self, ParamError> {
+        let mut params = Params::defaults(PARAMS);
+        params.set(LEAST_WEIGHT.name, Value::Number(least_weight))?;
+        Ok(Self::with(&params))
+    }
+
+    fn with(params: &Params) -> Self {
+        Self {
+            least_weight: params.number(LEAST_WEIGHT.name),
+            forest: Forest::default(),
+            degrees: Vec::new(),
+            volumes: Vec::new(),
+        }
+    }
+
+    /// Joins what the edges tie, and sums the edges at each return.
+    fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
+        let Self { least_weight, forest, degrees, .. } = self;
+        let n = affinity.weights.n();
+        forest.plant(n);
+        degrees.clear();
+        degrees.resize(n, 0.0);
+        let mut not_finite = None;
+        affinity.weights.for_each(|i, j, weight| {
+            if !weight.is_finite() {
+                not_finite.get_or_insert(i);
+            } else if weight >= *least_weight && weight != 0.0 {
+                forest.join(i, j);
+                degrees[i] += weight;
+            }
+        });
+        not_finite.map_or(Ok(()), |index| Err(StageError::NotFinite { what: "the affinity", index }))
+    }
 }
 
 impl SpectralStage for Components {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
-        let n = affinity.degrees.len();
-        let component_of_return = self.forest.components(&affinity.weights)?;
-        self.volumes.clear();
-        for (&component, &degree) in component_of_return.iter().zip(&affinity.degrees) {
-            match self.volumes.get_mut(component as usize) {
+        self.follow_edges(affinity)?;
+        let Self { forest, degrees, volumes, .. } = self;
+        let component_of_return = forest.number_components();
+        volumes.clear();
+        for (&component, &degree) in component_of_return.iter().zip(&*degrees) {
+            match volumes.get_mut(component as usize) {
                 Some(volume) => *volume += degree,
-                None => self.volumes.push(degree), // components appear in the order of their numbers
+                None => volumes.push(degree), // components appear in the order of their numbers
             }
         }
 
-        out.k = self.volumes.len();
+        out.k = volumes.len();
         out.eigenvalues.clear();
         out.eigenvalues.resize(out.k, 0.0);
         (out.tolerance, out.margin_decades) = (f64::MIN_POSITIVE, None);
         (out.zeros_bound, out.span_bound) = (0.0, 0.0);
-        out.u.write_rows(n, out.k, |i, row| {
+        out.u.write_rows(degrees.len(), out.k, |i, row| {
             let component = component_of_return[i];
-            row.push((component, (affinity.degrees[i] / self.volumes[component as usize]).sqrt()));
+            row.push((component, (degrees[i] / volumes[component as usize]).sqrt()));
         });
         Ok(())
     }
 
     fn memory_bytes(&self, n: usize, _: usize) -> u64 {
-        // A parent and at most one volume a return.
-        (n as u64).saturating_mul(4 + 8)
+        // A parent, a degree and at most one volume a return.
+        (n as u64).saturating_mul(4 + 8 + 8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+
+    fn k(least_weight: f64) -> usize {
+        // 0 and 1 are one wall, 2 and 3 another; the two leak.
+        let mut affinity = Affinity::default();
+        let w = affinity.weights.make_dense(4);
+        w.fill(0.0);
+        w.diagonal_mut().fill(1.0);
+        for (i, j, weight) in [(0, 1, 0.5), (1, 2, 1e-7), (2, 3, 0.5)] {
+            (w[(i, j)], w[(j, i)]) = (weight, weight);
+        }
+        affinity.degrees = vec![1.5, 1.5 + 1e-7, 1.5 + 1e-7, 1.5];
+        let mut out = Spectrum::default();
+        let mut stage = Components::new(least_weight).expect("a weight");
+        stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
+        let u = out.u.to_dense();
+        assert!((u.transpose() * &u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
+        out.k
+    }
+
+    #[test]
+    fn a_weak_edge_joins_no_components_unless_every_weight_is_an_edge() {
+        assert_eq!((k(1e-4), k(0.0), k(0.6)), (2, 1, 4));
+    }
+
+    #[test]
+    fn a_least_weight_that_is_none_is_refused() {
+        assert!([-1e-9, 1.1, f64::NAN].into_iter().all(|weight| Components::new(weight).is_err()));
     }
 }

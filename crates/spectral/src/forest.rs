@@ -1,7 +1,5 @@
 //! Connected components by union-find.
 
-use crosscut_stage::{StageError, Weights};
-
 /// Union-find in which the root of a tree is its smallest member.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Forest {
@@ -9,26 +7,6 @@ pub(crate) struct Forest {
 }
 
 impl Forest {
-    /// The component of each return of a graph, every weight that is not 0 an edge; numbered by their first return.
-    ///
-    /// # Errors
-    /// When a weight is not finite.
-    pub(crate) fn components(&mut self, weights: &Weights) -> Result<&[u32], StageError> {
-        self.plant(weights.n());
-        let mut not_finite = None;
-        weights.for_each(|i, j, weight| {
-            if !weight.is_finite() {
-                not_finite.get_or_insert(i);
-            } else if weight != 0.0 {
-                self.join(i, j);
-            }
-        });
-        match not_finite {
-            Some(index) => Err(StageError::NotFinite { what: "the affinity", index }),
-            None => Ok(self.number_components()),
-        }
-    }
-
     /// n trees of one member each.
     pub(crate) fn plant(&mut self, n: usize) {
         self.parent.clear();

@@ -13,7 +13,7 @@
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
 //! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper, faster |
 //! | `blocks` | weak links set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
-//! | `components` | union-find, no decomposition | the k zeros, exact | 0/1 graphs, the baselines |
+//! | `components` | weak edges left out, union-find, no decomposition | the k zeros, exact | the baselines, and what the spectrum adds |
 //!
 //! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
 //! repeated eigenvalue, which k > 1 zeros always are, only the span of the eigenvectors is defined: compare U·Uᵀ.
