@@ -126,8 +126,21 @@ fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     assert!(refused(&["default"], &[]).contains("name the other as well"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
+    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("mine.toml: no preset"), "nor a file");
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
+}
+
+#[test]
+fn a_file_of_settings_is_compared_over_the_preset_that_is_named_before_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let settings = file(folder.path(), "finer.toml", b"[affinity]\nsigma_per_m2 = 3.0\n");
+    let with = format!("paper,{}", settings.display());
+    let figures =
+        json(&shipped_flight(), &["paper,affinity.sigma_per_m2=3", &with])["comparisons"][0]["figures"].clone();
+    assert_eq!(figures["same_walls"]["hits"], figures["same_walls"]["of"], "the same settings: {figures}");
+    // Alone the file is over preset `default`, whose affinity has no such parameter.
+    compare(&shipped_flight(), &["paper", settings.to_str().expect("UTF-8")], &[]).expect_code(2);
 }
 
 #[test]

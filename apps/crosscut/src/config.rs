@@ -1,6 +1,6 @@
 //! `crosscut config`, and the configuration of the other commands.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
@@ -46,7 +46,12 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
         return settings_of_recording(path);
     }
-    std::fs::read_to_string(path).map_err(|error| usage(format!("{}: {error}", path.display())))
+    std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => {
+            usage(format!("not a text: settings stand in a TOML file or a recording (.rrd): {}", path.display()))
+        }
+        _ => usage(format!("{}: {error}", path.display())),
+    })
 }
 
 #[cfg(feature = "rerun")]

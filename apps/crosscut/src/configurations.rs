@@ -14,8 +14,8 @@ pub(crate) struct Configuration {
     pub(crate) config: Config,
 }
 
-/// What each of `with` names: `PRESET|FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top. Files of the
-/// same name in different folders are called by their paths.
+/// What each of `with` names: `PRESET|FILE.toml|PRESET,FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top.
+/// Files of the same name in different folders are called by their paths.
 pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> anyhow::Result<Vec<Configuration>> {
     let resolved = with.iter().map(|text| resolve(text, set, registry));
     let mut configurations = resolved.collect::<anyhow::Result<Vec<_>>>()?;
@@ -30,7 +30,7 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
 
 /// The files among what `with` names.
 pub(crate) fn files(with: &[String]) -> impl Iterator<Item = PathBuf> {
-    with.iter().map(|text| split(text).0).filter(|base| !is_preset(base)).map(PathBuf::from)
+    with.iter().filter_map(|text| With::of(text).file).map(PathBuf::from)
 }
 
 fn is_preset(base: &str) -> bool {
@@ -38,31 +38,50 @@ fn is_preset(base: &str) -> bool {
 }
 
 fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Configuration> {
-    let (base, settings) = split(text);
-    let path = Path::new(base);
-    let is_preset = is_preset(base);
-    if !is_preset && !path.exists() {
+    let With { preset, file, settings } = With::of(text);
+    if let Some(file) = file.filter(|file| !Path::new(file).exists()) {
         let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
         let presets = presets.join(", ");
-        return Err(UsageError(format!("--with {base}: no preset (there are: {presets}) and no such file")).into());
+        return Err(UsageError(format!("--with {file}: no preset (there are: {presets}) and no such file")).into());
     }
     let own = settings.map(single_settings).unwrap_or_default();
     let layers = ConfigArgs {
-        preset: if is_preset { base.to_owned() } else { "default".to_owned() },
-        config: (!is_preset).then(|| path.to_owned()),
+        preset: preset.unwrap_or("default").to_owned(),
+        config: file.map(PathBuf::from),
         set: set.to_vec(),
     };
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let stem = if !is_preset && self::is_preset(&stem) { base.into() } else { stem };
-    let name = settings.map_or_else(|| stem.clone().into_owned(), |settings| format!("{stem},{settings}"));
+    let stem = file.map(|file| {
+        let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+        if is_preset(&stem) { file.into() } else { stem }
+    });
+    let parts = [preset, stem.as_deref(), settings].into_iter().flatten();
+    let name = parts.collect::<Vec<_>>().join(",");
     Ok(Configuration { name, config: config::resolve_with(&layers, &own, registry)? })
 }
 
-/// A preset or file, and the settings after it. A file may have a comma in its name.
-fn split(text: &str) -> (&str, Option<&str>) {
-    match text.split_once(',') {
-        Some((base, settings)) if !Path::new(text).exists() => (base, Some(settings)),
-        _ => (text, None),
+/// What one `--with` names, as it was typed.
+#[derive(Debug, PartialEq, Eq)]
+struct With<'a> {
+    preset: Option<&'a str>,
+    file: Option<&'a str>,
+    settings: Option<&'a str>,
+}
+
+impl<'a> With<'a> {
+    /// A file may have a comma in its name.
+    fn of(text: &'a str) -> Self {
+        let split = |text: &'a str| match text.split_once(',') {
+            Some((base, rest)) if !Path::new(text).exists() => (base, Some(rest)),
+            _ => (text, None),
+        };
+        match split(text) {
+            (preset, None) if is_preset(preset) => Self { preset: Some(preset), file: None, settings: None },
+            (preset, Some(rest)) if is_preset(preset) => match split(rest) {
+                (file, settings) if !file.contains('=') => Self { preset: Some(preset), file: Some(file), settings },
+                _ => Self { preset: Some(preset), file: None, settings: Some(rest) },
+            },
+            (file, settings) => Self { preset: None, file: Some(file), settings },
+        }
     }
 }
 
@@ -80,6 +99,18 @@ fn single_settings(text: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::With;
+
+    #[test]
+    fn a_file_may_stand_alone_or_after_the_preset_that_it_changes() {
+        let with = |preset, file, settings| With { preset, file, settings };
+        assert_eq!(With::of("paper"), with(Some("paper"), None, None));
+        assert_eq!(With::of("paper,a.b=1,c.d=[[2,3]]"), with(Some("paper"), None, Some("a.b=1,c.d=[[2,3]]")));
+        assert_eq!(With::of("my.toml,a.b=1"), with(None, Some("my.toml"), Some("a.b=1")));
+        assert_eq!(With::of("paper,my.toml"), with(Some("paper"), Some("my.toml"), None));
+        assert_eq!(With::of("paper,my.toml,a.b=1"), with(Some("paper"), Some("my.toml"), Some("a.b=1")));
+    }
+
     #[test]
     fn a_comma_inside_a_value_does_not_end_the_setting() {
         let split = super::single_settings("ingest.mask=[[0,1],[2,3]],affinity.kind=rbf");

@@ -166,8 +166,9 @@ pub(crate) struct EvaluateArgs {
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// A configuration to evaluate: a preset, or a file of settings (or a recording made with --save) over the preset
-    /// `default`, and single settings over that: `paper,affinity.sigma_per_m2=3`. May be given again, to see them side by side.
-    #[arg(long, value_name = "PRESET|FILE.toml[,SETTING]...")]
+    /// `default` or over another (`paper,FILE.toml`), and single settings over that: `paper,affinity.sigma_per_m2=3`.
+    /// May be given again, to see them side by side.
+    #[arg(long, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
     /// A single setting, over every configuration. May be given again.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
@@ -197,9 +198,10 @@ pub(crate) struct EvaluateArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) flight: FlightArgs,
-    /// A configuration: a preset, or a file of settings (or a recording made with --save) over the preset `default`,
-    /// and single settings over that: `paper,affinity.sigma_per_m2=3`. Given twice or more; the first is what the others are compared with.
-    #[arg(long, required = true, value_name = "PRESET|FILE.toml[,SETTING]...")]
+    /// A configuration: a preset, or a file of settings (or a recording made with --save) over the preset
+    /// `default` or over another (`paper,FILE.toml`), and single settings over that: `paper,affinity.sigma_per_m2=3`.
+    /// Given twice or more; the first is what the others are compared with.
+    #[arg(long, required = true, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
     /// A single setting, over every configuration. May be given again.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]

@@ -37,6 +37,7 @@ pub(super) struct Tally {
     pub(super) masked: usize,
     zero: usize,
     negative: usize,
+    too_near: usize,
     at_wire_max: usize,
     code: usize,
     below_wire_min: usize,
@@ -91,7 +92,7 @@ impl Limits {
         let (count, reading) = if range_m.is_nan() || range_m == f64::INFINITY {
             return Reading::Nothing;
         } else if range_m == f64::NEG_INFINITY {
-            return Reading::Unknown;
+            (&mut tally.too_near, Reading::Unknown)
         } else if range_m == 0.0 {
             (&mut tally.zero, Reading::Nothing)
         } else if range_m < 0.0 {
@@ -126,6 +127,7 @@ impl Limits {
         note(tally.masked, "in masked sectors left out".to_owned());
         note(tally.zero, "of range 0 read as no return".to_owned());
         note(tally.negative, "of negative range read as no return".to_owned());
+        note(tally.too_near, "of range -inf, too near to measure, left out".to_owned());
         note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
         if let Some(code_m) = self.code_m {
             note(tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));

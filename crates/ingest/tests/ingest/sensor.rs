@@ -66,7 +66,7 @@ fn each_kind_of_range_means_what_the_table_says() {
     let table: &[(f32, Beam, Option<&str>)] = &[
         (f32::NAN, Beam::NoReturn, None),
         (f32::INFINITY, Beam::NoReturn, None),
-        (f32::NEG_INFINITY, Beam::Unknown, None),
+        (f32::NEG_INFINITY, Beam::Unknown, Some("1 beam of range -inf, too near to measure, left out")),
         (0.0, Beam::NoReturn, Some("1 beam of range 0 read as no return")),
         (-0.0, Beam::NoReturn, Some("1 beam of range 0 read as no return")),
         (-1.0, Beam::NoReturn, Some("1 beam of negative range read as no return")),

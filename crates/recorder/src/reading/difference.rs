@@ -204,7 +204,8 @@ fn value_difference(a: &Value, b: &Value, tolerance: f64) -> Option<String> {
         }
         (Value::Texts(a), Value::Texts(b)) if a.len() == b.len() => {
             let (a, b) = a.iter().zip(b).find(|(a, b)| a != b)?;
-            Some(format!("{:?} and {:?}", shortened(a), shortened(b)))
+            let [a, b] = around_first_difference([a, b]);
+            Some(format!("{a:?} and {b:?}"))
         }
         (a, b) => Some(format!("{a} and {b}")),
     }
@@ -226,6 +227,27 @@ fn array_difference(a: &Array, b: &Array, tolerance: f64) -> Option<String> {
     (largest > tolerance).then(|| format!("by {largest:.1e} at most"))
 }
 
-fn shortened(text: &str) -> String {
-    text.chars().take(60).collect()
+/// Of two texts that differ, as much as a line holds around the place where they do first.
+fn around_first_difference(texts: [&String; 2]) -> [String; 2] {
+    const BEFORE: usize = 20;
+    const LENGTH: usize = 60;
+    let [a, b] = texts;
+    let same = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
+    let start = if same < LENGTH { 0 } else { same - BEFORE };
+    texts.map(|text| {
+        let cut = if start > 0 { "…" } else { "" };
+        cut.chars().chain(text.chars().skip(start).take(LENGTH)).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn texts_are_shown_where_they_differ_and_not_only_where_they_begin() {
+        let shown = |a: &str, b: &str| super::around_first_difference([&a.to_owned(), &b.to_owned()]);
+        assert_eq!(shown("3 walls", "4 walls"), ["3 walls", "4 walls"]);
+        let long = "é".repeat(100);
+        let [a, b] = shown(&format!("{long}3 walls"), &format!("{long}4 walls"));
+        assert!(a.starts_with('…') && a.ends_with("é3 walls") && b.ends_with("é4 walls"), "{a}, {b}");
+    }
 }

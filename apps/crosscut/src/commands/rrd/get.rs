@@ -28,7 +28,10 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
         (copy(args, &recording, &entity, &selection)?, Vec::new())
     };
     if output.values == 0 {
-        return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for")).into());
+        let revolutions = recording.entities().get(&entity).and_then(|entity| entity.revolutions);
+        let has =
+            revolutions.map_or_else(String::new, |[first, last]| format!("; it has revolutions {first} to {last}"));
+        return Err(UsageError(format!("{entity} holds nothing at the revolutions asked for{has}")).into());
     }
     output.finish().with_context(|| format!("cannot write {}", args.out.display()))?;
     for loss in &lost {
