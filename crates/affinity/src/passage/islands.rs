@@ -67,7 +67,7 @@ fn stand_free(ring: &Ring, pieces: &Pieces, first: usize, together: usize, limit
     let of_vehicle = || (0..together).flat_map(piece).all(|&i| ring.range_m(i) < limits.passage_m);
     let [at_first, at_last] = [first == 0, first + together >= n].map(|is_last| is_last && !ring.full_turn);
     // What an end of the view cuts may be of a wall, unless it is nearer than a vehicle lets a wall come.
-    if n < together + 2 || ((at_first || at_last) && !of_vehicle()) {
+    if n <= together || ((at_first || at_last) && !of_vehicle()) {
         return false;
     }
     let run = [first, (first + together - 1) % n];
