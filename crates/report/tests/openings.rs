@@ -271,6 +271,26 @@ fn the_way_out_of_a_dead_end_is_the_one_that_is_seen_to_be_dark_and_not_a_wider_
     assert_opening(&found[0], PI, 3.5);
 }
 
+/// One wall, and a pillar ahead, half as wide as this.
+fn with_pillar(corners: &[[f64; 2]], ahead_m: f64, half_m: f64) -> (Revolution, Vec<Option<u32>>) {
+    const PILLAR: u32 = 1;
+    let mut place: Vec<_> = corners.windows(2).map(|ends| (Segment(ends[0], ends[1]), 0)).collect();
+    place.push((Segment([ahead_m, -half_m], [ahead_m, half_m]), PILLAR));
+    let (revolution, walls) = scan(&place, 360, |_| false);
+    (revolution, walls.into_iter().map(|wall| wall.filter(|&wall| wall != PILLAR)).collect())
+}
+
+#[test]
+fn what_a_pillar_hides_behind_one_wall_is_a_way_on_only_if_it_is_several_vehicles_wide() {
+    let stepped_room = [[-5.0, -4.0], [6.0, -4.0], [6.0, 0.0], [7.2, 0.0], [7.2, 4.0], [-5.0, 4.0], [-5.0, -4.0]];
+    let found = openings_by(Rule::BetweenWalls, &with_pillar(&stepped_room, 3.0, 0.4));
+    assert!(found.is_empty(), "the step lies in the shadow: {found:#?}");
+    let dead_end = [[30.0, 1.2], [-5.0, 1.2], [-5.0, -1.2], [30.0, -1.2]];
+    let found = openings_by(Rule::BetweenWalls, &with_pillar(&dead_end, 1.0, 0.5));
+    assert_eq!(found.len(), 1, "the way out lies in the shadow: {found:#?}");
+    assert_opening(&found[0], 0.0, 2.4);
+}
+
 #[test]
 fn a_stray_return_deep_inside_a_branch_does_not_make_it_two() {
     let mut with_stray = tunnel();

@@ -27,6 +27,17 @@ fn a_dead_end_is_one_wall_also_behind_a_pillar() {
 }
 
 #[test]
+fn a_pillar_in_a_closed_room_is_of_no_wall_though_there_is_but_one() {
+    let corners = [[-5.0, -4.0], [6.0, -4.0], [6.0, 4.0], [-5.0, 4.0], [-5.0, -4.0]];
+    let room: Vec<Segment> = corners.windows(2).map(|ends| [ends[0], ends[1]]).collect();
+    for centre_m in [[3.0, 0.3], [2.5, -2.0], [-3.0, 1.0]] {
+        let sizes = components(&scan(&[&room[..], &pillar(centre_m, 0.5)].concat(), all), &[]);
+        assert!(sizes.len() == 2 && sizes[1] >= 15, "the wall and the pillar at {centre_m:?}: {sizes:?}");
+    }
+    assert_eq!(components(&scan(&room, all), &[]), [360]);
+}
+
+#[test]
 fn a_pillar_is_a_component_of_its_own_and_both_walls_go_on() {
     let scene = [&TUNNEL[..], &pillar([5.0, 0.3], 0.5)].concat();
     let sizes = components(&scan(&scene, all), &[]);

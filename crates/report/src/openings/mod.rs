@@ -17,9 +17,10 @@
 //!
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
 //! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
-//! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one; of those, the
-//! one with the widest stretch of beams that came back with nothing; of equal ones, the widest. By either rule no opening is
-//! narrower than the vehicle.
+//! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one, nor there at
+//! all unless it is several vehicles wide, as the wall may turn a corner in it; of those, the one with the widest stretch
+//! of beams that came back with nothing; of equal ones, the widest. By either rule no opening is narrower than the
+//! vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
 //! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
@@ -59,6 +60,10 @@ pub const DEPTH_M: f64 = 3.0;
 /// An opening's bearing and width are taken at most this far from the sensor.
 pub const LOOKOUT_M: f64 = 8.0;
 
+/// One wall all around may turn a corner, or have a step, in the shadow of a pillar: what is seen beside that leads on if
+/// the walls leave each other's line by so many times the vehicle's width.
+const SHADED_TIMES: f64 = 3.0;
+
 /// Walls this many times farther from each other than at the edge are no longer those of the branch.
 const WIDENS: f64 = 2.5;
 
@@ -77,9 +82,9 @@ pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f
     let outlook = Outlook { revolution, vehicle_width_m, ring };
     let one_wall = ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
     let branches = match rule {
-        Rule::FreeSpace => outlook.in_free_space(),
+        Rule::FreeSpace => outlook.in_free_space(1.0),
         Rule::BetweenWalls if !one_wall => outlook.between_walls(),
-        Rule::BetweenWalls if ring.full_turn => plainest(outlook.in_free_space(), vehicle_width_m),
+        Rule::BetweenWalls if ring.full_turn => plainest(outlook.in_free_space(SHADED_TIMES), vehicle_width_m),
         Rule::BetweenWalls => Vec::new(),
     };
     out.clear();
@@ -170,9 +175,11 @@ impl Outlook<'_> {
             .collect()
     }
 
-    /// Every edge that the vehicle can pass into free space, those into the same branch joined.
-    fn in_free_space(&self) -> Vec<Branch> {
-        let edges = sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides));
+    /// Every edge that the vehicle can pass into free space, those into the same branch joined. One in the shadow of a pillar
+    /// needs so many times the clearance of others.
+    fn in_free_space(&self, shaded_times: f64) -> Vec<Branch> {
+        let times = |sides: &Sides<'_>| if sides.is_shaded() && !sides.is_dark() { shaded_times } else { 1.0 };
+        let edges = sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides, times(sides)));
         let mut branches: Vec<Branch> = edges.map(|sides| self.branch(&sides)).collect();
         // Those whose edges are nearest to each other first, so that it does not matter where the ring begins.
         while let Some((at, next)) = self.nearest_into_same_way(&branches) {
@@ -193,14 +200,15 @@ impl Outlook<'_> {
         pairs.filter(is_same_way).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
     }
 
-    fn is_passable(&self, sides: &Sides<'_>) -> bool {
+    /// Whether the vehicle can pass, and the walls leave each other's line by so many times its width.
+    fn is_passable(&self, sides: &Sides<'_>, times: f64) -> bool {
         let edge_m = sides.edge_m();
         if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !sides.is_known() {
             return false;
         }
         let dark_between_two = sides.are_two_walls() && sides.is_dark();
         let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());
-        (dark_between_two || clearance_m(sides) >= self.vehicle_width_m)
+        (dark_between_two || clearance_m(sides) >= times * self.vehicle_width_m)
             && depth_m(returns_m, edge_m, self.vehicle_width_m) >= DEPTH_M
     }
 
