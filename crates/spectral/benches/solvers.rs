@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // That of preset `default`: a wall of 25,000 returns has its next eigenvalue below 1e-7.
     let rule = ZeroRule::Tolerance(1e-8);
     let mut sparse: [(&str, Box<dyn SpectralStage>); 2] =
-        [("blocks", Box::new(Blocks::new(rule, 1e-3)?)), ("components", Box::<Components>::default())];
+        [("blocks", Box::new(Blocks::new(rule, 1e-3)?)), ("components", Box::new(Components::new(1e-4)?))];
     for n in SPARSE {
         let affinity = neighbours(n);
         for (name, stage) in &mut sparse {
