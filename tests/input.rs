@@ -3,7 +3,7 @@
 use crosscut_messages::Endian;
 
 use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
-use crate::program::{Ran, column, results_of, run};
+use crate::program::{Ran, column, crosscut, results_of, run};
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
@@ -169,6 +169,38 @@ fn several_files_are_one_flight() {
     let ran = run(["run".as_ref(), parts[0].as_os_str(), parts[1].as_os_str(), "--results".as_ref(), "-".as_ref()]);
     let lines = crate::program::lines(&ran.expect_code(0).stdout);
     assert_eq!(column(&lines, "seq"), [0, 1, 2, 3, 4]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_flight_may_have_more_parts_than_a_process_may_have_files_open() {
+    let folder = folder();
+    for part in 0..60 {
+        let chunked = part % 2 == 0; // the others have no index
+        let writing = Writing { chunked, ..Writing::default() };
+        file(folder.path(), &format!("flight_{part:02}.mcap"), &bytes(&[tunnel_scan(part)], &writing));
+    }
+    let crosscut = crosscut(["compare", "--with", "default", "--with", "threshold", "--json", "-"]);
+    let mut limited = std::process::Command::new("sh");
+    limited.args(["-c", "ulimit -n 40; exec \"$0\" \"$@\""]).arg(crosscut.get_program()).args(crosscut.get_args());
+    let ran = Ran::from(limited.arg(folder.path()).output().expect("a shell")).expect_code(0);
+    let compared: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    assert_eq!(compared["comparisons"][0]["figures"]["same_count"]["of"], 60);
+}
+
+#[test]
+fn info_tells_of_every_part_of_a_flight_also_after_one_that_is_a_wreck() {
+    let folder = folder();
+    let whole = tunnel(10, &Writing::default());
+    for (name, content) in [("flight_0.mcap", &whole[..]), ("flight_1.mcap", b""), ("flight_2.mcap", &whole)] {
+        file(folder.path(), name, content);
+    }
+    let ran = run(["info".as_ref(), folder.path().as_os_str()]).expect_code(3);
+    assert!(ran.stdout.contains("flight_0.mcap") && ran.stdout.contains("flight_2.mcap"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("lost: ") && ran.stderr.contains("flight_1.mcap"), "{}", ran.stderr);
+    let parts = ["flight_0.mcap", "nowhere.mcap", "flight_2.mcap"].map(|name| folder.path().join(name));
+    let ran = run(["info".as_ref()].into_iter().chain(parts.iter().map(|part| part.as_os_str()))).expect_code(1);
+    assert!(ran.stdout.contains("flight_2.mcap") && ran.stderr.contains("nowhere.mcap"), "{}", ran.stderr);
 }
 
 #[test]

@@ -40,6 +40,9 @@ fn is_preset(base: &str) -> bool {
 fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Configuration> {
     let With { preset, file, settings } = With::of(text);
     if let Some(file) = file.filter(|file| !Path::new(file).exists()) {
+        if is_preset(file) {
+            return Err(UsageError(format!("--with {text}: a preset stands over no other; name a file over it")).into());
+        }
         let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
         let presets = presets.join(", ");
         return Err(UsageError(format!("--with {file}: no preset (there are: {presets}) and no such file")).into());

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crosscut_messages::{CDR_ENCODING, ROS1_ENCODING};
 
-use crate::{Found, Loss, TopicInfo, TopicList};
+use crate::{Found, Loss, LossKind, TopicInfo, TopicList};
 
 /// Why no revolution can be had: what was found instead, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -99,6 +99,20 @@ pub enum IngestError {
         /// What was lost, which may be why.
         losses: Vec<Loss>,
     },
+}
+
+impl IngestError {
+    /// The same as a loss, if it is a file that a crash may have left behind: of a flight of several parts, the others
+    /// can be read.
+    pub fn as_loss(&self) -> Option<Loss> {
+        match self {
+            Self::NotMcap { path, found } if found.may_be_a_wreck() => {
+                let kind = LossKind::File { cause: format!("not an MCAP: {found}") };
+                Some(Loss { file: path.clone(), kind })
+            }
+            _ => None,
+        }
+    }
 }
 
 fn because(losses: &[Loss]) -> String {

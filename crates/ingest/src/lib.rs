@@ -21,7 +21,7 @@
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
-//! | -∞ | unknown | |
+//! | -∞, nearer than the sensor measures | unknown | yes |
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
 //! | anything else | a return | if most are farther than 500 m, as in millimetres |
 //!

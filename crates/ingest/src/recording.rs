@@ -297,11 +297,7 @@ fn open_all(files: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestErro
     for file in files {
         match Container::open(file) {
             Ok(container) => containers.push(container),
-            Err(IngestError::NotMcap { found, .. }) if files.len() > 1 && found.may_be_a_wreck() => {
-                let kind = LossKind::File { cause: format!("not an MCAP: {found}") };
-                losses.push(Loss { file: file.clone(), kind });
-            }
-            Err(error) => return Err(error),
+            Err(error) => losses.push(error.as_loss().filter(|_| files.len() > 1).ok_or(error)?),
         }
     }
     if containers.is_empty() { Err(IngestError::NothingReadable { losses }) } else { Ok((containers, losses)) }

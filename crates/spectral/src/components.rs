@@ -5,13 +5,13 @@ use crosscut_stage::{
 };
 
 use crate::degrees::check_degrees;
-use crate::forest::Forest;
+use crate::forest::{self, Forest};
 
 const LEAST_WEIGHT: ParamSpec = ParamSpec {
     name: "least_weight",
     unit: "",
     shape: Shape::Number { default: 1e-4, range: Interval::closed(0.0, 1.0) },
-    doc: "an edge of less is none, as the leaks of affinity passage, or returns 2.5 m apart by rbf; 0: every weight is one",
+    doc: "an edge of less is none, as the leaks of preset default are, and returns 2.5 m apart by rbf; 0: every weight is one",
 };
 
 const PARAMS: &[ParamSpec] = &[LEAST_WEIGHT];
@@ -86,13 +86,7 @@ impl SpectralStage for Components {
         self.follow_edges(affinity)?;
         let Self { forest, degrees, volumes, .. } = self;
         let component_of_return = forest.number_components();
-        volumes.clear();
-        for (&component, &degree) in component_of_return.iter().zip(&*degrees) {
-            match volumes.get_mut(component as usize) {
-                Some(volume) => *volume += degree,
-                None => volumes.push(degree), // components appear in the order of their numbers
-            }
-        }
+        forest::volumes(component_of_return, degrees, volumes);
 
         out.k = volumes.len();
         out.eigenvalues.clear();

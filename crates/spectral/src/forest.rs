@@ -47,3 +47,14 @@ impl Forest {
         &self.parent
     }
 }
+
+/// Σ D_ii over each component, as [`Forest::number_components`] numbers them.
+pub(crate) fn volumes(component_of_return: &[u32], degrees: &[f64], out: &mut Vec<f64>) {
+    out.clear();
+    for (&component, &degree) in component_of_return.iter().zip(degrees) {
+        match out.get_mut(component as usize) {
+            Some(volume) => *volume += degree,
+            None => out.push(degree), // components appear in the order of their numbers
+        }
+    }
+}

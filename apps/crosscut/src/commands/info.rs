@@ -13,22 +13,40 @@ use crate::config;
 use crate::exit::Outcome;
 use crate::say::{printable, say};
 
-/// Prints the description of every recording; what is damaged makes the exit code 3.
+/// Prints the description of every recording, whatever is wrong with another; what is damaged makes the exit code 3.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
-    let (mut outcome, mut between) = (Outcome::Done, "");
-    for part in recordings_in(&args.input)? {
-        let description = describe(&part, &sensor)?;
+    let (mut lost, mut failed, mut between) = (false, false, "");
+    let parts = recordings_in(&args.input)?;
+    for part in &parts {
+        let description = match describe(part, &sensor) {
+            Ok(description) => description,
+            Err(error) if parts.len() == 1 => return Err(error.into()),
+            Err(error) => {
+                if let Some(loss) = error.as_loss() {
+                    lost = true;
+                    say(format_args!("lost: {loss}"));
+                } else {
+                    failed = true;
+                    say(format_args!("error: {:#}", anyhow::Error::new(error)));
+                }
+                continue;
+            }
+        };
         let text = format!("{between}{}", text(&description));
         std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;
         for loss in &description.losses {
             say(format_args!("lost: {loss}"));
-            outcome = Outcome::SomethingLost;
+            lost = true;
         }
         between = "\n";
     }
-    Ok(outcome)
+    Ok(match (failed, lost) {
+        (true, _) => Outcome::Failed,
+        (false, true) => Outcome::SomethingLost,
+        (false, false) => Outcome::Done,
+    })
 }
 
 fn text(recording: &Description) -> String {

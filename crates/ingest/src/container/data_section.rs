@@ -1,12 +1,12 @@
 //! The records of a file, from one to the next or where the index says.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use mcap::records::op;
 
 use super::chunk::{Checked, check, visit_chunk};
 use super::records::{HEAD_BYTES, Visitor, parse, read_body, read_head, skip, visit};
+use super::resting_file::RestingFile;
 use crate::Damage;
 
 const DATA_END_BYTES: u64 = 4;
@@ -14,7 +14,7 @@ pub(super) const FOOTER_BYTES: u64 = 20;
 
 /// A file, read record by record.
 pub(super) struct DataSection {
-    input: BufReader<File>,
+    input: BufReader<RestingFile>,
     at_byte: u64,
     length: u64,
     body: Vec<u8>,
@@ -34,7 +34,7 @@ pub(super) enum Step {
 
 impl DataSection {
     /// At the first record after the magic bytes.
-    pub(super) fn new(file: File, length: u64) -> io::Result<Self> {
+    pub(super) fn new(file: RestingFile, length: u64) -> io::Result<Self> {
         let mut section = Self { input: BufReader::new(file), at_byte: 0, length, body: Vec::new() };
         section.rewind()?;
         Ok(section)
@@ -44,7 +44,13 @@ impl DataSection {
         self.go_to(mcap::MAGIC.len() as u64)
     }
 
-    pub(super) fn input(&mut self) -> &mut BufReader<File> {
+    /// Goes back to the first record, and closes the file until it is read again.
+    pub(super) fn rest(&mut self) -> io::Result<()> {
+        self.rewind()?;
+        self.input.get_mut().rest()
+    }
+
+    pub(super) fn input(&mut self) -> &mut BufReader<RestingFile> {
         &mut self.input
     }
 

@@ -8,6 +8,7 @@ mod catalogue;
 mod chunk;
 mod data_section;
 mod records;
+mod resting_file;
 mod summary;
 mod topic_reader;
 
@@ -20,6 +21,7 @@ use mcap::records::{ChunkIndex, Record, op};
 
 use self::catalogue::{Catalogue, Survey};
 use self::data_section::DataSection;
+use self::resting_file::RestingFile;
 use self::summary::Summary;
 use crate::{Found, IngestError, Loss, LossKind};
 
@@ -55,7 +57,7 @@ impl Container {
         if !start.starts_with(mcap::MAGIC) {
             return Err(IngestError::NotMcap { path: path.to_owned(), found: Found::in_file(&start) });
         }
-        let mut section = DataSection::new(file, length).map_err(failed)?;
+        let mut section = DataSection::new(RestingFile::new(path.to_owned(), file), length).map_err(failed)?;
         let mut losses = Vec::new();
         let mut lost = |kind| losses.push(Loss { file: path.to_owned(), kind });
         let (summary, index_damage) = match Summary::read(section.input(), length) {
@@ -83,6 +85,7 @@ impl Container {
                 catalogue = survey.catalogue;
             }
         }
+        section.rest().map_err(failed)?;
         Ok(Self { path: path.to_owned(), length, catalogue, chunks, losses, section })
     }
 

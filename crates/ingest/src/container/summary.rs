@@ -1,6 +1,5 @@
 //! What stands at the end of a file: topics, counts, and where each chunk is.
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use mcap::records::{Channel, ChunkIndex, Record, SchemaHeader, Statistics, op};
@@ -8,6 +7,7 @@ use mcap::records::{Channel, ChunkIndex, Record, SchemaHeader, Statistics, op};
 use super::chunk::{Checked, check};
 use super::data_section::FOOTER_BYTES;
 use super::records::{HEAD_BYTES, parse, read_body, read_head, skip};
+use super::resting_file::RestingFile;
 use crate::Damage;
 
 /// Bytes of the footer record that its own checksum covers: all but the checksum.
@@ -24,7 +24,7 @@ pub(super) struct Summary {
 
 impl Summary {
     /// Reads the summary of a file of `length` bytes; `None` if it was written without.
-    pub(super) fn read(input: &mut BufReader<File>, length: u64) -> Result<Option<Self>, Damage> {
+    pub(super) fn read(input: &mut BufReader<RestingFile>, length: u64) -> Result<Option<Self>, Damage> {
         let tail_bytes = HEAD_BYTES + FOOTER_BYTES + mcap::MAGIC.len() as u64;
         let footer_at = length.checked_sub(tail_bytes).ok_or(Damage::Ended)?;
         input.seek(SeekFrom::Start(footer_at))?;

@@ -41,13 +41,14 @@ enum Plan {
 }
 
 impl TopicReader {
+    /// The file of `container` is closed until the first message is asked for.
     pub(crate) fn new(mut container: Container, channels: BTreeSet<u16>) -> Self {
         let has_scans = |chunk: &ChunkIndex| {
             let indexed = &chunk.message_index_offsets;
             indexed.is_empty() || channels.iter().any(|id| indexed.contains_key(id))
         };
         let plan = if container.chunks.is_empty() {
-            Plan::InFileOrder { ended: container.section.rewind().is_err() }
+            Plan::InFileOrder { ended: container.section.rest().is_err() }
         } else {
             Plan::ByLogTime(container.chunks.iter().filter(|chunk| has_scans(chunk)).cloned().collect())
         };

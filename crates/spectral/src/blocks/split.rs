@@ -6,7 +6,7 @@ use faer::Mat;
 use super::graph::{Edge, Graph};
 use super::sparse::MOST_BYTES;
 use crate::decomposition::Decomposition;
-use crate::forest::Forest;
+use crate::forest::{self, Forest};
 use crate::laplacian::dense_bytes;
 
 /// The returns in m blocks: what is tied by more than weak links, and the links between them.
@@ -162,13 +162,7 @@ impl Split {
     fn number_blocks(&mut self, degrees: &[f64]) {
         self.block_of_return.clear();
         self.block_of_return.extend_from_slice(self.forest.number_components());
-        self.volumes.clear();
-        for (&block, &degree) in self.block_of_return.iter().zip(degrees) {
-            match self.volumes.get_mut(block as usize) {
-                Some(volume) => *volume += degree,
-                None => self.volumes.push(degree), // blocks appear in the order of their numbers
-            }
-        }
+        forest::volumes(&self.block_of_return, degrees, &mut self.volumes);
         let block = &self.block_of_return;
         let is_tie = |link: &mut Edge| block[link.from as usize] == block[link.to as usize];
         self.ties.extend(self.links.extract_if(.., is_tie));

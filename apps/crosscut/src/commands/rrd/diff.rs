@@ -56,18 +56,16 @@ fn settings_that_differ(a: &Recording, b: &Recording) -> String {
     only("<", &of_a, &of_b) + &only(">", &of_b, &of_a)
 }
 
-/// Every `section.key = value` of a configuration, without comments.
+/// Every `section.key = value` of a configuration; its lines as they are if it is none.
 fn settings(toml: &str) -> Vec<String> {
-    let mut section = "";
-    let mut all = Vec::new();
-    for line in toml.lines().map(|line| line.split("  #").next().unwrap_or_default().trim()) {
-        match line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
-            Some(name) => section = name,
-            None if line.is_empty() || line.starts_with('#') => {}
-            None => all.push(format!("{section}.{line}")),
-        }
-    }
-    all
+    let Ok(sections) = toml.parse::<toml::Table>() else {
+        return toml.lines().map(str::to_owned).collect();
+    };
+    let of_section = |(section, values): (String, toml::Value)| {
+        let values = values.as_table().cloned().unwrap_or_default();
+        values.into_iter().map(move |(key, value)| format!("{section}.{key} = {value}"))
+    };
+    sections.into_iter().flat_map(of_section).collect()
 }
 
 #[cfg(test)]
@@ -75,8 +73,8 @@ mod tests {
     use super::settings;
 
     #[test]
-    fn settings_are_named_with_their_section_and_without_comments() {
-        let toml = "[a]\n# words\nkind = \"rbf\"  # preset paper\n\n[b]\nn = 3  # default\n";
-        assert_eq!(settings(toml), ["a.kind = \"rbf\"", "b.n = 3"]);
+    fn settings_are_named_with_their_section_and_without_comments_also_where_a_value_looks_like_one() {
+        let toml = "[a]\n# words\nkind = \"rbf  #1\"  # preset paper\n\n[b]\nn = 3  # default\n";
+        assert_eq!(settings(toml), ["a.kind = \"rbf  #1\"", "b.n = 3"]);
     }
 }
