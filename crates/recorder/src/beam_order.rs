@@ -24,15 +24,26 @@ pub(crate) struct BeamOrder {
 impl BeamOrder {
     /// By beam, up to [`LARGEST_SIDE`] beams; beyond that, and without beams, by return.
     pub(crate) fn of(revolution: &Revolution) -> Self {
-        let beams = revolution.beams().map_or(&[][..], |sweep| &sweep.beams);
-        let hit = |(place, beam): (usize, &Beam)| matches!(beam, Beam::Return(_)).then_some(place);
-        let places: Vec<usize> = beams.iter().enumerate().filter_map(hit).collect();
-        if beams.len() <= LARGEST_SIDE && !beams.is_empty() && places.len() == revolution.len() {
-            return Self { side: beams.len().next_multiple_of(SIDE_STEP), used: beams.len(), places };
+        match beams_of_returns(revolution) {
+            Some((beams, places)) if beams <= LARGEST_SIDE => {
+                Self { side: beams.next_multiple_of(SIDE_STEP), used: beams, places }
+            }
+            // How many return varies: the side holds any number.
+            Some(_) => Self { side: LARGEST_SIDE, used: LARGEST_SIDE, places: (0..revolution.len()).collect() },
+            None => {
+                let n = revolution.len();
+                Self { side: LARGEST_SIDE, used: n.min(LARGEST_SIDE), places: (0..n).collect() }
+            }
         }
-        let n = revolution.len();
-        Self { side: LARGEST_SIDE, used: n.min(LARGEST_SIDE), places: (0..n).collect() }
     }
+}
+
+/// How many beams there are, and that of each return; `None` without beams.
+pub(crate) fn beams_of_returns(revolution: &Revolution) -> Option<(usize, Vec<usize>)> {
+    let beams = &revolution.beams()?.beams;
+    let hit = |(place, beam): (usize, &Beam)| matches!(beam, Beam::Return(_)).then_some(place);
+    let places: Vec<usize> = beams.iter().enumerate().filter_map(hit).collect();
+    (!beams.is_empty() && places.len() == revolution.len()).then_some((beams.len(), places))
 }
 
 #[cfg(test)]
@@ -64,7 +75,7 @@ mod tests {
         let mut many = vec![Beam::NoReturn; 2000];
         many[1999] = Beam::Return(0);
         let order = BeamOrder::of(&revolution(many));
-        assert_eq!((order.side, order.used, order.places), (1024, 1, vec![0]));
+        assert_eq!((order.side, order.used, order.places), (1024, 1024, vec![0]));
         let cloud = Revolution { points_m: vec![Point::origin(); 5], ..Revolution::default() };
         assert_eq!(BeamOrder::of(&cloud).places, [0, 1, 2, 3, 4]);
     }

@@ -4,7 +4,7 @@
 use crosscut_stage::{Frame, Sweep};
 use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
-use crate::beam_order::BeamOrder;
+use crate::beam_order::beams_of_returns;
 use crate::colors::{GRID, WORDS, color};
 use crate::partition::runs;
 use crate::polyline::simplified;
@@ -54,14 +54,10 @@ pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> Re
 }
 
 /// The ranges of one revolution, drawn to `reach_m`, and its clusters and walls.
-pub(crate) fn log(
-    rec: &RecordingStream,
-    frame: &Frame,
-    order: &BeamOrder,
-    classes: &Classes,
-    reach_m: f64,
-) -> RecordingStreamResult<()> {
-    let along = WIDTH / order.used.max(1) as f32;
+pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach_m: f64) -> RecordingStreamResult<()> {
+    let by_return = || (frame.revolution.len(), (0..frame.revolution.len()).collect());
+    let (beams, places) = beams_of_returns(&frame.revolution).unwrap_or_else(by_return);
+    let along = WIDTH / beams.max(1) as f32;
     let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
     let clusters: Vec<u16> = frame.partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
     let mut lines = Vec::new();
@@ -69,10 +65,10 @@ pub(crate) fn log(
         let bar = |(class, from, to): (u16, usize, usize)| {
             (vec![[along * from as f32, y], [along * to as f32, y]], class, Radius::new_ui_points(4.0))
         };
-        lines.extend(runs(row, &order.places).into_iter().map(bar));
+        lines.extend(runs(row, &places).into_iter().map(bar));
     }
     let height = |i: usize| -HEIGHT * (frame.revolution.range_m(i) / reach_m).min(1.0) as f32;
-    let placed: Vec<(u16, [f32; 3])> = (walls.iter().zip(&order.places).enumerate().take(frame.revolution.len()))
+    let placed: Vec<(u16, [f32; 3])> = (walls.iter().zip(&places).enumerate().take(frame.revolution.len()))
         .map(|(i, (class, place))| (*class, [along * (*place as f32 + 0.5), height(i), 0.0]))
         .collect();
     let joined = |a: &(u16, [f32; 3]), b: &(u16, [f32; 3])| {

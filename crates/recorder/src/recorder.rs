@@ -244,7 +244,7 @@ impl Recorder {
             exact::log(rec, frame)?;
         }
         partition::log(rec, frame, &order, &classes, scale)?;
-        profile::log(rec, frame, &order, &classes, reach_m)?;
+        profile::log(rec, frame, &classes, reach_m)?;
         report::log(rec, frame, &classes)?;
         why::log(rec, frame, &classes, reach_m, &mut self.watch)?;
         self.times.log(rec, frame)?;

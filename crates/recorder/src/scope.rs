@@ -43,7 +43,7 @@ pub struct Scope {
     pub exact_every: Option<NonZeroU64>,
     /// Revolutions that are recorded, by their `seq`.
     pub revolutions: RangeInclusive<u64>,
-    /// Sensor time that is recorded, seconds since the first revolution seen.
+    /// Sensor time that is recorded, seconds since the first revolution seen; before it where a clock was set back.
     pub seconds: RangeInclusive<f64>,
     /// A file ends after this many revolutions, and another begins.
     pub part_revolutions: NonZeroU64,
@@ -60,7 +60,7 @@ impl Default for Scope {
             detail: Detail::default(),
             exact_every: None,
             revolutions: 0..=u64::MAX,
-            seconds: 0.0..=f64::INFINITY,
+            seconds: f64::NEG_INFINITY..=f64::INFINITY,
             part_revolutions: Self::PART_REVOLUTIONS,
         }
     }
@@ -97,7 +97,7 @@ impl Plan {
     pub(crate) fn share_of(&mut self, frame: &Frame) -> Option<Share> {
         let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
         let first_ns = *self.first_stamp_ns.get_or_insert(stamp_ns);
-        let since_first_s = stamp_ns.saturating_sub(first_ns) as f64 * 1e-9;
+        let since_first_s = (i128::from(stamp_ns) - i128::from(first_ns)) as f64 * 1e-9;
         if !self.scope.revolutions.contains(&seq) || !self.scope.seconds.contains(&since_first_s) {
             return None;
         }
@@ -184,6 +184,9 @@ mod tests {
         assert_eq!(recorded(Scope { revolutions: 4..=6, ..Scope::default() }), [4, 5, 6]);
         assert_eq!(recorded(Scope { seconds: 0.25..=0.5, ..Scope::default() }), [3, 4, 5]);
         assert_eq!(recorded(Scope { revolutions: 4..=9, seconds: 0.75..=9.0, ..Scope::default() }), [8, 9]);
+        let mut plan = Plan::new(Scope { seconds: 0.0..=0.5, ..Scope::default() });
+        let set_back = [3, 4, 0, 1, 5].map(|seq| plan.share_of(&frame(seq, 2)).is_some());
+        assert_eq!(set_back, [true, true, false, false, true], "what is before the first is not its second 0");
         let two = NonZeroU64::new(2).unwrap();
         let shares = shares(Scope { revolutions: 3..=9, part_revolutions: two, ..Scope::default() }, &[2; 20]);
         let parts: Vec<usize> = (0..20).filter(|&i| shares[i].is_some_and(|share| share.new_part)).collect();

@@ -7,7 +7,10 @@ use crosscut_explain::Explanation;
 use crosscut_stage::{Beam, Frame, Step, Weights};
 use faer::Mat;
 use rerun::external::image::GrayImage;
-use rerun::{Arrows3D, BarChart, LineStrips3D, Points3D, StateChange, TensorBuffer, TextDocument, TextLog, components};
+use rerun::{
+    Arrows3D, BarChart, LineStrips2D, LineStrips3D, Points3D, StateChange, TensorBuffer, TextDocument, TextLog,
+    components,
+};
 
 use crate::frames;
 use crate::reading::{Recording, recorded};
@@ -36,6 +39,17 @@ fn the_scan_reads_back() {
         let expected = sweep.beams.iter().map(|beam| if matches!(beam, Beam::Return(_)) { 2 } else { 1 });
         assert!(seen.iter().copied().eq(expected));
     }
+}
+
+#[test]
+fn the_chart_by_beam_is_as_wide_as_the_beams_also_where_the_pictures_are_by_return() {
+    let frame = frames::frame_of(7, 1440);
+    let beams = &frame.revolution.sweep.as_ref().unwrap().beams;
+    let last = beams.iter().rposition(|beam| matches!(beam, Beam::Return(_))).unwrap();
+    let strips: Vec<components::LineStrip2D> =
+        recorded(&[frame]).at("/kmeans/profile/lines", LineStrips2D::descriptor_strips(), 7).unwrap();
+    let right = strips.iter().flat_map(|strip| &strip.0).map(|vertex| vertex.0[0]).fold(0.0, f32::max);
+    assert!((right - 100.0 * (last + 1) as f32 / 1440.0).abs() < 0.01, "the last return is at beam {last}: {right}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Which revolutions are asked for.
 
-use crosscut_recorder::{Entity, Recording, Row};
+use crosscut_recorder::{Recording, Row};
 
 use crate::cli::RrdGetArgs;
 
@@ -12,10 +12,10 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    /// Seconds count from the first stamp of the recording.
+    /// Seconds count from the stamp of the first revolution, which need not be the earliest if a clock was set back.
     pub(super) fn new(args: &RrdGetArgs, recording: &Recording) -> Self {
-        let stamps = recording.entities().values().filter_map(|entity: &Entity| entity.stamps_ns);
-        let start_ns = stamps.map(|[first, _]| first).min().unwrap_or(0);
+        let mut rows = recording.rows("/report/junctions").into_iter().flatten();
+        let start_ns = rows.find_map(|row| row.ok()?.stamp_ns).unwrap_or(0);
         let at_ns = |seconds: f64| start_ns.saturating_add((seconds * 1e9) as i64);
         Self { revolution: args.revolution, from_ns: args.from.map(at_ns), to_ns: args.to.map(at_ns) }
     }
