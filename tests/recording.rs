@@ -125,3 +125,21 @@ fn a_disk_that_fills_up_leaves_the_results_complete_a_recording_that_opens_and_e
         listed.stderr
     );
 }
+
+#[test]
+fn a_recording_that_cannot_be_made_ends_the_run_at_once_unless_something_else_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let save = folder.path().join("nowhere").join("flight.rrd");
+    let arguments = |more: &'static [&'static str]| {
+        let flight = shipped_flight().into_os_string();
+        ["run", "--quiet", "--save"]
+            .map(Into::into)
+            .into_iter()
+            .chain([save.clone().into_os_string(), flight])
+            .chain(more.iter().map(Into::into))
+    };
+    let ran = run(arguments(&[])).expect_code(1);
+    assert!(ran.stderr.starts_with("error: ") && ran.stderr.contains("nothing else was asked for"), "{}", ran.stderr);
+    let ran = run(arguments(&["--results", "-"])).expect_code(3);
+    assert!(ran.stderr.starts_with("lost: ") && lines(&ran.stdout).len() == 141, "{}", ran.stderr);
+}

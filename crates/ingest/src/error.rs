@@ -102,11 +102,11 @@ pub enum IngestError {
 }
 
 impl IngestError {
-    /// The same as a loss, if it is a file that a crash may have left behind: of a flight of several parts, the others
-    /// can be read.
-    pub fn as_loss(&self) -> Option<Loss> {
+    /// The same as a loss, if it is a part of a flight that is no recording, and others may be: one that a crash may have
+    /// left behind, or any that was not named itself (`is_named`) but lies in a folder that was.
+    pub fn as_loss(&self, is_named: bool) -> Option<Loss> {
         match self {
-            Self::NotMcap { path, found } if found.may_be_a_wreck() => {
+            Self::NotMcap { path, found } if found.may_be_a_wreck() || !is_named => {
                 let kind = LossKind::File { cause: format!("not an MCAP: {found}") };
                 Some(Loss { file: path.clone(), kind })
             }

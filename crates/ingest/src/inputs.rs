@@ -4,10 +4,14 @@ use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::{Found, IngestError};
+use crate::{Found, IngestError, Loss, LossKind, bag};
 
-/// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, `flight_2` before
-/// `flight_10`.
+/// Endings of compressed files, that of rosbag2 first.
+const COMPRESSED: [&str; 3] = ["zstd", "zst", "lz4"];
+
+/// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, in the order in which its
+/// `metadata.yaml` names them, others by name, `flight_2` before `flight_10`. Compressed ones (.mcap.zstd) cannot be
+/// read, but are parts as well.
 ///
 /// # Errors
 /// When there are none, or a folder cannot be read or has none.
@@ -23,6 +27,19 @@ pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
     if files.is_empty() { Err(IngestError::NoInput) } else { Ok(files) }
 }
 
+/// The parts that are not there although the `metadata.yaml` of a folder among `inputs` names them.
+pub fn missing_parts(inputs: &[PathBuf]) -> Vec<Loss> {
+    let is_missing = |path: &PathBuf| {
+        is_recording(path) && [path, &decompressed(path), &compressed(path)].iter().all(|path| !path.exists())
+    };
+    let named = inputs.iter().filter(|input| input.is_dir()).flat_map(|folder| bag::parts_of(folder));
+    let loss = |file| Loss {
+        file,
+        kind: LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() },
+    };
+    named.filter(is_missing).map(loss).collect()
+}
+
 fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     let failed = |source| IngestError::Open { path: folder.to_owned(), source };
     let mut files = Vec::new();
@@ -33,12 +50,36 @@ fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
         }
     }
     files.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
-    let (recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| has_extension(path, "mcap"));
+    let (mut recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_recording(path));
     if recordings.is_empty() {
         let found = others.iter().any(|path| has_extension(path, "db3")).then_some(Found::Sqlite);
         return Err(IngestError::NoRecordings { path: folder.to_owned(), files: others.len(), found });
     }
+    // Who decompressed a part may have kept both.
+    let is_twin = |path: &PathBuf| decompressed(path) != *path && decompressed(path).is_file();
+    recordings.retain(|path| !is_twin(path));
+    let named: Vec<PathBuf> = bag::parts_of(folder).iter().map(|path| decompressed(path)).collect();
+    let place = |path: &PathBuf| named.iter().position(|named| *named == decompressed(path)).unwrap_or(usize::MAX);
+    recordings.sort_by_cached_key(place);
     Ok(recordings)
+}
+
+fn is_recording(path: &Path) -> bool {
+    has_extension(&decompressed(path), "mcap")
+}
+
+/// The name of a part before it was compressed: FLIGHT.mcap of FLIGHT.mcap.zstd.
+fn decompressed(path: &Path) -> PathBuf {
+    let is_compressed = COMPRESSED.iter().any(|ending| has_extension(path, ending));
+    if is_compressed { path.with_extension("") } else { path.to_owned() }
+}
+
+/// As rosbag2 compresses it.
+fn compressed(path: &Path) -> PathBuf {
+    let mut name = decompressed(path).into_os_string();
+    name.push(".");
+    name.push(COMPRESSED[0]);
+    name.into()
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

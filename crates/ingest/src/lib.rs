@@ -60,6 +60,7 @@
 //! To add another kind of recording: read it into [`LaserScan`](crosscut_messages::LaserScan)s, pass these through
 //! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
 
+mod bag;
 mod container;
 mod describe;
 mod error;
@@ -74,7 +75,7 @@ mod truths;
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
 pub use found::Found;
-pub use inputs::recordings_in;
+pub use inputs::{missing_parts, recordings_in};
 pub use loss::{Damage, Loss, LossKind};
 pub use recording::{ReadOptions, Recording};
 pub use sensor::{PARAMS, Sensor};

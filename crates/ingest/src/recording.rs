@@ -9,9 +9,14 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError};
 
 use crate::container::{Container, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo, recordings_in};
+use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo, missing_parts, recordings_in};
 
 const NS_PER_S: f64 = 1e9;
+
+/// Scans are missing, or the clock was set, where a stamp is later than the one before by more than this, and by more than
+/// so many times what that was later than the one before it.
+const GAP_NS: u64 = 1_000_000_000;
+const GAP_TIMES: u64 = 5;
 
 /// Which scans of a recording are wanted.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,12 +56,15 @@ pub struct Recording {
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
+    without_topic: Vec<PathBuf>,
     losses: Vec<Loss>,
 }
 
 /// What the revolution before said, to be compared with the next.
 struct Previous {
     stamp_ns: u64,
+    /// From the stamp before to that one.
+    interval_ns: Option<u64>,
     frame_id: String,
 }
 
@@ -68,7 +76,7 @@ impl Recording {
     /// When there is nothing that can be read: what was found instead. A part that is empty is a loss if others are
     /// not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
-        let (containers, mut losses) = open_all(&recordings_in(inputs)?)?;
+        let (containers, mut losses) = open_all(inputs)?;
         let topics = topics_of(&containers);
         let damage = || containers.iter().flat_map(|container| container.losses.clone()).collect();
         if topics.is_empty() {
@@ -78,9 +86,12 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
-        let mut parts = VecDeque::new();
+        let (mut parts, mut without_topic) = (VecDeque::new(), Vec::new());
         for container in containers {
             let channels = topic.channels_in(&container);
+            if channels.is_empty() && container.losses.is_empty() {
+                without_topic.push(container.path.clone());
+            }
             let mut part = TopicReader::new(container, channels);
             losses.extend(part.take_losses());
             parts.push_back(part);
@@ -100,6 +111,7 @@ impl Recording {
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
+            without_topic,
             losses,
         })
     }
@@ -135,6 +147,11 @@ impl Recording {
     /// How many scans were not selected because of their `frame_id`.
     pub fn of_other_frames(&self) -> u64 {
         self.of_other_frames
+    }
+
+    /// The parts in which there is no such topic.
+    pub fn without_topic(&self) -> &[PathBuf] {
+        &self.without_topic
     }
 
     /// What was lost up to now. All of it is known once there are no more revolutions.
@@ -239,7 +256,7 @@ impl Recording {
     fn compare_with_previous(&mut self, revolution: &Revolution, notes: &mut Notes) {
         let Some(previous) = &mut self.previous else {
             let (stamp_ns, frame_id) = (revolution.stamp_ns, revolution.frame_id.clone());
-            self.previous = Some(Previous { stamp_ns, frame_id });
+            self.previous = Some(Previous { stamp_ns, interval_ns: None, frame_id });
             return;
         };
         if revolution.stamp_ns == previous.stamp_ns {
@@ -248,6 +265,13 @@ impl Recording {
             let back = seconds(previous.stamp_ns, revolution.stamp_ns);
             notes.add(format!("the stamp is {back} before that of the scan before"));
         }
+        let interval_ns = revolution.stamp_ns.checked_sub(previous.stamp_ns);
+        let is_gap = |before_ns: u64| interval_ns.is_some_and(|ns| ns > GAP_NS && ns / GAP_TIMES > before_ns);
+        if previous.interval_ns.is_some_and(is_gap) {
+            let on = seconds(revolution.stamp_ns, previous.stamp_ns);
+            notes.add(format!("the stamp is {on} after that of the scan before"));
+        }
+        previous.interval_ns = interval_ns;
         previous.stamp_ns = revolution.stamp_ns;
         if revolution.frame_id != previous.frame_id {
             notes.add(format!(
@@ -291,13 +315,18 @@ impl Source for Recording {
     }
 }
 
-/// Opens every file. One that a crash may have left behind is a loss, as long as another can be read.
-fn open_all(files: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
-    let (mut containers, mut losses) = (Vec::new(), Vec::new());
-    for file in files {
+/// Opens every part. One that is not there, or no recording, is a loss, as long as another can be read.
+fn open_all(inputs: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
+    let files = recordings_in(inputs)?;
+    let (mut containers, mut losses) = (Vec::new(), missing_parts(inputs));
+    for file in &files {
         match Container::open(file) {
             Ok(container) => containers.push(container),
-            Err(error) => losses.push(error.as_loss().filter(|_| files.len() > 1).ok_or(error)?),
+            Err(error) => {
+                let is_one_of_several = files.len() > 1 || !inputs.contains(file);
+                let loss = error.as_loss(inputs.contains(file)).filter(|_| is_one_of_several);
+                losses.push(loss.ok_or(error)?);
+            }
         }
     }
     if containers.is_empty() { Err(IngestError::NothingReadable { losses }) } else { Ok((containers, losses)) }

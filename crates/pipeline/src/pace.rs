@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 /// A wait looks this often whether it is over.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// A longer pause of the stamps, or step back, is not waited for: the clock was set, or another recording begins.
+/// A longer pause of the stamps is not waited for, and a longer step back not made up for: the clock was set, or another
+/// recording begins.
 const LONGEST_PAUSE_NS: u64 = 10_000_000_000;
+const LONGEST_STEP_BACK_NS: u64 = 1_000_000_000;
 
 /// At a very low rate, the longest wait for a revolution: a century, which every clock can reach.
 const LONGEST_WAIT: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
@@ -44,10 +46,13 @@ impl Pace {
     /// When the revolution with this stamp is due; `None` if nothing says when.
     fn due(&self, stamp_ns: u64) -> Option<Instant> {
         let (due, previous_ns) = self.previous?;
-        let pause_ns = Some(stamp_ns.abs_diff(previous_ns)).filter(|pause_ns| *pause_ns <= LONGEST_PAUSE_NS)?;
+        let (is_on, pause_ns) = (stamp_ns >= previous_ns, stamp_ns.abs_diff(previous_ns));
+        if pause_ns > if is_on { LONGEST_PAUSE_NS } else { LONGEST_STEP_BACK_NS } {
+            return None;
+        }
         let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate);
         let pause = pause.map_or(LONGEST_WAIT, |pause| pause.min(LONGEST_WAIT));
-        if stamp_ns >= previous_ns { due.checked_add(pause) } else { due.checked_sub(pause) }
+        if is_on { due.checked_add(pause) } else { due.checked_sub(pause) }
     }
 }
 
@@ -60,12 +65,15 @@ mod tests {
         const PERIOD_NS: u64 = 10_000_000;
         let (mut pace, start) = (Pace::new(1.0), Instant::now());
         let set_ns = 1_700_000_000_000_000_000;
-        let stamps_ns = [10, 10 + PERIOD_NS, set_ns, set_ns + PERIOD_NS, 50, 50 + PERIOD_NS];
+        let back_ns = set_ns - 2_000_000_000;
+        let stamps_ns =
+            [10, 10 + PERIOD_NS, set_ns, set_ns + PERIOD_NS, back_ns, back_ns + PERIOD_NS, 50, 50 + PERIOD_NS];
         let due = stamps_ns.map(|stamp_ns| pace.wait_for(stamp_ns, || start.elapsed().as_secs() > 20));
         assert!(start.elapsed().as_secs() < 20, "it waits for years");
-        for pair in [1, 3, 5] {
+        for pair in [1, 3, 5, 7] {
             assert_eq!(due[pair] - due[pair - 1], Duration::from_nanos(PERIOD_NS));
         }
+        assert!(due.is_sorted(), "after a step back revolutions are due at once, not in the past");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe, recordings_in};
+use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe, missing_parts, recordings_in};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
@@ -24,7 +24,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
             Ok(description) => description,
             Err(error) if parts.len() == 1 => return Err(error.into()),
             Err(error) => {
-                if let Some(loss) = error.as_loss() {
+                if let Some(loss) = error.as_loss(args.input.contains(part)) {
                     lost = true;
                     say(format_args!("lost: {loss}"));
                 } else {
@@ -41,6 +41,10 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
             lost = true;
         }
         between = "\n";
+    }
+    for loss in missing_parts(&args.input) {
+        say(format_args!("lost: {loss}"));
+        lost = true;
     }
     Ok(match (failed, lost) {
         (true, _) => Outcome::Failed,

@@ -32,6 +32,9 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     let mut written = Written::open(args, &config, &read, &mut lost)?;
     let mut observers =
         observers::observers(&args.record, &args.flight.input[0], &config, args.rate.is_some(), &mut lost)?;
+    if !lost.is_empty() && written.is_nothing() && observers.list.is_empty() {
+        anyhow::bail!("{}; nothing else was asked for", lost.join("; "));
+    }
     for loss in &lost {
         say(format_args!("lost: {loss}")); // now, when the flight can still be begun anew
     }
@@ -63,6 +66,9 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     if recording.of_other_frames() > 0 {
         let scans = counted(recording.of_other_frames(), "scan");
         say(format_args!("note: {scans} of another frame than ingest.frame_id left out"));
+    }
+    for part in recording.without_topic() {
+        say(format_args!("note: there is no topic {} in {}", recording.topic(), part.display()));
     }
     if let End::ResultsLost(error) = &summary.end
         && is_closed_pipe(error)
@@ -109,6 +115,10 @@ impl Written {
         let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
         lost.extend(over_time.as_ref().err().map(|error| format!("{error:#}")));
         Ok(Self { results, over_time: over_time.unwrap_or_default(), returns: 0 })
+    }
+
+    fn is_nothing(&self) -> bool {
+        self.results.is_none() && self.over_time.is_none()
     }
 
     fn take(&mut self, frame: &Frame) -> io::Result<()> {

@@ -190,17 +190,76 @@ fn a_folder_is_one_flight_in_natural_order_and_seq_counts_on() {
     assert_eq!(drain(&mut recording), expected(15));
 }
 
+/// What was lost of a flight in this folder, and how many revolutions there are.
+fn losses(folder: &Folder) -> (Vec<String>, usize) {
+    let mut recording = Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
+    let revolutions = drain(&mut recording).len();
+    let losses = recording.losses().iter();
+    assert!(losses.clone().all(|loss| matches!(loss.kind, LossKind::File { .. })));
+    (losses.map(ToString::to_string).collect(), revolutions)
+}
+
 #[test]
-fn an_empty_part_is_a_loss_and_a_part_of_another_kind_is_refused() {
+fn a_part_that_is_no_recording_is_a_loss_in_a_folder_and_refused_where_it_was_named() {
     let folder = Folder::new();
     folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
     folder.add("f_2.mcap", b"");
-    let mut recording =
-        Recording::open(&[folder.path().to_owned()], &ReadOptions::default(), sensor(&[])).expect("a flight");
-    assert_eq!(drain(&mut recording).len(), 5);
-    assert!(matches!(recording.losses(), [loss] if matches!(loss.kind, LossKind::File { .. })));
+    assert!(matches!(&losses(&folder), (lost, 5) if lost.len() == 1));
     folder.add("f_3.mcap", b"#ROSBAG V2.0\n");
-    assert!(matches!(refused(&folder, None), IngestError::NotMcap { found: Found::Ros1Bag, .. }));
+    folder.add("f_4.mcap.zstd", b"\x28\xb5\x2f\xfd and more");
+    let (lost, revolutions) = losses(&folder);
+    assert_eq!((lost.len(), revolutions), (3, 5), "{lost:?}");
+    assert!(lost[1].contains("ROS 1 bag") && lost[2].contains("decompress"), "{lost:?}");
+    folder.add("f_4.mcap", &Form::CHUNKED.write(&[record_at("/scan", time_ns(9), &scan(9))]));
+    assert!(matches!(&losses(&folder), (lost, 6) if lost.len() == 2), "decompressed, and the other kept");
+    let named = ["f_1.mcap", "f_3.mcap"].map(|name| folder.path().join(name));
+    let refused = Recording::open(&named, &options(None), sensor(&[])).err();
+    assert!(matches!(refused, Some(IngestError::NotMcap { found: Found::Ros1Bag, .. })));
+}
+
+#[test]
+fn parts_of_a_bag_come_in_the_order_of_its_metadata_and_one_that_it_names_and_is_not_there_is_a_loss() {
+    let folder = Folder::new();
+    let part = |seqs: std::ops::Range<u64>| -> Vec<u8> {
+        Form::CHUNKED.write(&seqs.map(|i| record_at("/scan", time_ns(i), &scan(i))).collect::<Vec<_>>())
+    };
+    folder.add("zeta.mcap", &part(0..2));
+    folder.add("alpha.mcap", &part(2..4));
+    folder.add("mid.mcap", &part(4..6));
+    let metadata = |names: &str| format!("rosbag2_bagfile_information:\n  relative_file_paths: [{names}]\n");
+    let stamps_ns = |folder: &Folder| {
+        let mut recording =
+            Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
+        drain(&mut recording).stamps_ns
+    };
+    let in_order: Vec<u64> = (0..6).map(time_ns).collect();
+    assert_ne!(stamps_ns(&folder), in_order, "by name");
+    folder.add("metadata.yaml", metadata("zeta.mcap, alpha.mcap, mid.mcap").as_bytes());
+    assert_eq!(stamps_ns(&folder), in_order);
+    assert_eq!(losses(&folder), (Vec::new(), 6));
+    folder.add("metadata.yaml", metadata("zeta.mcap, alpha.mcap, beta.mcap, mid.mcap").as_bytes());
+    assert_eq!(stamps_ns(&folder), in_order);
+    let (lost, revolutions) = losses(&folder);
+    assert!(lost.len() == 1 && lost[0].contains("beta.mcap") && lost[0].contains("metadata.yaml"), "{lost:?}");
+    assert_eq!(revolutions, 6);
+}
+
+#[test]
+fn a_hole_in_the_stamps_is_noted_and_a_slow_or_unsteady_sensor_is_not() {
+    let notes = |seconds: &[f64]| {
+        let at = |s: &f64| {
+            let (stamp_ns, mut scan) = (START_NS + (s * 1e9).round() as u64, scan(0));
+            scan.header.stamp = Time::from_ns(stamp_ns);
+            record_at("/scan", stamp_ns, &scan)
+        };
+        let folder = Folder::new();
+        folder.add("f.mcap", &Form::CHUNKED.write(&seconds.iter().map(at).collect::<Vec<_>>()));
+        let all = drain(&mut open(folder.path()).expect("a flight")).notes.concat();
+        all.into_iter().filter(|note| note.contains("after that of the scan before")).collect::<Vec<_>>()
+    };
+    assert_eq!(notes(&[0.0, 0.1, 0.2, 3.3, 3.4]), ["the stamp is 3.100 s after that of the scan before"]);
+    assert_eq!(notes(&[0.0, 2.0, 4.0, 7.0, 9.0]), [""; 0], "a revolution every 2 s");
+    assert_eq!(notes(&[0.0, 0.1, 0.9, 1.0, 1.1]), [""; 0], "less than a second");
 }
 
 #[test]
