@@ -53,8 +53,27 @@ pub(crate) fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, ou
 /// The first of the walls that stands free; if there is none, the first two that do together.
 fn first_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> Option<Vec<u32>> {
     let alone = walls.iter().map(|&id| vec![id]);
-    let pairs = (1..walls.len()).flat_map(|b| (0..b).map(move |a| vec![walls[a], walls[b]]));
+    let pairs = pairs_beside_each_other(ring, walls).into_iter().map(|[b, a]| vec![walls[a], walls[b]]);
     alone.chain(pairs).find(|free| stand_free(ring, free, limits, is_short))
+}
+
+/// The walls that follow each other around the sensor, as their places in `walls`, the later first; in order. Two others
+/// stand free together only if each does alone. The first and the last of a limited view have but one side each, so
+/// they count as well.
+fn pairs_beside_each_other(ring: &Ring, walls: &[u32]) -> Vec<[usize; 2]> {
+    let mut places = vec![None; walls.iter().max().map_or(0, |&id| id as usize + 1)];
+    walls.iter().enumerate().for_each(|(place, &id)| places[id as usize] = Some(place));
+    let place = |at: usize| places.get(ring.entries[at].wall as usize).copied().flatten();
+    let ends = (!ring.full_turn && ring.len() > 0).then(|| (0, ring.len() - 1));
+    let beside = (0..ring.edges()).map(|at| (at, ring.after(at))).chain(ends);
+    let mut pairs: Vec<[usize; 2]> = beside
+        .filter_map(|(at, next)| Some([place(at)?, place(next)?]))
+        .filter(|[a, b]| a != b)
+        .map(|[a, b]| [a.max(b), a.min(b)])
+        .collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
 }
 
 /// Whether no two returns of each wall are so far from each other.
