@@ -30,7 +30,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// A margin of a decade is as good as a larger one.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.36, 0.63, -0.62, -0.33, -0.4, 0.33, 3.94, -0.57, 3.19];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.36, 0.63, -0.62, -0.33, -0.39, 0.33, 3.94, -0.57, 3.18];
 
 /// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
 /// right with 90 beams and 50 % with 60).
