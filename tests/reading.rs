@@ -173,6 +173,10 @@ fn what_cannot_be_exported_is_said_with_what_can() {
     says(get(&flight, "/affinity/W", &folder.path().join("x.txt"), &[]).expect_code(2), ".npy");
     says(get(&flight, "/report/place", &folder.path().join("x.npy"), &[]).expect_code(2), ".jsonl");
     says(get(&flight, "/affinity/W", &flight, &[]).expect_code(2), "overwritten");
+    let light = folder.path().join("light.rrd");
+    let arguments = ["run", "--quiet", "--to", "0.5", "--record", "light", "--save"].map(std::ffi::OsString::from);
+    run(arguments.into_iter().chain([light.clone().into(), shipped_flight().into()])).expect_code(0);
+    says(get(&light, "/affinity/W", &out, &[]).expect_code(2), "--exact makes it anew");
 }
 
 #[test]

@@ -109,7 +109,12 @@ impl KmeansStage for Components {
         }
         if !self.read_columns(&spectrum.u)? {
             notes.add("components: columns of U share returns, so kmeans++ clusters its rows, small clusters too");
-            return self.mixed.partition(spectrum, out, notes);
+            return self.mixed.partition(spectrum, out, notes).map_err(|error| match error {
+                StageError::TooLarge(_) => StageError::TooLarge(format!(
+                    "columns of U share returns, and k-means on its {n}x{k} numbers is too large"
+                )),
+                error => error,
+            });
         }
         let columns = self.columns.iter().copied();
         let numbers = by_first_return(columns.filter(|&column| self.sizes[column as usize] >= self.min_cluster), k);

@@ -62,39 +62,41 @@ impl Tracks {
 
     fn match_walls(&self, frame: &Frame) -> Vec<u16> {
         let mut classes: Vec<Option<u16>> = vec![None; number_of_walls(frame)];
-        let mut taken = Vec::new();
-        for (_, wall, class) in self.overlaps(frame, classes.len()) {
-            if classes[wall].is_none() && !taken.contains(&class) {
+        let mut taken = vec![false; usize::from(NO_WALL) + 1];
+        for (_, wall, class) in self.overlaps(frame) {
+            if classes[wall].is_none() && !taken[usize::from(class)] {
                 classes[wall] = Some(class);
-                taken.push(class);
+                taken[usize::from(class)] = true;
             }
         }
         classes.into_iter().map(|class| class.unwrap_or_else(|| self.take_new(&mut taken))).collect()
     }
 
     /// Directions shared, wall, class; the most directions first.
-    fn overlaps(&self, frame: &Frame, walls: usize) -> Vec<(Reverse<usize>, usize, u16)> {
-        let classes = self.seen.iter().flatten().max().map_or(0, |&last| usize::from(last) + 1);
-        let mut shared = vec![0; walls * classes];
-        for (i, wall) in frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len()) {
-            if let (Some(wall), Some(class)) = (wall, self.seen[bin(frame, i)]) {
-                shared[*wall as usize * classes + usize::from(class)] += 1;
-            }
-        }
-        let pair = |(at, &shared): (usize, &usize)| (Reverse(shared), at / classes, (at % classes) as u16);
-        let mut overlaps: Vec<_> = shared.iter().enumerate().filter(|(_, shared)| **shared > 0).map(pair).collect();
+    fn overlaps(&self, frame: &Frame) -> Vec<(Reverse<usize>, usize, u16)> {
+        let walls = frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len());
+        let shared = walls.filter_map(|(i, wall)| Some(((*wall)? as usize, self.seen[bin(frame, i)]?)));
+        let mut overlaps: Vec<_> =
+            counts(shared).into_iter().map(|((wall, class), count)| (Reverse(count), wall, class)).collect();
         overlaps.sort_unstable();
         overlaps
     }
 
     /// The first class that nobody has: one with a colour of its own that was not seen lately, if there is one.
-    fn take_new(&self, taken: &mut Vec<u16>) -> u16 {
-        let free = |class: &u16| !taken.contains(class);
+    fn take_new(&self, taken: &mut [bool]) -> u16 {
+        let free = |class: &u16| !taken[usize::from(*class)];
         let fresh = (0..COLORS).filter(free).find(|class| !self.seen.contains(&Some(*class)));
         let class = fresh.or_else(|| (0..NO_WALL).find(free)).unwrap_or(NO_WALL);
-        taken.push(class);
+        taken[usize::from(class)] = true;
         class
     }
+}
+
+/// How often each item is there, in order.
+fn counts<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Vec<(T, usize)> {
+    let mut items: Vec<T> = items.collect();
+    items.sort_unstable();
+    items.chunk_by(T::eq).map(|same| (same[0], same.len())).collect()
 }
 
 fn bin(frame: &Frame, i: usize) -> usize {
@@ -109,15 +111,18 @@ fn number_of_walls(frame: &Frame) -> usize {
 
 /// The wall that most returns of each cluster belong to; `None` if most belong to none.
 fn walls_of_clusters(frame: &Frame) -> Vec<Option<usize>> {
-    let (clusters, walls) = (frame.partition.clusters, number_of_walls(frame));
-    let mut returns = vec![vec![0usize; walls + 1]; clusters];
-    for (label, wall) in frame.partition.labels.iter().zip(&frame.junction.wall_of_return) {
-        if let Some(of_cluster) = label.and_then(|label| returns.get_mut(label as usize)) {
-            of_cluster[wall.map_or(walls, |wall| wall as usize)] += 1;
+    let none = number_of_walls(frame);
+    let returns = frame.partition.labels.iter().zip(&frame.junction.wall_of_return);
+    let of_cluster =
+        returns.filter_map(|(label, wall)| Some(((*label)? as usize, wall.map_or(none, |wall| wall as usize))));
+    let mut most = vec![(0, None); frame.partition.clusters];
+    for ((cluster, wall), count) in counts(of_cluster) {
+        // Of as many returns, the first wall.
+        if let Some(most) = most.get_mut(cluster).filter(|(least, _)| count > *least) {
+            *most = (count, Some(wall).filter(|&wall| wall < none));
         }
     }
-    let most = |of_cluster: &Vec<usize>| (0..=walls).max_by_key(|&wall| (of_cluster[wall], Reverse(wall)));
-    returns.iter().map(|of_cluster| most(of_cluster).filter(|&wall| wall < walls)).collect()
+    most.into_iter().map(|(_, wall)| wall).collect()
 }
 
 #[cfg(test)]

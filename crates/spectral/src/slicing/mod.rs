@@ -117,8 +117,10 @@ impl Slicing {
         let n = members.len();
         let wanted = eigenvalues(&members).max(envelope.below() + 1).min(n);
         if n >= FEWEST_RETURNS + RETURNS_PER_EIGENVALUE * wanted {
-            if factorised && let Some(lowest) = krylov.lowest(l, envelope, wanted)? {
-                return Ok(Part { members, lowest });
+            match if factorised { krylov.lowest(l, envelope, wanted) } else { Ok(None) } {
+                Ok(Some(lowest)) => return Ok(Part { members, lowest }),
+                Ok(None) | Err(StageError::NoConvergence { .. }) => {}
+                Err(error) => return Err(error),
             }
             notes.add(format!("slicing: {n} connected returns by full decomposition"));
         }

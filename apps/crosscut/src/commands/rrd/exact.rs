@@ -54,6 +54,11 @@ const ENTITIES: [(&str, Part); 7] = [
     }),
 ];
 
+/// Whether the entity can be recomputed.
+pub(super) fn can_be(entity: &str) -> bool {
+    ENTITIES.iter().any(|(name, _)| *name == entity)
+}
+
 fn vector(dim: &str, values: Vec<f64>) -> Array {
     Array { shape: vec![values.len()], dims: vec![dim.to_owned()], numbers: Numbers::F64(values) }
 }

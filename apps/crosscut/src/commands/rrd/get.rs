@@ -6,7 +6,7 @@ use anyhow::Context;
 use crosscut_recorder::{Entity, ReadError, Recording, Rows, Value, is_picture};
 use crosscut_stage::counted;
 
-use super::exact::Recomputation;
+use super::exact::{self, Recomputation};
 use super::output::Output;
 use super::say_damages;
 use super::selection::Selection;
@@ -107,7 +107,10 @@ fn recompute(
 
 fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> {
     recording.rows(entity).map_err(|error| match error {
-        error @ ReadError::NoSuchEntity { .. } => UsageError(error.to_string()).into(),
+        ReadError::NoSuchEntity { .. } => {
+            let how = if exact::can_be(entity) { "; --exact makes it anew" } else { "" };
+            UsageError(format!("{error}{how}")).into()
+        }
         error => error.into(),
     })
 }
