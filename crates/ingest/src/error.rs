@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crosscut_messages::{CDR_ENCODING, ROS1_ENCODING};
+use crosscut_stage::counted;
 
 use crate::{Found, Loss, LossKind, TopicInfo, TopicList};
 
@@ -29,7 +30,8 @@ pub enum IngestError {
     },
     /// A folder without recordings.
     #[error(
-        "none of the {files} files in this folder is an .mcap{}: {}",
+        "{}{}: {}",
+        without_recordings(*files, *folders),
         found.as_ref().map(|found| format!(" (of one of them: {found})")).unwrap_or_default(),
         path.display()
     )]
@@ -38,7 +40,9 @@ pub enum IngestError {
         path: PathBuf,
         /// How many files it has.
         files: usize,
-        /// What one of them is.
+        /// How many folders.
+        folders: usize,
+        /// What one of the files is.
         found: Option<Found>,
     },
     /// A file of another kind.
@@ -112,6 +116,14 @@ impl IngestError {
             }
             _ => None,
         }
+    }
+}
+
+fn without_recordings(files: usize, folders: usize) -> String {
+    match (files, folders) {
+        (0, 0) => "the folder is empty".to_owned(),
+        (0, _) => format!("no file in this folder, but {}; name that of the flight", counted(folders as u64, "folder")),
+        _ => format!("none of the {files} files in this folder is an .mcap"),
     }
 }
 

@@ -42,9 +42,10 @@ pub fn missing_parts(inputs: &[PathBuf]) -> Vec<Loss> {
 
 fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     let failed = |source| IngestError::Open { path: folder.to_owned(), source };
-    let mut files = Vec::new();
+    let (mut files, mut folders) = (Vec::new(), 0);
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
+        folders += usize::from(path.is_dir());
         if path.is_file() {
             files.push(path);
         }
@@ -53,7 +54,7 @@ fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     let (mut recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_recording(path));
     if recordings.is_empty() {
         let found = others.iter().any(|path| has_extension(path, "db3")).then_some(Found::Sqlite);
-        return Err(IngestError::NoRecordings { path: folder.to_owned(), files: others.len(), found });
+        return Err(IngestError::NoRecordings { path: folder.to_owned(), files: others.len(), folders, found });
     }
     // Who decompressed a part may have kept both.
     let is_twin = |path: &PathBuf| decompressed(path) != *path && decompressed(path).is_file();
@@ -126,5 +127,18 @@ mod tests {
         names.sort_by(|a, b| natural_order(a, b));
         assert_eq!(names, ["e_11.mcap", "f.mcap", "f_1.mcap", "f_02.mcap", "f_2.mcap", "f_2_b.mcap", "f_10.mcap"]);
         assert_eq!(natural_order("f_99999999999999999999999", "f_100000000000000000000000"), Ordering::Less);
+    }
+
+    #[test]
+    fn a_folder_without_recordings_is_told_with_what_it_has_instead() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let said = || recordings_in(&[folder.path().to_owned()]).expect_err("no recording").to_string();
+        assert!(said().starts_with("the folder is empty: "), "{}", said());
+        fs::create_dir(folder.path().join("bag")).expect("writable");
+        assert!(said().contains("1 folder; name that of the flight"), "{}", said());
+        fs::write(folder.path().join("bag_0.db3"), b"").expect("writable");
+        assert!(said().contains("none of the 1 files") && said().contains("rosbag2 .db3"), "{}", said());
+        fs::write(folder.path().join("bag_0.mcap.zstd"), b"").expect("writable");
+        assert_eq!(recordings_in(&[folder.path().to_owned()]).expect("a part").len(), 1);
     }
 }
