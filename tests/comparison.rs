@@ -126,7 +126,8 @@ fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     assert!(refused(&["default"], &[]).contains("name the other as well"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
-    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("mine.toml: no preset"), "nor a file");
+    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is no file, and no setting"));
+    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: no preset"), "nor a file");
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
 }

@@ -47,9 +47,10 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
         return settings_of_recording(path);
     }
     std::fs::read_to_string(path).map_err(|error| match error.kind() {
-        io::ErrorKind::InvalidData => {
-            usage(format!("not a text: settings stand in a TOML file or a recording (.rrd): {}", path.display()))
-        }
+        io::ErrorKind::InvalidData => usage(format!(
+            "not a text in UTF-8: settings stand in a TOML file or a recording (.rrd): {}",
+            path.display()
+        )),
         _ => usage(format!("{}: {error}", path.display())),
     })
 }

@@ -43,6 +43,10 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
         if is_preset(file) {
             return Err(UsageError(format!("--with {text}: a preset stands over no other; name a file over it")).into());
         }
+        if preset.is_some() {
+            let words = format!("--with {text}: {file:?} is no file, and no setting of the form section.key=value");
+            return Err(UsageError(words).into());
+        }
         let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
         let presets = presets.join(", ");
         return Err(UsageError(format!("--with {file}: no preset (there are: {presets}) and no such file")).into());
@@ -80,7 +84,9 @@ impl<'a> With<'a> {
         match split(text) {
             (preset, None) if is_preset(preset) => Self { preset: Some(preset), file: None, settings: None },
             (preset, Some(rest)) if is_preset(preset) => match split(rest) {
-                (file, settings) if !file.contains('=') => Self { preset: Some(preset), file: Some(file), settings },
+                (file, settings) if Path::new(file).exists() || !file.contains('=') => {
+                    Self { preset: Some(preset), file: Some(file), settings }
+                }
                 _ => Self { preset: Some(preset), file: None, settings: Some(rest) },
             },
             (file, settings) => Self { preset: None, file: Some(file), settings },

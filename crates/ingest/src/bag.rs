@@ -16,8 +16,8 @@ pub(crate) fn parts_of(folder: &Path) -> Vec<PathBuf> {
     let path = folder.join(FILE);
     let is_small = path.metadata().is_ok_and(|file| file.is_file() && file.len() <= MOST_BYTES);
     let text = if is_small { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
-    // A bag may have been moved, with paths as they were before.
-    names_in(&text).iter().filter_map(|name| Some(folder.join(Path::new(name).file_name()?))).collect()
+    // A bag may have been moved, with paths as they were before, on another system.
+    names_in(&text).iter().filter_map(|name| Some(folder.join(name.rsplit(['/', '\\']).next()?))).collect()
 }
 
 fn names_in(text: &str) -> Vec<String> {

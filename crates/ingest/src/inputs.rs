@@ -1,12 +1,13 @@
 //! The files that the inputs of a run stand for.
 
 use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::{Found, IngestError, Loss, LossKind, bag};
 
-/// Endings of compressed files, that of rosbag2 first.
+/// Endings of compressed files; rosbag2 has the first.
 const COMPRESSED: [&str; 3] = ["zstd", "zst", "lz4"];
 
 /// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, in the order in which its
@@ -29,15 +30,15 @@ pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
 
 /// The parts that are not there although the `metadata.yaml` of a folder among `inputs` names them.
 pub fn missing_parts(inputs: &[PathBuf]) -> Vec<Loss> {
-    let is_missing = |path: &PathBuf| {
-        is_recording(path) && [path, &decompressed(path), &compressed(path)].iter().all(|path| !path.exists())
+    let of_folder = |folder: &PathBuf| {
+        let there: BTreeSet<_> =
+            recordings_in_folder(folder).into_iter().flatten().map(|path| name_of(&path)).collect();
+        let named = bag::parts_of(folder).into_iter().filter(|path| is_recording(path));
+        named.filter(move |path| !there.contains(&name_of(path))).collect::<Vec<_>>()
     };
-    let named = inputs.iter().filter(|input| input.is_dir()).flat_map(|folder| bag::parts_of(folder));
-    let loss = |file| Loss {
-        file,
-        kind: LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() },
-    };
-    named.filter(is_missing).map(loss).collect()
+    let kind = || LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() };
+    let missing = inputs.iter().filter(|input| input.is_dir()).flat_map(of_folder);
+    missing.map(|file| Loss { file, kind: kind() }).collect()
 }
 
 fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
@@ -59,9 +60,11 @@ fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     // Who decompressed a part may have kept both.
     let is_twin = |path: &PathBuf| decompressed(path) != *path && decompressed(path).is_file();
     recordings.retain(|path| !is_twin(path));
-    let named: Vec<PathBuf> = bag::parts_of(folder).iter().map(|path| decompressed(path)).collect();
-    let place = |path: &PathBuf| named.iter().position(|named| *named == decompressed(path)).unwrap_or(usize::MAX);
-    recordings.sort_by_cached_key(place);
+    let mut places = BTreeMap::new();
+    for (place, path) in bag::parts_of(folder).iter().enumerate() {
+        places.entry(name_of(path)).or_insert(place);
+    }
+    recordings.sort_by_cached_key(|path| places.get(&name_of(path)).copied().unwrap_or(usize::MAX));
     Ok(recordings)
 }
 
@@ -75,12 +78,9 @@ fn decompressed(path: &Path) -> PathBuf {
     if is_compressed { path.with_extension("") } else { path.to_owned() }
 }
 
-/// As rosbag2 compresses it.
-fn compressed(path: &Path) -> PathBuf {
-    let mut name = decompressed(path).into_os_string();
-    name.push(".");
-    name.push(COMPRESSED[0]);
-    name.into()
+/// What a part is called in its folder, compressed or not, on any file system.
+fn name_of(path: &Path) -> String {
+    decompressed(path).file_name().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

@@ -14,7 +14,7 @@ use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo, missing_parts, recor
 const NS_PER_S: f64 = 1e9;
 
 /// Scans are missing, or the clock was set, where a stamp is later than the one before by more than this, and by more than
-/// so many times what that was later than the one before it.
+/// so many times what it was before; after the first scan nobody knows.
 const GAP_NS: u64 = 1_000_000_000;
 const GAP_TIMES: u64 = 5;
 
@@ -63,8 +63,8 @@ pub struct Recording {
 /// What the revolution before said, to be compared with the next.
 struct Previous {
     stamp_ns: u64,
-    /// From the stamp before to that one.
-    interval_ns: Option<u64>,
+    /// From a stamp to the next, the last time that they were apart and nothing was missing.
+    usual_ns: Option<u64>,
     frame_id: String,
 }
 
@@ -73,12 +73,15 @@ impl Recording {
     /// the scan topic.
     ///
     /// # Errors
-    /// When there is nothing that can be read: what was found instead. A part that is empty is a loss if others are
-    /// not.
+    /// When there is nothing that can be read: what was found instead. A part that is missing, empty or, in a folder, no
+    /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, mut losses) = open_all(inputs)?;
         let topics = topics_of(&containers);
-        let damage = || containers.iter().flat_map(|container| container.losses.clone()).collect();
+        let damage = || {
+            let of_parts = containers.iter().flat_map(|container| container.losses.clone());
+            losses.iter().cloned().chain(of_parts).collect()
+        };
         if topics.is_empty() {
             return Err(IngestError::NothingReadable { losses: damage() });
         }
@@ -149,7 +152,7 @@ impl Recording {
         self.of_other_frames
     }
 
-    /// The parts in which there is no such topic.
+    /// The parts without scans on that topic.
     pub fn without_topic(&self) -> &[PathBuf] {
         &self.without_topic
     }
@@ -256,7 +259,7 @@ impl Recording {
     fn compare_with_previous(&mut self, revolution: &Revolution, notes: &mut Notes) {
         let Some(previous) = &mut self.previous else {
             let (stamp_ns, frame_id) = (revolution.stamp_ns, revolution.frame_id.clone());
-            self.previous = Some(Previous { stamp_ns, interval_ns: None, frame_id });
+            self.previous = Some(Previous { stamp_ns, usual_ns: None, frame_id });
             return;
         };
         if revolution.stamp_ns == previous.stamp_ns {
@@ -265,13 +268,14 @@ impl Recording {
             let back = seconds(previous.stamp_ns, revolution.stamp_ns);
             notes.add(format!("the stamp is {back} before that of the scan before"));
         }
-        let interval_ns = revolution.stamp_ns.checked_sub(previous.stamp_ns);
-        let is_gap = |before_ns: u64| interval_ns.is_some_and(|ns| ns > GAP_NS && ns / GAP_TIMES > before_ns);
-        if previous.interval_ns.is_some_and(is_gap) {
+        let interval_ns = revolution.stamp_ns.checked_sub(previous.stamp_ns).filter(|&ns| ns > 0);
+        let is_gap = |usual_ns: u64| interval_ns.is_some_and(|ns| ns > GAP_NS && ns / GAP_TIMES > usual_ns);
+        if previous.usual_ns.is_some_and(is_gap) {
             let on = seconds(revolution.stamp_ns, previous.stamp_ns);
             notes.add(format!("the stamp is {on} after that of the scan before"));
+        } else {
+            previous.usual_ns = interval_ns.or(previous.usual_ns);
         }
-        previous.interval_ns = interval_ns;
         previous.stamp_ns = revolution.stamp_ns;
         if revolution.frame_id != previous.frame_id {
             notes.add(format!(
@@ -315,7 +319,8 @@ impl Source for Recording {
     }
 }
 
-/// Opens every part. One that is not there, or no recording, is a loss, as long as another can be read.
+/// Opens every part. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
+/// another can be read.
 fn open_all(inputs: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
     let files = recordings_in(inputs)?;
     let (mut containers, mut losses) = (Vec::new(), missing_parts(inputs));

@@ -285,6 +285,12 @@ fn what_a_pillar_hides_behind_one_wall_is_a_way_on_only_if_it_is_several_vehicle
     let stepped_room = [[-5.0, -4.0], [6.0, -4.0], [6.0, 0.0], [7.2, 0.0], [7.2, 4.0], [-5.0, 4.0], [-5.0, -4.0]];
     let found = openings_by(Rule::BetweenWalls, &with_pillar(&stepped_room, 3.0, 0.4));
     assert!(found.is_empty(), "the step lies in the shadow: {found:#?}");
+    for lost in [172, 180, 187] {
+        let mut scan = with_pillar(&stepped_room, 3.0, 0.4);
+        scan.0.sweep.as_mut().expect("a sweep").beams[lost] = Beam::NoReturn;
+        let found = openings_by(Rule::BetweenWalls, &scan);
+        assert!(found.is_empty(), "and one beam is lost at the pillar, {lost}: {found:#?}");
+    }
     let dead_end = [[30.0, 1.2], [-5.0, 1.2], [-5.0, -1.2], [30.0, -1.2]];
     let found = openings_by(Rule::BetweenWalls, &with_pillar(&dead_end, 1.0, 0.5));
     assert_eq!(found.len(), 1, "the way out lies in the shadow: {found:#?}");

@@ -2,7 +2,8 @@
 
 use crate::Embedding;
 
-/// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros.
+/// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros. A solver that takes weak
+/// edges for none (`components`) says all this of the graph without them.
 #[derive(Clone, Debug, Default)]
 pub struct Spectrum {
     /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a

@@ -46,7 +46,8 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
         say(format_args!("lost: {loss}"));
         lost = true;
     }
-    Ok(match (failed, lost) {
+    let none = between.is_empty(); // not one could be described
+    Ok(match (failed || none, lost) {
         (true, _) => Outcome::Failed,
         (false, true) => Outcome::SomethingLost,
         (false, false) => Outcome::Done,

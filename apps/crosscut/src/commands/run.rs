@@ -68,7 +68,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         say(format_args!("note: {scans} of another frame than ingest.frame_id left out"));
     }
     for part in recording.without_topic() {
-        say(format_args!("note: there is no topic {} in {}", recording.topic(), part.display()));
+        say(format_args!("note: there are no scans on {} in {}", recording.topic(), part.display()));
     }
     if let End::ResultsLost(error) = &summary.end
         && is_closed_pipe(error)

@@ -8,7 +8,7 @@ use mcap::records::{Channel, ChunkIndex, MessageHeader, Record, SchemaHeader, op
 use super::Container;
 use super::data_section::{DataSection, Step};
 use super::records::Visitor;
-use crate::{Loss, LossKind};
+use crate::{Damage, Loss, LossKind};
 
 /// A message of the topic.
 #[derive(Default)]
@@ -32,6 +32,8 @@ pub(crate) struct TopicReader {
     skipped: u64,
     /// A chunk was lost, and it is not known how many messages with it.
     lost_uncounted: bool,
+    /// It is told already that nothing can be read from some place on.
+    rest_is_lost: bool,
     losses: Vec<Loss>,
 }
 
@@ -47,14 +49,21 @@ impl TopicReader {
             let indexed = &chunk.message_index_offsets;
             indexed.is_empty() || channels.iter().any(|id| indexed.contains_key(id))
         };
+        let mut losses = mem::take(&mut container.losses);
         let plan = if container.chunks.is_empty() {
-            Plan::InFileOrder { ended: container.section.rest().is_err() }
+            let rested = container.section.rest();
+            let ended = rested.is_err();
+            losses.extend(rested.err().map(|error| {
+                let kind = LossKind::Rest { at_byte: 0, damage: error.into() };
+                Loss { file: container.path.clone(), kind }
+            }));
+            Plan::InFileOrder { ended }
         } else {
             Plan::ByLogTime(container.chunks.iter().filter(|chunk| has_scans(chunk)).cloned().collect())
         };
-        let losses = mem::take(&mut container.losses);
+        let rest_is_lost = losses.iter().any(|loss| matches!(loss.kind, LossKind::Rest { .. }));
         let collector = Collector { channels, ..Collector::default() };
-        Self { container, plan, collector, passed: 0, skipped: 0, lost_uncounted: false, losses }
+        Self { container, plan, collector, passed: 0, skipped: 0, lost_uncounted: false, rest_is_lost, losses }
     }
 
     pub(crate) fn container(&self) -> &Container {
@@ -69,11 +78,18 @@ impl TopicReader {
     pub(crate) fn next(&mut self) -> Option<Message> {
         match self.plan {
             Plan::ByLogTime(_) => self.read_chunks(),
-            // What cannot be read was found, and is in the losses, since the file was looked through.
+            // What is damaged was found, and is in the losses, since the file was looked through.
             Plan::InFileOrder { ref mut ended } => {
                 while self.collector.queue.is_empty() && !*ended {
                     let step = self.container.section.step(&mut self.collector);
                     *ended = matches!(step, Step::End { .. } | Step::Stopped { .. });
+                    // Since then it may have gone.
+                    if let Step::Stopped { at_byte, damage: damage @ Damage::Unreadable(_) } = step
+                        && !mem::replace(&mut self.rest_is_lost, true)
+                    {
+                        let kind = LossKind::Rest { at_byte, damage };
+                        self.losses.push(Loss { file: self.container.path.clone(), kind });
+                    }
                 }
             }
         }

@@ -239,9 +239,39 @@ fn parts_of_a_bag_come_in_the_order_of_its_metadata_and_one_that_it_names_and_is
     assert_eq!(losses(&folder), (Vec::new(), 6));
     folder.add("metadata.yaml", metadata("zeta.mcap, alpha.mcap, beta.mcap, mid.mcap").as_bytes());
     assert_eq!(stamps_ns(&folder), in_order);
+    folder.add("beta.mcap.zst", b"\x28\xb5\x2f\xfd and more");
+    let (lost, _) = losses(&folder);
+    assert!(lost.len() == 1 && lost[0].contains("beta.mcap.zst"), "compressed, not missing: {lost:?}");
+    std::fs::remove_file(folder.path().join("beta.mcap.zst")).expect("it is there");
     let (lost, revolutions) = losses(&folder);
     assert!(lost.len() == 1 && lost[0].contains("beta.mcap") && lost[0].contains("metadata.yaml"), "{lost:?}");
     assert_eq!(revolutions, 6);
+}
+
+#[test]
+fn a_part_that_is_gone_before_it_is_read_is_a_loss_with_an_index_or_without() {
+    for form in Form::all() {
+        let folder = Folder::new();
+        folder.add("f_1.mcap", &form.write(&plain_flight(5)));
+        folder.add("f_2.mcap", &form.write(&plain_flight(5)));
+        let mut recording =
+            Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
+        std::fs::remove_file(folder.path().join("f_2.mcap")).expect("it is there");
+        assert_eq!(drain(&mut recording).len(), 5);
+        let [loss, ..] = recording.losses() else { panic!("nothing is said") };
+        assert!(loss.file.ends_with("f_2.mcap"), "{loss}");
+    }
+}
+
+#[test]
+fn a_part_without_scans_on_the_topic_is_told() {
+    let folder = Folder::new();
+    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
+    folder.add("f_2.mcap", &Form::CHUNKED.write(&[record_at("/scan_filtered", time_ns(9), &scan(9))]));
+    let of =
+        |topic| Recording::open(&[folder.path().to_owned()], &options(Some(topic)), sensor(&[])).expect("a flight");
+    assert_eq!(of("/scan").without_topic(), [folder.path().join("f_2.mcap")]);
+    assert_eq!(of("/scan_filtered").without_topic(), [folder.path().join("f_1.mcap")]);
 }
 
 #[test]
@@ -258,6 +288,9 @@ fn a_hole_in_the_stamps_is_noted_and_a_slow_or_unsteady_sensor_is_not() {
         all.into_iter().filter(|note| note.contains("after that of the scan before")).collect::<Vec<_>>()
     };
     assert_eq!(notes(&[0.0, 0.1, 0.2, 3.3, 3.4]), ["the stamp is 3.100 s after that of the scan before"]);
+    let two = notes(&[0.0, 0.1, 0.2, 3.2, 6.2, 6.3]);
+    assert_eq!(two, ["the stamp is 3.000 s after that of the scan before"; 2], "one beside the other");
+    assert_eq!(notes(&[0.0, 0.0, 2.0, 2.0, 4.0, 4.0]), [""; 0], "two scans with each stamp");
     assert_eq!(notes(&[0.0, 2.0, 4.0, 7.0, 9.0]), [""; 0], "a revolution every 2 s");
     assert_eq!(notes(&[0.0, 0.1, 0.9, 1.0, 1.1]), [""; 0], "less than a second");
 }

@@ -18,7 +18,8 @@
 //! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
 //! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
 //! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one, nor there at
-//! all unless it is several vehicles wide, as the wall may turn a corner in it; of those, the one with the widest stretch
+//! all unless the walls leave each other's line by several times the vehicle's width, or as much is dark, as the wall may
+//! turn a corner in it; of those, the one with the widest stretch
 //! of beams that came back with nothing; of equal ones, the widest. By either rule no opening is narrower than the
 //! vehicle.
 //!
@@ -60,8 +61,8 @@ pub const DEPTH_M: f64 = 3.0;
 /// An opening's bearing and width are taken at most this far from the sensor.
 pub const LOOKOUT_M: f64 = 8.0;
 
-/// One wall all around may turn a corner, or have a step, in the shadow of a pillar: what is seen beside that leads on if
-/// the walls leave each other's line by so many times the vehicle's width.
+/// One wall all around may turn a corner, or have a step, in the shadow of a pillar: unless nothing comes back from beside
+/// that over the vehicle's width, it leads on if the walls leave each other's line by so many times that width.
 const SHADED_TIMES: f64 = 3.0;
 
 /// Walls this many times farther from each other than at the edge are no longer those of the branch.
@@ -178,7 +179,11 @@ impl Outlook<'_> {
     /// Every edge that the vehicle can pass into free space, those into the same branch joined. One in the shadow of a pillar
     /// needs so many times the clearance of others.
     fn in_free_space(&self, shaded_times: f64) -> Vec<Branch> {
-        let times = |sides: &Sides<'_>| if sides.is_shaded() && !sides.is_dark() { shaded_times } else { 1.0 };
+        let times = |sides: &Sides<'_>| {
+            // Beams get lost at the edges of a pillar.
+            let is_hidden = sides.is_shaded() && sides.dark_m() < self.vehicle_width_m;
+            if is_hidden { shaded_times } else { 1.0 }
+        };
         let edges = sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides, times(sides)));
         let mut branches: Vec<Branch> = edges.map(|sides| self.branch(&sides)).collect();
         // Those whose edges are nearest to each other first, so that it does not matter where the ring begins.
@@ -221,18 +226,15 @@ impl Outlook<'_> {
         let mouth_m = Some(sides.mouth_m(anchors_m)).filter(|mouth_m| is_ahead(*mouth_m)).unwrap_or(edge_m);
         let (middle_m, width_m) = (0.5 * (mouth_m[0] + mouth_m[1]), length_m(mouth_m));
         let lookout_m = sides.lookout_m(anchors_m, width_m).unwrap_or(middle_m);
-        let dark = sides.between().filter(|beam| *beam == Beam::NoReturn).count();
         let opening = Opening {
             bearing_rad: bearing_rad(if is_ahead([lookout_m; 2]) { lookout_m } else { towards }),
             width_m,
             walls: sides.walls(),
-            evidence: if dark > 0 { Evidence::NoReturn } else { Evidence::SeenThrough },
+            evidence: if sides.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
             edge_m: edge_m.map(point),
             cut_by_view: false,
         };
-        let nearer_m = edge_m[0].norm().min(edge_m[1].norm());
-        let dark_m = dark as f64 * self.ring.step_rad * nearer_m;
-        Branch { opening, middle_m, dark_m, is_shaded: sides.is_shaded() }
+        Branch { opening, middle_m, dark_m: sides.dark_m(), is_shaded: sides.is_shaded() }
     }
 
     /// Ways on of which the end of a limited view leaves but a part.

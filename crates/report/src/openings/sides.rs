@@ -136,6 +136,13 @@ impl<'a> Sides<'a> {
         2 * shaded > self.between().count()
     }
 
+    /// How wide those that came back with nothing are, at the nearer end.
+    pub(super) fn dark_m(&self) -> f64 {
+        let dark = self.between().filter(|beam| *beam == Beam::NoReturn).count();
+        let [near, _] = self.by_range();
+        dark as f64 * self.ring.step_rad * self.ring.entries[near.at].range_m
+    }
+
     /// Whether one of those came back with nothing.
     pub(super) fn is_dark(&self) -> bool {
         self.between().any(|beam| beam == Beam::NoReturn)
