@@ -199,7 +199,9 @@ fn info_tells_of_every_part_of_a_flight_also_after_one_that_is_a_wreck() {
     assert!(ran.stdout.contains("flight_0.mcap") && ran.stdout.contains("flight_2.mcap"), "{}", ran.stdout);
     assert!(ran.stderr.contains("lost: ") && ran.stderr.contains("flight_1.mcap"), "{}", ran.stderr);
     let wrecks = self::folder();
-    ["flight_0.mcap", "flight_1.mcap"].map(|name| file(wrecks.path(), name, b""));
+    for name in ["flight_0.mcap", "flight_1.mcap"] {
+        file(wrecks.path(), name, b"");
+    }
     run(["info".as_ref(), wrecks.path().as_os_str()]).expect_code(1);
     let parts = ["flight_0.mcap", "nowhere.mcap", "flight_2.mcap"].map(|name| folder.path().join(name));
     let ran = run(["info".as_ref()].into_iter().chain(parts.iter().map(|part| part.as_os_str()))).expect_code(1);
