@@ -25,6 +25,7 @@ CUTS = 24
 LARGE_CHUNK_SCANS = 200
 LARGE_CHUNK_CUTS = 8
 FLIPS = 60
+HOLE_NS = 1_000_000_000
 TYPES = {
     "/scan": "sensor_msgs/msg/LaserScan",
     "/odom": "nav_msgs/msg/Odometry",
@@ -158,12 +159,20 @@ def check_out_of_order(base: Path, reference: bytes, flights: Flights, verdicts:
     times = [m.log_time_ns for m in shuffled]
     in_file_order = [line["stamp_ns"] for line in lines(ran.stdout)] == times
     backwards = [i for i in range(1, len(times)) if times[i] < times[i - 1]]
-    noted = [line["seq"] for line in lines(ran.stdout) if line["notes"]]
+    onwards = [i for i in range(1, len(times)) if times[i] > times[i - 1] + HOLE_NS]
+    told = {line["seq"]: " ".join(line["notes"]) for line in lines(ran.stdout) if line["notes"]}
+    noted = [seq for seq, notes in told.items() if "before that of the scan before" in notes]
+    holes = [seq for seq, notes in told.items() if "after that of the scan before" in notes]
     verdicts.that(
         ran.code == 0 and in_file_order and noted == backwards,
         "out of order, no summary",
         f"exit code {ran.code}, in {'file' if in_file_order else 'another'} order; "
         f"{len(backwards)} scans go back in time, {len(noted)} have a note{words(ran)}",
+    )
+    verdicts.that(
+        set(holes) <= set(onwards) and sorted(noted + holes) == sorted(told),
+        "holes out of order",
+        f"{len(holes)} notes on holes, at some of {len(onwards)} steps on by more than a second; no other notes",
     )
 
 
