@@ -2,6 +2,7 @@
 
 mod damaged;
 mod flight;
+mod parts;
 mod real;
 mod recording;
 mod sensor;

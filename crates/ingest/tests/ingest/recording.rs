@@ -2,7 +2,7 @@
 
 use std::num::NonZero;
 
-use crosscut_ingest::{Found, IngestError, LossKind, ReadOptions, Recording, describe};
+use crosscut_ingest::{Found, IngestError, ReadOptions, Recording, describe};
 use crosscut_messages::{Endian, Header, LaserScan, Message, Time};
 use crosscut_stage::{Notes, Revolution, Source, Value};
 
@@ -176,105 +176,6 @@ fn files_of_other_kinds_are_named() {
 }
 
 #[test]
-fn a_folder_is_one_flight_in_natural_order_and_seq_counts_on() {
-    let folder = Folder::new();
-    let flight = plain_flight(15);
-    let mut parts = flight.chunks(5);
-    for name in ["flight_1.mcap", "flight_2.mcap", "flight_10.mcap"] {
-        folder.add(name, &Form::CHUNKED.write(parts.next().expect("three parts")));
-    }
-    folder.add("metadata.yaml", b"rosbag2_bagfile_information:\n");
-    let mut recording =
-        Recording::open(&[folder.path().to_owned()], &ReadOptions::default(), sensor(&[])).expect("a flight");
-    assert_eq!(recording.total_messages(), Some(15));
-    assert_eq!(drain(&mut recording), expected(15));
-}
-
-/// What was lost of a flight in this folder, and how many revolutions there are.
-fn losses(folder: &Folder) -> (Vec<String>, usize) {
-    let mut recording = Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
-    let revolutions = drain(&mut recording).len();
-    let losses = recording.losses().iter();
-    assert!(losses.clone().all(|loss| matches!(loss.kind, LossKind::File { .. })));
-    (losses.map(ToString::to_string).collect(), revolutions)
-}
-
-#[test]
-fn a_part_that_is_no_recording_is_a_loss_in_a_folder_and_refused_where_it_was_named() {
-    let folder = Folder::new();
-    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
-    folder.add("f_2.mcap", b"");
-    assert!(matches!(&losses(&folder), (lost, 5) if lost.len() == 1));
-    folder.add("f_3.mcap", b"#ROSBAG V2.0\n");
-    folder.add("f_4.mcap.zstd", b"\x28\xb5\x2f\xfd and more");
-    let (lost, revolutions) = losses(&folder);
-    assert_eq!((lost.len(), revolutions), (3, 5), "{lost:?}");
-    assert!(lost[1].contains("ROS 1 bag") && lost[2].contains("decompress"), "{lost:?}");
-    folder.add("f_4.mcap", &Form::CHUNKED.write(&[record_at("/scan", time_ns(9), &scan(9))]));
-    assert!(matches!(&losses(&folder), (lost, 6) if lost.len() == 2), "decompressed, and the other kept");
-    let named = ["f_1.mcap", "f_3.mcap"].map(|name| folder.path().join(name));
-    let refused = Recording::open(&named, &options(None), sensor(&[])).err();
-    assert!(matches!(refused, Some(IngestError::NotMcap { found: Found::Ros1Bag, .. })));
-}
-
-#[test]
-fn parts_of_a_bag_come_in_the_order_of_its_metadata_and_one_that_it_names_and_is_not_there_is_a_loss() {
-    let folder = Folder::new();
-    let part = |seqs: std::ops::Range<u64>| -> Vec<u8> {
-        Form::CHUNKED.write(&seqs.map(|i| record_at("/scan", time_ns(i), &scan(i))).collect::<Vec<_>>())
-    };
-    folder.add("zeta.mcap", &part(0..2));
-    folder.add("alpha.mcap", &part(2..4));
-    folder.add("mid.mcap", &part(4..6));
-    let metadata = |names: &str| format!("rosbag2_bagfile_information:\n  relative_file_paths: [{names}]\n");
-    let stamps_ns = |folder: &Folder| {
-        let mut recording =
-            Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
-        drain(&mut recording).stamps_ns
-    };
-    let in_order: Vec<u64> = (0..6).map(time_ns).collect();
-    assert_ne!(stamps_ns(&folder), in_order, "by name");
-    folder.add("metadata.yaml", metadata("zeta.mcap, alpha.mcap, mid.mcap").as_bytes());
-    assert_eq!(stamps_ns(&folder), in_order);
-    assert_eq!(losses(&folder), (Vec::new(), 6));
-    folder.add("metadata.yaml", metadata("zeta.mcap, alpha.mcap, beta.mcap, mid.mcap").as_bytes());
-    assert_eq!(stamps_ns(&folder), in_order);
-    folder.add("beta.mcap.zst", b"\x28\xb5\x2f\xfd and more");
-    let (lost, _) = losses(&folder);
-    assert!(lost.len() == 1 && lost[0].contains("beta.mcap.zst"), "compressed, not missing: {lost:?}");
-    std::fs::remove_file(folder.path().join("beta.mcap.zst")).expect("it is there");
-    let (lost, revolutions) = losses(&folder);
-    assert!(lost.len() == 1 && lost[0].contains("beta.mcap") && lost[0].contains("metadata.yaml"), "{lost:?}");
-    assert_eq!(revolutions, 6);
-}
-
-#[test]
-fn a_part_that_is_gone_before_it_is_read_is_a_loss_with_an_index_or_without() {
-    for form in Form::all() {
-        let folder = Folder::new();
-        folder.add("f_1.mcap", &form.write(&plain_flight(5)));
-        folder.add("f_2.mcap", &form.write(&plain_flight(5)));
-        let mut recording =
-            Recording::open(&[folder.path().to_owned()], &options(None), sensor(&[])).expect("a flight");
-        std::fs::remove_file(folder.path().join("f_2.mcap")).expect("it is there");
-        assert_eq!(drain(&mut recording).len(), 5);
-        let [loss, ..] = recording.losses() else { panic!("nothing is said") };
-        assert!(loss.file.ends_with("f_2.mcap"), "{loss}");
-    }
-}
-
-#[test]
-fn a_part_without_scans_on_the_topic_is_told() {
-    let folder = Folder::new();
-    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
-    folder.add("f_2.mcap", &Form::CHUNKED.write(&[record_at("/scan_filtered", time_ns(9), &scan(9))]));
-    let of =
-        |topic| Recording::open(&[folder.path().to_owned()], &options(Some(topic)), sensor(&[])).expect("a flight");
-    assert_eq!(of("/scan").without_topic(), [folder.path().join("f_2.mcap")]);
-    assert_eq!(of("/scan_filtered").without_topic(), [folder.path().join("f_1.mcap")]);
-}
-
-#[test]
 fn a_hole_in_the_stamps_is_noted_and_a_slow_or_unsteady_sensor_is_not() {
     let notes = |seconds: &[f64]| {
         let at = |s: &f64| {
@@ -329,17 +230,6 @@ fn a_time_without_scans_is_an_error_of_the_source_and_not_its_end() {
         let error = recording.next(&mut Revolution::default(), &mut Notes::default()).expect_err("no scan");
         assert!(error.to_string().contains("from 99 s on; the last one before that is at 1.9 s"), "{form:?}: {error}");
     }
-}
-
-#[test]
-fn parts_that_overlap_keep_their_seq_when_the_first_is_left_early() {
-    let folder = Folder::new();
-    folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(20)));
-    folder.add("f_2.mcap", &Form::CHUNKED.write(&plain_flight(2)));
-    let options = ReadOptions { to_s: Some(0.1), ..ReadOptions::default() };
-    let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
-    assert_eq!(drain(&mut recording).seqs, [0, 1, 20, 21]);
-    assert!(recording.losses().is_empty());
 }
 
 fn with_stamp(i: u64, stamp_ns: u64) -> Record {
