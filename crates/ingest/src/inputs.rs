@@ -10,38 +10,41 @@ use crate::{Found, IngestError, Loss, LossKind, bag};
 /// Endings of compressed files; rosbag2 has the first.
 const COMPRESSED: [&str; 3] = ["zstd", "zst", "lz4"];
 
+/// The parts of a flight.
+#[derive(Debug, Default)]
+pub struct Parts {
+    /// Those that are there, in order. Compressed ones (.mcap.zstd) cannot be read, but are parts as well.
+    pub files: Vec<PathBuf>,
+    /// Those that are not there although the `metadata.yaml` of their folder names them.
+    pub missing: Vec<Loss>,
+}
+
 /// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, in the order in which its
-/// `metadata.yaml` names them, others by name, `flight_2` before `flight_10`. Compressed ones (.mcap.zstd) cannot be
-/// read, but are parts as well.
+/// `metadata.yaml` names them, others by name, `flight_2` before `flight_10`.
 ///
 /// # Errors
 /// When there are none, or a folder cannot be read or has none.
-pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
-    let mut files = Vec::new();
+pub fn parts_in(inputs: &[PathBuf]) -> Result<Parts, IngestError> {
+    let mut parts = Parts::default();
     for input in inputs {
         if input.is_dir() {
-            files.extend(recordings_in_folder(input)?);
+            add_folder(input, &mut parts)?;
         } else {
-            files.push(input.clone());
+            parts.files.push(input.clone());
         }
     }
-    if files.is_empty() { Err(IngestError::NoInput) } else { Ok(files) }
+    if parts.files.is_empty() { Err(IngestError::NoInput) } else { Ok(parts) }
 }
 
-/// The parts that are not there although the `metadata.yaml` of a folder among `inputs` names them.
-pub fn missing_parts(inputs: &[PathBuf]) -> Vec<Loss> {
-    let of_folder = |folder: &PathBuf| {
-        let there: BTreeSet<_> =
-            recordings_in_folder(folder).into_iter().flatten().map(|path| name_of(&path)).collect();
-        let named = bag::parts_of(folder).into_iter().filter(|path| is_recording(path));
-        named.filter(move |path| !there.contains(&name_of(path))).collect::<Vec<_>>()
-    };
-    let kind = || LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() };
-    let missing = inputs.iter().filter(|input| input.is_dir()).flat_map(of_folder);
-    missing.map(|file| Loss { file, kind: kind() }).collect()
+/// The files of [`parts_in`].
+///
+/// # Errors
+/// The same.
+pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
+    Ok(parts_in(inputs)?.files)
 }
 
-fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
     let failed = |source| IngestError::Open { path: folder.to_owned(), source };
     let (mut files, mut folders) = (Vec::new(), 0);
     for entry in fs::read_dir(folder).map_err(failed)? {
@@ -60,12 +63,20 @@ fn recordings_in_folder(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     // Who decompressed a part may have kept both.
     let is_twin = |path: &PathBuf| decompressed(path) != *path && decompressed(path).is_file();
     recordings.retain(|path| !is_twin(path));
+    let named = bag::parts_of(folder);
     let mut places = BTreeMap::new();
-    for (place, path) in bag::parts_of(folder).iter().enumerate() {
+    for (place, path) in named.iter().enumerate() {
         places.entry(name_of(path)).or_insert(place);
     }
     recordings.sort_by_cached_key(|path| places.get(&name_of(path)).copied().unwrap_or(usize::MAX));
-    Ok(recordings)
+    let there: BTreeSet<_> = recordings.iter().map(|path| name_of(path)).collect();
+    let missing = named.into_iter().filter(|path| is_recording(path) && !there.contains(&name_of(path)));
+    parts.missing.extend(missing.map(|file| {
+        let kind = LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() };
+        Loss { file, kind }
+    }));
+    parts.files.extend(recordings);
+    Ok(())
 }
 
 fn is_recording(path: &Path) -> bool {

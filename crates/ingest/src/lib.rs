@@ -75,7 +75,7 @@ mod truths;
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
 pub use found::Found;
-pub use inputs::{missing_parts, recordings_in};
+pub use inputs::{Parts, parts_in, recordings_in};
 pub use loss::{Damage, Loss, LossKind};
 pub use recording::{ReadOptions, Recording};
 pub use sensor::{PARAMS, Sensor};

@@ -9,7 +9,7 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError};
 
 use crate::container::{Container, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo, missing_parts, recordings_in};
+use crate::{IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -69,7 +69,7 @@ struct Previous {
 }
 
 impl Recording {
-    /// Opens the recordings in `inputs` (see [`recordings_in`]) as the parts of one flight, in that order, and finds
+    /// Opens the recordings in `inputs` (see [`parts_in`]) as the parts of one flight, in that order, and finds
     /// the scan topic.
     ///
     /// # Errors
@@ -322,8 +322,8 @@ impl Source for Recording {
 /// Opens every part. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
 /// another can be read.
 fn open_all(inputs: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
-    let files = recordings_in(inputs)?;
-    let (mut containers, mut losses) = (Vec::new(), missing_parts(inputs));
+    let Parts { files, missing: mut losses } = parts_in(inputs)?;
+    let mut containers = Vec::new();
     for file in &files {
         match Container::open(file) {
             Ok(container) => containers.push(container),

@@ -24,17 +24,15 @@ pub(crate) struct BeamOrder {
 impl BeamOrder {
     /// By beam, up to [`LARGEST_SIDE`] beams; beyond that, and without beams, by return.
     pub(crate) fn of(revolution: &Revolution) -> Self {
-        match beams_of_returns(revolution) {
+        let n = revolution.len();
+        let used = match beams_of_returns(revolution) {
             Some((beams, places)) if beams <= LARGEST_SIDE => {
-                Self { side: beams.next_multiple_of(SIDE_STEP), used: beams, places }
+                return Self { side: beams.next_multiple_of(SIDE_STEP), used: beams, places };
             }
-            // How many return varies: the side holds any number.
-            Some(_) => Self { side: LARGEST_SIDE, used: LARGEST_SIDE, places: (0..revolution.len()).collect() },
-            None => {
-                let n = revolution.len();
-                Self { side: LARGEST_SIDE, used: n.min(LARGEST_SIDE), places: (0..n).collect() }
-            }
-        }
+            Some(_) => LARGEST_SIDE, // how many return varies: the side holds any number
+            None => n.min(LARGEST_SIDE),
+        };
+        Self { side: LARGEST_SIDE, used, places: (0..n).collect() }
     }
 }
 

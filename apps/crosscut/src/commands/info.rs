@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_ingest::{Description, ScanDescription, Sensor, TopicDescription, describe, missing_parts, recordings_in};
+use crosscut_ingest::{Description, Parts, ScanDescription, Sensor, TopicDescription, describe, parts_in};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
@@ -18,11 +18,11 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
     let (mut lost, mut failed, mut between) = (false, false, "");
-    let parts = recordings_in(&args.input)?;
-    for part in &parts {
+    let Parts { files, missing } = parts_in(&args.input)?;
+    for part in &files {
         let description = match describe(part, &sensor) {
             Ok(description) => description,
-            Err(error) if parts.len() == 1 => return Err(error.into()),
+            Err(error) if files.len() == 1 => return Err(error.into()),
             Err(error) => {
                 if let Some(loss) = error.as_loss(args.input.contains(part)) {
                     lost = true;
@@ -42,7 +42,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
         }
         between = "\n";
     }
-    for loss in missing_parts(&args.input) {
+    for loss in missing {
         say(format_args!("lost: {loss}"));
         lost = true;
     }
