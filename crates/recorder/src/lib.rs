@@ -78,6 +78,7 @@ mod reading;
 mod recorder;
 mod report;
 mod scan;
+pub mod schema;
 mod scope;
 mod serving;
 mod showing;
