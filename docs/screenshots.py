@@ -1,4 +1,4 @@
-"""The pictures of docs/: started by make-screenshots."""
+"""The screenshots of docs/images: started by `docs/make pictures`."""
 
 import subprocess
 import sys

@@ -4,6 +4,7 @@ mod comparison;
 mod configuration;
 mod corridors;
 mod evaluation;
+mod figures;
 mod flight;
 mod input;
 mod interruption;

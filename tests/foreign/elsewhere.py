@@ -8,7 +8,7 @@ from verdicts import Verdicts
 
 COUNT = 30
 SEED = 1
-# Shares of right answers over all kinds: on 3000 places `default` has 88 %, and 93 % of its sure ones are right.
+# Least shares over all kinds, some points under those of 3000 places (docs/results.json, `places`).
 LEAST_RIGHT = 0.82
 LEAST_RIGHT_OF_SURE = 0.85
 SURE_FROM = 0.89  # the rows are a tenth wide

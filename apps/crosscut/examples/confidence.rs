@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! tests/foreign/run places target/places/dev --count 300 --seed 101
-//! cargo run --release -p crosscut --no-default-features --example confidence -- docs/confidence.md target/places/dev
+//! cargo run --release -p crosscut --no-default-features --example confidence -- target/docs/confidence.md target/places/dev
 //! ```
 
 use std::path::PathBuf;
@@ -31,9 +31,8 @@ const WEIGHT_OF_PLACES: f64 = 1.0 / 3.0;
 const PAGE: &str = "\
 # What the confidence of preset `default` means
 
-On the development scenes and places of another generator, on which it is fitted; on others:
-[evaluation-tables.md](evaluation-tables.md) and [places-tables.md](places-tables.md). How it is made and why:
-[openings.md](openings.md). `docs/make-tables` makes this page; the numbers of β stand in `crates/report/src/confidence.rs`.
+On the development scenes and places of another generator, on which it is fitted; on others: `docs/results.md`. How it is
+made and why: `docs/openings.md`. `docs/make confidence` makes this page; β stands in `crates/report/src/confidence.rs`.
 ";
 
 /// An answer that has grounds.

@@ -1,7 +1,7 @@
 //! One setting from 1.2 m to 8 m wide, from 180 to 4096 beams, from 5 to 100 m range, from 180° to 360° of view: how
 //! often preset `default` is right in each, and how much room its zero rule has.
 //!
-//! `cargo run --release -p crosscut --no-default-features --example robustness -- docs/robustness` writes a page and
+//! `cargo run --release -p crosscut --no-default-features --example robustness -- target/docs/robustness` writes a page and
 //! its figure.
 
 mod chart;
@@ -51,7 +51,7 @@ Preset `default`, nothing retuned. Each number is the share of right answers, in
 bumps of 5 cm, 15 m range unless it is said, whose seeds are not those of any suite; 95 % of the time it is within 4
 points of the true share where it is 97. What is wrong at 1.2 m are mostly far ends of branches, where the returns of one
 wall are metres apart, more than the branch is wide. `cargo run --release -p crosscut --no-default-features --example
-robustness -- docs/robustness` makes this page and its figure.
+robustness -- target/docs/robustness` makes this page and its figure.
 ";
 
 const RANGE_TEXT: &str = "\
