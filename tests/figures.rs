@@ -113,7 +113,8 @@ fn broken_links(path: &Path) -> Vec<String> {
         let file = if file.is_empty() { path.to_owned() } else { path.parent().expect("a folder").join(file) };
         let leads = file.exists()
             && (heading.is_empty()
-                || prose(&read(&file)).any(|line| line.starts_with('#') && anchor(line.trim_start_matches('#')) == heading));
+                || prose(&read(&file))
+                    .any(|line| line.starts_with('#') && anchor(line.trim_start_matches('#')) == heading));
         if !leads {
             broken.push(format!("{}: {target}", path.display()));
         }
@@ -170,7 +171,9 @@ fn rust_of_the_readme_is_of_an_example_that_compiles() {
 #[test]
 fn a_figure_that_differs_is_found() {
     let results = serde_json::json!({"simulated": {"default": 96.3, "revolutions": 8400}});
-    let page = |figure: &str| format!("\n<!-- figures: simulated.default simulated.revolutions -->\nOf 8,400, {figure}.\n\n96.3\n");
+    let page = |figure: &str| {
+        format!("\n<!-- figures: simulated.default simulated.revolutions -->\nOf 8,400, {figure}.\n\n96.3\n")
+    };
     assert!(contradictions(&page("96.3 %"), &results).is_empty());
     assert_eq!(contradictions(&page("96.4 %"), &results).len(), 1);
     assert_eq!(contradictions("\n<!-- figures: simulated.other -->\n96.3\n", &results).len(), 1);
