@@ -182,7 +182,9 @@ impl Recording {
         let first_ns = *self.first_log_time_ns.get_or_insert(log_time_ns);
         let since_first_s = (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
-            if let Some(part) = self.parts.pop_front_if(|part| part.is_by_log_time()) {
+            if self.parts.front().is_some_and(TopicReader::is_by_log_time)
+                && let Some(part) = self.parts.pop_front()
+            {
                 self.next_seq += part.left();
             }
             return false;
