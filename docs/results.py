@@ -57,8 +57,11 @@ def mixture(path: Path) -> dict:
 
 
 def corridors(path: Path) -> dict:
-    """Of the first line of each list that `--over-time` wrote."""
-    figures: dict = {"revolutions": {}, "differ": {}, "percent": {}}
+    """Of the first line of each list that `--over-time` wrote, and of the results beside what a person counted."""
+    labels = list(csv.DictReader((path / "labels.csv").open()))
+    counted = {page.stem: [json.loads(line)["junctions"] for line in page.open()] for page in path.glob("corridor_*.jsonl")}
+    right = [counted[Path(label["file"]).stem][int(label["scan"])] == int(label["walls"]) for label in labels]
+    figures: dict = {"labelled": len(right), "labelled_right": sum(right), "revolutions": {}, "differ": {}, "percent": {}}
     for page in sorted(path.glob("corridor_*.md")):
         name = page.stem.removeprefix("corridor_")
         differ, revolutions = map(int, re.search(r"^(\d+) of (\d+) revolutions", page.read_text(), re.MULTILINE).groups())
@@ -202,7 +205,10 @@ def page(results: dict) -> str:
     parts.append(headed(mixed, text, table(header, [[mixed[key] for key in keys]])))
     flights = results["corridors"]
     rows = [[name, flights["revolutions"][name], flights["differ"][name], flights["percent"][name]] for name in flights["revolutions"]]
-    text = "Revolutions whose count is not that of most around them."
+    text = (
+        f"Revolutions whose count is not that of most around them. Of {flights['labelled']} that a person labelled, "
+        f"{flights['labelled_right']} are counted as labelled."
+    )
     parts.append(headed(flights, text, table(["recording", "revolutions", "differ", "%"], rows)))
     rule = {key: value for key, value in results["tolerance"].items() if key not in ("title", "command", "commit")}
     parts.append(headed(results["tolerance"], "Right answers, % of the development scenes.", table(list(rule), [list(rule.values())])))
