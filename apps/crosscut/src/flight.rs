@@ -9,7 +9,13 @@ use crate::exit::UsageError;
 /// Opens its recordings, as the sensor's settings of `config` read them.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
     refuse_nothing(args.from, args.to)?;
-    let options = ReadOptions { topic: args.topic.clone(), from_s: args.from, to_s: args.to, every: args.every };
+    let options = ReadOptions {
+        topic: args.topic.clone(),
+        read_as: args.read_as,
+        from_s: args.from,
+        to_s: args.to,
+        every: args.every,
+    };
     Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
 }
 

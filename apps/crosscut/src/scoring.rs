@@ -28,15 +28,14 @@ pub(crate) struct Scored {
 }
 
 /// The scans of a recording that is to be evaluated.
-pub(crate) fn open(path: &Path, topic: Option<&str>, config: &Config) -> anyhow::Result<Recording> {
-    let options = ReadOptions { topic: topic.map(str::to_owned), ..ReadOptions::default() };
-    Ok(Recording::open(&[path.to_owned()], &options, Sensor::new(config.params("ingest")))?)
+pub(crate) fn open(path: &Path, options: &ReadOptions, config: &Config) -> anyhow::Result<Recording> {
+    Ok(Recording::open(&[path.to_owned()], options, Sensor::new(config.params("ingest")))?)
 }
 
 /// Streams the recording through the stages of `config`, and scores each result as it comes.
 pub(crate) fn score(
     path: &Path,
-    topic: Option<&str>,
+    options: &ReadOptions,
     config: &Config,
     registry: &Registry,
     stop: &StopFlag,
@@ -45,7 +44,7 @@ pub(crate) fn score(
     // Results come in the order of the source, so a queue is enough to bring each together with its truth.
     let queue = Mutex::new(VecDeque::new());
     let mut source =
-        WithTruth { recording: open(path, topic, config)?, truths: Truths::open(path)?, of_results: &queue };
+        WithTruth { recording: open(path, options, config)?, truths: Truths::open(path)?, of_results: &queue };
     let (mut evaluation, mut wrong, mut not_compared) =
         (Evaluation::default(), Wrong::default(), NotCompared::default());
     let mut results = |frame: &Frame| {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use crosscut_messages::LaserScan;
+use crosscut_messages::{ScanDecoder, ScanMessage, ScanType};
 use crosscut_stage::{Notes, Revolution, counted};
 
 use crate::container::{Container, TopicReader};
@@ -76,11 +76,12 @@ impl Description {
     }
 }
 
-/// Looks into one file; scans are described as `sensor` sees them.
+/// Looks into one file; scans are described as `sensor` sees them. Messages of topics without a schema are read as
+/// `read_as`, if that is given.
 ///
 /// # Errors
 /// When it cannot be opened or is no MCAP.
-pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError> {
+pub fn describe(path: &Path, sensor: &Sensor, read_as: Option<ScanType>) -> Result<Description, IngestError> {
     let mut container = Container::open(path)?;
     let (profile, library) = container.header().unwrap_or_default();
     let compressed = |chunk: &mcap::records::ChunkIndex| match chunk.compression.as_str() {
@@ -103,10 +104,11 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
         let spans = info.messages.map(|messages| messages.saturating_sub(1) as f64);
         let rate_hz = spans.zip(duration_s).map(|(spans, duration_s)| spans / duration_s);
         let mut first_scan = None;
-        if info.has_scans() {
+        let read_as = read_as.filter(|_| info.type_name.is_empty());
+        if let Some(decoder) = info.decoder(read_as) {
             let channels = info.channels_in(&container);
             let mut reader = TopicReader::new(container, channels);
-            first_scan = describe_first(&mut reader, &info, sensor, &mut description.losses);
+            first_scan = describe_first(&mut reader, &info, decoder, sensor, &mut description.losses);
             container = reader.into_container();
         }
         description.topics.push(TopicDescription { info, rate_hz, first_scan });
@@ -117,10 +119,12 @@ pub fn describe(path: &Path, sensor: &Sensor) -> Result<Description, IngestError
 fn describe_first(
     reader: &mut TopicReader,
     topic: &TopicInfo,
+    mut decoder: ScanDecoder,
     sensor: &Sensor,
     losses: &mut Vec<Loss>,
 ) -> Option<ScanDescription> {
-    let mut scan = LaserScan::default();
+    decoder.echo = sensor.echo();
+    let mut scan = ScanMessage::default();
     let mut seq = 0;
     loop {
         let message = reader.next();
@@ -130,12 +134,12 @@ fn describe_first(
             }
         }
         let message = message?;
-        if let Err(cause) = topic.decode_into(&message.data, &mut scan) {
+        if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
             losses.push(Loss { file: reader.container().path.clone(), kind });
             return None;
         }
-        if sensor.frame_id().is_none_or(|wanted| wanted == scan.header.frame_id) {
+        if sensor.frame_id().is_none_or(|wanted| wanted == scan.header().frame_id) {
             break;
         }
         reader.recycle(message);
@@ -143,20 +147,28 @@ fn describe_first(
     }
     let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
     // Ordinary with many drivers, so no note of each revolution; but others mean that nothing is known.
-    let not_numbers = scan.ranges.iter().filter(|range| range.is_nan()).count();
+    let (range_m, ranges) = match &scan {
+        ScanMessage::Scan(scan) => ([scan.range_min, scan.range_max], &scan.ranges[..]),
+        ScanMessage::Cloud(_) => ([0.0, f32::INFINITY], &[][..]),
+    };
+    let not_numbers = ranges.iter().filter(|range| range.is_nan()).count();
     if not_numbers > 0 {
         notes.add(format!("{} of range NaN read as no return", counted(not_numbers as u64, "beam")));
     }
-    sensor.revolution(&scan, &mut revolution, &mut notes);
-    let sweep = revolution.sweep.as_ref()?;
+    sensor.message(&scan, &mut revolution, &mut notes);
+    let sweep = revolution.sweep.get_or_insert_default();
     Some(ScanDescription {
         frame_id: revolution.frame_id.clone(),
         beams: sweep.len(),
-        returns: revolution.len(),
+        returns: revolution.points_m.len(),
         step_rad: sweep.step_rad,
-        field_of_view_rad: if sweep.step_rad < TAU { sweep.step_rad * (sweep.len() - 1) as f64 } else { 0.0 },
+        field_of_view_rad: if sweep.step_rad < TAU {
+            sweep.step_rad * sweep.len().saturating_sub(1) as f64
+        } else {
+            0.0
+        },
         full_turn: sweep.view().full_turn,
-        range_m: [scan.range_min, scan.range_max],
+        range_m,
         notes: notes.iter().map(str::to_owned).collect(),
     })
 }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crosscut_messages::{CDR_ENCODING, ROS1_ENCODING};
 use crosscut_stage::counted;
 
 use crate::{Found, Loss, LossKind, TopicInfo, TopicList};
@@ -60,7 +59,7 @@ pub enum IngestError {
         losses: Vec<Loss>,
     },
     /// Topics, but none with scans that can be read.
-    #[error("no topic carries laser scans of ROS 2 (sensor_msgs/msg/LaserScan in CDR) or ROS 1; the recording has\n{topics}{}", hint(&topics.0))]
+    #[error("no topic carries scans that can be read (LaserScan, MultiEchoLaserScan or PointCloud2 of ROS, LaserScan or PointCloud of Foxglove); the recording has\n{topics}{}", hint(&topics.0))]
     NoScanTopic {
         /// All topics.
         topics: TopicList,
@@ -80,7 +79,7 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// The topic that was asked for has no scans.
-    #[error("{wanted} does not carry laser scans of ROS 2 (sensor_msgs/msg/LaserScan in CDR) or ROS 1; the recording has\n{topics}{}", hint(&topics.0[..1]))]
+    #[error("{wanted} does not carry scans that can be read (LaserScan, MultiEchoLaserScan or PointCloud2 of ROS, LaserScan or PointCloud of Foxglove); the recording has\n{topics}{}", hint(&topics.0[..1]))]
     NotAScanTopic {
         /// The topic.
         wanted: String,
@@ -132,16 +131,13 @@ fn because(losses: &[Loss]) -> String {
 }
 
 fn hint(topics: &[TopicInfo]) -> &'static str {
-    let any = |holds: &dyn Fn(&TopicInfo) -> bool| topics.iter().any(holds);
-    let is_scan = |topic: &TopicInfo| topic.type_name.ends_with("LaserScan");
-    if any(&|topic| topic.type_name.ends_with("MultiEchoLaserScan")) {
-        "\nechoes become scans with the ROS package laser_proc"
-    } else if any(&|topic| is_scan(topic) && ![CDR_ENCODING, ROS1_ENCODING].contains(&&*topic.encoding)) {
-        "\nscans in another encoding than cdr (ROS 2) and ros1 cannot be read; record them as ROS 2 messages"
-    } else if any(&is_scan) {
-        "\nscans are known by the name of their schema: sensor_msgs/msg/LaserScan in cdr, sensor_msgs/LaserScan in ros1"
-    } else if any(&|topic| topic.type_name.ends_with("PointCloud2")) {
-        "\na point cloud becomes scans with the ROS 2 package pointcloud_to_laserscan"
+    let ends = |topic: &TopicInfo, names: &[&str]| names.iter().any(|name| topic.type_name.ends_with(name));
+    if topics.iter().any(|topic| ends(topic, &["LaserScan", "LaserScan_", "PointCloud2", "PointCloud2_", "PointCloud"]))
+    {
+        "\nscans are read in cdr (ROS 2), ros1, and those of Foxglove in json and protobuf; if a type only has another name, \
+         --topic TOPIC --as LaserScan reads it (or --as PointCloud2)"
+    } else if topics.iter().any(|topic| topic.type_name.is_empty()) {
+        "\na topic without a schema may carry scans: --topic TOPIC --as LaserScan reads it (or --as PointCloud2)"
     } else {
         ""
     }

@@ -1,6 +1,6 @@
 //! Recordings to revolutions.
 //!
-//! In: MCAP files with `sensor_msgs/msg/LaserScan` of ROS 2 in CDR, or `sensor_msgs/LaserScan` of ROS 1, whole or
+//! In: MCAP files with scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows, whole or
 //! damaged. Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
 //! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
 //! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
@@ -25,6 +25,8 @@
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
 //! | anything else | a return | if most are farther than 500 m, as in millimetres |
 //!
+//! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns; a cloud has no beams.
+//!
 //! *No return* means that nothing is there within range; *unknown* that nothing is known.
 //!
 //! | the scan says | what is done, with a note unless said |
@@ -45,7 +47,7 @@
 //! | stamp 0 or before 1970 | log time |
 //! | stamp that of the scan before, or earlier | kept |
 //! | another `frame_id` than the scan before | kept; with `frame_id` in the configuration only that one is taken, and others are not selected: they have no result, and [`Recording::of_other_frames`] counts them |
-//! | bytes that are no LaserScan | an empty revolution, and a loss |
+//! | bytes that are no message of the type | an empty revolution, and a loss |
 //!
 //! # One recording
 //! With an index (chunks, with a summary at the end) scans come by log time, ties in file order; without one in file

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{DecodeError, LaserScan};
+use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage, ScanType};
 use crosscut_stage::{Notes, Revolution, Source, SourceError};
 
 use crate::container::{Container, Message, TopicReader};
@@ -23,6 +23,8 @@ const GAP_TIMES: u64 = 5;
 pub struct ReadOptions {
     /// The scan topic; `None` takes the only one there is.
     pub topic: Option<String>,
+    /// What its messages are, whatever the recording calls them; `None` believes the recording.
+    pub read_as: Option<ScanType>,
     /// From this many seconds after the first scan's log time.
     pub from_s: Option<f64>,
     /// Up to and with this many seconds after the first scan's log time.
@@ -33,7 +35,7 @@ pub struct ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { topic: None, from_s: None, to_s: None, every: NonZero::<u64>::MIN }
+        Self { topic: None, read_as: None, from_s: None, to_s: None, every: NonZero::<u64>::MIN }
     }
 }
 
@@ -43,7 +45,8 @@ pub struct Recording {
     options: ReadOptions,
     sensor: Sensor,
     topic: TopicInfo,
-    scan: LaserScan,
+    decoder: ScanDecoder,
+    scan: ScanMessage,
     next_seq: u64,
     first_log_time_ns: Option<u64>,
     /// When the last message was recorded that was looked at, seconds after the first.
@@ -85,7 +88,8 @@ impl Recording {
         if topics.is_empty() {
             return Err(IngestError::NothingReadable { losses: damage() });
         }
-        let topic = scan_topic(topics, options.topic.as_deref())?;
+        let (topic, mut decoder) = scan_topic(topics, options.topic.as_deref(), options.read_as)?;
+        decoder.echo = sensor.echo();
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
@@ -104,7 +108,8 @@ impl Recording {
             options: options.clone(),
             sensor,
             topic,
-            scan: LaserScan::default(),
+            decoder,
+            scan: ScanMessage::default(),
             next_seq: 0,
             first_log_time_ns: None,
             since_first_s: 0.0,
@@ -205,7 +210,8 @@ impl Recording {
         {
             return Some(SourceError(format!(
                 "ingest.frame_id is {wanted:?}, but none of the {} scans of {topic} is of that frame; the last one is of {:?}",
-                self.of_other_frames, self.scan.header.frame_id
+                self.of_other_frames,
+                self.scan.header().frame_id
             )));
         }
         if self.any_selected || self.first_log_time_ns.is_none() {
@@ -223,8 +229,8 @@ impl Recording {
 
     /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
     fn read(&mut self, seq: u64, message: &Message, out: &mut Revolution, notes: &mut Notes) -> bool {
-        let decoded = self.topic.decode_into(&message.data, &mut self.scan);
-        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header.frame_id) {
+        let decoded = self.decoder.decode_into(&message.data, &mut self.scan);
+        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header().frame_id) {
             self.of_other_frames += 1;
             return false;
         }
@@ -238,7 +244,7 @@ impl Recording {
         self.last_log_time_ns = message.log_time_ns;
         match decoded {
             Ok(()) => {
-                self.sensor.revolution(&self.scan, out, notes);
+                self.sensor.message(&self.scan, out, notes);
                 if out.stamp_ns == 0 {
                     out.stamp_ns = message.log_time_ns;
                     notes.add("no stamp: the time of recording is used");

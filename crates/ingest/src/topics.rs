@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crosscut_messages::{CDR_ENCODING, DecodeError, LaserScan, Message as _, ROS1_ENCODING};
+use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_stage::counted;
 
 use crate::IngestError;
@@ -42,13 +42,15 @@ impl fmt::Display for TopicList {
 impl TopicInfo {
     /// Whether it carries scans that can be read.
     pub fn has_scans(&self) -> bool {
-        let readable = [(LaserScan::SCHEMA_NAME, CDR_ENCODING), (LaserScan::ROS1_SCHEMA_NAME, ROS1_ENCODING)];
-        readable.contains(&(&self.type_name, &self.encoding))
+        self.decoder(None).is_some()
     }
 
-    /// Reads a message of this topic, which [has scans](Self::has_scans).
-    pub(crate) fn decode_into(&self, message: &[u8], scan: &mut LaserScan) -> Result<(), DecodeError> {
-        if self.encoding == ROS1_ENCODING { scan.decode_ros1_into(message) } else { scan.decode_into(message) }
+    /// What reads its messages, if they are scans; `read_as` is believed over the name of their type.
+    pub(crate) fn decoder(&self, read_as: Option<ScanType>) -> Option<ScanDecoder> {
+        match read_as {
+            Some(scan_type) => ScanDecoder::for_type(scan_type, &self.encoding),
+            None => ScanDecoder::for_schema(&self.type_name, "", &self.encoding),
+        }
     }
 
     /// The channels of this topic in `container`; another type under the same name is another topic.
@@ -73,20 +75,33 @@ pub(crate) fn topics_of(containers: &[Container]) -> Vec<TopicInfo> {
     topics.into_iter().map(info).collect()
 }
 
-/// The topic that carries the scans: the one that is asked for, else the only one there is.
-pub(crate) fn scan_topic(topics: Vec<TopicInfo>, wanted: Option<&str>) -> Result<TopicInfo, IngestError> {
+/// The topic that carries the scans, and what reads them: the topic that is asked for, else the only one there is.
+pub(crate) fn scan_topic(
+    topics: Vec<TopicInfo>,
+    wanted: Option<&str>,
+    read_as: Option<ScanType>,
+) -> Result<(TopicInfo, ScanDecoder), IngestError> {
     match wanted {
-        Some(wanted) => wanted_topic(topics, wanted),
-        None => only_topic(topics),
+        Some(wanted) => wanted_topic(topics, wanted, read_as),
+        None => only_topic(topics, read_as),
     }
 }
 
-fn wanted_topic(mut topics: Vec<TopicInfo>, wanted: &str) -> Result<TopicInfo, IngestError> {
-    if let Some(topic) = topics.iter().find(|topic| topic.name == wanted && topic.has_scans()) {
-        return Ok(topic.clone());
-    }
+fn wanted_topic(
+    mut topics: Vec<TopicInfo>,
+    wanted: &str,
+    read_as: Option<ScanType>,
+) -> Result<(TopicInfo, ScanDecoder), IngestError> {
+    // ROS 1 has topics without the slash in front, and people leave it out.
+    let plain = |name: &str| name.trim_start_matches('/').to_owned();
     let is_there = topics.iter().any(|topic| topic.name == wanted);
-    let distance = |topic: &TopicInfo| (topic.name != wanted, strsim::damerau_levenshtein(&topic.name, wanted));
+    let is_wanted = |topic: &&TopicInfo| topic.name == wanted || (!is_there && plain(&topic.name) == plain(wanted));
+    let found = topics.iter().filter(is_wanted).find_map(|topic| Some((topic.clone(), topic.decoder(read_as)?)));
+    if let Some(found) = found {
+        return Ok(found);
+    }
+    let is_there = topics.iter().any(|topic| is_wanted(&topic));
+    let distance = |topic: &TopicInfo| (!is_wanted(&topic), strsim::damerau_levenshtein(&topic.name, wanted));
     topics.sort_by_cached_key(distance);
     let (wanted, topics) = (wanted.to_owned(), TopicList(topics));
     Err(if is_there {
@@ -96,14 +111,28 @@ fn wanted_topic(mut topics: Vec<TopicInfo>, wanted: &str) -> Result<TopicInfo, I
     })
 }
 
-fn only_topic(topics: Vec<TopicInfo>) -> Result<TopicInfo, IngestError> {
-    let (scans, others): (Vec<_>, Vec<_>) = topics.into_iter().partition(TopicInfo::has_scans);
+fn only_topic(topics: Vec<TopicInfo>, read_as: Option<ScanType>) -> Result<(TopicInfo, ScanDecoder), IngestError> {
+    let scan_type = |topic: &TopicInfo| topic.decoder(None).map(ScanDecoder::scan_type);
+    let is_flat = |topic: &TopicInfo| topic.decoder(None).is_some_and(|decoder| !decoder.gives_clouds());
+    // The first of these that a topic meets. Beside a 2D lidar, a cloud may be that of a camera.
+    let preferred: &[&dyn Fn(&TopicInfo) -> bool] = match read_as {
+        None => &[&is_flat, &TopicInfo::has_scans],
+        Some(_) => &[&|topic| scan_type(topic) == read_as, &|topic| topic.type_name.is_empty(), &|_| true],
+    };
+    let meeting = |is_met: &dyn Fn(&TopicInfo) -> bool| -> Vec<TopicInfo> {
+        let is_candidate = |topic: &&TopicInfo| topic.decoder(read_as).is_some() && is_met(topic);
+        topics.iter().filter(is_candidate).cloned().collect()
+    };
     // A sensor that was announced but never sent anything is no candidate beside one that did.
-    let with_messages: Vec<_> = scans.iter().filter(|topic| topic.messages != Some(0)).cloned().collect();
-    let mut candidates = if with_messages.is_empty() { scans } else { with_messages };
-    match candidates.len() {
-        0 => Err(IngestError::NoScanTopic { topics: TopicList(others) }),
-        1 => Ok(candidates.remove(0)),
+    let with_messages = preferred.iter().map(|is_met| meeting(&|topic| is_met(topic) && topic.messages != Some(0)));
+    let all = preferred.iter().map(|is_met| meeting(is_met));
+    let candidates = with_messages.chain(all).find(|candidates| !candidates.is_empty()).unwrap_or_default();
+    match &candidates[..] {
+        [] => Err(IngestError::NoScanTopic { topics: TopicList(topics) }),
+        [only] => {
+            let decoder = only.decoder(read_as).expect("it was looked for by this");
+            Ok((only.clone(), decoder))
+        }
         _ => Err(IngestError::SeveralScanTopics { topics: TopicList(candidates) }),
     }
 }

@@ -1,12 +1,11 @@
 //! A sweep of a 2D lidar.
 
-use byteorder::ByteOrder;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::{DecodeError, Header, Message, Reader, schema};
+use crate::{DecodeError, Fields, Header, Message, schema};
 
 /// `sensor_msgs/msg/LaserScan`. Beam `i` looks at `angle_min + i * angle_increment`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LaserScan {
     /// Stamp of the first ray, and the sensor's frame.
     pub header: Header,
@@ -30,20 +29,31 @@ pub struct LaserScan {
     pub intensities: Vec<f32>,
 }
 
+impl LaserScan {
+    /// Its type, as ROS 1 names it.
+    pub const ROS1_SCHEMA_NAME: &'static str = "sensor_msgs/LaserScan";
+
+    /// Reads all but the ranges and the intensities.
+    pub(crate) fn read_geometry(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
+        self.header.read(from)?;
+        self.angle_min = from.f32("angle_min")?;
+        self.angle_max = from.f32("angle_max")?;
+        self.angle_increment = from.f32("angle_increment")?;
+        self.time_increment = from.f32("time_increment")?;
+        self.scan_time = from.f32("scan_time")?;
+        self.range_min = from.f32("range_min")?;
+        self.range_max = from.f32("range_max")?;
+        Ok(())
+    }
+}
+
 impl Message for LaserScan {
     const SCHEMA_NAME: &'static str = "sensor_msgs/msg/LaserScan";
     const SCHEMA_TEXT: &'static str = schema::LASER_SCAN;
 
-    fn read<B: ByteOrder>(&mut self, from: &mut Reader<'_, B>) -> Result<(), DecodeError> {
-        self.header = from.value("header")?;
-        self.angle_min = from.value("angle_min")?;
-        self.angle_max = from.value("angle_max")?;
-        self.angle_increment = from.value("angle_increment")?;
-        self.time_increment = from.value("time_increment")?;
-        self.scan_time = from.value("scan_time")?;
-        self.range_min = from.value("range_min")?;
-        self.range_max = from.value("range_max")?;
-        from.sequence("ranges", size_of::<f32>(), &mut self.ranges)?;
-        from.sequence("intensities", size_of::<f32>(), &mut self.intensities)
+    fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
+        self.read_geometry(from)?;
+        from.f32s("ranges", &mut self.ranges)?;
+        from.f32s("intensities", &mut self.intensities)
     }
 }

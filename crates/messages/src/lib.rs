@@ -1,14 +1,22 @@
-//! ROS messages and truth as Rust values, to and from CDR and JSON.
+//! ROS and Foxglove messages, and truth, as Rust values.
 //!
-//! In: the bytes of one message, as a recording holds them. Out: a value ([`LaserScan`], [`Odometry`], [`TfMessage`],
-//! [`Truth`]), or a [`DecodeError`] / [`TruthError`] that says which field is wrong and why. And back again. No I/O.
+//! In: the bytes of one message, as a recording holds them. Out: a value ([`ScanMessage`], [`Odometry`], [`TfMessage`],
+//! [`Truth`]), or a [`DecodeError`] / [`TruthError`] that names the wrong field and the reason. No I/O.
 //!
-//! Fields carry the names of their ROS definition, so that anybody who knows the message knows the type; units are in
-//! their documentation. CDR is read and written as ROS 2 does: a 4-byte encapsulation header, then every value aligned
-//! to its own size, counted from the end of that header. Little and big endian are read; PL_CDR and XCDR2 are refused
-//! by name. A length field is believed only as far as there are bytes for it: nothing is allocated on its word alone.
-//! Bytes after the last field (writers pad to 4) are ignored. Scans are read in the encoding of ROS 1 as well
-//! ([`LaserScan::decode_ros1_into`]), as recordings have them that were converted from ROS 1 bags; they are not written.
+//! | type | CDR | ROS 1 | JSON | protobuf |
+//! |---|---|---|---|---|
+//! | `sensor_msgs/LaserScan`, `MultiEchoLaserScan`, `PointCloud2` | read, written | read | | |
+//! | `nav_msgs/Odometry`, `tf2_msgs/TFMessage` | read, written | read | | |
+//! | `foxglove.LaserScan`, `foxglove.PointCloud` | | | read | read |
+//! | [`Truth`] | | | read, written | |
+//!
+//! [`ScanDecoder`] finds the decoder for the messages of a scan topic by the names of their type and encoding. Fields
+//! carry the names of their definition; units are in their documentation.
+//!
+//! CDR begins with an encapsulation header of 4 bytes; then every value is aligned to its own size, counted from the end
+//! of that header (to 4 bytes at most in XCDR2). Both byte orders are read. XCDR2 that is not plain, and PL_CDR, are
+//! refused by name. A length field is believed only as far as there are bytes for it: no memory is allocated for more.
+//! Bytes after the last field are ignored (writers pad to 4). Texts that are not UTF-8 have replacement characters.
 //!
 //! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for
 //! any ROS 2 tool to read what was written. Times are [`Time`]s as on the wire and nanoseconds elsewhere.
@@ -26,21 +34,33 @@
 //! # Ok::<(), crosscut_messages::DecodeError>(())
 //! ```
 //!
-//! To add a message: declare its fields in ROS order with serde's derives, add its definition to [`schema`], implement
-//! [`Message::read`], and add it to the round trips in `tests/`.
+//! To add a message: declare its fields in ROS order, derive `Serialize`, add its definition to [`schema`], implement
+//! [`Message::read`], and add it to the round trips in `tests/`. If it shows a scan, add it to [`ScanType`] too.
 
-mod cdr;
+mod cloud;
+mod error;
+mod fields;
+mod foxglove;
 mod laser_scan;
+mod message;
+mod multi_echo;
 mod odometry;
-mod ros1;
+mod point_cloud2;
+mod scan_decoder;
 pub mod schema;
 mod standard;
 mod tf;
 mod truth;
 
-pub use cdr::{DecodeError, Endian, Message, Reader};
+pub use cloud::{Cloud, NumberType};
+pub use error::DecodeError;
+pub use fields::Fields;
 pub use laser_scan::LaserScan;
+pub use message::{Endian, Message};
+pub use multi_echo::{Echo, LaserEcho, MultiEchoLaserScan};
 pub use odometry::{Odometry, Pose, PoseWithCovariance, Twist, TwistWithCovariance};
+pub use point_cloud2::{PointCloud2, PointField};
+pub use scan_decoder::{ScanDecoder, ScanMessage, ScanType, plain_type_name};
 pub use schema::SCHEMA_ENCODING;
 pub use standard::{Header, Quaternion, Time, Vector3};
 pub use tf::{TfMessage, Transform, TransformStamped};
@@ -50,7 +70,9 @@ pub use truth::{TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, Truth, TruthError, TruthOp
 pub const CDR_ENCODING: &str = "cdr";
 /// Message encoding of ROS 1 messages in an MCAP channel.
 pub const ROS1_ENCODING: &str = "ros1";
-/// Message encoding of truth in an MCAP channel.
+/// Message encoding of protobuf messages in an MCAP channel.
+pub const PROTOBUF_ENCODING: &str = "protobuf";
+/// Message encoding of truth, and of Foxglove's messages in JSON, in an MCAP channel.
 pub const JSON_ENCODING: &str = "json";
 /// Schema encoding of truth in an MCAP channel.
 pub const JSON_SCHEMA_ENCODING: &str = "jsonschema";

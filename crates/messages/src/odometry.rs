@@ -1,12 +1,11 @@
 //! Where the vehicle believes to be, and how it moves.
 
-use byteorder::ByteOrder;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::{DecodeError, Header, Message, Quaternion, Reader, Vector3, schema};
+use crate::{DecodeError, Fields, Header, Message, Quaternion, Vector3, schema};
 
 /// `nav_msgs/msg/Odometry`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Odometry {
     /// Stamp, and the frame that the pose is in.
     pub header: Header,
@@ -19,7 +18,7 @@ pub struct Odometry {
 }
 
 /// `geometry_msgs/msg/PoseWithCovariance`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PoseWithCovariance {
     /// The pose.
     pub pose: Pose,
@@ -28,7 +27,7 @@ pub struct PoseWithCovariance {
 }
 
 /// `geometry_msgs/msg/Pose`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Pose {
     /// Metres.
     pub position: Vector3,
@@ -37,7 +36,7 @@ pub struct Pose {
 }
 
 /// `geometry_msgs/msg/TwistWithCovariance`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TwistWithCovariance {
     /// The twist.
     pub twist: Twist,
@@ -46,7 +45,7 @@ pub struct TwistWithCovariance {
 }
 
 /// `geometry_msgs/msg/Twist`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Twist {
     /// Metres per second.
     pub linear: Vector3,
@@ -58,11 +57,25 @@ impl Message for Odometry {
     const SCHEMA_NAME: &'static str = "nav_msgs/msg/Odometry";
     const SCHEMA_TEXT: &'static str = schema::ODOMETRY;
 
-    fn read<B: ByteOrder>(&mut self, from: &mut Reader<'_, B>) -> Result<(), DecodeError> {
-        self.header = from.value("header")?;
-        self.child_frame_id = from.value("child_frame_id")?;
-        self.pose = from.value("pose")?;
-        self.twist = from.value("twist")?;
-        Ok(())
+    fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
+        self.header.read(from)?;
+        from.text("child_frame_id", &mut self.child_frame_id)?;
+        self.pose.pose.position.read(from, "pose.position")?;
+        self.pose.pose.orientation.read(from, "pose.orientation")?;
+        read_covariance(&mut self.pose.covariance, from, "pose.covariance")?;
+        self.twist.twist.linear.read(from, "twist.linear")?;
+        self.twist.twist.angular.read(from, "twist.angular")?;
+        read_covariance(&mut self.twist.covariance, from, "twist.covariance")
     }
+}
+
+fn read_covariance(
+    covariance: &mut [[f64; 6]; 6],
+    from: &mut Fields<'_>,
+    field: &'static str,
+) -> Result<(), DecodeError> {
+    covariance.as_flattened_mut().iter_mut().try_for_each(|entry| {
+        *entry = from.f64(field)?;
+        Ok(())
+    })
 }

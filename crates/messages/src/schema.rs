@@ -51,6 +51,37 @@ pub const LASER_SCAN: &str = concat!(
     header!()
 );
 
+/// `sensor_msgs/msg/MultiEchoLaserScan`.
+pub const MULTI_ECHO_LASER_SCAN: &str = concat!(
+    "std_msgs/Header header\n",
+    "float32 angle_min\n",
+    "float32 angle_max\n",
+    "float32 angle_increment\n",
+    "float32 time_increment\n",
+    "float32 scan_time\n",
+    "float32 range_min\n",
+    "float32 range_max\n",
+    "sensor_msgs/LaserEcho[] ranges\n",
+    "sensor_msgs/LaserEcho[] intensities\n",
+    header!(),
+    part!("sensor_msgs/LaserEcho", "float32[] echoes\n")
+);
+
+/// `sensor_msgs/msg/PointCloud2`.
+pub const POINT_CLOUD2: &str = concat!(
+    "std_msgs/Header header\n",
+    "uint32 height\n",
+    "uint32 width\n",
+    "sensor_msgs/PointField[] fields\n",
+    "bool is_bigendian\n",
+    "uint32 point_step\n",
+    "uint32 row_step\n",
+    "uint8[] data\n",
+    "bool is_dense\n",
+    header!(),
+    part!("sensor_msgs/PointField", "string name\nuint32 offset\nuint8 datatype\nuint32 count\n")
+);
+
 /// `nav_msgs/msg/Odometry`.
 pub const ODOMETRY: &str = concat!(
     "std_msgs/Header header\n",

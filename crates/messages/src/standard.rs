@@ -1,11 +1,13 @@
 //! The small types that messages are made of.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+
+use crate::{DecodeError, Fields};
 
 const NS_PER_S: u64 = 1_000_000_000;
 
 /// `builtin_interfaces/msg/Time`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Time {
     /// Seconds since the epoch.
     pub sec: i32,
@@ -19,6 +21,16 @@ impl Time {
         Self { sec: i32::try_from(ns / NS_PER_S).unwrap_or(i32::MAX), nanosec: (ns % NS_PER_S) as u32 }
     }
 
+    pub(crate) fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
+        self.sec = if from.is_ros1() {
+            i32::try_from(from.u32("stamp.sec")?).unwrap_or(i32::MAX)
+        } else {
+            from.i32("stamp.sec")?
+        };
+        self.nanosec = from.u32("stamp.nanosec")?;
+        Ok(())
+    }
+
     /// Nanoseconds since the epoch; `None` for a time before it.
     pub fn to_ns(self) -> Option<u64> {
         Some(u64::try_from(self.sec).ok()? * NS_PER_S + u64::from(self.nanosec))
@@ -26,7 +38,7 @@ impl Time {
 }
 
 /// `std_msgs/msg/Header`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Header {
     /// When it was measured.
     pub stamp: Time,
@@ -34,8 +46,18 @@ pub struct Header {
     pub frame_id: String,
 }
 
+impl Header {
+    pub(crate) fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
+        if from.is_ros1() {
+            from.u32("header.seq")?;
+        }
+        self.stamp.read(from)?;
+        from.text("header.frame_id", &mut self.frame_id)
+    }
+}
+
 /// `geometry_msgs/msg/Vector3`, also `Point`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs)] // the names say it all
 pub struct Vector3 {
     pub x: f64,
@@ -43,8 +65,15 @@ pub struct Vector3 {
     pub z: f64,
 }
 
+impl Vector3 {
+    pub(crate) fn read(&mut self, from: &mut Fields<'_>, field: &'static str) -> Result<(), DecodeError> {
+        [self.x, self.y, self.z] = [from.f64(field)?, from.f64(field)?, from.f64(field)?];
+        Ok(())
+    }
+}
+
 /// `geometry_msgs/msg/Quaternion`; the default is no rotation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the names say it all
 pub struct Quaternion {
     pub x: f64,
@@ -64,6 +93,29 @@ impl Quaternion {
     pub fn from_yaw_rad(yaw_rad: f64) -> Self {
         let (z, w) = (yaw_rad / 2.0).sin_cos();
         Self { x: 0.0, y: 0.0, z, w }
+    }
+
+    /// The turn about z: the direction of the turned x axis in the x-y plane.
+    pub fn yaw_rad(&self) -> f64 {
+        let Self { x, y, z, w } = *self;
+        (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z)
+    }
+
+    /// `vector` turned by this quaternion, of whatever length it is but 0.
+    pub fn turn(&self, vector: Vector3) -> Vector3 {
+        let Self { x, y, z, w } = *self;
+        let s = 2.0 / (x * x + y * y + z * z + w * w);
+        let Vector3 { x: a, y: b, z: c } = vector;
+        Vector3 {
+            x: a * (1.0 - s * (y * y + z * z)) + b * s * (x * y - w * z) + c * s * (x * z + w * y),
+            y: a * s * (x * y + w * z) + b * (1.0 - s * (x * x + z * z)) + c * s * (y * z - w * x),
+            z: a * s * (x * z - w * y) + b * s * (y * z + w * x) + c * (1.0 - s * (x * x + y * y)),
+        }
+    }
+
+    pub(crate) fn read(&mut self, from: &mut Fields<'_>, field: &'static str) -> Result<(), DecodeError> {
+        [self.x, self.y, self.z, self.w] = [from.f64(field)?, from.f64(field)?, from.f64(field)?, from.f64(field)?];
+        Ok(())
     }
 }
 
@@ -85,9 +137,23 @@ mod tests {
     }
 
     #[test]
+    fn a_quarter_turn_about_each_axis_moves_the_next_axis_to_the_one_after() {
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for (axis, from, to) in [(x, y, z), (y, z, x), (z, x, y)] {
+            let turned = Quaternion { x: axis[0], y: axis[1], z: axis[2], w: 1.0 }.turn(Vector3 {
+                x: from[0],
+                y: from[1],
+                z: from[2],
+            });
+            assert_eq!([turned.x, turned.y, turned.z], to);
+        }
+    }
+
+    #[test]
     fn a_yaw_of_a_quarter_turn_is_the_quaternion_of_the_textbook() {
         let q = Quaternion::from_yaw_rad(std::f64::consts::FRAC_PI_2);
         let half = std::f64::consts::FRAC_1_SQRT_2;
         assert!((q.z - half).abs() < 1e-15 && (q.w - half).abs() < 1e-15 && (q.x, q.y) == (0.0, 0.0));
+        assert!((q.yaw_rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     }
 }

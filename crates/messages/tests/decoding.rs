@@ -144,8 +144,8 @@ fn a_length_beyond_the_message_is_refused_with_both_numbers_and_nothing_is_alloc
 #[test]
 fn encodings_other_than_plain_cdr_are_refused_by_name() {
     let refused = |id: u8| LaserScan::decode(&[0, id, 0, 0, 0, 0, 0, 0]).expect_err("must be refused").to_string();
-    assert_eq!(refused(3), "the message is PL_CDR (header 0x0003); only plain CDR (0x0000 or 0x0001) can be read");
-    for (ids, name) in [([0x07, 0x11], "XCDR2 (plain)"), ([0x09, 0x15], "delimited"), ([0x0b, 0x13], "PL_CDR2")] {
+    assert_eq!(refused(3), "the message is PL_CDR (header 0x0003); only plain CDR and plain XCDR2 can be read");
+    for (ids, name) in [([0x09, 0x15], "delimited"), ([0x0b, 0x13], "PL_CDR2")] {
         for id in ids {
             assert!(refused(id).contains(name), "{}", refused(id));
         }
@@ -154,13 +154,32 @@ fn encodings_other_than_plain_cdr_are_refused_by_name() {
 }
 
 #[test]
-fn text_that_is_not_utf8_is_refused_with_the_field() {
-    for ((bytes, decode_into), text) in HAND_MADE.into_iter().zip(["header", "header.frame_id"]) {
+fn text_that_is_not_utf8_costs_a_replacement_character() {
+    for (bytes, decode_into) in HAND_MADE {
         let mut bytes = bytes.to_vec();
-        bytes[16] = 0xff;
-        let error = decode_into(&mut LaserScan::default(), &bytes).expect_err("must be refused");
-        assert!(matches!(error, DecodeError::Value { field, .. } if field == text), "{error}");
+        bytes[17] = 0xff;
+        let mut scan = LaserScan::default();
+        assert_eq!(decode_into(&mut scan, &bytes), Ok(()));
+        assert!(scan.header.frame_id.contains('\u{fffd}'), "{}", scan.header.frame_id);
+        assert_eq!(scan.ranges, hand_made_scan().ranges);
     }
+}
+
+#[test]
+fn xcdr2_aligns_f64_to_4_bytes_and_prefixes_sequences_of_structures() {
+    let transforms = transforms(&["a".to_owned()], 1.0);
+    for (id, endian) in [(0x07, Endian::Little), (0x11, Endian::Little), (0x06, Endian::Big), (0x10, Endian::Big)] {
+        let mut bytes = transforms.encode(endian);
+        // The f64 of the transform begin at 32 after the header already: 4 bytes before the sequence move them to 36.
+        bytes[1] = id;
+        let size = (bytes.len() as u32 - 4).to_be_bytes();
+        bytes.splice(4..4, size);
+        assert_eq!(TfMessage::decode(&bytes), Ok(transforms.clone()), "{id:#x}");
+        assert!(TfMessage::decode(&bytes[..bytes.len() - 1]).is_err());
+    }
+    let mut scan = BIG_ENDIAN_SCAN.to_vec();
+    scan[1] = 0x10;
+    assert_eq!(LaserScan::decode(&scan), Ok(hand_made_scan()));
 }
 
 #[test]

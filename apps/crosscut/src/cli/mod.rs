@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use crosscut_messages::ScanType;
 
 use record::{LayoutArg, RecordArgs};
 
@@ -81,6 +82,10 @@ pub(crate) struct FlightArgs {
     /// Scan topic; found by itself when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
+    /// What the messages of that topic are, where the recording does not say or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in json or protobuf those of Foxglove.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
     /// Start this many seconds after the first scan. When no scan is left the command fails (exit code 1).
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
@@ -176,6 +181,10 @@ pub(crate) struct EvaluateArgs {
     /// Scan topic; found by itself when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
+    /// What the messages of that topic are, where the recording does not say or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in json or protobuf those of Foxglove.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
     /// Show counts, labels, openings and confidence as well.
     #[arg(long)]
     pub(crate) details: bool,
@@ -235,6 +244,9 @@ pub(crate) struct InfoArgs {
     /// MCAP recordings, or folders of them.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
+    /// What the messages of topics without a schema are, such as LaserScan.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
 }
@@ -328,6 +340,11 @@ fn ends_in(path: &Path, ending: &str) -> bool {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "a number, 0 or more".to_owned())
+}
+
+fn scan_type(name: &str) -> Result<ScanType, String> {
+    let names: Vec<_> = ScanType::ALL.into_iter().map(ScanType::name).collect();
+    ScanType::of_name(name).ok_or_else(|| format!("one of {}", names.join(", ")))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

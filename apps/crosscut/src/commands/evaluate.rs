@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
-use crosscut_ingest::{Truths, recordings_in};
+use crosscut_ingest::{ReadOptions, Truths, recordings_in};
 use crosscut_pipeline::{End, Registry, StopFlag};
 use serde_json::json;
 
@@ -37,7 +37,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
 
     let bar = progress::bar(revolutions, args.quiet);
     let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
-    let mut wrong = 0;
+    let (options, mut wrong) = (read_options(args), 0);
     'all: for path in &recordings {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
@@ -45,7 +45,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
                 problems.interrupt(path, &column.name);
                 break 'all;
             }
-            let scored = scoring::score(path, args.topic.as_deref(), &column.config, &registry, &stop, &bar)?;
+            let scored = scoring::score(path, &options, &column.config, &registry, &stop, &bar)?;
             problems.note(path, &column.name, &scored);
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
@@ -69,6 +69,10 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     }
     outputs.write(&scoreboard, &columns, &problems.sentences)?;
     Ok(problems.outcome())
+}
+
+fn read_options(args: &EvaluateArgs) -> ReadOptions {
+    ReadOptions { topic: args.topic.clone(), read_as: args.read_as, ..ReadOptions::default() }
 }
 
 /// The family that a recording is.
@@ -95,9 +99,10 @@ fn with_truth(
     columns: &[Configuration],
     problems: &mut Problems,
 ) -> anyhow::Result<(Vec<PathBuf>, Option<u64>)> {
+    let options = read_options(args);
     let messages_in = |path: &Path| {
         Truths::open(path)?;
-        anyhow::Ok(scoring::open(path, args.topic.as_deref(), &columns[0].config)?.total_messages())
+        anyhow::Ok(scoring::open(path, &options, &columns[0].config)?.total_messages())
     };
     let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), None);
     for path in recordings {

@@ -20,7 +20,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let (mut lost, mut failed, mut between) = (false, false, "");
     let Parts { files, missing } = parts_in(&args.input)?;
     for part in &files {
-        let description = match describe(part, &sensor) {
+        let description = match describe(part, &sensor, args.read_as) {
             Ok(description) => description,
             Err(error) if files.len() == 1 => return Err(error.into()),
             Err(error) => {

@@ -252,7 +252,9 @@ impl Passage {
         }
         if inside > 0 {
             let inside = counted(inside as u64, "return");
-            notes.add(format!("passage: {inside} within the vehicle, nearer than {inside_m} m, tied to none"));
+            notes.add(format!(
+                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), tied to none"
+            ));
         }
         self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
         Ok(())

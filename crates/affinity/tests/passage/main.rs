@@ -172,7 +172,7 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
     Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
-    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m, tied to none";
+    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m (half of vehicle.width_m), tied to none";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 

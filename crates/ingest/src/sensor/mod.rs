@@ -1,9 +1,10 @@
 //! One laser scan to one revolution: mounting, clean-up, and the rules for odd values.
 
+mod cloud;
 mod fan;
 mod limits;
 
-use crosscut_messages::LaserScan;
+use crosscut_messages::{Echo, LaserScan, ScanMessage};
 use crosscut_stage::{Beam, Interval, Notes, ParamSpec, Params, Point, Revolution, Shape, counted, wrap_angle_rad};
 
 use self::fan::Fan;
@@ -48,6 +49,12 @@ pub const PARAMS: &[ParamSpec] = &[
         shape: Shape::Text { default: "" },
         doc: "take only scans of this frame_id, where several sensors share a topic; empty takes all",
     },
+    ParamSpec {
+        name: "echo",
+        unit: "",
+        shape: Shape::Choice { default: "first", of: &["first", "last", "strongest"] },
+        doc: "of several echoes of a beam (MultiEchoLaserScan), the one that is its range",
+    },
 ];
 
 /// Bearings of f32 angles are known to within this: the beam at f32 -π is the one at π.
@@ -81,6 +88,7 @@ pub struct Sensor {
     max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
     frame_id: String,
+    echo: Echo,
 }
 
 impl Sensor {
@@ -93,6 +101,24 @@ impl Sensor {
             max_range_m: params.number("max_range_m"),
             masked_sectors_rad: params.pairs("masked_sectors_rad").to_vec(),
             frame_id: params.text("frame_id").to_owned(),
+            echo: match params.text("echo") {
+                "last" => Echo::Last,
+                "strongest" => Echo::Strongest,
+                _ => Echo::First,
+            },
+        }
+    }
+
+    /// Of several echoes of a beam, the one that is its range.
+    pub fn echo(&self) -> Echo {
+        self.echo
+    }
+
+    /// Writes the revolution that `message` shows into `out`, as [`Sensor::revolution`] or [`Sensor::cloud`] does.
+    pub fn message(&self, message: &ScanMessage, out: &mut Revolution, notes: &mut Notes) {
+        match message {
+            ScanMessage::Scan(scan) => self.revolution(scan, out, notes),
+            ScanMessage::Cloud(cloud) => self.cloud(cloud, out, notes),
         }
     }
 

@@ -183,7 +183,7 @@ fn any_single_altered_byte_is_noticed_if_it_changes_a_revolution() {
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << (at % 8);
             let path = folder.add("f.mcap", &bytes);
-            let _ = describe(&path, &sensor(&[]));
+            let _ = describe(&path, &sensor(&[]), None);
             let Some((read, recording)) = read(&path) else { continue };
             if read.stamps_ns != all.stamps_ns || read.ranges != all.ranges {
                 assert!(!recording.losses().is_empty(), "{form:?} byte {at}: {read:?}");
@@ -216,7 +216,7 @@ proptest! {
         }
         let folder = Folder::new();
         let path = folder.add("f.mcap", &bytes);
-        let _ = describe(&path, &sensor(&[]));
+        let _ = describe(&path, &sensor(&[]), None);
         if let Some((read, _)) = read(&path) {
             prop_assert!(read.len() <= 24);
         }
@@ -236,6 +236,6 @@ proptest! {
         let folder = Folder::new();
         let path = folder.add("f.mcap", &bytes);
         let _ = read(&path);
-        let _ = describe(&path, &sensor(&[]));
+        let _ = describe(&path, &sensor(&[]), None);
     }
 }

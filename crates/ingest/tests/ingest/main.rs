@@ -2,6 +2,7 @@
 
 mod damaged;
 mod flight;
+mod messages;
 mod parts;
 mod real;
 mod recording;

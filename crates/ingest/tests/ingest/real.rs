@@ -32,7 +32,7 @@ fn the_corridors_give_all_their_scans() {
 #[test]
 fn a_corridor_is_described_as_it_is_documented() {
     let Some(path) = data("corridor_cross.mcap") else { return };
-    let description = describe(&path, &sensor(&[])).expect("a recording");
+    let description = describe(&path, &sensor(&[]), None).expect("a recording");
     let [scans] = &description.topics[..] else { panic!("{:?}", description.topics) };
     let first = scans.first_scan.as_ref().expect("a scan");
     assert_eq!((description.profile.as_str(), first.beams, first.range_m), ("ros2", 726, [0.02, 5.6]));

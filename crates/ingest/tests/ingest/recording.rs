@@ -105,7 +105,7 @@ fn a_flight_in_the_encoding_of_ros_1_is_read_like_one_of_ros_2_and_named_where_i
         let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
         assert_eq!((drain(&mut recording), recording.losses()), (expected(12), &[][..]), "{form:?}");
     }
-    let description = describe(&folder.path().join("f.mcap"), &sensor(&[])).expect("a recording");
+    let description = describe(&folder.path().join("f.mcap"), &sensor(&[]), None).expect("a recording");
     assert_eq!(description.topics[0].first_scan.as_ref().map(|scan| (scan.beams, scan.returns)), Some((8, 7)));
 
     records[3].data.truncate(40);
@@ -149,10 +149,9 @@ fn scans_in_another_encoding_are_named_with_what_to_do() {
         assert!(text.contains(what) && text.contains(type_name), "{text}");
         assert!(refused(&folder, Some("/scan")).to_string().contains(what));
     };
-    says("sensor_msgs/msg/LaserScan", "ros1", "the name of their schema");
-    says("foxglove.LaserScan", "json", "another encoding than cdr");
-    says("sensor_msgs/msg/PointCloud2", "cdr", "pointcloud_to_laserscan");
-    says("sensor_msgs/msg/MultiEchoLaserScan", "cdr", "laser_proc");
+    says("sensor_msgs/msg/LaserScan", "json", "scans are read in cdr");
+    says("foxglove.LaserScan", "flatbuffer", "in json and protobuf");
+    says("sensor_msgs/msg/PointCloud2", "", "--as LaserScan");
 }
 
 #[test]
@@ -205,7 +204,7 @@ fn times_and_every_select_and_seq_stays_that_of_the_whole_topic() {
         folder.add("f_2.mcap", &form.write(&second.clone().collect::<Vec<_>>()));
         let seqs = |from_s: Option<f64>, to_s: Option<f64>, every: u64| {
             let every = NonZero::new(every).expect("not 0");
-            let options = ReadOptions { from_s, to_s, every, topic: None };
+            let options = ReadOptions { from_s, to_s, every, topic: None, read_as: None };
             let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
             let total = recording.total_messages();
             let read = drain(&mut recording);
@@ -316,7 +315,7 @@ fn a_description_says_what_is_in_the_file() {
     let folder = Folder::new();
     for form in Form::all() {
         let path = folder.add("f.mcap", &form.write(&records));
-        let description = describe(&path, &sensor(&[])).expect("a recording");
+        let description = describe(&path, &sensor(&[]), None).expect("a recording");
         assert_eq!((description.profile.as_str(), description.library.as_str()), ("ros2", "test"));
         assert_eq!(description.indexed_chunks, form.is_indexed().then_some(3), "{form:?}");
         assert_eq!(description.duration_s(), Some(1.0));

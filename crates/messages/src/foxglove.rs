@@ -1,0 +1,230 @@
+//! Scans and clouds of Foxglove's schemas, in JSON or protobuf.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Deserializer};
+
+use crate::cloud::{PackedField, PackedPoints};
+use crate::{Cloud, DecodeError, Header, LaserScan, NumberType, Quaternion, Time, Vector3};
+
+/// `foxglove.LaserScan`.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub(crate) struct FoxgloveScan {
+    #[prost(message, optional, tag = "1")]
+    timestamp: Option<Timestamp>,
+    #[prost(bytes = "vec", tag = "2")]
+    #[serde(deserialize_with = "text_bytes")]
+    frame_id: Vec<u8>,
+    #[prost(message, optional, tag = "3")]
+    pose: Option<FoxglovePose>,
+    #[prost(double, tag = "4")]
+    start_angle: f64,
+    #[prost(double, tag = "5")]
+    end_angle: f64,
+    #[prost(double, repeated, tag = "6")]
+    #[serde(deserialize_with = "numbers")]
+    ranges: Vec<f64>,
+    #[prost(double, repeated, tag = "7")]
+    #[serde(deserialize_with = "numbers")]
+    intensities: Vec<f64>,
+}
+
+/// `foxglove.PointCloud`.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub(crate) struct FoxgloveCloud {
+    #[prost(message, optional, tag = "1")]
+    timestamp: Option<Timestamp>,
+    #[prost(bytes = "vec", tag = "2")]
+    #[serde(deserialize_with = "text_bytes")]
+    frame_id: Vec<u8>,
+    #[prost(message, optional, tag = "3")]
+    pose: Option<FoxglovePose>,
+    #[prost(fixed32, tag = "4")]
+    point_stride: u32,
+    #[prost(message, repeated, tag = "5")]
+    fields: Vec<PackedElementField>,
+    #[prost(bytes = "vec", tag = "6")]
+    #[serde(deserialize_with = "base64_bytes")]
+    data: Vec<u8>,
+}
+
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+struct Timestamp {
+    #[prost(int64, tag = "1")]
+    sec: i64,
+    #[prost(int32, tag = "2")]
+    nsec: i32,
+}
+
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+struct FoxglovePose {
+    #[prost(message, optional, tag = "1")]
+    position: Option<FoxgloveVector>,
+    #[prost(message, optional, tag = "2")]
+    orientation: Option<FoxgloveQuaternion>,
+}
+
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+struct FoxgloveVector {
+    #[prost(double, tag = "1")]
+    x: f64,
+    #[prost(double, tag = "2")]
+    y: f64,
+    #[prost(double, tag = "3")]
+    z: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+struct FoxgloveQuaternion {
+    #[prost(double, tag = "1")]
+    x: f64,
+    #[prost(double, tag = "2")]
+    y: f64,
+    #[prost(double, tag = "3")]
+    z: f64,
+    #[prost(double, tag = "4")]
+    w: f64,
+}
+
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+struct PackedElementField {
+    #[prost(bytes = "vec", tag = "1")]
+    #[serde(deserialize_with = "text_bytes")]
+    name: Vec<u8>,
+    #[prost(fixed32, tag = "2")]
+    offset: u32,
+    #[prost(int32, tag = "3")]
+    r#type: i32,
+}
+
+/// A message of JSON; bytes that are not UTF-8 become replacement characters.
+pub(crate) fn of_json<T: for<'de> Deserialize<'de>>(message: &[u8]) -> Result<T, DecodeError> {
+    let refused = |error: serde_json::Error| DecodeError::Format { encoding: "JSON", cause: error.to_string() };
+    serde_json::from_str(&String::from_utf8_lossy(message)).map_err(refused)
+}
+
+/// A message of protobuf.
+pub(crate) fn of_protobuf<T: prost::Message + Default>(message: &[u8]) -> Result<T, DecodeError> {
+    let refused = |error: prost::DecodeError| DecodeError::Format { encoding: "protobuf", cause: error.to_string() };
+    T::decode(message).map_err(refused)
+}
+
+impl FoxgloveScan {
+    /// Writes the scan into `out`, whatever it held before. The schema has no limits of range; a pose turns the beams.
+    pub(crate) fn write_scan(&self, out: &mut LaserScan) {
+        write_header(self.timestamp, &self.frame_id, &mut out.header);
+        let yaw_rad = self.pose.unwrap_or_default().rotation().yaw_rad();
+        let steps = self.ranges.len().saturating_sub(1).max(1) as f64;
+        out.angle_min = (yaw_rad + self.start_angle) as f32;
+        out.angle_max = (yaw_rad + self.end_angle) as f32;
+        out.angle_increment = ((self.end_angle - self.start_angle) / steps) as f32;
+        (out.time_increment, out.scan_time) = (0.0, 0.0);
+        (out.range_min, out.range_max) = (0.0, f32::INFINITY);
+        for (from, to) in [(&self.ranges, &mut out.ranges), (&self.intensities, &mut out.intensities)] {
+            to.clear();
+            to.extend(from.iter().map(|&value| value as f32));
+        }
+    }
+}
+
+impl FoxgloveCloud {
+    /// Writes the points into `out`, whatever it held before, moved by the cloud's pose.
+    pub(crate) fn write_cloud(&self, out: &mut Cloud) -> Result<(), DecodeError> {
+        write_header(self.timestamp, &self.frame_id, &mut out.header);
+        let packed = |field: &PackedElementField| PackedField {
+            name: String::from_utf8_lossy(&field.name).into_owned(),
+            offset: field.offset,
+            number: field.number(),
+        };
+        let fields: Vec<_> = self.fields.iter().map(packed).collect();
+        // Points of no bytes are refused below, as there is no room for x.
+        let columns = self.data.len() / self.point_stride.max(1) as usize;
+        let points = PackedPoints {
+            rows: 1,
+            columns: u32::try_from(columns).unwrap_or(u32::MAX),
+            point_bytes: self.point_stride,
+            row_bytes: 0,
+            is_big_endian: false,
+            fields: &fields,
+            data: &self.data,
+        };
+        points.write(out)?;
+        let pose = self.pose.unwrap_or_default();
+        let FoxgloveVector { x, y, z } = pose.position.unwrap_or_default();
+        let rotation = pose.rotation();
+        if (rotation, [x, y, z]) != (Quaternion::default(), [0.0; 3]) {
+            for point_m in &mut out.points_m {
+                let turned = rotation.turn(Vector3 { x: point_m[0], y: point_m[1], z: point_m[2] });
+                *point_m = [turned.x + x, turned.y + y, turned.z + z];
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FoxglovePose {
+    /// A quaternion that is left out, or all zeros, is no rotation.
+    fn rotation(self) -> Quaternion {
+        match self.orientation {
+            Some(FoxgloveQuaternion { x, y, z, w }) if [x, y, z, w] != [0.0; 4] => Quaternion { x, y, z, w },
+            _ => Quaternion::default(),
+        }
+    }
+}
+
+impl PackedElementField {
+    fn number(&self) -> Option<NumberType> {
+        Some(match self.r#type {
+            1 => NumberType::U8,
+            2 => NumberType::I8,
+            3 => NumberType::U16,
+            4 => NumberType::I16,
+            5 => NumberType::U32,
+            6 => NumberType::I32,
+            7 => NumberType::F32,
+            8 => NumberType::F64,
+            _ => return None,
+        })
+    }
+}
+
+fn write_header(timestamp: Option<Timestamp>, frame_id: &[u8], out: &mut Header) {
+    let Timestamp { sec, nsec } = timestamp.unwrap_or_default();
+    let sec = sec.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+    out.stamp = Time { sec, nanosec: u32::try_from(nsec).unwrap_or(0) };
+    out.frame_id.clear();
+    out.frame_id.push_str(&String::from_utf8_lossy(frame_id));
+}
+
+fn text_bytes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+    Ok(String::deserialize(from)?.into_bytes())
+}
+
+fn base64_bytes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+    STANDARD.decode(String::deserialize(from)?).map_err(serde::de::Error::custom)
+}
+
+/// JSON has no NaN and no infinity; writers give null, or their name.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum JsonNumber {
+    Number(f64),
+    Name(String),
+    Null,
+}
+
+fn numbers<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+    let number = |value| match value {
+        JsonNumber::Number(number) => number,
+        JsonNumber::Name(name) => name.parse().unwrap_or(f64::NAN),
+        JsonNumber::Null => f64::NAN,
+    };
+    Ok(Vec::deserialize(from)?.into_iter().map(number).collect())
+}
