@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crosscut_affinity::passage::KIND;
-use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, Sweep};
+use crosscut_stage::{Affinity, Beam, Notes, Point, Revolution, Sweep};
 
 /// A wall, upright, from one end to the other, and the number of the wall that it is part of.
 type Wall = ([[f64; 2]; 2], usize);

@@ -1,7 +1,7 @@
 //! `rbf` against equation (1), worked by hand and written the plain way.
 
 use crosscut_affinity::rbf::KIND;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution, Weights};
+use crosscut_stage::{Affinity, Notes, Point, Revolution, Weights};
 
 fn rbf(sigma_per_m2: f64, points_m: &[Point]) -> Affinity {
     let revolution = Revolution { points_m: points_m.to_vec(), ..Revolution::default() };

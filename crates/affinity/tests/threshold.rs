@@ -1,7 +1,7 @@
 //! `threshold` on distances known by heart.
 
 use crosscut_affinity::threshold;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution, Weights};
+use crosscut_stage::{Affinity, Notes, Point, Revolution, Weights};
 
 #[test]
 fn edges_are_between_returns_within_the_radius_which_is_itself_within() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crosscut_affinity::dbscan::KIND;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution};
+use crosscut_stage::{Affinity, Notes, Point, Revolution};
 use nalgebra::distance_squared;
 use proptest::collection::vec;
 use proptest::test_runner::{Config, RngSeed, TestRunner};

@@ -9,9 +9,7 @@ mod ways;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_affinity::passage::KIND;
-use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Notes, Point, Revolution, StageError, Sweep, Value, wrap_angle_rad,
-};
+use crosscut_stage::{Affinity, Beam, Notes, Point, Revolution, StageError, Sweep, Value, wrap_angle_rad};
 
 /// A wall from one end to the other.
 pub(crate) type Segment = [[f64; 2]; 2];

@@ -1,7 +1,7 @@
 //! How doubtful a verdict is: leaks from wall to wall, and what is told.
 
 use crosscut_affinity::passage::KIND;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Value};
+use crosscut_stage::{Affinity, Notes, Revolution, Value};
 
 use crate::{LEAK, TUNNEL, all, bumps, scan, with_branch};
 
