@@ -8,8 +8,8 @@ use std::f32::consts::PI;
 use crosscut_pipeline::{Frame, LaserScan, Preset, Settings};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Once, at start: which stages to run, how wide the vehicle is, and how the lidar is mounted.
-    let settings = Settings::new(Preset::Default).vehicle_width_m(0.8).sensor_yaw_rad(0.0);
+    // Once, at start: which stages to run, and how wide the vehicle is; `sensor_yaw_rad` and others say how the lidar is mounted.
+    let settings = Settings::new(Preset::Default).vehicle_width_m(0.8);
     let (sensor, mut engine) = (settings.sensor()?, settings.engine()?);
     let mut frame = Frame::default();
 
