@@ -160,11 +160,11 @@ fn readme_and_pages_stay_short() {
 #[test]
 fn rust_of_the_readme_is_of_an_example_that_compiles() {
     let readme = read(&root().join("README.md"));
-    let example = read(&root().join("apps/crosscut/examples/robot.rs"));
+    let example = read(&root().join("examples/robot/src/main.rs"));
     let lines: Vec<_> = example.lines().map(str::trim).collect();
     let (_, snippet) = readme.split_once("```rust\n").expect("some Rust");
     for line in snippet.lines().take_while(|line| *line != "```").map(str::trim).filter(|line| !line.is_empty()) {
-        assert!(lines.contains(&line), "not in robot.rs: {line}");
+        assert!(lines.contains(&line), "not in examples/robot: {line}");
     }
 }
 

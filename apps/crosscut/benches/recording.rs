@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crosscut_ingest::{ReadOptions, Recording, Sensor};
-use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_pipeline::{Config, Engine, Preset, Registry};
 use crosscut_recorder::{Detail, Recorder, RecorderOptions, Scope};
-use crosscut_stage::{Frame, Observer as _, Params, Source as _};
+use crosscut_stage::{Frame, Observer as _, Source as _};
 
 const REVOLUTIONS: u64 = 6000;
 /// Exact W of every revolution makes 0.5 MB each: fewer of them tell the same.
@@ -37,9 +37,9 @@ fn main() -> Fallible<()> {
 fn shipped_flight(preset: &str) -> Fallible<Vec<Frame>> {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../recordings/tee.mcap"));
     let registry = Registry::standard();
-    let config = Config::resolve(&Schema::new(&registry), &[Layer::preset(preset)?])?;
+    let config = Config::preset(Preset::named(preset)?, &registry)?;
     let mut engine = Engine::new(&config, &registry);
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor)?;
     let mut frames = Vec::new();
     loop {

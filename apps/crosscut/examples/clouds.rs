@@ -7,18 +7,17 @@
 //! level. The truth is that of the 2D scan.
 
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Config, Engine, Registry};
+use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_simulator::{Rings, Split, suites};
-use crosscut_stage::{Frame, Params, Point};
+use crosscut_stage::{Frame, Point};
 
 const FLAT: Rings = Rings { rings: 1, lowest_rad: 0.0, beams: 4000 };
 const ROUND: Rings = Rings { rings: 64, lowest_rad: -0.39, beams: 1500 };
 
 fn main() -> anyhow::Result<()> {
     let places: usize = std::env::args().nth(1).map_or(Ok(50), |places| places.parse())?;
-    let registry = Registry::standard();
-    let mut engine = Engine::new(&Config::preset("default", &registry)?, &registry);
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let mut engine = Settings::new(Preset::Default).engine()?;
+    let sensor = Sensor::default();
     let mut frame = Frame::default();
     println!("{:<10} {:>8} {:>8} {:>8}", "family", "2D scan", "2D cloud", "3D cloud");
     for suite in suites() {

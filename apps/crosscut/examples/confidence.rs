@@ -13,11 +13,11 @@ use crosscut_evaluate::tables::{self, Table};
 use crosscut_evaluate::{Score, Scoreboard};
 use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths, recordings_in};
 use crosscut_messages::Truth;
-use crosscut_pipeline::{Config, Engine, Registry};
+use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_report::confidence::{BETA, Grounds};
 use crosscut_simulator::{Split, suites};
-use crosscut_stage::{Frame, Params, Source as _};
+use crosscut_stage::{Frame, Source as _};
 use nalgebra::{SMatrix, SVector};
 
 const N: usize = Grounds::INPUTS;
@@ -102,9 +102,8 @@ struct Program {
 
 impl Program {
     fn new() -> anyhow::Result<Self> {
-        let registry = Registry::standard();
-        let engine = Engine::new(&Config::preset("default", &registry)?, &registry);
-        let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+        let engine = Settings::new(Preset::Default).engine()?;
+        let sensor = Sensor::default();
         Ok(Self { engine, sensor, frame: Frame::default() })
     }
 

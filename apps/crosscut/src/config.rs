@@ -4,7 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_pipeline::{Config, Layer, Registry, Schema};
+use crosscut_ingest::{MAX_RANGE_M, MIN_RANGE_M};
+use crosscut_pipeline::{Config, Layer, Preset, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};
@@ -23,15 +24,15 @@ pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<
 
 /// Preset < file < the settings of one `--with` < single settings for all.
 pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registry) -> anyhow::Result<Config> {
-    let schema = schema(registry);
-    let mut layers = vec![Layer::preset(&args.preset).map_err(usage)?];
+    let mut layers = vec![Preset::named(&args.preset).map_err(usage)?.into()];
     if let Some(path) = &args.config {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
     }
     layers.push(Layer::settings("--with", own).map_err(usage)?);
     layers.push(Layer::settings("--set", &args.set).map_err(usage)?);
-    let config = Config::resolve(&schema, &layers).map_err(usage)?;
-    let [nearest_m, farthest_m] = ["min_range_m", "max_range_m"].map(|limit| config.params("ingest").number(limit));
+    let config = Config::resolve(registry, &layers).map_err(usage)?;
+    let ingest = config.params("ingest");
+    let (nearest_m, farthest_m) = (ingest.get(MIN_RANGE_M), ingest.get(MAX_RANGE_M));
     if nearest_m >= farthest_m {
         return Err(usage(format!(
             "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}): no return would be left"
@@ -64,11 +65,6 @@ fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
 #[cfg(not(feature = "rerun"))]
 fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
     Err(usage(format!("{}: {}", path.display(), crate::exit::without_rerun())))
-}
-
-/// All settings there are.
-pub(crate) fn schema(registry: &Registry) -> Schema {
-    Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS)
 }
 
 fn usage(error: impl ToString) -> UsageError {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscut_pipeline::{Config, PRESETS, Registry};
+use crosscut_pipeline::{Config, Preset, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::config;
@@ -34,7 +34,7 @@ pub(crate) fn files(with: &[String]) -> impl Iterator<Item = PathBuf> {
 }
 
 fn is_preset(base: &str) -> bool {
-    PRESETS.iter().any(|(preset, _)| *preset == base)
+    Preset::ALL.into_iter().any(|preset| preset.name() == base)
 }
 
 fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Configuration> {
@@ -47,8 +47,7 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
             let words = format!("--with {text}: {file:?} is no file, and no setting of the form section.key=value");
             return Err(UsageError(words).into());
         }
-        let presets: Vec<_> = PRESETS.iter().map(|(preset, _)| *preset).collect();
-        let presets = presets.join(", ");
+        let presets = Preset::ALL.map(Preset::name).join(", ");
         return Err(UsageError(format!("--with {file}: no preset (there are: {presets}) and no such file")).into());
     }
     let own = settings.map(single_settings).unwrap_or_default();

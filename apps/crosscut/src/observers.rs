@@ -35,6 +35,7 @@ pub(crate) fn observers(
     live: bool,
     lost: &mut Vec<String>,
 ) -> anyhow::Result<Observers> {
+    use crosscut_ingest::{UPSIDE_DOWN, YAW_RAD};
     use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
 
     if args.save.is_none() && !args.view && args.serve.is_none() {
@@ -48,7 +49,7 @@ pub(crate) fn observers(
         live,
         name: input.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-        mounting: Mounting { yaw_rad: ingest.number("yaw_rad"), upside_down: ingest.flag("upside_down") },
+        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),
         scope: args.scope(),
     };

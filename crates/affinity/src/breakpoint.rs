@@ -1,83 +1,65 @@
 //! `breakpoint`: the adaptive breakpoint detector, a baseline (Borges and Aldon 2004).
+//!
+//! W_ij = 1 between neighbouring returns, an angle Δφ apart, unless their distance shows that a wall ends between them:
+//!
+//! ‖x_i - x_j‖ <= r sin Δφ / sin(λ - Δφ) + 3 σ_r, where r is the nearer range of the two.
+//!
+//! The right side is the farthest that a wall can reach which a beam meets at an angle of λ or more. The paper takes the
+//! range of the return before; its drawing shows the nearer one, which gives the same answer in both directions of
+//! turning. Neighbours are successive returns with at most `missing_beams` beams between them (nothing in range, masked
+//! or unreadable, all alike); Δφ is the angle between the two, and they break if it reaches λ. In a full turn the last
+//! return is a neighbour of the first. A cloud has no neighbouring beams, so a sweep is needed.
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Revolution, Shape,
-    StageError, Sweep, Value,
+    Affinity, AffinityStage, Beam, Count, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Sweep,
 };
 use nalgebra::distance;
 
-use crate::edges::{edges_bytes, write_edges};
-use crate::finite::check_finite;
+use crate::edges::write_edges;
 
-const LAMBDA_DEG: ParamSpec = ParamSpec {
-    name: "lambda_deg",
-    unit: "°",
-    shape: Shape::Number { default: 4.0, range: Interval::above(0.0, 90.0) },
-    doc: "λ, the smallest angle between a beam and the wall that it hits",
-};
+const LAMBDA_DEG: Number = Number::new("lambda_deg", "°", 4.0)
+    .above(0.0)
+    .to(90.0)
+    .doc("λ, the smallest angle between a beam and the wall that it hits");
 
-const RANGE_NOISE_M: ParamSpec = ParamSpec {
-    name: "range_noise_m",
-    unit: "m",
-    shape: Shape::Number { default: 0.02, range: Interval::closed(0.0, 10.0) },
-    doc: "σ_r, the standard deviation of a range",
-};
+const RANGE_NOISE_M: Number =
+    Number::new("range_noise_m", "m", 0.02).from(0.0).to(10.0).doc("σ_r, the standard deviation of a range");
 
-const MISSING_BEAMS: ParamSpec = ParamSpec {
-    name: "missing_beams",
-    unit: "beams",
-    shape: Shape::Integer { default: 3, min: 0, max: 10_000 },
-    doc: "beams without a return that may lie between two neighbours; more break the wall",
-};
+const MISSING_BEAMS: Count = Count::new("missing_beams", "beams", 3)
+    .to(10_000)
+    .doc("beams without a return that may lie between two neighbours; more break the wall");
 
-pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
-    name: "breakpoint",
-    doc: "a 0/1 graph: an edge between neighbouring returns unless their distance jumps (adaptive breakpoints, baseline)",
-    params: &[LAMBDA_DEG, RANGE_NOISE_M, MISSING_BEAMS],
-    build: |params| {
-        let (lambda_deg, range_noise_m) = (params.number(LAMBDA_DEG.name), params.number(RANGE_NOISE_M.name));
-        Box::new(Breakpoint::with(lambda_deg, range_noise_m, params.count(MISSING_BEAMS.name)))
+/// Adaptive breakpoints.
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "breakpoint",
+    "a 0/1 graph: an edge between neighbouring returns unless their distance jumps (adaptive breakpoints, baseline)",
+    |params| {
+        Box::new(Breakpoint {
+            lambda_rad: params.get(LAMBDA_DEG).to_radians(),
+            range_noise_m: params.get(RANGE_NOISE_M),
+            missing_beams: params.get(MISSING_BEAMS),
+            beam_of_return: Vec::new(),
+            tied_to_next: Vec::new(),
+        })
     },
-};
+)
+.params(&[LAMBDA_DEG.spec, RANGE_NOISE_M.spec, MISSING_BEAMS.spec])
+.storage(Storage::Sparse(|_, _| 3))
+.needs_beams()
+// It sees ranges, distances and the order of the beams.
+.blind_to(&[Invariance::Turn, Invariance::Mirror]);
 
-/// W_ij = 1 between neighbouring returns, an angle Δφ apart, of which no wall that a beam meets at λ or more could put
-/// one out of reach of the other:
-///
-/// ‖x_i - x_j‖ <= r sin Δφ / sin(λ - Δφ) + 3 σ_r, where r is the nearer range of the two.
-///
-/// The paper takes the range of the return before; the nearer one is what its drawing shows, and makes the answer the
-/// same in both directions of turning. Neighbours are successive returns with at most `missing_beams` beams between
-/// them (nothing in range, masked or unreadable, all alike); Δφ is the angle between the two, and they break if it
-/// reaches λ. In a full turn the last return is a neighbour of the first. A sweep is needed: a cloud has no
-/// neighbouring beams.
-#[derive(Clone, Debug)]
-pub struct Breakpoint {
+struct Breakpoint {
     lambda_rad: f64,
     range_noise_m: f64,
     missing_beams: usize,
     /// The beam of each return.
     beam_of_return: Vec<usize>,
-    /// Whether a return is tied to the next one; the last one's next is the first.
+    /// Whether a return has an edge to the next one; the last one's next is the first.
     tied_to_next: Vec<bool>,
 }
 
 impl Breakpoint {
-    /// λ in degrees, in (0, 90]; the standard deviation of a range, metres; how many beams may be missing.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    pub fn new(lambda_deg: f64, range_noise_m: f64, missing_beams: u32) -> Result<Self, ParamError> {
-        LAMBDA_DEG.check(Value::Number(lambda_deg))?;
-        RANGE_NOISE_M.check(Value::Number(range_noise_m))?;
-        MISSING_BEAMS.check(Value::Integer(missing_beams.into()))?;
-        Ok(Self::with(lambda_deg, range_noise_m, missing_beams as usize))
-    }
-
-    fn with(lambda_deg: f64, range_noise_m: f64, missing_beams: usize) -> Self {
-        let (lambda_rad, beam_of_return, tied_to_next) = (lambda_deg.to_radians(), Vec::new(), Vec::new());
-        Self { lambda_rad, range_noise_m, missing_beams, beam_of_return, tied_to_next }
-    }
-
     /// Fills `beam_of_return`.
     fn read_beams(&mut self, sweep: &Sweep, n: usize) -> Result<(), StageError> {
         self.beam_of_return.clear();
@@ -95,8 +77,8 @@ impl Breakpoint {
         }
     }
 
-    /// Whether return j, `steps` beams after return i, goes on with the wall of i.
-    fn goes_on(&self, revolution: &Revolution, i: usize, j: usize, steps: usize, step_rad: f64) -> bool {
+    /// Whether return j, `steps` beams after return i, continues the wall of i.
+    fn continues(&self, revolution: &Revolution, i: usize, j: usize, steps: usize, step_rad: f64) -> bool {
         let angle_rad = steps as f64 * step_rad;
         if steps > self.missing_beams + 1 || angle_rad >= self.lambda_rad {
             return false;
@@ -108,9 +90,8 @@ impl Breakpoint {
 }
 
 impl AffinityStage for Breakpoint {
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let n = revolution.len();
-        check_finite(&revolution.points_m)?;
         let Some(sweep) = revolution.beams() else {
             let message = "affinity `breakpoint` needs the beams of a 2D sweep, which a point cloud does not have";
             return Err(StageError::Unsupported(message.to_owned()));
@@ -123,7 +104,7 @@ impl AffinityStage for Breakpoint {
             // For the last return: through the last beam, and those that a turn is short of, to the first.
             let steps = self.beam_of_return[j] + if wraps { sweep.len() + sweep.missing } else { 0 } - beam;
             let neighbours = i != j && (!wraps || sweep.full_turn);
-            self.tied_to_next.push(neighbours && self.goes_on(revolution, i, j, steps, sweep.step_rad));
+            self.tied_to_next.push(neighbours && self.continues(revolution, i, j, steps, sweep.step_rad));
         }
         if let [first, last] = self.tied_to_next.as_mut_slice() {
             // Two returns have one edge, whether they are tied through the seam or not.
@@ -136,14 +117,5 @@ impl AffinityStage for Breakpoint {
             row.sort_unstable();
         });
         Ok(())
-    }
-
-    fn memory_bytes(&self, n: usize) -> u64 {
-        edges_bytes(n, 3)
-    }
-
-    fn invariances(&self) -> &'static [Invariance] {
-        // It sees ranges, distances and the order of the beams.
-        &[Invariance::Turn, Invariance::Mirror]
     }
 }

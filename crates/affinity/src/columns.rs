@@ -1,9 +1,9 @@
-//! Which points are near: a search by columns, since a mine is flat.
+//! A search for near points by columns, since a mine is flat.
 
 use crosscut_stage::Point;
 use nalgebra::distance_squared;
 
-/// Columns are wider than the reach by so much: what rounding can take from coordinates of up to a million reaches.
+/// Columns are wider than the reach by this share of it, for the rounding of coordinates of up to a million reaches.
 const MARGIN: f64 = 1e-9;
 
 /// Points sorted into upright columns of square section, so that all points within the side of a column are in the
@@ -21,7 +21,7 @@ impl Columns {
         self.fill_with(points_m, 0..points_m.len() as u32, reach_m);
     }
 
-    /// The same, of the points of these numbers alone.
+    /// Takes the points of these numbers alone, to be asked for distances up to `reach_m` > 0.
     pub(crate) fn fill_with(&mut self, points_m: &[Point], numbers: impl Iterator<Item = u32>, reach_m: f64) {
         self.side_m = reach_m * (1.0 + MARGIN);
         self.sorted.clear();
@@ -46,7 +46,7 @@ impl Columns {
     }
 }
 
-/// Far off, where a double cannot tell one column from the next, all share the last one.
+/// The column of a point. Far off, where a double cannot tell one column from the next, all points share the last one.
 fn column(point: &Point, side_m: f64) -> [i64; 2] {
     [point.x, point.y].map(|coordinate_m| (coordinate_m / side_m).floor() as i64)
 }

@@ -1,43 +1,39 @@
 //! `dbscan`: density-based clustering as a graph, a baseline (Ester, Kriegel, Sander and Xu 1996).
+//!
+//! W_ij = 1 between any two cores within `eps`, and between a border return and one core. A core has at least
+//! `min_points` returns within `eps`, itself included; a border return is no core, but has one within `eps`. All others
+//! are noise and have no edge.
+//!
+//! A border return has an edge to the core that reaches it first when clusters are grown one after the other, depth
+//! first, from their first core in beam order: so it joins the cluster in which scikit-learn puts it.
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Invariance, Kind, Notes, ParamError, ParamSpec, Point, Revolution, Shape,
-    StageError, Value,
+    Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Point, Revolution, StageError, Storage,
 };
 
 use crate::columns::Columns;
-use crate::edges::{edges_bytes, write_edges};
-use crate::finite::check_finite;
+use crate::edges::write_edges;
 
-const EPS_M: ParamSpec = ParamSpec {
-    name: "eps_m",
-    unit: "m",
-    shape: Shape::Number { default: 2.5, range: Interval::above(0.0, 1e6) },
-    doc: "returns no farther apart than this are neighbours",
-};
+const EPS_M: Number =
+    Number::new("eps_m", "m", 2.5).above(0.0).to(1e6).doc("returns no farther apart than this are neighbours");
 
-const MIN_POINTS: ParamSpec = ParamSpec {
-    name: "min_points",
-    unit: "returns",
-    shape: Shape::Integer { default: 3, min: 1, max: 1_000_000 },
-    doc: "a return with at least this many neighbours, itself included, is a core",
-};
+const MIN_POINTS: Count = Count::new("min_points", "returns", 3)
+    .from(1)
+    .to(1_000_000)
+    .doc("a return with at least this many neighbours, itself included, is a core");
 
-pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
-    name: "dbscan",
-    doc: "a 0/1 graph whose components are DBSCAN's clusters; noise is alone (baseline)",
-    params: &[EPS_M, MIN_POINTS],
-    build: |params| Box::new(Dbscan::with(params.number(EPS_M.name), params.count(MIN_POINTS.name))),
-};
+/// DBSCAN.
+pub const KIND: Kind<dyn AffinityStage> =
+    Kind::affinity("dbscan", "a 0/1 graph whose components are DBSCAN's clusters; noise is alone (baseline)", |params| {
+        Box::new(Dbscan { eps_m: params.get(EPS_M), min_points: params.get(MIN_POINTS), ..Dbscan::default() })
+    })
+    .params(&[EPS_M.spec, MIN_POINTS.spec])
+    .storage(Storage::Sparse(|_, n| n))
+    // The order of the returns decides to which of two clusters a border return goes.
+    .blind_to(&[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]);
 
-/// W_ij = 1 between any two cores within `eps`, and between a border return and one core. A core has at least
-/// `min_points` returns within `eps`, itself included; a border return is no core, but has one within `eps`. All others
-/// are noise and have no edge.
-///
-/// A border return is tied to the core that reaches it first when clusters are grown one after the other, depth first,
-/// from their first core in beam order: so it joins the cluster in which scikit-learn puts it.
-#[derive(Clone, Debug)]
-pub struct Dbscan {
+#[derive(Default)]
+struct Dbscan {
     eps_m: f64,
     min_points: usize,
     neighbours: Neighbours,
@@ -47,21 +43,6 @@ pub struct Dbscan {
 }
 
 impl Dbscan {
-    /// `eps` in metres, above 0, and the number of returns within it, at least 1, that makes a core.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    pub fn new(eps_m: f64, min_points: u32) -> Result<Self, ParamError> {
-        EPS_M.check(Value::Number(eps_m))?;
-        MIN_POINTS.check(Value::Integer(min_points.into()))?;
-        Ok(Self::with(eps_m, min_points as usize))
-    }
-
-    fn with(eps_m: f64, min_points: usize) -> Self {
-        let neighbours = Neighbours::default();
-        Self { eps_m, min_points, neighbours, reached_by: Vec::new(), open: Vec::new() }
-    }
-
     fn is_core(&self, i: usize) -> bool {
         self.neighbours.of(i).len() >= self.min_points
     }
@@ -106,28 +87,18 @@ impl Dbscan {
 }
 
 impl AffinityStage for Dbscan {
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
         let points_m = &revolution.points_m;
-        check_finite(points_m)?;
         self.neighbours.find(points_m, self.eps_m);
         self.grow_clusters(points_m.len());
         let grown: &Self = self;
         write_edges(out, points_m.len(), |i, row| row.extend(grown.row(i)));
         Ok(())
     }
-
-    fn memory_bytes(&self, n: usize) -> u64 {
-        edges_bytes(n, n) // at worst: all within one eps
-    }
-
-    fn invariances(&self) -> &'static [Invariance] {
-        // To which of two clusters a border return goes depends on the order of the returns.
-        &[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]
-    }
 }
 
 /// The returns within a distance of each return, itself included, ascending.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 struct Neighbours {
     start: Vec<usize>,
     all: Vec<u32>,
@@ -148,6 +119,7 @@ impl Neighbours {
         self.start.push(self.all.len());
     }
 
+    /// Those of return i.
     fn of(&self, i: usize) -> &[u32] {
         &self.all[self.start[i]..self.start[i + 1]]
     }

@@ -16,43 +16,38 @@
 //! through the same stages as the rest: their components are its zero eigenvalues. Their defaults were chosen on the
 //! development scenes of the simulator, with small components left out (kmeans `components`, `min_cluster`).
 //!
-//! Each kind says which changes of the revolution leave W alone ([`AffinityStage::invariances`]).
+//! A kind states how it stores W, and which changes of the revolution leave W alone ([`Kind`]).
 //!
 //! ```
-//! use crosscut_affinity::Rbf;
+//! use crosscut_affinity::rbf;
 //! use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution};
 //!
 //! let one_metre_apart = vec![Point::origin(), Point::new(1.0, 0.0, 0.0)];
 //! let revolution = Revolution { points_m: one_metre_apart, ..Default::default() };
 //! let mut affinity = Affinity::default();
-//! Rbf::new(1.5)?.affinity(&revolution, &mut affinity, &mut Notes::default())?;
+//! rbf::KIND.with(&[("sigma_per_m2", 1.5.into())])?.affinity(&revolution, &mut affinity, &mut Notes::default())?;
 //! assert!((affinity.degrees[0] - (1.0 + (-1.5f64).exp())).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct, its parameters and a `KIND`, and here its `mod`, its `pub use` and an entry in
-//! [`KINDS`]; `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the registry.
+//! To add one: a file with its parameters, a `KIND` and the stage (`threshold.rs` is the shortest example), and here its
+//! `mod` and its entry in [`KINDS`]. `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the
+//! registry.
 //!
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity
 
-mod breakpoint;
 mod columns;
-mod dbscan;
 mod edges;
-mod finite;
-mod passage;
-mod rbf;
-mod threshold;
+
+pub mod breakpoint;
+pub mod dbscan;
+pub mod passage;
+pub mod rbf;
+pub mod threshold;
 
 use crosscut_stage::{AffinityStage, Kind};
 
-pub use breakpoint::Breakpoint;
-pub use dbscan::Dbscan;
-pub use passage::Passage;
-pub use rbf::Rbf;
-pub use threshold::Threshold;
-
-/// The affinities that crosscut ships.
+/// The affinities that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn AffinityStage>] =
     &[rbf::KIND, passage::KIND, threshold::KIND, breakpoint::KIND, dbscan::KIND];

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crosscut_affinity::Breakpoint;
+use crosscut_affinity::breakpoint::KIND;
 use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, StageError, Sweep, Weights};
 
 /// A sweep with these ranges, `step_deg` apart from bearing 0 on; none is a beam without return.
@@ -25,10 +25,16 @@ fn sweep(ranges_m: &[Option<f64>], step_deg: f64, full_turn: bool) -> Revolution
     revolution
 }
 
-/// The edges i < j of `revolution` with λ = 10°, σ_r = 2 cm and up to two missing beams.
+/// λ = 10°, σ_r = 2 cm and up to two missing beams.
+fn stage() -> Box<dyn AffinityStage> {
+    let values = [("lambda_deg", 10.0.into()), ("range_noise_m", 0.02.into()), ("missing_beams", 2.into())];
+    KIND.with(&values).expect("in range")
+}
+
+/// The edges i < j of `revolution`.
 fn edges(revolution: &Revolution) -> Vec<(usize, usize)> {
     let mut out = Affinity::default();
-    let mut stage = Breakpoint::new(10.0, 0.02, 2).expect("in range");
+    let mut stage = stage();
     stage.affinity(revolution, &mut out, &mut Notes::default()).expect("a sweep");
     assert!(matches!(out.weights, Weights::Sparse(_)));
     let mut edges = Vec::new();
@@ -94,7 +100,7 @@ fn two_returns_on_a_turn_of_two_beams_have_one_edge_at_most() {
 #[test]
 fn a_cloud_without_beams_is_an_error_that_says_so() {
     let cloud = Revolution { points_m: vec![Point::origin(); 3], ..Revolution::default() };
-    let mut stage = Breakpoint::new(10.0, 0.02, 2).expect("in range");
+    let mut stage = stage();
     let refused = stage.affinity(&cloud, &mut Affinity::default(), &mut Notes::default());
     assert!(matches!(refused, Err(StageError::Unsupported(text)) if text.contains("needs the beams")));
 }
@@ -104,7 +110,7 @@ fn beams_that_do_not_match_the_returns_are_an_error() {
     let refused = |spoil: fn(&mut Revolution)| {
         let mut revolution = sweep(&[Some(4.0), Some(4.0)], 1.0, false);
         spoil(&mut revolution);
-        let mut stage = Breakpoint::new(10.0, 0.02, 2).expect("in range");
+        let mut stage = stage();
         stage.affinity(&revolution, &mut Affinity::default(), &mut Notes::default()).expect_err("refused").to_string()
     };
     assert_eq!(refused(|r| r.points_m.truncate(1)), "beams with a return: 2, returns: 1");
@@ -114,7 +120,8 @@ fn beams_that_do_not_match_the_returns_are_an_error() {
 
 #[test]
 fn each_number_out_of_range_is_refused() {
-    assert!(Breakpoint::new(0.0, 0.02, 2).is_err_and(|error| error.name == "lambda_deg"));
-    assert!(Breakpoint::new(10.0, -0.02, 2).is_err_and(|error| error.name == "range_noise_m"));
-    assert!(Breakpoint::new(10.0, 0.02, 20_000).is_err_and(|error| error.name == "missing_beams"));
+    for (name, bad) in [("lambda_deg", 0.0), ("range_noise_m", -0.02)] {
+        assert!(KIND.with(&[(name, bad.into())]).is_err(), "{name}");
+    }
+    assert!(KIND.with(&[("missing_beams", 20_000.into())]).is_err());
 }

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_affinity::Passage;
-use crosscut_stage::{Affinity, AffinityStage, Beam, Notes, Point, Revolution, Sweep};
+use crosscut_affinity::passage::KIND;
+use crosscut_stage::{Affinity, Beam, Notes, Point, Revolution, Sweep};
 
 /// A wall, upright, from one end to the other, and the number of the wall that it is part of.
 type Wall = ([[f64; 2]; 2], usize);
@@ -59,7 +59,7 @@ fn tube(walls: &[Wall], n: usize) -> (Revolution, Vec<Option<usize>>) {
 
 fn graph(revolution: &Revolution) -> Affinity {
     let mut affinity = Affinity::default();
-    let mut stage = Passage::new(&[]).expect("the defaults");
+    let mut stage = KIND.with(&[]).expect("the defaults");
     stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a cloud");
     affinity
 }

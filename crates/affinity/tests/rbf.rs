@@ -1,12 +1,12 @@
 //! `rbf` against equation (1), worked by hand and written the plain way.
 
-use crosscut_affinity::Rbf;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution, Weights};
+use crosscut_affinity::rbf::KIND;
+use crosscut_stage::{Affinity, Notes, Point, Revolution, Weights};
 
 fn rbf(sigma_per_m2: f64, points_m: &[Point]) -> Affinity {
     let revolution = Revolution { points_m: points_m.to_vec(), ..Revolution::default() };
     let mut out = Affinity::default();
-    let mut stage = Rbf::new(sigma_per_m2).expect("a positive σ");
+    let mut stage = KIND.with(&[("sigma_per_m2", sigma_per_m2.into())]).expect("a positive σ");
     stage.affinity(&revolution, &mut out, &mut Notes::default()).expect("finite points");
     out
 }
@@ -35,7 +35,7 @@ fn points_too_far_apart_for_any_similarity_have_none_and_no_error() {
 #[test]
 fn a_sigma_out_of_range_is_refused_in_words() {
     for sigma in [0.0, -1.5, f64::NAN, f64::INFINITY] {
-        let refused = Rbf::new(sigma).expect_err("must be refused").to_string();
+        let refused = KIND.with(&[("sigma_per_m2", sigma.into())]).err().expect("must be refused").to_string();
         assert!(refused.starts_with("sigma_per_m2 = ") && refused.contains("a number in (0.0, "), "{refused}");
     }
 }

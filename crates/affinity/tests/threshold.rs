@@ -1,7 +1,7 @@
 //! `threshold` on distances known by heart.
 
-use crosscut_affinity::Threshold;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution, Weights};
+use crosscut_affinity::threshold;
+use crosscut_stage::{Affinity, Notes, Point, Revolution, Weights};
 
 #[test]
 fn edges_are_between_returns_within_the_radius_which_is_itself_within() {
@@ -14,7 +14,7 @@ fn edges_are_between_returns_within_the_radius_which_is_itself_within() {
         (5.0, [&[0, 1, 2], &[0, 1, 2], &[0, 1, 2], &[3]]),
     ] {
         let mut out = Affinity::default();
-        let mut stage = Threshold::new(radius_m).expect("a positive radius");
+        let mut stage = threshold::KIND.with(&[("radius_m", radius_m.into())]).expect("a positive radius");
         stage.affinity(&revolution, &mut out, &mut Notes::default()).expect("finite points");
         let Weights::Sparse(w) = &out.weights else { panic!("threshold is sparse") };
         for (i, row) in rows.into_iter().enumerate() {
@@ -26,6 +26,6 @@ fn edges_are_between_returns_within_the_radius_which_is_itself_within() {
 #[test]
 fn a_radius_out_of_range_is_refused() {
     for radius_m in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(Threshold::new(radius_m).is_err_and(|error| error.name == "radius_m"), "{radius_m}");
+        assert!(threshold::KIND.with(&[("radius_m", radius_m.into())]).is_err(), "{radius_m}");
     }
 }

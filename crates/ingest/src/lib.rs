@@ -80,6 +80,6 @@ pub use found::Found;
 pub use inputs::{Parts, parts_in, recordings_in};
 pub use loss::{Damage, Loss, LossKind};
 pub use recording::{ReadOptions, Recording};
-pub use sensor::{PARAMS, Sensor};
+pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD};
 pub use topics::{TopicInfo, TopicList};
 pub use truths::Truths;

@@ -1,38 +1,35 @@
 //! `components`: one cluster per column of a U whose columns have no row in common.
 
-use crosscut_stage::{
-    Embedding, Kind, KmeansStage, Notes, ParamError, ParamSpec, Partition, Shape, Spectrum, StageError, Value, counted,
-};
+use crosscut_stage::{Count, Embedding, Kind, KmeansStage, Notes, Partition, Spectrum, StageError, counted};
 
-use crate::KmeansPlusPlus;
+use crate::kmeans_plus_plus::KmeansPlusPlus;
 use crate::no_zeros::without_clusters;
 use crate::numbering::by_first_return;
 use crate::rows::{check_columns, not_finite};
 
-const MIN_CLUSTER: ParamSpec = ParamSpec {
-    name: "min_cluster",
-    unit: "returns",
-    shape: Shape::Integer { default: 1, min: 1, max: 1_000_000 },
-    doc: "components with fewer returns are left out: their returns have no cluster",
-};
+const MIN_CLUSTER: Count = Count::new("min_cluster", "returns", 1)
+    .from(1)
+    .to(1_000_000)
+    .doc("components with fewer returns are left out: their returns have no cluster");
 
-/// Of a return whose row is 0.
+/// The column of a return whose row is 0.
 const NO_COLUMN: u32 = u32::MAX;
 
-pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
-    name: "components",
-    doc: "a cluster for each connected component, read off a U whose columns share no row",
-    params: &[MIN_CLUSTER],
-    build: |params| Box::new(Components::with(params.count(MIN_CLUSTER.name))),
-};
+/// Clusters without k-means.
+pub const KIND: Kind<dyn KmeansStage> = Kind::kmeans(
+    "components",
+    "a cluster for each connected component, read off a U whose columns share no row",
+    |params| Box::new(Components { min_cluster: params.get(MIN_CLUSTER), ..Components::default() }),
+)
+.params(&[MIN_CLUSTER.spec]);
 
 /// The cluster of a return is the one column of U in which its row is not 0, as in the U of the solvers `components`
 /// and `blocks`. The full decompositions mix the eigenvectors of a repeated zero, and so does `blocks` where a
 /// component has more zeros than one: such a U goes to [`KmeansPlusPlus`] with its defaults, with a note.
 ///
 /// Clusters of fewer than `min_cluster` returns (DBSCAN's noise: fewer than 2) are left out, with a note.
-#[derive(Clone, Debug)]
-pub struct Components {
+#[derive(Default)]
+struct Components {
     min_cluster: usize,
     /// The column of each return, and what stands there.
     columns: Vec<u32>,
@@ -46,20 +43,6 @@ pub struct Components {
 }
 
 impl Components {
-    /// With the least number of returns of a cluster, at least 1.
-    ///
-    /// # Errors
-    /// When the number is out of range.
-    pub fn new(min_cluster: u32) -> Result<Self, ParamError> {
-        MIN_CLUSTER.check(Value::Integer(min_cluster.into()))?;
-        Ok(Self::with(min_cluster as usize))
-    }
-
-    fn with(min_cluster: usize) -> Self {
-        let mixed = KmeansPlusPlus::default();
-        Self { min_cluster, columns: Vec::new(), entries: Vec::new(), sizes: Vec::new(), means: Vec::new(), mixed }
-    }
-
     /// Fills `columns`, `entries`, `sizes` and `means`, unless a row has not exactly one entry.
     ///
     /// # Errors

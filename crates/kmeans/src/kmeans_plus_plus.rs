@@ -1,8 +1,6 @@
 //! `kmeans++`: the last step of the paper's Algorithm 1.
 
-use crosscut_stage::{
-    Interval, Kind, KmeansStage, Notes, ParamError, ParamSpec, Params, Partition, Shape, Spectrum, StageError, Value,
-};
+use crosscut_stage::{Count, Kind, KmeansStage, Notes, Number, ParamSpec, Params, Partition, Spectrum, StageError};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -12,42 +10,32 @@ use crate::numbering::by_first_return;
 use crate::rows::Rows;
 use crate::seeding::Seeding;
 
-const SEED: ParamSpec = ParamSpec {
-    name: "seed",
-    unit: "",
-    shape: Shape::Integer { default: 0, min: 0, max: u32::MAX as i64 },
-    doc: "where the random numbers start, again for every revolution",
-};
+const SEED: Count =
+    Count::new("seed", "", 0).to(u32::MAX).doc("where the random numbers start, again for every revolution");
 
-const RESTARTS: ParamSpec = ParamSpec {
-    name: "restarts",
-    unit: "",
-    shape: Shape::Integer { default: 10, min: 1, max: 1000 },
-    doc: "how often the centres are seeded anew; the best result is kept",
-};
+const RESTARTS: Count = Count::new("restarts", "", 10)
+    .from(1)
+    .to(1000)
+    .doc("how often the centres are seeded anew; the best result is kept");
 
-const MAX_ITERATIONS: ParamSpec = ParamSpec {
-    name: "max_iterations",
-    unit: "",
-    shape: Shape::Integer { default: 300, min: 1, max: 100_000 },
-    doc: "iterations after which one restart ends, settled or not",
-};
+const MAX_ITERATIONS: Count = Count::new("max_iterations", "", 300)
+    .from(1)
+    .to(100_000)
+    .doc("iterations after which one restart ends, settled or not");
 
-const TOLERANCE: ParamSpec = ParamSpec {
-    name: "tolerance",
-    unit: "of the mean variance of U's columns",
-    shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 1.0) },
-    doc: "a restart ends when the squared steps of all centres sum to no more than this; 0: when no label changes",
-};
+const TOLERANCE: Number = Number::new("tolerance", "of the mean variance of U's columns", 0.0)
+    .from(0.0)
+    .to(1.0)
+    .doc("a restart ends when the squared steps of all centres sum to no more than this; 0: when no label changes");
 
-const PARAMS: &[ParamSpec] = &[SEED, RESTARTS, MAX_ITERATIONS, TOLERANCE];
+const PARAMS: &[ParamSpec] = &[SEED.spec, RESTARTS.spec, MAX_ITERATIONS.spec, TOLERANCE.spec];
 
-pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
-    name: "kmeans++",
-    doc: "k-means++ on the rows of U, not normalised, as in the paper",
-    params: PARAMS,
-    build: |params| Box::new(KmeansPlusPlus::of(params)),
-};
+/// The paper's k-means.
+pub const KIND: Kind<dyn KmeansStage> =
+    Kind::kmeans("kmeans++", "k-means++ on the rows of U, not normalised, as in the paper", |params| {
+        Box::new(KmeansPlusPlus::new(params))
+    })
+    .params(PARAMS);
 
 /// k-means on the rows of U: k-means++ seeding, Lloyd's iteration, several restarts, of which the one with the smallest
 /// objective is kept (the first of equals). Random numbers: PCG XSL 128/64, from the seed again at every call.
@@ -55,7 +43,7 @@ pub(crate) const KIND: Kind<dyn KmeansStage> = Kind {
 /// Fewer distinct rows than k give as many clusters as there are distinct rows, with a note. k = 0 leaves every return
 /// without a cluster. Turning U changes no label but by rounding; returns in another order are other random draws.
 #[derive(Clone, Debug)]
-pub struct KmeansPlusPlus {
+pub(crate) struct KmeansPlusPlus {
     seed: u64,
     restarts: usize,
     max_iterations: usize,
@@ -68,36 +56,22 @@ pub struct KmeansPlusPlus {
 
 impl Default for KmeansPlusPlus {
     fn default() -> Self {
-        Self::of(&Params::defaults(PARAMS))
+        Self::new(&Params::defaults(PARAMS))
     }
 }
 
 impl KmeansPlusPlus {
-    /// With a seed, 1 to 1000 restarts, at most `max_iterations` (1 to 100,000) in each, and a tolerance in [0, 1]: the
-    /// sum of the squared steps of all centres, over the mean variance of U's columns, at which a restart ends.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    pub fn new(seed: u32, restarts: u32, max_iterations: u32, tolerance: f64) -> Result<Self, ParamError> {
-        RESTARTS.check(Value::Integer(restarts.into()))?;
-        MAX_ITERATIONS.check(Value::Integer(max_iterations.into()))?;
-        TOLERANCE.check(Value::Number(tolerance))?;
-        Ok(Self::with(seed.into(), restarts as usize, max_iterations as usize, tolerance))
-    }
-
-    fn of(params: &Params) -> Self {
-        Self::with(
-            params.count(SEED.name) as u64,
-            params.count(RESTARTS.name),
-            params.count(MAX_ITERATIONS.name),
-            params.number(TOLERANCE.name),
-        )
-    }
-
-    fn with(seed: u64, restarts: usize, max_iterations: usize, tolerance: f64) -> Self {
-        let (rows, seeding) = (Rows::default(), Seeding::default());
-        let (lloyd, best) = (Lloyd::default(), Lloyd::default());
-        Self { seed, restarts, max_iterations, tolerance, rows, seeding, lloyd, best }
+    fn new(params: &Params) -> Self {
+        Self {
+            seed: params.get(SEED) as u64,
+            restarts: params.get(RESTARTS),
+            max_iterations: params.get(MAX_ITERATIONS),
+            tolerance: params.get(TOLERANCE),
+            rows: Rows::default(),
+            seeding: Seeding::default(),
+            lloyd: Lloyd::default(),
+            best: Lloyd::default(),
+        }
     }
 
     /// Leaves the restart with the smallest objective in `self.best`; n and k > 0.

@@ -12,37 +12,34 @@
 //! | `components` | the columns of a U with one entry that is not 0 in each row | blocks of a sparse graph |
 //!
 //! ```
-//! use crosscut_kmeans::KmeansPlusPlus;
+//! use crosscut_kmeans::kmeans_plus_plus;
 //! use crosscut_stage::{KmeansStage, Notes, Partition, Spectrum};
 //!
 //! let u = faer::mat![[0.7, 0.0], [0.0, 1.0], [0.7, 0.0]];
 //! let spectrum = Spectrum { k: 2, u: u.into(), ..Spectrum::default() };
 //! let mut partition = Partition::default();
-//! let (seed, restarts, max_iterations, tolerance) = (0, 10, 300, 0.0);
-//! let mut stage = KmeansPlusPlus::new(seed, restarts, max_iterations, tolerance)?;
+//! let mut stage = kmeans_plus_plus::KIND.with(&[("restarts", 5.into())])?;
 //! stage.partition(&spectrum, &mut partition, &mut Notes::default())?;
 //! assert_eq!(partition.labels, [Some(0), Some(1), Some(0)]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then
-//! runs over it.
+//! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
+//! `tests/conformance.rs` then runs over it.
 //!
 //! [`Spectrum`]: crosscut_stage::Spectrum
 //! [`Partition`]: crosscut_stage::Partition
 
-mod components;
-mod kmeans_plus_plus;
 mod lloyd;
 mod no_zeros;
 mod numbering;
 mod rows;
 mod seeding;
 
+pub mod components;
+pub mod kmeans_plus_plus;
+
 use crosscut_stage::{Kind, KmeansStage};
 
-pub use components::Components;
-pub use kmeans_plus_plus::KmeansPlusPlus;
-
-/// The assignments that crosscut ships.
+/// The assignments that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn KmeansStage>] = &[kmeans_plus_plus::KIND, components::KIND];

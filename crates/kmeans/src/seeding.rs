@@ -12,8 +12,9 @@ use crate::rows::{Rows, distance_squared};
 pub(crate) struct Seeding {
     /// Squared distance of each row to the nearest centre.
     nearest: Vec<f64>,
-    /// The same with the centre drawn, and with the best centre drawn so far.
+    /// Squared distance of each row to the nearest centre, if the drawn row becomes one.
     drawn: Vec<f64>,
+    /// Squared distance of each row to the nearest centre, if the best row drawn so far becomes one.
     best: Vec<f64>,
 }
 

@@ -1,12 +1,12 @@
 //! `components`: what is left out, and what it makes of a U that mixes its columns.
 
-use crosscut_kmeans::Components;
-use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum};
+use crosscut_kmeans::components::KIND;
+use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
 use faer::{Mat, mat};
 
 fn run(min_cluster: u32, u: Mat<f64>) -> (Partition, Vec<String>) {
     let (mut out, mut notes) = (Partition::default(), Notes::default());
-    let mut stage = Components::new(min_cluster).expect("in range");
+    let mut stage = KIND.with(&[("min_cluster", min_cluster.into())]).expect("in range");
     let spectrum = Spectrum { k: u.ncols(), u: u.into(), ..Spectrum::default() };
     stage.partition(&spectrum, &mut out, &mut notes).expect("any U will do");
     (out, notes.iter().map(str::to_owned).collect())
@@ -45,7 +45,7 @@ fn a_u_whose_columns_share_a_row_or_leave_one_out_has_the_clusters_of_kmeans_and
 
 #[test]
 fn a_least_size_of_nothing_is_refused() {
-    assert!(Components::new(0).is_err_and(|error| error.name == "min_cluster"));
+    assert!(KIND.with(&[("min_cluster", 0.into())]).is_err());
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn many_components_have_the_clusters_of_few_without_a_matrix_of_n_by_k() {
     u.write_rows(n, k, |i, row| row.push(((i % k) as u32, 0.25 * (1 + i / k) as f64)));
     let (mut out, mut notes) = (Partition::default(), Notes::default());
     let spectrum = Spectrum { k, u, ..Spectrum::default() };
-    Components::new(1).expect("in range").partition(&spectrum, &mut out, &mut notes).expect("disjoint columns");
+    KIND.with(&[]).expect("the defaults").partition(&spectrum, &mut out, &mut notes).expect("disjoint columns");
     assert_eq!((out.clusters, out.centroids.nrows(), out.centroids.ncols()), (k, k, k));
     assert!((0..n).all(|i| out.labels[i] == Some((i % k) as u32)));
     assert!((0..k).all(|c| out.centroids.row(c).eq([(c, 0.5)])));

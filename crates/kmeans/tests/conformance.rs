@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 
 use crosscut_kmeans::KINDS;
-use crosscut_stage::{Kind, KmeansStage, Notes, Params, Partition, Spectrum, StageError};
+use crosscut_stage::{Kind, KmeansStage, Notes, Partition, Spectrum, StageError};
 use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
@@ -17,7 +17,7 @@ use embeddings::{arbitrary, spectrum};
 type AssignmentKind = Kind<dyn KmeansStage>;
 
 fn build(kind: &AssignmentKind) -> Box<dyn KmeansStage> {
-    (kind.build)(&Params::defaults(kind.params))
+    kind.with(&[]).expect("the defaults")
 }
 
 fn partition(kind: &AssignmentKind, spectrum: &Spectrum) -> Partition {

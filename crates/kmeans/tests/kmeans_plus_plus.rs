@@ -2,8 +2,8 @@
 
 mod embeddings;
 
-use crosscut_kmeans::KmeansPlusPlus;
-use crosscut_stage::{Embedding, KmeansStage, Notes, Partition, Spectrum};
+use crosscut_kmeans::kmeans_plus_plus::KIND;
+use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
 use faer::Mat;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use rand::{RngExt, SeedableRng};
@@ -13,7 +13,8 @@ use embeddings::{arbitrary, spectrum};
 
 fn run(seed: u32, restarts: u32, max_iterations: u32, spectrum: &Spectrum) -> (Partition, Notes) {
     let (mut out, mut notes) = (Partition::default(), Notes::default());
-    let mut stage = KmeansPlusPlus::new(seed, restarts, max_iterations, 0.0).expect("in range");
+    let values = [("seed", seed), ("restarts", restarts), ("max_iterations", max_iterations)];
+    let mut stage = KIND.with(&values.map(|(name, value)| (name, value.into()))).expect("in range");
     stage.partition(spectrum, &mut out, &mut notes).expect("finite");
     (out, notes)
 }
@@ -111,9 +112,10 @@ fn a_run_cut_off_by_max_iterations_says_so() {
 
 #[test]
 fn each_number_out_of_range_is_refused() {
-    assert!(KmeansPlusPlus::new(0, 0, 300, 0.0).is_err_and(|error| error.name == "restarts"));
-    assert!(KmeansPlusPlus::new(0, 10, 0, 0.0).is_err_and(|error| error.name == "max_iterations"));
-    assert!(KmeansPlusPlus::new(0, 10, 300, f64::NAN).is_err_and(|error| error.name == "tolerance"));
+    for name in ["restarts", "max_iterations"] {
+        assert!(KIND.with(&[(name, 0.into())]).is_err(), "{name}");
+    }
+    assert!(KIND.with(&[("tolerance", f64::NAN.into())]).is_err());
 }
 
 #[test]
@@ -121,7 +123,7 @@ fn a_u_too_large_to_be_spread_out_is_refused_with_its_size() {
     let mut u = Embedding::default();
     u.write_rows(100_000, 100_000, |i, row| row.push((i as u32, 1.0)));
     let spectrum = Spectrum { k: 100_000, u, ..Spectrum::default() };
-    let mut stage = KmeansPlusPlus::new(0, 1, 300, 0.0).expect("in range");
+    let mut stage = KIND.with(&[]).expect("the defaults");
     let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("80 GB");
     assert!(refused.to_string().contains("would need 76294 MB"), "{refused}");
 }

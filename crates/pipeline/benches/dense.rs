@@ -9,30 +9,27 @@ mod scans;
 
 use std::time::Instant;
 
-use crosscut_affinity::Rbf;
-use crosscut_spectral::{FaerEvd, Slicing, ZeroRule};
+use crosscut_affinity::rbf;
+use crosscut_spectral::{faer_evd, slicing};
 use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, SpectralStage, Spectrum, StageError};
 use scans::{Fallible, median};
 
 /// Revolutions of each family or recording.
 const REVOLUTIONS: usize = 60;
 const PASSES: usize = 7;
-/// Those of preset `paper`.
-const SIGMA_PER_M2: f64 = 1.5;
-const ZERO: ZeroRule = ZeroRule::Tolerance(1e-7);
 
 fn main() -> Fallible<()> {
     let recordings: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
     let mut solvers: [Box<dyn SpectralStage>; 3] =
-        [Box::new(FaerEvd::new(ZERO)?), Box::new(Slicing::new(ZERO, 1)?), Box::new(Slicing::new(ZERO, 16)?)];
-    let mut rbf = Rbf::new(SIGMA_PER_M2)?;
+        [faer_evd::KIND.with(&[])?, slicing::KIND.with(&[])?, slicing::KIND.with(&[("eigenvalues", 16.into())])?];
+    let mut rbf = rbf::KIND.with(&[])?;
     println!(
         "scans           , revolutions, returns,  faer_us, slicing_us, slicing16_us, ratio, ratio16, least, least16"
     );
     for scans in scans::of(&recordings, REVOLUTIONS)? {
         let mut rows = Vec::new();
         for revolution in &scans.revolutions {
-            rows.push(times_ns(&mut rbf, &mut solvers, revolution)?);
+            rows.push(times_ns(rbf.as_mut(), &mut solvers, revolution)?);
         }
         let mut returns: Vec<usize> = scans.revolutions.iter().map(Revolution::len).collect();
         let times_us =
@@ -62,7 +59,7 @@ fn main() -> Fallible<()> {
 /// The least time of each solver over the passes, each of a W that was just made, and with what the pass before left in
 /// the caches: as in the pipeline, which runs one solver only.
 fn times_ns(
-    rbf: &mut Rbf,
+    rbf: &mut dyn AffinityStage,
     solvers: &mut [Box<dyn SpectralStage>; 3],
     revolution: &Revolution,
 ) -> Result<[u64; 3], StageError> {

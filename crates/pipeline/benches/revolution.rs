@@ -7,7 +7,7 @@
 
 mod scans;
 
-use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_pipeline::{Config, Engine, Layer, Preset, Registry};
 use crosscut_stage::{Frame, Revolution, Step};
 use scans::{Fallible, Scans, median};
 
@@ -34,7 +34,7 @@ fn main() -> Fallible<()> {
         METHODS.iter().filter(|(method, ..)| names.is_empty() || names.iter().any(|name| name == method)).collect();
     let configs = methods.iter().map(|(_, preset, settings)| {
         let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-        Config::resolve(&Schema::new(&registry), &[Layer::preset(preset)?, Layer::settings("--set", &settings)?])
+        Config::resolve(&registry, &[Preset::named(preset)?.into(), Layer::settings("--set", &settings)?])
     });
     let mut engines: Vec<Engine> =
         configs.map(|config| config.map(|config| Engine::new(&config, &registry))).collect::<Result<_, _>>()?;

@@ -1,13 +1,11 @@
-//! All steps of the method on one revolution.
+//! All stages of the method on one revolution.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use crosscut_report::Reporter;
-use crosscut_stage::{
-    AffinityStage, Failure, FailureCause, Frame, KmeansStage, ReportStage, SpectralStage, StageError, Step,
-};
+use crosscut_stage::{Failure, FailureCause, Frame, StageError, Step};
 
 use crate::memory::MemoryBudget;
 use crate::{Config, Registry};
@@ -16,11 +14,10 @@ use crate::{Config, Registry};
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use crosscut_pipeline::{Config, Engine, Registry};
-/// use crosscut_stage::{Frame, Point};
+/// use crosscut_pipeline::{Frame, Preset, Settings};
+/// use crosscut_stage::Point;
 ///
-/// let registry = Registry::standard();
-/// let mut engine = Engine::new(&Config::preset("paper", &registry)?, &registry);
+/// let mut engine = Settings::new(Preset::Paper).engine()?;
 ///
 /// // Two walls, 6 m apart: each a row of returns 20 cm apart.
 /// let mut frame = Frame::default();
@@ -33,24 +30,39 @@ use crate::{Config, Registry};
 /// # }
 /// ```
 pub struct Engine {
-    stages: [Stage; 4],
+    pub(crate) weigh: Worker,
+    pub(crate) decompose: Worker,
+    pub(crate) cluster: Worker,
+    pub(crate) report: Worker,
 }
 
 impl Engine {
-    /// The stages that `config` chose, in the order of Algorithm 1.
+    /// The stages that `config` chose.
     pub fn new(config: &Config, registry: &Registry) -> Self {
-        Self::with_budget(config, registry, MemoryBudget::for_one(config))
+        Self::for_many(config, registry, 1, 1)
     }
 
-    pub(crate) fn with_budget(config: &Config, registry: &Registry, budget: MemoryBudget) -> Self {
-        let report = Reporter::new(config.params("report"), config.params("vehicle"));
+    /// One of `workers` engines that share this many frames.
+    pub(crate) fn for_many(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
+        let budget = MemoryBudget::new(config, registry, frames, workers);
+        let mut affinity = config.build(&registry.affinity);
+        let mut spectral = config.build(&registry.spectral);
+        let mut kmeans = config.build(&registry.kmeans);
+        let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
+        let budget_of_w = budget.clone();
         Self {
-            stages: [
-                Stage::Affinity(config.build(&registry.affinity), budget),
-                Stage::Spectral(config.build(&registry.spectral), budget),
-                Stage::Kmeans(config.build(&registry.kmeans)),
-                Stage::Report(Box::new(report)),
-            ],
+            weigh: Worker::new(Step::Affinity, move |f| {
+                budget_of_w.admit_affinity(f.revolution.len())?;
+                affinity.affinity(&f.revolution, &mut f.affinity, &mut f.notes)
+            }),
+            decompose: Worker::new(Step::Spectral, move |f| {
+                budget.admit_spectral(spectral.as_ref(), &f.affinity)?;
+                spectral.spectrum(&f.affinity, &mut f.spectrum, &mut f.notes)
+            }),
+            cluster: Worker::new(Step::Kmeans, move |f| kmeans.partition(&f.spectrum, &mut f.partition, &mut f.notes)),
+            report: Worker::new(Step::Report, move |f| {
+                reporter.report(&f.revolution, &f.spectrum, &f.partition, &mut f.junction, &mut f.notes)
+            }),
         }
     }
 
@@ -61,71 +73,43 @@ impl Engine {
     /// When a stage returns an error or panics; the same failure is left in `frame.failure`.
     pub fn process(&mut self, frame: &mut Frame) -> Result<(), Failure> {
         frame.failure = None;
-        for stage in &mut self.stages {
-            stage.work(frame);
-        }
-        frame.failure.clone().map_or(Ok(()), Err)
-    }
-
-    /// The stages one by one, in order, for workers that run them in threads of their own.
-    pub(crate) fn into_stages(self) -> [Stage; 4] {
-        self.stages
+        // Line 1: the adjacency W_ij = exp(-σ ‖x_i - x_j‖²), equation (1).
+        self.weigh.work(frame)?;
+        // Lines 2 to 4: L = I - D^-1/2 W D^-1/2, equation (2); its eigenvalues ascending, equation (3); k zeros.
+        self.decompose.work(frame)?;
+        // Line 5: k-means++ on the rows of U, equation (4).
+        self.cluster.work(frame)?;
+        // "The number of junctions, which is equal to the number of walls", and the openings between them.
+        self.report.work(frame)
     }
 }
 
-/// One step of the method with what does it.
-pub(crate) enum Stage {
-    Affinity(Box<dyn AffinityStage>, MemoryBudget),
-    Spectral(Box<dyn SpectralStage>, MemoryBudget),
-    Kmeans(Box<dyn KmeansStage>),
-    Report(Box<dyn ReportStage>),
+/// A stage with the parts of a frame that it reads and writes.
+pub(crate) struct Worker {
+    pub(crate) step: Step,
+    run: Box<dyn FnMut(&mut Frame) -> Result<(), StageError> + Send>,
 }
 
-impl Stage {
-    pub(crate) fn step(&self) -> Step {
-        match self {
-            Self::Affinity(..) => Step::Affinity,
-            Self::Spectral(..) => Step::Spectral,
-            Self::Kmeans(_) => Step::Kmeans,
-            Self::Report(_) => Step::Report,
-        }
+impl Worker {
+    fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
+        Self { step, run: Box::new(run) }
     }
 
-    /// Algorithm 1, a line or two each.
-    fn run(&mut self, frame: &mut Frame) -> Result<(), StageError> {
-        let Frame { revolution, affinity, spectrum, partition, junction, notes, .. } = frame;
-        match self {
-            // Line 1: the adjacency W_ij = exp(-σ ‖x_i - x_j‖²), equation (1).
-            Self::Affinity(stage, budget) => {
-                budget.admit_affinity(stage.as_ref(), revolution.len())?;
-                affinity.verdicts.clear(); // kinds that tell none need not know of them
-                stage.affinity(revolution, affinity, notes)
-            }
-            // Lines 2 to 4: L = I - D^-1/2 W D^-1/2, equation (2); its eigenvalues ascending, equation (3); k zeros.
-            Self::Spectral(stage, budget) => {
-                budget.admit_spectral(stage.as_ref(), affinity)?;
-                stage.spectrum(affinity, spectrum, notes)
-            }
-            // Line 5: k-means++ on the rows of U, equation (4).
-            Self::Kmeans(stage) => stage.partition(spectrum, partition, notes),
-            // "The number of junctions, which is equal to the number of walls", and the ways on between them.
-            Self::Report(stage) => stage.report(revolution, spectrum, partition, junction, notes),
+    /// Runs the stage and times it. A failure, also a panic, is left in the frame. A frame that has failed before is not
+    /// worked on.
+    pub(crate) fn work(&mut self, frame: &mut Frame) -> Result<(), Failure> {
+        if let Some(failure) = &frame.failure {
+            return Err(failure.clone());
         }
-    }
-
-    /// Runs the step and times it. A failure, also a panic, goes into the frame; a frame that has failed passes by.
-    pub(crate) fn work(&mut self, frame: &mut Frame) {
-        if frame.failure.is_some() {
-            return;
-        }
-        let (step, seq, start) = (self.step(), frame.revolution.seq, Instant::now());
-        let cause = match catch_unwind(AssertUnwindSafe(|| self.run(frame))) {
-            Ok(Ok(())) => None,
-            Ok(Err(error)) => Some(FailureCause::Error(error.to_string())),
-            Err(panic) => Some(FailureCause::Panic(panic_text(panic.as_ref()))),
-        };
+        let (step, seq, start) = (self.step, frame.revolution.seq, Instant::now());
+        let done = catch_unwind(AssertUnwindSafe(|| (self.run)(frame)));
         frame.timings.set_ns(step, elapsed_ns(start));
-        frame.failure = cause.map(|cause| Failure { step, seq, cause });
+        let cause = match done {
+            Ok(Ok(())) => return Ok(()),
+            Ok(Err(error)) => FailureCause::Error(error.to_string()),
+            Err(panic) => FailureCause::Panic(panic_text(panic.as_ref())),
+        };
+        Err(frame.failure.insert(Failure { step, seq, cause }).clone())
     }
 }
 
@@ -133,8 +117,8 @@ pub(crate) fn elapsed_ns(start: Instant) -> u64 {
     u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// What a caught panic said.
+/// The message of a caught panic.
 pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> String {
-    let said = panic.downcast_ref::<&str>().map(ToString::to_string);
-    said.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it did not say why".to_owned())
+    let message = panic.downcast_ref::<&str>().map(ToString::to_string);
+    message.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it did not say why".to_owned())
 }

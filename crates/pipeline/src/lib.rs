@@ -1,9 +1,12 @@
 //! Configuration, registry, engine, and the streaming pipeline.
 //!
 //! - [`Registry`]: which affinity, spectral and kmeans stages there are, by name.
+//! - [`Settings`]: a preset and what is to be different from it, for a robot's own program.
 //! - [`Config`]: presets, files and single settings in layers, checked against what the chosen stages declare.
-//! - [`Engine`]: all steps on one revolution in the calling thread: for a robot's own program.
-//! - [`stream`]: the same steps, each in a thread of its own, over a whole recording, in order and with bounded memory.
+//! - [`Engine`]: all stages on one revolution in the calling thread.
+//! - [`stream`]: the same stages, each in a thread of its own, over a whole recording, in order and with bounded memory.
+//!
+//! A robot's own program needs no other crate: see the example of [`Settings`].
 //!
 //! ```text
 //!          +-> affinity -> spectral -> kmeans -+  lane 0
@@ -19,14 +22,22 @@ mod note_counts;
 mod pace;
 mod quantiles;
 mod registry;
+mod settings;
 mod stop;
 mod stream;
 mod summary;
 
-pub use config::{Config, ConfigError, Layer, PIPELINE_PARAMS, PRESETS, Schema};
+pub use crosscut_ingest::Sensor;
+pub use crosscut_messages::LaserScan;
+pub use crosscut_spectral::ZERO_TOLERANCE;
+pub use crosscut_stage as stage;
+pub use crosscut_stage::{Failure, Frame};
+
+pub use config::{Config, ConfigError, Layer, Preset};
 pub use engine::Engine;
 pub use note_counts::{NoteCount, NoteCounts};
 pub use registry::Registry;
+pub use settings::Settings;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
 pub use summary::{End, StageTimes, Summary};

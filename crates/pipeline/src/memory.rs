@@ -1,34 +1,38 @@
-//! Sizes that would not fit are refused before they are allocated.
+//! Matrices that would not fit into memory are refused before they are allocated.
 
-use crosscut_stage::{Affinity, AffinityStage, SpectralStage, StageError};
+use crosscut_stage::{Affinity, Params, SpectralStage, StageError, Storage};
 
-use crate::Config;
+use crate::config::MEMORY_MB;
+use crate::{Config, Registry};
 
 const MB: u64 = 1 << 20;
 
 /// How much memory the matrices may take, and how many there are at a time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct MemoryBudget {
     limit_mb: u64,
     frames: u64,
     workers: u64,
+    /// How W is stored by the affinity with these parameters.
+    w: (Storage, Params),
 }
 
 impl MemoryBudget {
-    /// One frame, one worker.
-    pub(crate) fn for_one(config: &Config) -> Self {
-        Self::for_many(config, 1, 1)
-    }
-
-    /// So many frames in flight, so many workers.
-    pub(crate) fn for_many(config: &Config, frames: usize, workers: usize) -> Self {
-        let limit_mb = config.params("pipeline").count("memory_mb") as u64;
-        Self { limit_mb, frames: frames as u64, workers: workers as u64 }
+    /// For this many frames in flight and workers.
+    pub(crate) fn new(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
+        let storage = config.kind(&registry.affinity).properties.storage;
+        Self {
+            limit_mb: config.params("pipeline").get(MEMORY_MB) as u64,
+            frames: frames as u64,
+            workers: workers as u64,
+            w: (storage, config.params("affinity").clone()),
+        }
     }
 
     /// Whether W of n returns fits, once per frame.
-    pub(crate) fn admit_affinity(&self, stage: &dyn AffinityStage, n: usize) -> Result<(), StageError> {
-        self.admit(n, self.frames.saturating_mul(stage.memory_bytes(n)))
+    pub(crate) fn admit_affinity(&self, n: usize) -> Result<(), StageError> {
+        let (storage, params) = &self.w;
+        self.admit(n, self.frames.saturating_mul(storage.bytes(params, n)))
     }
 
     /// Whether the decomposition fits beside W, once per worker.

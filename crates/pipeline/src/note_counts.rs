@@ -1,14 +1,14 @@
-//! Which notes the revolutions of a run carried.
+//! The notes of the revolutions of a run.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crosscut_stage::Notes;
 
-/// Kinds are counted up to so many, so that memory stays flat whatever a damaged recording says.
+/// At most this many kinds are counted, so that the notes of a damaged recording do not fill the memory.
 const MOST_KINDS: usize = 100;
 
-/// How often each kind of note was taken; notes that differ only in their numbers are of one kind.
+/// How often each kind of note occurs; notes that differ only in their numbers are of one kind.
 #[derive(Debug, Default)]
 pub struct NoteCounts(BTreeMap<String, NoteCount>);
 
@@ -17,7 +17,7 @@ pub struct NoteCounts(BTreeMap<String, NoteCount>);
 pub struct NoteCount {
     /// The first of its kind, with its numbers.
     pub first: String,
-    /// How many revolutions carried one of its kind.
+    /// Number of revolutions with one of its kind.
     pub revolutions: u64,
     /// The last of them, by its place in the run.
     last: u64,
@@ -59,9 +59,9 @@ mod tests {
             notes.iter().for_each(|note| of_frame.add(*note));
             counts.add(number, &of_frame);
         }
-        let told: Vec<_> =
+        let counted: Vec<_> =
             counts.by_frequency().iter().map(|count| (count.first.as_str(), count.revolutions)).collect();
-        assert_eq!(told, [("3 beams masked", 2), ("stamp 0", 1)]);
+        assert_eq!(counted, [("3 beams masked", 2), ("stamp 0", 1)]);
     }
 
     #[test]

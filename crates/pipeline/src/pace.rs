@@ -2,21 +2,21 @@
 
 use std::time::{Duration, Instant};
 
-/// A wait looks this often whether it is over.
+/// A wait checks this often whether it is over.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// A longer pause of the stamps is not waited for, and a longer step back not made up for: the clock was set, or another
-/// recording begins.
+/// A longer pause of the stamps is not waited for: the clock was set, or another recording begins.
 const LONGEST_PAUSE_NS: u64 = 10_000_000_000;
+/// A longer step back of the stamps is not made up for, for the same reasons.
 const LONGEST_STEP_BACK_NS: u64 = 1_000_000_000;
 
-/// At a very low rate, the longest wait for a revolution: a century, which every clock can reach.
+/// The longest wait for a revolution, at a very low rate: a century, which every clock can reach.
 const LONGEST_WAIT: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
 
 /// Releases revolutions at a multiple of the pace at which the sensor stamped them.
 pub(crate) struct Pace {
     rate: f64,
-    /// When the revolution before was due, and its stamp.
+    /// When the previous revolution was due, and its stamp.
     previous: Option<(Instant, u64)>,
 }
 
@@ -26,8 +26,8 @@ impl Pace {
         Self { rate, previous: None }
     }
 
-    /// Waits until it is time for the revolution with this stamp, and says when that was: earlier than now if the wait
-    /// began too late. One from long before or after the revolution before is due at once. `is_over` ends the wait.
+    /// Waits until it is time for the revolution with this stamp, and returns that time: earlier than now if the wait
+    /// began too late. A revolution from long before or after the previous one is due at once. `is_over` ends the wait.
     pub(crate) fn wait_for(&mut self, stamp_ns: u64, is_over: impl Fn() -> bool) -> Instant {
         let due = self.due(stamp_ns).unwrap_or_else(Instant::now);
         self.previous = Some((due, stamp_ns));
@@ -43,16 +43,16 @@ impl Pace {
         }
     }
 
-    /// When the revolution with this stamp is due; `None` if nothing says when.
+    /// When the revolution with this stamp is due; `None` if that is unknown.
     fn due(&self, stamp_ns: u64) -> Option<Instant> {
         let (due, previous_ns) = self.previous?;
-        let (is_on, pause_ns) = (stamp_ns >= previous_ns, stamp_ns.abs_diff(previous_ns));
-        if pause_ns > if is_on { LONGEST_PAUSE_NS } else { LONGEST_STEP_BACK_NS } {
+        let (is_ahead, pause_ns) = (stamp_ns >= previous_ns, stamp_ns.abs_diff(previous_ns));
+        if pause_ns > if is_ahead { LONGEST_PAUSE_NS } else { LONGEST_STEP_BACK_NS } {
             return None;
         }
         let pause = Duration::try_from_secs_f64(pause_ns as f64 / 1e9 / self.rate);
         let pause = pause.map_or(LONGEST_WAIT, |pause| pause.min(LONGEST_WAIT));
-        if is_on { due.checked_add(pause) } else { due.checked_sub(pause) }
+        if is_ahead { due.checked_add(pause) } else { due.checked_sub(pause) }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Quantiles of very many numbers in little memory.
 
-/// Numbers up to this are counted one by one; larger ones by their leading bits, of which there are so many.
+/// Smaller numbers are counted one by one, larger ones by their leading bits.
 const EXACT: u64 = 1 << (LEADING_BITS + 1);
+/// Bits of a large number, after the highest, that decide where it is counted.
 const LEADING_BITS: u32 = 6;
 
-/// How often each number came, larger ones to 1/128 of them: some 4,000 counts at most, however many come.
+/// The frequency of each number, large ones to within 1/128: at most some 4,000 counts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quantiles {
     counts: Vec<u64>,

@@ -1,33 +1,30 @@
-//! Which stages there are, by name.
+//! The stages that can be chosen, by name.
 
 use crosscut_stage::{AffinityStage, Kind, KmeansStage, SpectralStage};
 
 /// The stages that a configuration can choose from.
 ///
-/// Append a stage of your own and it can be chosen by its name like any other:
+/// Append a stage of your own, and it is chosen by its name like any other:
 ///
 /// ```
 /// use crosscut_pipeline::Registry;
-/// use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError};
+/// use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};
 ///
 /// struct Alone;
 ///
-/// impl AffinityStage for Alone {
-///     fn affinity(&mut self, r: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
-///         let w = out.weights.make_dense(r.len());
-///         w.fill(0.0);
-///         w.diagonal_mut().fill(1.0);
-///         out.degrees = vec![1.0; r.len()];
-///         Ok(())
-///     }
+/// const ALONE: Kind<dyn AffinityStage> =
+///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
 ///
-///     fn memory_bytes(&self, n: usize) -> u64 {
-///         (n * n * 8) as u64
+/// impl AffinityStage for Alone {
+///     fn weigh(&mut self, r: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+///         let w = out.weights.make_sparse();
+///         (0..r.len() as u32).for_each(|i| w.push_row(&[i], &[1.0]));
+///         Ok(())
 ///     }
 /// }
 ///
 /// let mut registry = Registry::standard();
-/// registry.affinity.push(Kind { name: "alone", doc: "every return on its own", params: &[], build: |_| Box::new(Alone) });
+/// registry.affinity.push(ALONE);
 /// ```
 #[derive(Clone)]
 pub struct Registry {

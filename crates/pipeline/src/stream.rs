@@ -1,8 +1,8 @@
-//! The streaming pipeline: the engine's steps, each in a thread of its own, over a whole source.
+//! The streaming pipeline: the engine's stages, each in a thread of its own, over a whole source.
 //!
 //! Frames are dealt to the lanes in rotation and collected in the same rotation, so results keep the order of the
-//! source whatever the number of lanes. Each frame has one owner at a time; the pool bounds how many there are, and an
-//! empty pool is what holds ingest back.
+//! source whatever the number of lanes. Each frame has one owner at a time. The pool bounds
+//! their number, and an empty pool holds ingest back.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,8 +12,7 @@ use std::time::Instant;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
-use crate::engine::{Engine, Stage, elapsed_ns, panic_text};
-use crate::memory::MemoryBudget;
+use crate::engine::{Engine, Worker, elapsed_ns, panic_text};
 use crate::pace::Pace;
 use crate::stop::StopFlag;
 use crate::summary::{End, Summary};
@@ -22,20 +21,21 @@ use crate::{Config, Registry};
 /// Where results go: called once per revolution, in order, on the report thread.
 pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
 
-/// How a source is run through.
+/// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct StreamOptions {
-    /// Revolutions are released at this multiple of the sensor's pace; `None` as fast as they can be worked on.
+    /// Revolutions are released at this multiple of the sensor's pace; `None`: as fast as the stages are.
     pub rate: Option<f64>,
     /// Asks the run to stop.
     pub stop: StopFlag,
 }
 
-/// Runs every revolution of `source` through the stages of `config`; results first, then observers, in order.
+/// Runs every revolution of `source` through the stages of `config`, and gives each in order to `results`, then to the
+/// observers.
 ///
-/// The number of workers (`pipeline.workers`) never changes a result. When a step fails, every revolution before the
-/// failed one is written and observed, then the run ends; so it does when it is asked to stop or when results cannot
-/// be written. An observer that fails is left out. All threads are joined before this returns.
+/// The number of workers (`pipeline.workers`) never changes a result. When a stage fails, every revolution before the
+/// failed one is written and observed, then the run ends. It also ends when it is asked to stop, or when results cannot be
+/// written. An observer that fails sees no further frame. All threads are joined before this returns.
 ///
 /// # Errors
 /// When a thread cannot be started.
@@ -48,25 +48,24 @@ pub fn stream(
     options: &StreamOptions,
 ) -> io::Result<Summary> {
     let (workers, frames) = (config.workers(), config.in_flight());
-    let budget = MemoryBudget::for_many(config, frames, workers);
     let (pool_in, pool_out) = bounded(frames);
     for _ in 0..frames {
         pool_in.send(Frame::default()).expect("the pool holds them all, and its other end is here");
     }
 
     std::thread::scope(|scope| {
-        let (mut to_lanes, mut from_lanes, mut report) = (Vec::new(), Vec::new(), None);
+        let (mut to_lanes, mut from_lanes, mut last) = (Vec::new(), Vec::new(), None);
         for lane in 0..workers {
-            let [affinity, spectral, kmeans, last] = Engine::with_budget(config, registry, budget).into_stages();
+            let Engine { weigh, decompose, cluster, report } = Engine::for_many(config, registry, frames, workers);
             let (to_lane, mut flow) = bounded(1);
-            for stage in [affinity, spectral, kmeans] {
-                flow = spawn_worker(scope, stage, lane, flow)?;
+            for worker in [weigh, decompose, cluster] {
+                flow = spawn_worker(scope, worker, lane, flow)?;
             }
             to_lanes.push(to_lane);
             from_lanes.push(flow);
-            report = Some(last);
+            last = Some(report);
         }
-        let report = report.expect("there is at least one worker");
+        let report = last.expect("there is at least one worker");
 
         let ended = StopFlag::default();
         let ingest = Ingest { source, options: options.clone(), ended: ended.clone(), pool: pool_out, lanes: to_lanes };
@@ -92,21 +91,21 @@ pub fn stream(
 /// A frame on its way through the stages.
 struct Arrived {
     frame: Frame,
-    /// When its scan was there: at the sensor's pace its time, else when it was read.
+    /// When its scan arrived: its time at the sensor's pace, else when it was read.
     due: Instant,
 }
 
-/// A thread that runs one stage on every frame that comes; the frames come out of the returned channel.
+/// Starts a thread that runs one stage on every frame that comes; the frames come out of the returned channel.
 fn spawn_worker<'scope>(
     scope: &'scope Scope<'scope, '_>,
-    mut stage: Stage,
+    mut worker: Worker,
     lane: usize,
     frames: Receiver<Arrived>,
 ) -> io::Result<Receiver<Arrived>> {
     let (out, worked) = bounded(1);
-    Builder::new().name(format!("{}-{lane}", stage.step())).spawn_scoped(scope, move || {
+    Builder::new().name(format!("{}-{lane}", worker.step)).spawn_scoped(scope, move || {
         for mut arrived in frames {
-            stage.work(&mut arrived.frame);
+            worker.work(&mut arrived.frame).ok(); // a failure travels in its frame
             if out.send(arrived).is_err() {
                 return;
             }
@@ -126,7 +125,7 @@ struct Ingest<'a> {
 }
 
 impl Ingest<'_> {
-    /// Whether it stopped because it was asked to, with revolutions left.
+    /// Whether it was asked to stop while revolutions were left.
     fn run(mut self) -> bool {
         let mut pace = self.options.rate.map(Pace::new);
         let mut seq = 0;
@@ -175,7 +174,7 @@ impl Ingest<'_> {
 
 /// The report thread: collects the lanes in rotation, runs the last stage, writes results, passes frames on.
 struct Collect<'a> {
-    report: Stage,
+    report: Worker,
     lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
@@ -187,9 +186,8 @@ impl Collect<'_> {
         let mut summary = Summary::default();
         for lane in (0..self.lanes.len()).cycle() {
             let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
-            self.report.work(&mut frame);
-            if let Some(failure) = frame.failure.clone() {
-                // Where there is no revolution there is nothing to see.
+            if let Err(failure) = self.report.work(&mut frame) {
+                // A failed ingest leaves no revolution to observe.
                 if failure.step != Step::Ingest {
                     self.observers.send(frame).ok(); // they may have ended
                 }
@@ -200,7 +198,7 @@ impl Collect<'_> {
                 summary.end = End::ResultsLost(error);
                 break;
             }
-            // Reading the scan comes before it is due, but with a live sensor it would come after.
+            // A recorded scan is read before it is due, a live one after.
             let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
             frame.timings.set_latency_ns(Some(latency_ns));
             summary.add(&frame);
@@ -218,7 +216,7 @@ impl Collect<'_> {
     }
 }
 
-/// The observer thread: shows each frame to every observer, then gives it back to the pool.
+/// The observer thread: gives each frame to every observer, then returns it to the pool.
 struct Observing<'a> {
     observers: &'a mut [Box<dyn Observer>],
     finished: Receiver<Frame>,
@@ -226,13 +224,13 @@ struct Observing<'a> {
 }
 
 impl Observing<'_> {
-    /// What the observers that gave up said.
+    /// The errors of the observers that failed.
     fn run(self) -> Vec<String> {
         let mut errors = Vec::new();
         let mut active: Vec<_> = self.observers.iter_mut().collect();
         for frame in self.finished {
             active.retain_mut(|observer| keep(&mut errors, || observer.observe(&frame)));
-            // The other end is gone once ingest has ended: then nobody needs the frame.
+            // The other end is gone once ingest has ended. The frame is not needed then.
             let _ = self.pool.send(frame);
         }
         active.retain_mut(|observer| keep(&mut errors, || observer.finish()));
@@ -240,7 +238,7 @@ impl Observing<'_> {
     }
 }
 
-/// Whether the observer can go on; what it said otherwise goes to `errors`.
+/// Whether the observer takes further frames; if not, its error goes to `errors`.
 fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stage::ObserverError>) -> bool {
     let error = match catch_unwind(AssertUnwindSafe(act)) {
         Ok(Ok(())) => return true,

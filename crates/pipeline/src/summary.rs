@@ -1,4 +1,4 @@
-//! What a run amounts to.
+//! Counts and times of a run.
 
 use std::collections::BTreeMap;
 
@@ -12,13 +12,13 @@ use crate::quantiles::Quantiles;
 pub struct Summary {
     /// Revolutions whose results were written.
     pub revolutions: u64,
-    /// How many of them had each number of junctions.
+    /// Number of them with each number of junctions.
     pub junctions: BTreeMap<usize, u64>,
-    /// How many of them carried a note.
+    /// Number of them with a note.
     pub noted: u64,
-    /// Which notes these were.
+    /// Their notes.
     pub notes: NoteCounts,
-    /// How long each step took.
+    /// Time of each step.
     pub times: StageTimes,
     /// How the run ended.
     pub end: End,
@@ -32,7 +32,7 @@ pub enum End {
     /// The source was read to its end.
     #[default]
     Complete,
-    /// Somebody asked it to stop.
+    /// It was asked to stop.
     Interrupted,
     /// A step failed on a revolution; every revolution before it was written.
     Failed(Failure),
@@ -53,7 +53,7 @@ impl StageTimes {
         self.steps[step as usize].median_and_p99()
     }
 
-    /// The same of the time from when a scan was there to when its results were written.
+    /// Median and 99th percentile of the time from a scan's arrival to its written results, as above.
     pub fn latency_median_and_p99_ns(&self) -> Option<(u64, u64)> {
         self.latency.median_and_p99()
     }

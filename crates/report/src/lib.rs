@@ -24,5 +24,5 @@ mod results;
 pub mod ring;
 mod walls;
 
-pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};
+pub use reporter::{PARAMS, Reporter, VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};

@@ -1,57 +1,46 @@
 //! The report stage: walls, then openings, then the name of the place.
 
 use crosscut_stage::{
-    Interval, Junction, LevelView, Notes, ParamSpec, Params, Partition, ReportStage, Revolution, Shape, Spectrum,
-    StageError, Sweep,
+    Count, Junction, LevelView, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep,
+    Word,
 };
 
 use crate::openings::{self, Rule};
 use crate::ring::Ring;
 use crate::{confidence, islands, place, walls};
 
+const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
+    .from(1)
+    .to(1_000_000)
+    .doc("clusters with fewer returns are no wall; their returns are labelled -2");
+
+const ISLAND_M: Number = Number::new("island_m", "m", 0.0)
+    .from(0.0)
+    .to(100.0)
+    .doc("a shorter wall in front of what is on both sides of it is an island, not counted; 0: none is");
+
+const OPENINGS: Word = Word::one_of("openings", &["free_space", "between_walls"])
+    .doc("where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins");
+
+const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"]).doc(
+    "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
+);
+
 /// Section `report` of the configuration.
-pub const PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "min_returns",
-        unit: "returns",
-        shape: Shape::Integer { default: 1, min: 1, max: 1_000_000 },
-        doc: "clusters with fewer returns are no wall; their returns are labelled -2",
-    },
-    ParamSpec {
-        name: "island_m",
-        unit: "m",
-        shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 100.0) },
-        doc: "a shorter wall in front of what is on both sides of it is an island, not counted; 0: none is",
-    },
-    ParamSpec {
-        name: "openings",
-        unit: "",
-        shape: Shape::Choice { default: "free_space", of: &["free_space", "between_walls"] },
-        doc: "where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins",
-    },
-    ParamSpec {
-        name: "confidence",
-        unit: "",
-        shape: Shape::Choice { default: "margin", of: &["margin", "scene"] },
-        doc: "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
-    },
-];
+pub const PARAMS: &[ParamSpec] = &[MIN_RETURNS.spec, ISLAND_M.spec, OPENINGS.spec, CONFIDENCE.spec];
+
+/// The width of the vehicle.
+pub const VEHICLE_WIDTH_M: Number =
+    Number::new("width_m", "m", 0.6).above(0.0).to(100.0).doc("diameter of the disc that must fit through an opening");
+
+/// The height of the vehicle.
+pub const VEHICLE_HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
+    .above(0.0)
+    .to(100.0)
+    .doc("of a cloud, openings are seen by the returns no farther above or below the sensor than half of it");
 
 /// Section `vehicle` of the configuration.
-pub const VEHICLE_PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "width_m",
-        unit: "m",
-        shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-        doc: "diameter of the disc that must fit through an opening",
-    },
-    ParamSpec {
-        name: "height_m",
-        unit: "m",
-        shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-        doc: "of a cloud, openings are seen by the returns no farther above or below the sensor than half of it",
-    },
-];
+pub const VEHICLE_PARAMS: &[ParamSpec] = &[VEHICLE_WIDTH_M.spec, VEHICLE_HEIGHT_M.spec];
 
 /// Turns clusters into walls and openings.
 #[derive(Clone, Debug)]
@@ -70,18 +59,42 @@ impl Reporter {
     /// From checked values of [`PARAMS`] and [`VEHICLE_PARAMS`].
     pub fn new(report: &Params, vehicle: &Params) -> Self {
         Self {
-            min_returns: report.count("min_returns"),
-            island_m: report.number("island_m"),
-            confidence_of_scene: report.text("confidence") == "scene",
-            vehicle_width_m: vehicle.number("width_m"),
-            vehicle_height_m: vehicle.number("height_m"),
+            min_returns: report.get(MIN_RETURNS),
+            island_m: report.get(ISLAND_M),
+            confidence_of_scene: report.get(CONFIDENCE) == "scene",
+            vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
+            vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
             view: LevelView::default(),
-            openings: match report.text("openings") {
+            openings: match report.get(OPENINGS).as_str() {
                 "between_walls" => Rule::BetweenWalls,
                 _ => Rule::FreeSpace,
             },
             ring: Ring::default(),
         }
+    }
+
+    /// Writes walls, openings, the name of the place and the confidence into `out`, whatever `out` held before.
+    ///
+    /// # Errors
+    /// When there is not one label for each return.
+    pub fn report(
+        &mut self,
+        revolution: &Revolution,
+        spectrum: &Spectrum,
+        partition: &Partition,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
+        let (n, labelled) = (revolution.len(), partition.labels.len());
+        if n != labelled {
+            return Err(StageError::Mismatch(format!("labels: {labelled}, returns: {n}")));
+        }
+        walls::from_partition(revolution, partition, self.min_returns, out, notes);
+        match revolution.as_sweep() {
+            Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
+            None => self.look_around_in_cloud(revolution, spectrum, out, notes),
+        }
+        Ok(())
     }
 
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
@@ -134,28 +147,6 @@ impl Reporter {
         (out.openings, out.junctions) = (seen.openings, seen.junctions);
         (out.place, out.confidence) = (seen.place, seen.confidence);
         self.view = view;
-    }
-}
-
-impl ReportStage for Reporter {
-    fn report(
-        &mut self,
-        revolution: &Revolution,
-        spectrum: &Spectrum,
-        partition: &Partition,
-        out: &mut Junction,
-        notes: &mut Notes,
-    ) -> Result<(), StageError> {
-        let (n, labelled) = (revolution.len(), partition.labels.len());
-        if n != labelled {
-            return Err(StageError::Mismatch(format!("labels: {labelled}, returns: {n}")));
-        }
-        walls::from_partition(revolution, partition, self.min_returns, out, notes);
-        match revolution.as_sweep() {
-            Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
-            None => self.look_around_in_cloud(revolution, spectrum, out, notes),
-        }
-        Ok(())
     }
 }
 

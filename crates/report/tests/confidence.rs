@@ -2,7 +2,7 @@
 
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, ReportStage, Revolution, Value};
+use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution};
 use scenes::{Segment, scan, tee, tunnel};
 
 mod scenes;
@@ -19,9 +19,9 @@ fn answer_with_margin(
     margin_decades: Option<f64>,
 ) -> (Revolution, Junction) {
     let mut params = Params::defaults(PARAMS);
-    params.set("island_m", Value::Number(2.0)).expect("allowed");
-    params.set("openings", Value::Text("between_walls".into())).expect("allowed");
-    params.set("confidence", Value::Text("scene".into())).expect("allowed");
+    params.set("island_m", 2.0).expect("allowed");
+    params.set("openings", "between_walls").expect("allowed");
+    params.set("confidence", "scene").expect("allowed");
     let clusters = walls.iter().flatten().max().map_or(0, |last| *last as usize + 1);
     let mut frame = Frame { revolution, ..Frame::default() };
     frame.spectrum.margin_decades = margin_decades;

@@ -10,24 +10,24 @@ use std::fs::read_to_string;
 use std::hint::black_box;
 use std::time::Instant;
 
-use crosscut_spectral::{Blocks, Components, FaerEvd, NalgebraEvd, Slicing, ZeroRule};
+use crosscut_spectral::{blocks, components, faer_evd, nalgebra_evd, slicing};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 
 const DENSE: [usize; 5] = [90, 180, 360, 720, 1440];
 const SPARSE: [usize; 8] = [90, 180, 360, 720, 1440, 4096, 20_000, 100_000];
 const WALLS: usize = 4;
-/// The system counts processor time in steps of milliseconds: so long is run, looking at it so often.
+/// The system counts processor time in steps of milliseconds, so a solver runs for this long.
 const ENOUGH_NS: u64 = 300_000_000;
+/// Runs between two looks at the time.
 const RUNS_BETWEEN: u32 = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let rule = ZeroRule::Tolerance(1e-7);
     println!("{:<12},{:>8},{:>12}", "solver", "returns", "us");
     let mut dense: [(&str, Box<dyn SpectralStage>); 4] = [
-        ("faer", Box::new(FaerEvd::new(rule)?)),
-        ("nalgebra", Box::new(NalgebraEvd::new(rule)?)),
-        ("slicing", Box::new(Slicing::new(rule, 1)?)),
-        ("slicing16", Box::new(Slicing::new(rule, 16)?)),
+        ("faer", faer_evd::KIND.with(&[])?),
+        ("nalgebra", nalgebra_evd::KIND.with(&[])?),
+        ("slicing", slicing::KIND.with(&[])?),
+        ("slicing16", slicing::KIND.with(&[("eigenvalues", 16.into())])?),
     ];
     let dense_too = std::env::args().all(|arg| arg != "sparse");
     for n in DENSE.into_iter().filter(|_| dense_too) {
@@ -37,9 +37,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     // That of preset `default`: a wall of 25,000 returns has its next eigenvalue below 1e-7.
-    let rule = ZeroRule::Tolerance(1e-8);
+    let tolerance = [("zero_tolerance", 1e-8.into())];
     let mut sparse: [(&str, Box<dyn SpectralStage>); 2] =
-        [("blocks", Box::new(Blocks::new(rule, 1e-3)?)), ("components", Box::new(Components::new(1e-4)?))];
+        [("blocks", blocks::KIND.with(&tolerance)?), ("components", components::KIND.with(&[])?)];
     for n in SPARSE {
         let affinity = neighbours(n);
         for (name, stage) in &mut sparse {

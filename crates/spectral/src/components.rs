@@ -1,37 +1,36 @@
 //! `components`: the zero eigenvalues without a decomposition, of the graph without its weak edges.
+//!
+//! The components of the graph, by union-find. Every weight of at least `least_weight` is an edge; weaker ones, and those
+//! of 0, are not there, in L as well.
+//!
+//! That L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
+//! components in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros without
+//! the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive number
+//! could replace.
 
-use crosscut_stage::{
-    Affinity, Interval, Kind, Notes, ParamError, ParamSpec, Params, Shape, SpectralStage, Spectrum, StageError, Value,
-};
+use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
 
 use crate::degrees::check_degrees;
 use crate::forest::{self, Forest};
 
-const LEAST_WEIGHT: ParamSpec = ParamSpec {
-    name: "least_weight",
-    unit: "",
-    shape: Shape::Number { default: 1e-4, range: Interval::closed(0.0, 1.0) },
-    doc: "an edge of less is none, as the leaks of preset default are, and returns 2.5 m apart by rbf; 0: every weight is one",
-};
+const LEAST_WEIGHT: Number = Number::new("least_weight", "", 1e-4)
+    .from(0.0)
+    .to(1.0)
+    .follows("affinity.leak", 1e4)
+    .doc("an edge of less is none, as the leaks of preset default are, and returns 2.5 m apart by rbf; 0: every weight is one");
 
-const PARAMS: &[ParamSpec] = &[LEAST_WEIGHT];
+/// Union-find in place of a decomposition.
+pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
+    "components",
+    "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
+    |params| Box::new(Components { least_weight: params.get(LEAST_WEIGHT), ..Components::default() }),
+)
+.params(&[LEAST_WEIGHT.spec])
+.eigenvalues(Eigenvalues::Zeros)
+.stays_sparse();
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "components",
-    doc: "the zero eigenvalues alone, exact: one for each connected component of the edges that are not weak (baseline)",
-    params: PARAMS,
-    build: |params| Box::new(Components::with(params)),
-};
-
-/// The components of the graph, by union-find. Every weight of at least `least_weight` is an edge; weaker ones, and those
-/// of 0, are not there, in L as well.
-///
-/// That L has the eigenvalue 0 once for each component C, with the eigenvector D^1/2 1_C / ‖D^1/2 1_C‖: these are U,
-/// components in the order of their first return. Nothing else is computed: `eigenvalues` holds the k exact zeros
-/// without the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive
-/// number could replace.
-#[derive(Clone, Debug)]
-pub struct Components {
+#[derive(Default)]
+struct Components {
     least_weight: f64,
     forest: Forest,
     /// Σ of the edges at each return.
@@ -41,26 +40,7 @@ pub struct Components {
 }
 
 impl Components {
-    /// Of a graph without the edges of less than `least_weight`.
-    ///
-    /// # Errors
-    /// When that is below 0 or above 1.
-    pub fn new(least_weight: f64) -> Result<Self, ParamError> {
-        let mut params = Params::defaults(PARAMS);
-        params.set(LEAST_WEIGHT.name, Value::Number(least_weight))?;
-        Ok(Self::with(&params))
-    }
-
-    fn with(params: &Params) -> Self {
-        Self {
-            least_weight: params.number(LEAST_WEIGHT.name),
-            forest: Forest::default(),
-            degrees: Vec::new(),
-            volumes: Vec::new(),
-        }
-    }
-
-    /// Joins what the edges tie, and sums the edges at each return.
+    /// Joins the returns of each edge, and sums the edges at each return.
     fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
         let Self { least_weight, forest, degrees, .. } = self;
         let n = affinity.weights.n();
@@ -121,9 +101,9 @@ mod tests {
         for (i, j, weight) in [(0, 1, 0.5), (1, 2, 1e-7), (2, 3, 0.5)] {
             (w[(i, j)], w[(j, i)]) = (weight, weight);
         }
-        affinity.degrees = vec![1.5, 1.5 + 1e-7, 1.5 + 1e-7, 1.5];
+        affinity.sum_degrees();
         let mut out = Spectrum::default();
-        let mut stage = Components::new(least_weight).expect("a weight");
+        let mut stage = KIND.with(&[("least_weight", least_weight.into())]).expect("a weight");
         stage.spectrum(&affinity, &mut out, &mut Notes::default()).expect("a sound affinity");
         let u = out.u.to_dense();
         assert!((u.transpose() * &u - Mat::<f64>::identity(out.k, out.k)).norm_max() < 1e-15, "UᵀU = I: {u:?}");
@@ -137,6 +117,7 @@ mod tests {
 
     #[test]
     fn a_least_weight_that_is_none_is_refused() {
-        assert!([-1e-9, 1.1, f64::NAN].into_iter().all(|weight| Components::new(weight).is_err()));
+        let is_refused = |weight: f64| KIND.with(&[("least_weight", weight.into())]).is_err();
+        assert!([-1e-9, 1.1, f64::NAN].into_iter().all(is_refused));
     }
 }

@@ -9,11 +9,11 @@ use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use crate::laplacian::dense_bytes;
 
-/// Smaller entries say nothing beside a Laplacian's rounding of 1e-16, nor beside a tolerance of 1e-14.
+/// Smaller entries are negligible beside a Laplacian's rounding of 1e-16 and a tolerance of 1e-14.
 const NEGLIGIBLE: f64 = 1e-30;
 
-/// A matrix with 0 for what is negligible. Few returns, far from each other, have links such as 1e-260, with which the QR
-/// iteration of a full decomposition may go on for ever, or end with no numbers.
+/// A matrix with 0 for negligible entries. Few returns, far from each other, have weights such as 1e-260, with which the QR
+/// iteration of a full decomposition may not end, or end with NaN.
 pub(crate) fn without_negligible(matrix: MatRef<'_, f64>) -> Mat<f64> {
     let entry = |x: f64| if x.abs() < NEGLIGIBLE { 0.0 } else { x };
     Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| entry(matrix[(i, j)]))
@@ -36,7 +36,7 @@ impl Decomposition {
     /// Writes the n eigenvalues of a symmetric matrix, ascending, and keeps its eigenvectors.
     ///
     /// # Errors
-    /// When it does not converge, or to no number.
+    /// When it does not converge, or to NaN.
     pub(crate) fn decompose(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         let n = matrix.nrows();
         self.eigenvectors.resize_with(n, n, |_, _| 0.0);
@@ -46,7 +46,7 @@ impl Decomposition {
     /// Writes the n eigenvalues of a symmetric matrix, ascending, without its eigenvectors.
     ///
     /// # Errors
-    /// When it does not converge, or to no number.
+    /// When it does not converge, or to NaN.
     pub(crate) fn values(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         evd(matrix, eigenvalues, None, &mut self.scratch)
     }
@@ -65,7 +65,7 @@ impl Decomposition {
 }
 
 /// The eigenvalues of a symmetric matrix, and its eigenvectors if there is a place for them; makes `scratch` as large as
-/// it has to be. Where it does not converge, that is done without what is negligible.
+/// it has to be. Where it does not converge, it is repeated without negligible entries.
 fn evd(
     matrix: MatRef<'_, f64>,
     eigenvalues: &mut Vec<f64>,

@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Spectrum, StageError};
 
-use crate::ZeroRule;
+use crate::zero_rule::ZeroRule;
 
 /// Counts the zeros among `out.eigenvalues` (all n, ascending) and makes U of the k eigenvectors that belong to them.
 ///

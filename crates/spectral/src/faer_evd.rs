@@ -1,36 +1,30 @@
 //! `faer`: the full self-adjoint decomposition of the faer library.
+//!
+//! Every eigenvalue and eigenvector of L. Memory is kept from one revolution to the next.
 
-use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 
 use crate::decomposition::Decomposition;
 use crate::embedding::embed;
 use crate::laplacian::{Laplacian, dense_bytes};
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "faer",
-    doc: "all eigenvalues by the full decomposition of the dense Laplacian, as in the paper",
-    params: &[ZERO_TOLERANCE],
-    build: |params| Box::new(FaerEvd::with(ZeroRule::of(params))),
-};
+/// The paper's solver.
+pub const KIND: Kind<dyn SpectralStage> =
+    Kind::spectral("faer", "all eigenvalues by the full decomposition of the dense Laplacian, as in the paper", |params| {
+        Box::new(FaerEvd::new(ZeroRule::of(params)))
+    })
+    .params(&[ZERO_TOLERANCE.spec])
+    .eigenvalues(Eigenvalues::All);
 
-/// Every eigenvalue and eigenvector of L. Memory is kept from one revolution to the next.
-pub struct FaerEvd {
+pub(crate) struct FaerEvd {
     rule: ZeroRule,
     laplacian: Laplacian,
     decomposition: Decomposition,
 }
 
 impl FaerEvd {
-    /// Takes as zero what `rule` says.
-    ///
-    /// # Errors
-    /// When a number of the rule is out of range.
-    pub fn new(rule: ZeroRule) -> Result<Self, ParamError> {
-        rule.checked().map(Self::with)
-    }
-
-    pub(crate) fn with(rule: ZeroRule) -> Self {
+    pub(crate) fn new(rule: ZeroRule) -> Self {
         Self { rule, laplacian: Laplacian::default(), decomposition: Decomposition::default() }
     }
 }

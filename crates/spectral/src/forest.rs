@@ -21,7 +21,7 @@ impl Forest {
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
-    /// The root of the tree of `i`; every other member on the way is tied to its grandparent.
+    /// The root of the tree of `i`; every other member on the path becomes a child of its grandparent.
     fn root(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let grandparent = self.parent[self.parent[i as usize] as usize];

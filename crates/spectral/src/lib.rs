@@ -5,64 +5,60 @@
 //!
 //! L = I - D^-1/2 W D^-1/2 (the paper's equation 2). In exact arithmetic 0 = λ_1 <= … <= λ_n <= 2 (equation 3), and as
 //! many eigenvalues are 0 as the graph has components. Computed ones carry rounding errors of some n·2.2e-16: a zero
-//! may come out as -3e-16, and is kept as computed. What counts as zero is for a [`ZeroRule`] to say.
+//! may come out as -3e-16, and is kept as computed. What counts as zero is for the zero rule to say: those below τ ([`ZERO_TOLERANCE`]).
 //!
 //! | kind | method | λ | for |
 //! |---|---|---|---|
 //! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
 //! | `nalgebra` | full decomposition by another library | all n | a second opinion |
 //! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper, faster |
-//! | `blocks` | weak links set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
+//! | `blocks` | weak edges set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
 //! | `components` | weak edges left out, union-find, no decomposition | the k zeros, exact | the baselines, and what the spectrum adds |
 //!
 //! Each eigenvector is scaled by ±1 so that its entry of largest magnitude (the first of equals) is positive. With a
 //! repeated eigenvalue, which k > 1 zeros always are, only the span of the eigenvectors is defined: compare U·Uᵀ.
 //!
 //! ```
-//! use crosscut_spectral::{FaerEvd, ZeroRule};
+//! use crosscut_spectral::faer_evd;
 //! use crosscut_stage::{Affinity, Notes, Spectrum, SpectralStage};
 //!
 //! // Two returns with W_12 = 1/2, and one on its own.
 //! let mut affinity = Affinity::default();
 //! affinity.weights.make_dense(3).copy_from(faer::mat![[1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-//! affinity.degrees = vec![1.5, 1.5, 1.0];
+//! affinity.sum_degrees();
 //! let mut spectrum = Spectrum::default();
-//! FaerEvd::new(ZeroRule::Tolerance(1e-8))?.spectrum(&affinity, &mut spectrum, &mut Notes::default())?;
+//! faer_evd::KIND.with(&[("zero_tolerance", 1e-8.into())])?.spectrum(&affinity, &mut spectrum, &mut Notes::default())?;
 //! assert_eq!(spectrum.k, 2);
 //! assert!((spectrum.eigenvalues[2] - 2.0 / 3.0).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! To add one: a file with the struct and its `KIND`, and one line for it in [`KINDS`]; `tests/conformance.rs` then
-//! runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero rule: a variant of
-//! [`ZeroRule`].
+//! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
+//! `tests/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero
+//! rule: a variant of `ZeroRule`.
 //!
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
 
-mod blocks;
-mod components;
 mod decomposition;
 mod degrees;
 mod dot;
 mod embedding;
-mod faer_evd;
 mod forest;
 mod laplacian;
-mod nalgebra_evd;
-mod slicing;
 mod zero_rule;
+
+pub mod blocks;
+pub mod components;
+pub mod faer_evd;
+pub mod nalgebra_evd;
+pub mod slicing;
 
 use crosscut_stage::{Kind, SpectralStage};
 
-pub use blocks::Blocks;
-pub use components::Components;
-pub use faer_evd::FaerEvd;
 pub use laplacian::Laplacian;
-pub use nalgebra_evd::NalgebraEvd;
-pub use slicing::Slicing;
-pub use zero_rule::ZeroRule;
+pub use zero_rule::ZERO_TOLERANCE;
 
-/// The solvers that crosscut ships.
+/// The solvers that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn SpectralStage>] =
     &[faer_evd::KIND, nalgebra_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];

@@ -1,6 +1,9 @@
 //! `nalgebra`: the full symmetric decomposition of the nalgebra library, a second opinion on `faer`.
+//!
+//! Householder tridiagonalisation, then implicit QR with Wilkinson shifts. The library takes its matrix by value, so that
+//! memory is allocated again for each revolution.
 
-use crosscut_stage::{Affinity, Kind, Notes, ParamError, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 use faer::MatRef;
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
@@ -12,33 +15,18 @@ use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 /// Implicit QR takes two or three iterations an eigenvalue; LAPACK gives up after 30.
 const ITERATIONS_PER_EIGENVALUE: usize = 30;
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "nalgebra",
-    doc: "all eigenvalues, by a decomposition that shares no code with `faer`: slower, to check it by",
-    params: &[ZERO_TOLERANCE],
-    build: |params| Box::new(NalgebraEvd::with(ZeroRule::of(params))),
-};
+/// The solver that checks the others.
+pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
+    "nalgebra",
+    "all eigenvalues, by a decomposition that shares no code with `faer`: slower, to check it by",
+    |params| Box::new(NalgebraEvd { rule: ZeroRule::of(params), laplacian: Laplacian::default() }),
+)
+.params(&[ZERO_TOLERANCE.spec])
+.eigenvalues(Eigenvalues::All);
 
-/// Householder tridiagonalisation, then implicit QR with Wilkinson shifts. The library takes its matrix by value, so
-/// that memory is allocated anew for each revolution.
-#[derive(Clone, Debug)]
-pub struct NalgebraEvd {
+struct NalgebraEvd {
     rule: ZeroRule,
     laplacian: Laplacian,
-}
-
-impl NalgebraEvd {
-    /// Takes as zero what `rule` says.
-    ///
-    /// # Errors
-    /// When a number of the rule is out of range.
-    pub fn new(rule: ZeroRule) -> Result<Self, ParamError> {
-        rule.checked().map(Self::with)
-    }
-
-    fn with(rule: ZeroRule) -> Self {
-        Self { rule, laplacian: Laplacian::default() }
-    }
 }
 
 impl SpectralStage for NalgebraEvd {
@@ -65,7 +53,7 @@ impl SpectralStage for NalgebraEvd {
     }
 }
 
-/// `None` where it does not converge, or to no number.
+/// The decomposition; `None` where it does not converge, or to NaN.
 fn decompose(matrix: MatRef<'_, f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     let n = matrix.nrows();
     let matrix = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);

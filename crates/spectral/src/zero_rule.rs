@@ -1,33 +1,24 @@
 //! Which eigenvalues count as zero.
 
-use crosscut_stage::{Interval, ParamError, ParamSpec, Params, Shape, Spectrum, Value};
+use crosscut_stage::{Number, Params, Spectrum};
 
-pub(crate) const ZERO_TOLERANCE: ParamSpec = ParamSpec {
-    name: "zero_tolerance",
-    unit: "",
-    shape: Shape::Number { default: 1e-7, range: Interval::closed(1e-14, 2.0) },
-    doc: "τ: eigenvalues of the Laplacian below it count as zero; at least 1e-14, as smaller ones are rounding",
-};
+/// τ. The paper gives none; how far τ could be moved before k changes is the margin.
+pub const ZERO_TOLERANCE: Number = Number::new("zero_tolerance", "", 1e-7)
+    .from(1e-14)
+    .to(2.0)
+    .follows("affinity.leak", 1.0)
+    .doc("τ: eigenvalues of the Laplacian below it count as zero; at least 1e-14, as smaller ones are rounding");
 
-/// How the zero eigenvalues are told from the others.
+/// How the zero eigenvalues are distinguished from the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ZeroRule {
-    /// Those below τ, which is in [1e-14, 2]. The paper gives none; how far τ could be moved before k changes is the
-    /// margin.
+pub(crate) enum ZeroRule {
+    /// Those below τ.
     Tolerance(f64),
 }
 
 impl ZeroRule {
-    /// The rule, if its numbers are allowed.
-    pub(crate) fn checked(self) -> Result<Self, ParamError> {
-        let Self::Tolerance(tolerance) = self;
-        ZERO_TOLERANCE.check(Value::Number(tolerance))?;
-        Ok(self)
-    }
-
     pub(crate) fn of(params: &Params) -> Self {
-        Self::Tolerance(params.number(ZERO_TOLERANCE.name))
+        Self::Tolerance(params.get(ZERO_TOLERANCE))
     }
 
     /// Sets τ, k and the margin of a spectrum of n eigenvalues without bounds, of which all zeros are known, and the
@@ -37,7 +28,7 @@ impl ZeroRule {
         (spectrum.zeros_bound, spectrum.span_bound) = (0.0, 0.0);
         spectrum.tolerance = tolerance;
         let below = spectrum.eigenvalues.partition_point(|&eigenvalue| eigenvalue < tolerance);
-        // The first is 0, whatever rounding makes of it.
+        // The first is 0, even if rounding has lifted it above τ.
         spectrum.k = below.max(spectrum.eigenvalues.len().min(1));
         spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);
     }

@@ -1,19 +1,24 @@
 //! What `blocks` does beyond the shared tests: it needs no full decomposition for the graphs that it is made for,
-//! and proves what it says of weak links.
+//! and proves its bounds on weak edges.
 
 mod solving;
 
 use std::cell::Cell;
 
-use crosscut_spectral::{Blocks, FaerEvd, NalgebraEvd, ZeroRule};
+use crosscut_spectral::{blocks, faer_evd, nalgebra_evd};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use solving::spectrum;
+use solving::{solver, spectrum};
 
-/// Chains of the given lengths, each node tied to the `reach` next ones; nodes of all chains in one shuffled order.
+fn blocks(tolerance: f64, weak_link: f64) -> Box<dyn SpectralStage> {
+    let values = [("zero_tolerance", tolerance.into()), ("weak_link", weak_link.into())];
+    blocks::KIND.with(&values).expect("allowed")
+}
+
+/// Chains of the given lengths, each node with edges to the `reach` next ones; nodes of all chains in one shuffled order.
 fn chains(lengths: &[usize], reach: usize) -> Affinity {
     let n: usize = lengths.iter().sum();
     let starts = lengths.iter().scan(0, |sum, length| Some(std::mem::replace(sum, *sum + length)));
@@ -38,9 +43,9 @@ fn chains(lengths: &[usize], reach: usize) -> Affinity {
 fn chains_need_no_full_decomposition_and_the_next_eigenvalue_is_that_of_one() {
     for (lengths, reach) in [(&[150, 91, 1, 60][..], 4), (&[40, 2, 3], 1), (&[299], 4)] {
         let affinity = chains(lengths, reach);
-        let rule = ZeroRule::Tolerance(1e-8);
-        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
-        let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
+        let tolerance = 1e-8;
+        let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
+        let (all, _) = spectrum(solver(&nalgebra_evd::KIND, tolerance).as_mut(), &affinity);
         assert_eq!((found.k, notes), (lengths.len(), 0), "{lengths:?}");
         let (next, expected) = (found.eigenvalues[found.k], all.eigenvalues[all.k]);
         assert!((next - expected).abs() < 1e-13, "{lengths:?}: {next} is {expected} by full decomposition");
@@ -51,12 +56,12 @@ fn chains_need_no_full_decomposition_and_the_next_eigenvalue_is_that_of_one() {
 fn a_second_eigenvalue_below_the_tolerance_counts_as_zero_and_is_noted() {
     let mut affinity = chains(&[20, 21], 2);
     tie(&mut affinity, 0, 40, 1e-10); // places of both chains
-    let rule = ZeroRule::Tolerance(1e-8);
-    let (found, notes) = spectrum(&mut Blocks::new(rule, 0.0).expect("allowed"), &affinity);
+    let tolerance = 1e-8;
+    let (found, notes) = spectrum(blocks(tolerance, 0.0).as_mut(), &affinity);
     assert_eq!((found.k, notes), (2, 1), "{:?}", found.eigenvalues);
 }
 
-/// Ties two returns more.
+/// Adds to the edge between two returns.
 fn tie(affinity: &mut Affinity, i: usize, j: usize, weight: f64) {
     let w = affinity.weights.make_dense(affinity.degrees.len());
     w[(i, j)] += weight;
@@ -65,7 +70,7 @@ fn tie(affinity: &mut Affinity, i: usize, j: usize, weight: f64) {
     affinity.degrees[j] += weight;
 }
 
-/// Chains with links of 1e-15 to 1 between some of their nodes.
+/// Chains with edges of 1e-15 to 1 between some of their nodes.
 fn linked_chains() -> impl Strategy<Value = Affinity> {
     let links = vec((any::<[u16; 2]>(), -15.0..0.0f64), 0..8);
     (vec(1..25usize, 1..7), links).prop_map(|(mut lengths, links)| {
@@ -90,13 +95,13 @@ fn sine(u: &Mat<f64>, v: &Mat<f64>) -> f64 {
 
 #[test]
 fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_are_within_the_bounds() {
-    let rule = ZeroRule::Tolerance(1e-8);
+    let tolerance = 1e-8;
     let (set_aside, undecided) = (Cell::new(0), Cell::new(0));
     let config = Config { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
     let ran = TestRunner::new(config).run(&linked_chains(), |affinity| {
         let rounding = 100.0 * affinity.degrees.len() as f64 * f64::EPSILON;
-        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
-        let (all, _) = spectrum(&mut NalgebraEvd::new(rule).expect("allowed"), &affinity);
+        let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
+        let (all, _) = spectrum(solver(&nalgebra_evd::KIND, tolerance).as_mut(), &affinity);
         if all.eigenvalues.iter().any(|lambda| (lambda - all.tolerance).abs() <= rounding) {
             undecided.set(undecided.get() + 1);
             return Ok(());
@@ -129,7 +134,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
 fn a_real_leak_between_two_walls_is_the_second_eigenvalue() {
     let mut affinity = chains(&[20, 21], 2);
     tie(&mut affinity, 0, 40, 1e-9);
-    let (found, _) = spectrum(&mut Blocks::new(ZeroRule::Tolerance(1e-8), 1e-3).expect("allowed"), &affinity);
+    let (found, _) = spectrum(blocks(1e-8, 1e-3).as_mut(), &affinity);
     let volume = |chain: std::ops::Range<usize>| chain.map(|i| affinity.degrees[i * 7 % 41]).sum::<f64>();
     let expected = 1e-9 * (volume(0..20).recip() + volume(20..41).recip());
     assert!((found.eigenvalues[1] / expected - 1.0).abs() < 1e-6, "{} is {expected}", found.eigenvalues[1]);
@@ -147,17 +152,17 @@ fn twins_of_a_wall_that_is_almost_two_are_all_in_its_eigenvectors() {
         affinity.degrees[leaf] -= lost;
         affinity.degrees[3] -= lost;
     }
-    let rule = ZeroRule::Tolerance(1e-8);
-    let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+    let tolerance = 1e-8;
+    let (all, _) = spectrum(solver(&faer_evd::KIND, tolerance).as_mut(), &affinity);
     for weak_link in [0.0, 1e-3] {
-        let (found, notes) = spectrum(&mut Blocks::new(rule, weak_link).expect("allowed"), &affinity);
+        let (found, notes) = spectrum(blocks(tolerance, weak_link).as_mut(), &affinity);
         assert_eq!((found.k, all.k, notes), (2, 2, usize::from(weak_link == 0.0)), "{:?}", found.eigenvalues);
         assert!((found.eigenvalues[2] - all.eigenvalues[2]).abs() < 1e-12);
         assert!(sine(&found.u.to_dense(), &all.u.to_dense()) < found.span_bound + 1e-8);
     }
 }
 
-/// A chain of hubs, each tied to the next, with so many leaves tied to it and to the next hub: no order of its nodes
+/// A chain of hubs, each with an edge to the next, and this many leaves with edges to it and to the next hub: no order of its nodes
 /// has short edges.
 fn hubs(hubs: usize, leaves: usize) -> Affinity {
     let n = hubs * (1 + leaves);
@@ -182,9 +187,9 @@ fn hubs(hubs: usize, leaves: usize) -> Affinity {
 fn a_block_whose_edges_are_long_in_every_order_has_the_second_eigenvalue_of_a_full_decomposition() {
     for (count, leaves) in [(2, 150), (4, 90), (5, 70), (1, 1200), (2, 600), (5, 210)] {
         let affinity = hubs(count, leaves);
-        let rule = ZeroRule::Tolerance(1e-8);
-        let (found, notes) = spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity);
-        let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+        let tolerance = 1e-8;
+        let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
+        let (all, _) = spectrum(solver(&faer_evd::KIND, tolerance).as_mut(), &affinity);
         assert_eq!((found.k, notes), (1, 0), "{count} hubs of {leaves} leaves");
         let (next, expected) = (found.eigenvalues[1], all.eigenvalues[1]);
         assert!((next - expected).abs() < 1e-12, "{count} hubs: {next} is {expected} by full decomposition");
@@ -197,7 +202,7 @@ fn a_block_in_which_all_are_tied_to_all_has_the_second_eigenvalue_of_a_complete_
     let (n, weight) = (700, 0.25);
     let mut affinity = Affinity { degrees: vec![1.0 + weight * (n - 1) as f64; n], ..Affinity::default() };
     affinity.weights.make_dense(n).copy_from(Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { weight }));
-    let (found, notes) = spectrum(&mut Blocks::new(ZeroRule::Tolerance(1e-8), 1e-6).expect("allowed"), &affinity);
+    let (found, notes) = spectrum(blocks(1e-8, 1e-6).as_mut(), &affinity);
     assert_eq!((found.k, notes), (1, 0));
     let (next, expected) = (found.eigenvalues[1], 1.0 - (1.0 - weight) / affinity.degrees[0]);
     assert!((next - expected).abs() < 1e-12, "{next} is {expected}");
@@ -205,9 +210,9 @@ fn a_block_in_which_all_are_tied_to_all_has_the_second_eigenvalue_of_a_complete_
 
 #[test]
 fn an_edge_of_weight_0_that_w_stores_changes_nothing_however_long_it_is() {
-    // A path of which each node is tied to the 20 next ones.
+    // A path in which each node has edges to the 20 next ones.
     let (n, reach) = (80u32, 20);
-    let rule = ZeroRule::Tolerance(1e-8);
+    let tolerance = 1e-8;
     let of_path = |zeros: &[(u32, u32)]| {
         let mut affinity = Affinity::default();
         let w = affinity.weights.make_sparse();
@@ -218,7 +223,7 @@ fn an_edge_of_weight_0_that_w_stores_changes_nothing_however_long_it_is() {
             w.end_row();
         }
         affinity.degrees = (0..n).map(|i| f64::from(1 + i.min(reach) + (n - 1 - i).min(reach))).collect();
-        spectrum(&mut Blocks::new(rule, 1e-3).expect("allowed"), &affinity)
+        spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity)
     };
     let (with, without) = (of_path(&[(3, 24), (10, 60)]), of_path(&[]));
     assert_eq!((with.0.k, &with.0.eigenvalues, with.1), (1, &without.0.eigenvalues, without.1));
@@ -236,7 +241,7 @@ fn a_component_too_large_to_be_decomposed_in_full_is_refused_with_the_size_that_
         row.into_iter().for_each(|j| w.push(j, 1.0));
         w.end_row();
     }
-    let mut stage = Blocks::new(ZeroRule::Tolerance(1e-6), 0.0).expect("allowed");
+    let mut stage = blocks(1e-6, 0.0);
     let refused =
         stage.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default()).expect_err("7 GB and more");
     assert!(
@@ -256,7 +261,7 @@ fn very_many_blocks_with_weak_links_are_refused_before_their_graph_takes_the_mem
         w.end_row();
     }
     affinity.degrees = vec![1.0; n];
-    let mut blocks = Blocks::new(ZeroRule::Tolerance(1e-8), 1e-3).expect("allowed");
+    let mut blocks = blocks(1e-8, 1e-3);
     let refused = blocks.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default());
     let words = refused.expect_err("3 GB and more").to_string();
     assert!(words.contains("20000 blocks with weak links") && words.contains("spectral.weak_link"), "{words}");

@@ -5,8 +5,8 @@ mod graphs;
 
 use std::fmt::Debug;
 
-use crosscut_spectral::{FaerEvd, KINDS, Laplacian, NalgebraEvd, Slicing, ZeroRule};
-use crosscut_stage::{Affinity, Kind, Notes, Params, SpectralStage, Spectrum, StageError};
+use crosscut_spectral::{KINDS, Laplacian};
+use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 use faer::Mat;
 use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
@@ -16,7 +16,7 @@ use graphs::{Graph, graph};
 type SpectralKind = Kind<dyn SpectralStage>;
 
 fn build(kind: &SpectralKind) -> Box<dyn SpectralStage> {
-    (kind.build)(&Params::defaults(kind.params))
+    kind.with(&[]).expect("the defaults")
 }
 
 fn spectrum(kind: &SpectralKind, affinity: &Affinity) -> Spectrum {
@@ -27,8 +27,8 @@ fn spectrum(kind: &SpectralKind, affinity: &Affinity) -> Spectrum {
 
 /// A full decomposition that shares no code with `kind`.
 fn other_than(kind: &SpectralKind) -> &'static SpectralKind {
-    let other = if kind.name == "nalgebra" { "faer" } else { "nalgebra" };
-    KINDS.iter().find(|kind| kind.name == other).expect("both are shipped")
+    let mut full = KINDS.iter().filter(|other| other.properties.eigenvalues == Eigenvalues::All);
+    full.rfind(|other| other.name != kind.name).expect("there are two")
 }
 
 fn laplacian(affinity: &Affinity) -> Mat<f64> {
@@ -52,7 +52,7 @@ fn for_many<T: Debug>(what: &str, inputs: &impl Strategy<Value = T>, body: impl 
     }
 }
 
-/// The same on every kind.
+/// Runs `body`, which asserts, on every kind and many inputs.
 fn for_every_kind<T: Debug>(inputs: &impl Strategy<Value = T>, body: impl Fn(&SpectralKind, T)) {
     KINDS.iter().for_each(|kind| for_many(kind.name, inputs, |input| body(kind, input)));
 }
@@ -137,7 +137,7 @@ fn solvers_agree_on_k_and_the_span_of_u_when_walls_leak_into_each_other() {
         let affinity = graph.leaking(10f64.powf(leak_decades)).dense();
         let (found, expected) = (spectrum(kind, &affinity), spectrum(other_than(kind), &affinity));
         assert_eq!((found.k, expected.k), (graph.components(), graph.components()), "λ = {:?}", found.eigenvalues);
-        if kind.name == "components" {
+        if kind.properties.eigenvalues == Eigenvalues::Zeros {
             return; // its U is that of the graph without leaks
         }
         let gap = expected.eigenvalues.get(expected.k).map_or(2.0, |next| next - expected.eigenvalues[expected.k - 1]);
@@ -210,7 +210,7 @@ fn the_margin_says_how_far_the_tolerance_is_from_another_count() {
     for kind in KINDS {
         assert_eq!(spectrum(kind, &Graph::complete(0, 1.0).dense()).margin_decades, None, "{}", kind.name);
         let Some(margin) = spectrum(kind, &Graph::complete(2, 1e-6).dense()).margin_decades else {
-            assert_eq!(kind.name, "components");
+            assert_eq!(kind.properties.eigenvalues, Eigenvalues::Zeros, "{}", kind.name);
             continue;
         };
         // τ = 1e-7, λ = 0 (so 2·2.2e-16) and 2e-6: 8.35 decades on one side, 1.30 on the other.
@@ -245,10 +245,10 @@ fn a_tolerance_below_rounding_or_above_2_is_refused() {
     for (allowed, tolerance) in
         [(false, 0.0), (false, -1e-8), (false, f64::NAN), (false, 1e-15), (true, 1e-14), (true, 2.0), (false, 2.1)]
     {
-        let rule = ZeroRule::Tolerance(tolerance);
-        assert_eq!(FaerEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
-        assert_eq!(NalgebraEvd::new(rule).is_ok(), allowed, "τ = {tolerance}");
-        assert_eq!(Slicing::new(rule, 1).is_ok(), allowed, "τ = {tolerance}");
+        for kind in KINDS.iter().filter(|kind| kind.properties.eigenvalues != Eigenvalues::Zeros) {
+            let built = kind.with(&[("zero_tolerance", tolerance.into())]);
+            assert_eq!(built.is_ok(), allowed, "{} with τ = {tolerance}", kind.name);
+        }
     }
 }
 
@@ -262,7 +262,7 @@ fn memory_grows_with_n_and_is_never_too_large_to_say() {
 
 #[test]
 fn the_zeros_of_very_many_returns_on_their_own_take_no_matrix_of_n_by_k() {
-    for kind in KINDS.iter().filter(|kind| ["blocks", "components"].contains(&kind.name)) {
+    for kind in KINDS.iter().filter(|kind| kind.properties.stays_sparse) {
         let n = 100_000;
         let mut affinity = Affinity { degrees: vec![1.0; n], ..Affinity::default() };
         let w = affinity.weights.make_sparse();
@@ -290,7 +290,7 @@ fn few_returns_far_from_each_other_whose_links_are_next_to_nothing_are_decompose
         let mut affinity = Affinity::default();
         *affinity.weights.make_dense(n) = Mat::from_fn(n, n, |i, j| (-1.5 * squared(i, j)).exp());
         affinity.degrees = (0..n).map(|i| (0..n).map(|j| (-1.5 * squared(i, j)).exp()).sum()).collect();
-        for kind in KINDS.iter().filter(|kind| kind.name != "components") {
+        for kind in KINDS {
             let mut found = Spectrum::default();
             let done = build(kind).spectrum(&affinity, &mut found, &mut Notes::default());
             assert!(done.is_ok(), "{}: {done:?} at {places_m:?}", kind.name);

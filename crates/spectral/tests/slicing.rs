@@ -4,17 +4,22 @@ mod solving;
 
 use std::cell::Cell;
 
-use crosscut_spectral::{FaerEvd, Slicing, ZeroRule};
-use crosscut_stage::Affinity;
+use crosscut_spectral::{faer_evd, slicing};
+use crosscut_stage::{Affinity, SpectralStage};
 use proptest::collection::vec;
 use proptest::prelude::Strategy;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use solving::spectrum;
+use solving::{solver, spectrum};
 
 const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;
 
-/// Equation (1) with σ = 1.5 per m² over parallel walls, each so many metres from the one before it, and of returns
+fn slicing(eigenvalues: usize) -> Box<dyn SpectralStage> {
+    let values = [("zero_tolerance", TOLERANCE.into()), ("eigenvalues", (eigenvalues as u32).into())];
+    slicing::KIND.with(&values).expect("allowed")
+}
+
+/// Equation (1) with σ = 1.5 per m² over parallel walls, each some metres from the one before it, and of returns
 /// that lie closer and closer.
 fn walls() -> impl Strategy<Value = Affinity> {
     vec((0.3..7.0f64, 1..80usize, 0.01..0.4f64, 1.0..1.05f64), 1..6).prop_map(|walls| {
@@ -48,16 +53,15 @@ fn dense(n: usize, weight: impl Fn(usize, usize) -> f64) -> Affinity {
 
 #[test]
 fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition() {
-    let rule = ZeroRule::Tolerance(TOLERANCE);
     let (compared, undecided, fallbacks) = (Cell::new(0), Cell::new(0), Cell::new(0));
     let count = |counter: &Cell<usize>| counter.set(counter.get() + 1);
     let config = Config { cases: 150, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
     let ran = TestRunner::new(config).run(&walls(), |affinity| {
         let n = affinity.degrees.len();
         let rounding = 100.0 * n as f64 * f64::EPSILON;
-        let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+        let (all, _) = spectrum(solver(&faer_evd::KIND, TOLERANCE).as_mut(), &affinity);
         for eigenvalues in [1, EIGENVALUES] {
-            let (found, notes) = spectrum(&mut Slicing::new(rule, eigenvalues as u32).expect("allowed"), &affinity);
+            let (found, notes) = spectrum(slicing(eigenvalues).as_mut(), &affinity);
             (0..notes).for_each(|_| count(&fallbacks));
             assert_eq!(found.eigenvalues.len(), eigenvalues.max(found.k + 1).min(n));
             for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
@@ -82,8 +86,8 @@ fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition()
     assert!(compared > 280 && fallbacks < 5, "{compared} compared, {undecided} undecided, {fallbacks} in full");
 }
 
-/// Groups of 8 returns in a ring, whose neighbours are tied weakly; and beside them, not connected with them, a chain.
-/// Of the trace of D^-1/2 W D^-1/2 the chain has most, of the smallest eigenvalues the groups.
+/// Groups of 8 returns in a ring, whose neighbours have weak edges; and beside them, not connected with them, a chain.
+/// The chain has most of the trace of D^-1/2 W D^-1/2, the groups most of the smallest eigenvalues.
 fn groups_and_a_chain() -> Affinity {
     let (groups, size, chain) = (15, 8, 120);
     let ring = groups * size;
@@ -101,10 +105,10 @@ fn groups_and_a_chain() -> Affinity {
 
 #[test]
 fn a_part_that_has_more_of_the_smallest_eigenvalues_than_its_share_gives_them_all() {
-    let (affinity, rule) = (groups_and_a_chain(), ZeroRule::Tolerance(TOLERANCE));
-    let (all, _) = spectrum(&mut FaerEvd::new(rule).expect("allowed"), &affinity);
+    let affinity = groups_and_a_chain();
+    let (all, _) = spectrum(solver(&faer_evd::KIND, TOLERANCE).as_mut(), &affinity);
     for eigenvalues in [2, 8, EIGENVALUES] {
-        let (found, _) = spectrum(&mut Slicing::new(rule, eigenvalues as u32).expect("allowed"), &affinity);
+        let (found, _) = spectrum(slicing(eigenvalues).as_mut(), &affinity);
         assert_eq!((found.k, found.eigenvalues.len()), (2, eigenvalues.max(3)));
         for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
             assert!((ours - full).abs() <= 1e-10, "λ_{j} of {eigenvalues}: {ours} is {full}");

@@ -9,20 +9,34 @@ pub struct Affinity {
     pub weights: Weights,
     /// D_ii = Σ_j W_ij, the diagonal of D; n entries, each at least 1.
     pub degrees: Vec<f64>,
-    /// What was decided at gaps, by kinds that decide whether a wall ends there; no stage reads it.
+    /// What was decided at gaps, by kinds that decide whether a wall ends there.
     pub verdicts: Vec<Verdict>,
 }
 
-/// Whether a wall goes on across a gap between two returns that follow each other around the sensor.
+impl Affinity {
+    /// Sets D_ii = Σ_j W_ij. Each sum runs over the stored entries in the order of their columns, so that its bits do
+    /// not depend on the machine.
+    pub fn sum_degrees(&mut self) {
+        let Self { weights, degrees, .. } = self;
+        degrees.clear();
+        match weights {
+            // W is symmetric: the entries of a column are those of the row.
+            Weights::Dense(w) => degrees.extend((0..w.ncols()).map(|j| w.col_as_slice(j).iter().sum::<f64>())),
+            Weights::Sparse(w) => degrees.extend((0..w.n()).map(|i| w.row(i).1.iter().sum::<f64>())),
+        }
+    }
+}
+
+/// Whether a wall continues across a gap between two returns that follow each other around the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// The two returns, anticlockwise.
     pub returns: [u32; 2],
-    /// The wall ends there: it is a way on.
+    /// The wall ends there: the gap is an opening.
     pub is_way: bool,
-    /// The room that there is, divided by the room that a way on needs: the nearer to 1, the more doubtful.
+    /// The room at the gap, divided by the room that an opening needs. The nearer to 1, the more doubtful.
     pub room_ratio: f64,
-    /// What decides there, in a few words: the rule by which there is the most room, or why there is none.
+    /// The rule that decides, in a few words: the one by which there is the most room, or why there is none.
     pub reason: &'static str,
 }
 
@@ -51,7 +65,7 @@ impl Weights {
         }
     }
 
-    /// How many entries are stored.
+    /// Number of stored entries.
     pub fn stored(&self) -> usize {
         match self {
             Self::Dense(w) => w.nrows() * w.ncols(),
@@ -89,7 +103,7 @@ impl Weights {
         }
     }
 
-    /// The dense n×n matrix in `self`, made so (and resized, its old content unspecified) if it is not.
+    /// Makes `self` a dense n×n matrix, whose content is unspecified.
     pub fn make_dense(&mut self, n: usize) -> &mut Mat<f64> {
         if !matches!(self, Self::Dense(_)) {
             *self = Self::Dense(Mat::new());
@@ -99,7 +113,7 @@ impl Weights {
         w
     }
 
-    /// The sparse matrix in `self`, made so and emptied (its buffers kept).
+    /// Makes `self` a sparse matrix without rows; its buffers are kept.
     pub fn make_sparse(&mut self) -> &mut Csr {
         if !matches!(self, Self::Sparse(_)) {
             *self = Self::Sparse(Csr::default());
@@ -185,6 +199,20 @@ impl Csr {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn degrees_are_row_sums_however_w_is_stored() {
+        let mut affinity = Affinity { degrees: vec![7.0; 5], ..Affinity::default() };
+        affinity.weights.make_dense(2).copy_from(faer::mat![[1.0, 0.25], [0.25, 1.0]]);
+        affinity.sum_degrees();
+        assert_eq!(affinity.degrees, [1.25, 1.25]);
+        let w = affinity.weights.make_sparse();
+        w.push_row(&[0], &[1.0]);
+        w.push_row(&[1, 2], &[1.0, 0.5]);
+        w.push_row(&[1, 2], &[0.5, 1.0]);
+        affinity.sum_degrees();
+        assert_eq!(affinity.degrees, [1.0, 1.5, 1.5]);
+    }
 
     #[test]
     fn a_cleared_csr_is_as_good_as_new() {

@@ -6,17 +6,16 @@ use faer::Mat;
 
 use crate::Csr;
 
-/// A matrix of more columns, most of whose entries are 0, is stored by the others.
+/// A matrix of more columns than this is stored by its nonzero entries.
 const MOST_DENSE_COLUMNS: usize = 64;
 
-/// Entries that are looked at together.
+/// Entries that are checked together.
 const CHUNK: usize = 8;
 
 /// A matrix of points: U (n×k) or centroids (clusters×k).
 ///
-/// Where every column belongs to one component of a graph and there are many, as when every return of a cloud's floor
-/// is its own, n×k numbers would be nearly all 0. So beyond 64 columns [`Embedding::write_rows`] stores each row's few
-/// others.
+/// A graph with very many components, such as a cloud whose floor returns are each on their own, has a U that is nearly
+/// all 0. So beyond 64 columns [`Embedding::write_rows`] stores the nonzero entries of each row alone.
 ///
 /// ```
 /// use crosscut_stage::Embedding;
@@ -121,7 +120,7 @@ impl Embedding {
         }
     }
 
-    /// The same for every entry that is not 0, NaN among them.
+    /// Calls `entry(i, j, value)` for every entry that is not 0, NaN among them.
     pub fn for_each_nonzero(&self, mut entry: impl FnMut(usize, usize, f64)) {
         let Self::Dense(matrix) = self else {
             return self.for_each(|i, j, value| {
@@ -131,7 +130,7 @@ impl Embedding {
             });
         };
         for j in 0..matrix.ncols() {
-            // A column is of one wall as a rule, and 0 for long stretches.
+            // As a rule a column belongs to one wall and is 0 for long stretches.
             for (start, values) in (0..).step_by(CHUNK).zip(matrix.col_as_slice(j).chunks(CHUNK)) {
                 if values.iter().fold(false, |any, &value| any | (value != 0.0)) {
                     let others = (start..).zip(values).filter(|(_, value)| **value != 0.0);
@@ -141,7 +140,7 @@ impl Embedding {
         }
     }
 
-    /// The dense matrix in `self`, made so (and resized, its old content unspecified) if it is not.
+    /// Makes `self` a dense matrix, whose content is unspecified.
     pub fn make_dense(&mut self, nrows: usize, ncols: usize) -> &mut Mat<f64> {
         if !matches!(self, Self::Dense(_)) {
             *self = Self::default();

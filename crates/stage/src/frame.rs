@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::{Affinity, Beam, Junction, Notes, Partition, Revolution, Spectrum};
 
-/// All that is known of one revolution. It goes from stage to stage, each filling its part, then back to a pool.
+/// All that is known of one revolution. It passes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The returns, from ingest.
@@ -19,7 +19,7 @@ pub struct Frame {
     pub junction: Junction,
     /// What was dropped, repaired or fallen back to on the way.
     pub notes: Notes,
-    /// How long each step took; measured by the worker around it.
+    /// How long each step took, measured by the worker around it.
     pub timings: Timings,
     /// Set when a step failed; the parts after it are then not of this revolution.
     pub failure: Option<Failure>,
@@ -48,7 +48,7 @@ impl Frame {
 
 /// One step of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // the names say it all
+#[allow(missing_docs)] // the names suffice
 pub enum Step {
     Ingest,
     Affinity,
@@ -79,10 +79,10 @@ impl fmt::Display for Step {
     }
 }
 
-/// What the workers measured of one revolution, nanoseconds.
+/// Times of one revolution, nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timings {
-    /// What each step took, in the order of [`Step::ALL`].
+    /// Of each step, in the order of [`Step::ALL`].
     steps_ns: [u64; Step::ALL.len()],
     latency_ns: Option<u64>,
 }
@@ -103,7 +103,7 @@ impl Timings {
         self.latency_ns = ns;
     }
 
-    /// From when the scan was there to when its results were written; `None` before that.
+    /// Time from the arrival of the scan to its written results; `None` before that.
     pub fn latency_ns(&self) -> Option<u64> {
         self.latency_ns
     }

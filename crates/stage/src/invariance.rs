@@ -14,3 +14,8 @@ pub enum Invariance {
     /// The returns in another order: W has its rows and columns in that order.
     Permutation,
 }
+
+impl Invariance {
+    /// Every change there is: what an affinity is blind to that sees distances alone.
+    pub const ALL: &[Self] = &[Self::Translation, Self::Rotation, Self::Turn, Self::Mirror, Self::Permutation];
+}

@@ -11,13 +11,13 @@ pub struct Junction {
     pub junctions: usize,
     /// The walls, numbered by their smallest beam index.
     pub walls: Vec<Wall>,
-    /// The ways on, by bearing ascending.
+    /// The openings, by bearing ascending.
     pub openings: Vec<Opening>,
     /// Wall of each return, n entries; `None` for a return of no wall.
     pub wall_of_return: Vec<Option<u32>>,
     /// What kind of place this is.
     pub place: Place,
-    /// How sure the answer is, 0 to 1.
+    /// Estimated probability that the answer is right, 0 to 1.
     pub confidence: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct Junction {
 pub struct Wall {
     /// Its number.
     pub id: u32,
-    /// How many returns it has.
+    /// Number of its returns.
     pub returns: usize,
     /// Anticlockwise from the first to the last return (from > to crosses ±π).
     pub bearing_rad: [f64; 2],
@@ -34,7 +34,7 @@ pub struct Wall {
     pub island: bool,
 }
 
-/// A way on, wide enough for the vehicle.
+/// Where a vehicle can leave the place, and is not too wide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
     /// Direction towards the branch.
@@ -73,19 +73,19 @@ impl fmt::Display for Evidence {
 /// What kind of place the sensor is in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
-    /// No way on.
+    /// No opening.
     Closed,
-    /// One way on.
+    /// One opening.
     DeadEnd,
-    /// Two ways on, opposite each other.
+    /// Two openings, opposite each other.
     Corridor,
-    /// Two ways on, at an angle.
+    /// Two openings, at an angle.
     Bend,
-    /// Three ways on.
+    /// Three openings.
     Tee,
-    /// Four ways on.
+    /// Four openings.
     Cross,
-    /// This many ways on, five or more.
+    /// This many openings, five or more.
     Junction(usize),
     /// The sensor does not see all around, or sees no wall, so the place cannot be named.
     #[default]

@@ -1,41 +1,182 @@
-//! A stage that can be chosen by name.
+//! A stage that can be chosen by name, and what is known of it before it is built.
 
-use crate::{AffinityStage, KmeansStage, ParamSpec, Params, SpectralStage};
+use crate::{AffinityStage, Invariance, KmeansStage, ParamError, ParamSpec, Params, SpectralStage, Storage, Value};
 
-/// One way to do a stage: its name in the configuration, its parameters, and how to build it.
-pub struct Kind<S: ?Sized> {
+/// One way to do a stage: its name in the configuration, its parameters, its properties, and how to build it.
+///
+/// A constant beside the stage declares it, and a line in the list of kinds makes it known:
+///
+/// ```
+/// use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError, Storage};
+///
+/// /// Every return on its own: W = I.
+/// struct Alone;
+///
+/// const KIND: Kind<dyn AffinityStage> =
+///     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
+///
+/// impl AffinityStage for Alone {
+///     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+///         let w = out.weights.make_sparse();
+///         (0..revolution.len() as u32).for_each(|i| w.push_row(&[i], &[1.0]));
+///         Ok(())
+///     }
+/// }
+/// ```
+pub struct Kind<S: StageKind + ?Sized> {
     /// The name, as in `affinity.kind = "rbf"`.
     pub name: &'static str,
     /// What it does, in one line.
     pub doc: &'static str,
     /// Its parameters.
     pub params: &'static [ParamSpec],
-    /// Builds it from checked parameters.
-    pub build: fn(&Params) -> Box<S>,
+    /// What is known of it before it is built.
+    pub properties: S::Properties,
+    build: fn(&Params) -> Box<S>,
 }
 
-impl<S: ?Sized> Clone for Kind<S> {
+impl<S: StageKind + ?Sized> Kind<S> {
+    const fn new(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<S>) -> Self {
+        Self { name, doc, params: &[], properties: S::UNKNOWN, build }
+    }
+
+    /// Its parameters, in the order in which the configuration prints them.
+    pub const fn params(mut self, params: &'static [ParamSpec]) -> Self {
+        self.params = params;
+        self
+    }
+
+    /// Builds the stage from checked values of its parameters.
+    pub fn build(&self, params: &Params) -> Box<S> {
+        (self.build)(params)
+    }
+
+    /// Builds the stage with these values, by name; the other parameters have their defaults.
+    ///
+    /// # Errors
+    /// When there is no parameter of a name, or its value is not allowed.
+    pub fn with(&self, values: &[(&str, Value)]) -> Result<Box<S>, ParamError> {
+        let mut params = Params::defaults(self.params);
+        values.iter().try_for_each(|(name, value)| params.set(name, value.clone()))?;
+        Ok(self.build(&params))
+    }
+}
+
+impl<S: StageKind + ?Sized> Clone for Kind<S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S: ?Sized> Copy for Kind<S> {}
+impl<S: StageKind + ?Sized> Copy for Kind<S> {}
 
-/// Stages that the registry holds by name.
+/// A trait whose stages the registry holds by name.
 pub trait StageKind {
     /// The section of the configuration, which is the name of the step.
     const SECTION: &'static str;
+    /// What a kind states of itself; the shared tests hold it to that.
+    type Properties: Copy + 'static;
+    /// What a kind has that states nothing.
+    const UNKNOWN: Self::Properties;
+}
+
+/// What a kind of affinity states of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct AffinityProperties {
+    /// How it stores W.
+    pub storage: Storage,
+    /// It works on the beams of a sweep alone, and refuses a cloud.
+    pub needs_beams: bool,
+    /// Changes of a revolution that leave W alone.
+    pub blind_to: &'static [Invariance],
 }
 
 impl StageKind for dyn AffinityStage {
     const SECTION: &'static str = "affinity";
+    type Properties = AffinityProperties;
+    const UNKNOWN: AffinityProperties =
+        AffinityProperties { storage: Storage::Dense, needs_beams: false, blind_to: &[] };
+}
+
+impl Kind<dyn AffinityStage> {
+    /// A kind without parameters, built by `build` from checked values.
+    pub const fn affinity(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<dyn AffinityStage>) -> Self {
+        Self::new(name, doc, build)
+    }
+
+    /// How it stores W; a kind that does not state it is dense.
+    pub const fn storage(mut self, storage: Storage) -> Self {
+        self.properties.storage = storage;
+        self
+    }
+
+    /// It refuses a cloud, which has no beams.
+    pub const fn needs_beams(mut self) -> Self {
+        self.properties.needs_beams = true;
+        self
+    }
+
+    /// Changes of a revolution that leave W alone.
+    pub const fn blind_to(mut self, changes: &'static [Invariance]) -> Self {
+        self.properties.blind_to = changes;
+        self
+    }
+}
+
+/// What a kind of solver states of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct SpectralProperties {
+    /// Which eigenvalues it gives.
+    pub eigenvalues: Eigenvalues,
+    /// A sparse W of n returns takes it no matrix of n×n numbers.
+    pub stays_sparse: bool,
+}
+
+/// Which eigenvalues of the Laplacian a solver gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eigenvalues {
+    /// All n.
+    All,
+    /// The zeros, the next, and perhaps more.
+    Lowest,
+    /// The zeros alone, which are exact: those of the graph without weak edges. There is no margin.
+    Zeros,
 }
 
 impl StageKind for dyn SpectralStage {
     const SECTION: &'static str = "spectral";
+    type Properties = SpectralProperties;
+    const UNKNOWN: SpectralProperties = SpectralProperties { eigenvalues: Eigenvalues::Lowest, stays_sparse: false };
+}
+
+impl Kind<dyn SpectralStage> {
+    /// A kind without parameters, built by `build` from checked values.
+    pub const fn spectral(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<dyn SpectralStage>) -> Self {
+        Self::new(name, doc, build)
+    }
+
+    /// Which eigenvalues it gives; a kind that does not state it gives the zeros and the next.
+    pub const fn eigenvalues(mut self, eigenvalues: Eigenvalues) -> Self {
+        self.properties.eigenvalues = eigenvalues;
+        self
+    }
+
+    /// A sparse W takes it no dense matrix.
+    pub const fn stays_sparse(mut self) -> Self {
+        self.properties.stays_sparse = true;
+        self
+    }
 }
 
 impl StageKind for dyn KmeansStage {
     const SECTION: &'static str = "kmeans";
+    type Properties = ();
+    const UNKNOWN: () = ();
+}
+
+impl Kind<dyn KmeansStage> {
+    /// A kind without parameters, built by `build` from checked values.
+    pub const fn kmeans(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<dyn KmeansStage>) -> Self {
+        Self::new(name, doc, build)
+    }
 }

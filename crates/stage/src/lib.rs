@@ -9,9 +9,9 @@
 //! that it reads and writes its own part in place, so that buffers are reused from one revolution to the next. A
 //! stage knows nothing of channels, threads, files, clocks or recordings.
 //!
-//! To write a stage of your own: implement one of [`AffinityStage`], [`SpectralStage`], [`KmeansStage`] or
-//! [`ReportStage`], describe it by a [`Kind`] (name, parameters with unit and range, how to build it), and append the
-//! kind to the registry.
+//! To write a stage of your own: implement [`AffinityStage`], [`SpectralStage`] or [`KmeansStage`], declare its
+//! parameters ([`Param`]) and a [`Kind`] (name, parameters, properties, how to build it), and append the kind to the
+//! registry. The report that follows them is fixed.
 
 mod affinity;
 mod embedding;
@@ -21,10 +21,12 @@ mod junction;
 mod kind;
 mod level_view;
 mod notes;
+mod param;
 mod params;
 mod partition;
 mod revolution;
 mod spectrum;
+mod storage;
 mod traits;
 
 pub use affinity::{Affinity, Csr, Verdict, Weights};
@@ -32,16 +34,16 @@ pub use embedding::Embedding;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
-pub use kind::{Kind, StageKind};
+pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use level_view::{LevelReturn, LevelView};
 pub use notes::{Notes, counted};
-pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
+pub use param::{Count, Flag, Follows, Interval, Number, Pairs, Param, ParamSpec, Shape, Word};
+pub use params::{ParamError, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use revolution::{Beam, Revolution, Sweep, View, wrap_angle_rad};
 pub use spectrum::Spectrum;
-pub use traits::{
-    AffinityStage, KmeansStage, Observer, ObserverError, ReportStage, Source, SourceError, SpectralStage, StageError,
-};
+pub use storage::Storage;
+pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};
 
 /// Points are in R³ (metres); a 2D lidar has z = 0.
 pub type Point = nalgebra::Point3<f64>;

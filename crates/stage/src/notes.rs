@@ -1,11 +1,11 @@
-//! What is said of one revolution in words.
+//! What happened to one revolution, in words.
 
-/// `1 scan`, `2 scans`: for words of which an s makes the plural.
+/// A count and its noun, `1 scan` or `2 scans`; for nouns with a plural in s.
 pub fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Sentences about one revolution: every drop, repair and fallback stands in the results.
+/// Sentences about one revolution: every drop, repair and fallback is reported in the results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes(Vec<String>);
 
@@ -15,22 +15,22 @@ impl Notes {
         self.0.push(note.into());
     }
 
-    /// All sentences, in the order in which they were taken.
+    /// All sentences, in the order in which they were added.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
         self.0.iter().map(String::as_str)
     }
 
-    /// What `note` says but for its numbers, and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
+    /// `note` without its numbers and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
     pub fn kind_of(note: &str) -> String {
         note.chars().filter(|c| !matches!(c, '0'..='9' | '.' | 's')).collect()
     }
 
-    /// Whether nothing was noted.
+    /// Whether there is no sentence.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Forgets all.
+    /// Removes all sentences.
     pub fn clear(&mut self) {
         self.0.clear();
     }

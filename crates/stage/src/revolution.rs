@@ -20,8 +20,8 @@ pub struct Revolution {
     pub sweep: Option<Sweep>,
 }
 
-/// The beams of a 2D sweep, in message order. A message may go on beyond a full turn; what it says there is left out of
-/// `beams`.
+/// The beams of a 2D sweep, in message order. Where a message continues beyond a full turn, `beams` leaves those beams
+/// out.
 #[derive(Clone, Debug, Default)]
 pub struct Sweep {
     /// Ranges exactly as on the wire, metres.
@@ -36,7 +36,7 @@ pub struct Sweep {
     pub range_max_m: f64,
     /// The beams cover the full turn, or all of it but a narrow sector.
     pub full_turn: bool,
-    /// How many beams that sector would take, between the last one and the first; nothing is known there.
+    /// Number of beams that this sector would take, between the last one and the first. Nothing is known there.
     pub missing: usize,
     /// The message's own `angle_min`, `angle_increment`, `range_min`, `range_max`, untouched.
     pub wire_geometry: [f32; 4],
@@ -53,13 +53,12 @@ pub enum Beam {
     Unknown,
 }
 
-/// The beams of a sweep that look out.
+/// The beams of a sweep that look past the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
     /// The first of them, in message order.
     pub first: usize,
-    /// How many they are: so many from the first on, and on from the last beam of the message, by way of those that are
-    /// missing in the turn, to beam 0.
+    /// Their number. After the last beam of the message come those that are missing in the turn, then beam 0.
     pub len: usize,
     /// They cover the full turn.
     pub full_turn: bool,
@@ -67,11 +66,11 @@ pub struct View {
     pub clockwise: bool,
 }
 
-/// A wider sector of a full turn in which nothing is known, as where part of the vehicle stands before the sensor, leaves
-/// a limited view. Behind a narrower one a wall may be seen to go on.
+/// A sector of a full turn in which nothing is known leaves a limited view if it is wider than this: part of the vehicle
+/// stands in front of the sensor. Behind a narrower one the report may connect a wall.
 const BLIND_RAD: f64 = 30.0 * PI / 180.0;
 
-/// A sweep of more beams is worked on as a cloud: neighbouring returns are nearer to each other than a range is exact.
+/// A sweep of more beams is processed as a cloud: its neighbouring returns are closer than a range is exact.
 const MOST_BEAMS: usize = 4096;
 
 impl Revolution {
@@ -80,7 +79,7 @@ impl Revolution {
         self.sweep.as_ref().filter(|sweep| !sweep.is_empty() || self.is_empty())
     }
 
-    /// The beams, unless it is to be worked on as a cloud: so is a sweep of more than 4096 beams.
+    /// The beams, unless the revolution is processed as a cloud, as a sweep of more than 4096 beams is.
     pub fn as_sweep(&self) -> Option<&Sweep> {
         self.beams().filter(|sweep| sweep.len() <= MOST_BEAMS)
     }
@@ -130,7 +129,7 @@ impl Sweep {
         self.beams.is_empty()
     }
 
-    /// The beams that look out. A full turn with a blind sector is a limited view that begins after the widest one.
+    /// The beams that look past the vehicle. A full turn with a blind sector is a limited view that begins after the widest one.
     pub fn view(&self) -> View {
         let clockwise = self.is_clockwise();
         let turn = self.len() + self.missing;
@@ -140,7 +139,7 @@ impl Sweep {
         }
         let is_unknown = |beam: usize| self.beams.get(beam).is_none_or(|seen| *seen == Beam::Unknown);
         let (begin, blind) = widest_run(turn, is_unknown);
-        // Blind all around, it has no end.
+        // A sweep that is blind all around has no end to begin after.
         if blind < turn && blind as f64 * self.step_rad > BLIND_RAD {
             View { first: (begin + blind) % turn, len: turn - blind, full_turn: false, clockwise }
         } else {
@@ -181,7 +180,7 @@ impl Sweep {
 }
 
 /// The longest run of beams of a full turn for which `holds` is true, the first of equally long ones: its first beam and
-/// its length. It may go on from the last beam to beam 0.
+/// its length. It may cross from the last beam to beam 0.
 pub(crate) fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize) {
     let Some(start) = (0..beams).find(|&beam| !holds(beam)) else { return (0, beams) };
     let (mut widest, mut run) = ((0, 0), 0);
@@ -198,7 +197,7 @@ pub(crate) fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize,
     widest
 }
 
-/// The same angle in (-π, π].
+/// Wraps an angle to (-π, π].
 pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
     let turned = angle_rad.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }

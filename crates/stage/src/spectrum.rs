@@ -1,9 +1,9 @@
-//! What the Laplacian says: the smallest eigenvalues, how many are zero, and their eigenvectors.
+//! What is computed of the Laplacian: the smallest eigenvalues, how many are zero, and their eigenvectors.
 
 use crate::Embedding;
 
-/// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros. A solver that takes weak
-/// edges for none (`components`) says all this of the graph without them.
+/// Eigenvalues of L = I - D^-1/2 W D^-1/2 and the embedding made of the eigenvectors of its zeros. A solver that leaves weak
+/// edges out (`components`) gives those of the graph without them.
 #[derive(Clone, Debug, Default)]
 pub struct Spectrum {
     /// λ ascending: the smallest that were computed, at least the k zeros, and the next if there is a margin (and a
@@ -16,7 +16,7 @@ pub struct Spectrum {
     /// How far, in decades, τ could be moved before k changes; `None` if no eigenvalue is known but exact zeros.
     pub margin_decades: Option<f64>,
     /// Beyond rounding, the k zeros in `eigenvalues` may be too high by this much, and not too low: what a solver that
-    /// left weak links aside can prove. 0 where nothing was neglected.
+    /// set weak edges aside can prove. 0 where nothing was neglected.
     pub zeros_bound: f64,
     /// Beyond rounding, the sine of the largest angle between the columns of U and the eigenvectors of the k zeros is
     /// at most this. 0 where nothing was neglected.

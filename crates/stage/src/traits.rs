@@ -1,6 +1,6 @@
 //! The traits at the joints of the pipeline.
 
-use crate::{Affinity, Frame, Invariance, Junction, Notes, Partition, Revolution, Spectrum};
+use crate::{Affinity, Frame, Notes, Partition, Revolution, Spectrum};
 
 /// Why a stage cannot answer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum StageError {
     /// The stage does not work on revolutions of this kind.
     #[error("{0}")]
     Unsupported(String),
-    /// It would take more memory than there may be: how much, and what to do.
+    /// It would take more memory than is allowed: how much, and what to do.
     #[error("{0}")]
     TooLarge(String),
     /// Parts of the frame do not belong together.
@@ -33,20 +33,30 @@ pub enum StageError {
 
 /// First stage: the weighted graph over the returns.
 pub trait AffinityStage: Send {
-    /// Writes W and D of `revolution` into `out`, whatever `out` held before.
+    /// Writes W of `revolution`, whose points are finite, into `out.weights`, whatever that held before, and what the
+    /// stage decided at gaps, if it decides, into the empty `out.verdicts`. [`AffinityStage::affinity`] does the rest.
     ///
     /// n = 0 gives an empty W. The result depends on nothing but `revolution` and the stage's parameters.
     ///
     /// # Errors
     /// When no graph can be made of the returns.
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError>;
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError>;
 
-    /// Bytes that W of n returns takes in a frame.
-    fn memory_bytes(&self, n: usize) -> u64;
-
-    /// Changes of a revolution that leave W alone; the tests hold a stage to those that it states.
-    fn invariances(&self) -> &'static [Invariance] {
-        &[]
+    /// Writes W and D of `revolution` into `out`, whatever `out` held before.
+    ///
+    /// # Errors
+    /// When a point is not finite, or no graph can be made of the returns.
+    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        if let Some(index) = revolution.points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(StageError::NotFinite { what: "the point", index });
+        }
+        out.verdicts.clear();
+        self.weigh(revolution, out, notes)?;
+        out.sum_degrees();
+        match (out.degrees.len(), revolution.len()) {
+            (rows, n) if rows == n => Ok(()),
+            (rows, n) => Err(StageError::Mismatch(format!("W has {rows} rows for {n} returns"))),
+        }
     }
 }
 
@@ -58,7 +68,7 @@ pub trait SpectralStage: Send {
     /// When the decomposition fails.
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError>;
 
-    /// Bytes of working memory that a decomposition of n returns takes, beyond W, of which so many entries are stored.
+    /// Bytes of working memory that a decomposition of n returns takes beside W, of which `stored` entries are stored.
     fn memory_bytes(&self, n: usize, stored: usize) -> u64;
 }
 
@@ -70,22 +80,6 @@ pub trait KmeansStage: Send {
     /// # Errors
     /// When the rows of U cannot be clustered.
     fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, notes: &mut Notes) -> Result<(), StageError>;
-}
-
-/// Last stage: walls, openings and the name of the place.
-pub trait ReportStage: Send {
-    /// Writes the answer into `out`, whatever `out` held before.
-    ///
-    /// # Errors
-    /// When the parts do not fit each other.
-    fn report(
-        &mut self,
-        revolution: &Revolution,
-        spectrum: &Spectrum,
-        partition: &Partition,
-        out: &mut Junction,
-        notes: &mut Notes,
-    ) -> Result<(), StageError>;
 }
 
 /// Where revolutions come from: a recording, a simulator, a live sensor.
@@ -102,20 +96,21 @@ pub trait Source: Send {
 #[error("{0}")]
 pub struct SourceError(pub String);
 
-/// Sees every finished frame, in order, on a thread of its own, after the results were written; and the one that failed, if
-/// a stage did, after all others. Of that one `revolution`, `notes` and `failure` hold; what the step that failed and those
-/// after it should have made may be of an earlier revolution.
+/// Sees every finished frame, in order, on a thread of its own, after the results were written.
+///
+/// If a stage fails, its frame comes last. Its `revolution`, `notes` and `failure` are valid; the parts that the failed
+/// stage and those after it fill may be of an earlier revolution.
 pub trait Observer: Send {
     /// Looks at one frame.
     ///
     /// # Errors
-    /// When the observer can do no more. It is then left out; the run goes on.
+    /// When the observer can do no more. It then sees no further frame; the run continues.
     fn observe(&mut self, frame: &Frame) -> Result<(), ObserverError>;
 
     /// Called once, after the last frame.
     ///
     /// # Errors
-    /// When what was observed could not be brought to an end.
+    /// When what was observed could not be completed.
     fn finish(&mut self) -> Result<(), ObserverError> {
         Ok(())
     }

@@ -11,9 +11,9 @@ mod plot;
 
 use anyhow::Context;
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Config, Engine, Registry};
+use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_simulator::{Places, Rings, lidar::Lidar};
-use crosscut_stage::{Frame, Params, Revolution};
+use crosscut_stage::{Frame, Revolution};
 use plot::Curve;
 
 /// Seeds of no suite.
@@ -33,8 +33,7 @@ const KINDS: [Kind; 3] = [
 ];
 
 fn main() -> anyhow::Result<()> {
-    let registry = Registry::standard();
-    let mut engine = Engine::new(&Config::preset("default", &registry)?, &registry);
+    let mut engine = Settings::new(Preset::Default).engine()?;
     let mut curves = Vec::new();
     println!("{:<10} {:>8} {:>10} {:>6}", "kind", "points", "ms", "right");
     for (name, sizes, make) in KINDS {
@@ -98,7 +97,7 @@ fn sweep(branches: usize, n: usize) -> (Revolution, u32) {
     let places = Places { lidar: Lidar { beams: n, ..Lidar::CLEAN }, ..PLACES };
     let scene = places.scene(branches, FIRST_SEED, 0);
     let mut revolution = Revolution::default();
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     sensor.revolution(&scene.scan, &mut revolution, &mut Default::default());
     (revolution, scene.truth.walls)
 }

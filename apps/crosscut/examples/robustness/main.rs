@@ -13,11 +13,11 @@ use anyhow::Context;
 use chart::{Chart, Column, figure};
 use crosscut_evaluate::{Evaluation, Score};
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Config, Engine, Registry};
+use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_simulator::lidar::Lidar;
 use crosscut_simulator::{Places, Scene};
-use crosscut_stage::{Frame, Params};
+use crosscut_stage::Frame;
 
 const WIDTHS_M: [f64; 7] = [1.2, 1.6, 2.4, 3.5, 5.0, 6.5, 8.0];
 const BEAMS: [usize; 5] = [180, 360, 720, 1440, 4096];
@@ -106,10 +106,9 @@ struct Method {
 
 impl Method {
     fn new() -> anyhow::Result<Self> {
-        let registry = Registry::standard();
         Ok(Self {
-            engine: Engine::new(&Config::preset("default", &registry)?, &registry),
-            sensor: Sensor::new(&Params::defaults(crosscut_ingest::PARAMS)),
+            engine: Settings::new(Preset::Default).engine()?,
+            sensor: Sensor::default(),
             frame: Frame::default(),
         })
     }

@@ -111,7 +111,7 @@ impl Written {
     /// Opens the files. Of a flight over time that cannot be written `lost` says why; without results there is no run.
     fn open(args: &RunArgs, config: &Config, read: &[PathBuf], lost: &mut Vec<String>) -> anyhow::Result<Self> {
         let results = args.results.as_ref().map(|path| outputs::create(path, read)).transpose()?;
-        let vehicle_width_m = config.params("vehicle").number("width_m");
+        let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
         let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
         lost.extend(over_time.as_ref().err().map(|error| format!("{error:#}")));
         Ok(Self { results, over_time: over_time.unwrap_or_default(), returns: 0 })

@@ -45,7 +45,7 @@ struct Representative {
 }
 
 impl Carrying {
-    /// Writes W and D of `cloud` into `out`. `seen` is the graph of `view.seen()`.
+    /// Writes W of `cloud` into `out`. `seen` is the graph of `view.seen()`.
     ///
     /// 1. The level returns of each beam are coarsened: walking outward, each is represented by the last representative
     ///    that is no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen
@@ -171,7 +171,6 @@ impl Carrying {
     fn write_rows(&mut self, out: &mut Affinity) {
         let Self { representatives, of_return, rows, .. } = self;
         let csr = out.weights.make_sparse();
-        out.degrees.clear();
         let mut other: Vec<Tie> = Vec::new();
         for (i, &at) in (0..).zip(&*of_return) {
             let row = match representatives.get(at as usize) {
@@ -188,7 +187,6 @@ impl Carrying {
             row.sort_by_key(|&(column, _)| column);
             row.iter().for_each(|&(column, weight)| csr.push(column, weight));
             csr.end_row();
-            out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
         }
     }
 }

@@ -59,7 +59,7 @@ impl Chains {
         }
     }
 
-    /// W and D of `walls` and `islands`, each a list of returns in order; walls as they follow each other around the
+    /// W of `walls` and `islands`, each a list of returns in order; walls as they follow each other around the
     /// sensor. An eigenvalue of `leak` stands for a verdict between two walls that could as well be the other.
     pub(super) fn write(
         &mut self,
@@ -191,7 +191,6 @@ impl Chains {
         let mut others = self.others.iter().peekable();
         let mut row = std::mem::take(&mut self.row);
         let csr = out.weights.make_sparse();
-        out.degrees.clear();
         for (number, place) in (0..).zip(&self.places) {
             let (columns, weights) = self.row_along(&number, *place);
             let has_others = others.peek().is_some_and(|&&(from, ..)| from == number);
@@ -199,7 +198,6 @@ impl Chains {
             // first beam is not in order.
             if !ring.clockwise && columns[0] <= columns[columns.len() - 1] && !has_others {
                 csr.push_row(columns, weights);
-                out.degrees.push(weights.iter().sum());
                 continue;
             }
             row.clear();
@@ -210,7 +208,6 @@ impl Chains {
             row.sort_unstable_by_key(|&(column, _)| column);
             row.iter().for_each(|&(column, weight)| csr.push(column, weight));
             csr.end_row();
-            out.degrees.push(row.iter().map(|(_, weight)| weight).sum());
         }
         self.row = row;
     }

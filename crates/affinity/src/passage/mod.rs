@@ -19,12 +19,10 @@ mod way;
 use std::cell::RefCell;
 
 use crosscut_stage::{
-    Affinity, AffinityStage, Interval, Invariance, Kind, LevelView, Notes, ParamError, ParamSpec, Params, Point,
-    Revolution, Shape, StageError, Sweep, Value, Verdict, counted,
+    Affinity, AffinityStage, Count, Invariance, Kind, LevelView, Notes, Number, Params, Point, Revolution, StageError,
+    Storage, Sweep, Verdict, counted,
 };
 
-use crate::edges::edges_bytes;
-use crate::finite::check_finite;
 use carrying::Carrying;
 use chains::Chains;
 use dust::Dust;
@@ -34,85 +32,78 @@ use ring::Ring;
 use roughness::Roughness;
 use tangent::Tangents;
 
-const PASSAGE_M: ParamSpec = ParamSpec {
-    name: "passage_m",
-    unit: "m",
-    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none",
-};
+const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
+    .above(0.0)
+    .to(100.0)
+    .follows("vehicle.width_m", 1.0)
+    .doc("vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none");
 
-const STRETCH_M: ParamSpec = ParamSpec {
-    name: "stretch_m",
-    unit: "m",
-    shape: Shape::Number { default: 0.85, range: Interval::above(0.0, 100.0) },
-    doc: "length of wall over which the direction of its end is taken",
-};
+const STRETCH_M: Number = Number::new("stretch_m", "m", 0.85)
+    .above(0.0)
+    .to(100.0)
+    .doc("length of wall over which the direction of its end is taken");
 
-const STRAIGHT_DEG: ParamSpec = ParamSpec {
-    name: "straight_deg",
-    unit: "°",
-    shape: Shape::Number { default: 36.0, range: Interval::closed(0.0, 180.0) },
-    doc: "a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more",
-};
+const STRAIGHT_DEG: Number = Number::new("straight_deg", "°", 36.0)
+    .from(0.0)
+    .to(180.0)
+    .doc("a wall that turns left by less at a gap goes on behind it; branches turn it by 54° and more");
 
-const WAY_DEG: ParamSpec = ParamSpec {
-    name: "way_deg",
-    unit: "°",
-    shape: Shape::Number { default: 115.0, range: Interval::closed(0.0, 360.0) },
-    doc: "a wall that turns left by more at a gap ends there, unless the gap is narrow; the corner of a dead end is 90°",
-};
+const WAY_DEG: Number = Number::new("way_deg", "°", 115.0).from(0.0).to(360.0).doc(
+    "a wall that turns left by more at a gap ends there, unless the gap is narrow; the corner of a dead end is 90°",
+);
 
-const CLEAR_SHARE: ParamSpec = ParamSpec {
-    name: "clear_share",
-    unit: "",
-    shape: Shape::Number { default: 1.15, range: Interval::closed(0.0, 100.0) },
-    doc: "at turns between the two a wall ends if the gap's clear width is at least this share of the median range",
-};
+const CLEAR_SHARE: Number = Number::new("clear_share", "", 1.15)
+    .from(0.0)
+    .to(100.0)
+    .doc("at turns between the two a wall ends if the gap's clear width is at least this share of the median range");
 
-const ISLAND_M: ParamSpec = ParamSpec {
-    name: "island_m",
-    unit: "m",
-    shape: Shape::Number { default: 2.0, range: Interval::closed(0.0, 100.0) },
-    doc: "a piece no longer than this that stands in front of what is on both sides of it is cut off; 0: none is",
-};
+const ISLAND_M: Number = Number::new("island_m", "m", 2.0)
+    .from(0.0)
+    .to(100.0)
+    .doc("a piece no longer than this that stands in front of what is on both sides of it is cut off; 0: none is");
 
-const WALL_DEG: ParamSpec = ParamSpec {
-    name: "wall_deg",
-    unit: "°",
-    shape: Shape::Number { default: 3.0, range: Interval::closed(0.0, 90.0) },
-    doc: "a piece with fewer returns than there are beams in this angle, or than three, is no wall",
-};
+const WALL_DEG: Number = Number::new("wall_deg", "°", 3.0)
+    .from(0.0)
+    .to(90.0)
+    .doc("a piece with fewer returns than there are beams in this angle, or than three, is no wall");
 
-const NEIGHBOURS: ParamSpec = ParamSpec {
-    name: "neighbours",
-    unit: "returns",
-    shape: Shape::Integer { default: 2, min: 1, max: 1000 },
-    doc: "each return has an edge to so many of its wall on either side",
-};
+const NEIGHBOURS: Count = Count::new("neighbours", "returns", 2)
+    .from(1)
+    .to(1000)
+    .doc("each return has an edge to so many of its wall on either side");
 
-const HEIGHT_M: ParamSpec = ParamSpec {
-    name: "height_m",
-    unit: "m",
-    shape: Shape::Number { default: 0.6, range: Interval::above(0.0, 100.0) },
-    doc: "vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall",
-};
+const HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
+    .above(0.0)
+    .to(100.0)
+    .follows("vehicle.height_m", 1.0)
+    .doc("vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall");
 
-const LEAK: ParamSpec = ParamSpec {
-    name: "leak",
-    unit: "",
-    shape: Shape::Number { default: 1e-8, range: Interval::closed(0.0, 1.0) },
-    doc: "the zero tolerance; gaps leak so that their eigenvalues come the nearer to it the less decided they are; 0: none",
-};
+const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
+    "the zero tolerance; gaps leak so that their eigenvalues come the nearer to it the less decided they are; 0: none",
+);
 
-const PARAMS: &[ParamSpec] =
-    &[PASSAGE_M, HEIGHT_M, STRETCH_M, STRAIGHT_DEG, WAY_DEG, CLEAR_SHARE, ISLAND_M, WALL_DEG, NEIGHBOURS, LEAK];
-
-pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
-    name: "passage",
-    doc: "edges along the walls, over gaps that only hide them, and none where a vehicle could pass",
-    params: PARAMS,
-    build: |params| Box::new(Passage::with(params)),
-};
+/// The graph of the walls.
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "passage",
+    "edges along the walls, over gaps that only hide them, and none where a vehicle could pass",
+    |params| Box::new(Passage::new(params)),
+)
+.params(&[
+    PASSAGE_M.spec,
+    HEIGHT_M.spec,
+    STRETCH_M.spec,
+    STRAIGHT_DEG.spec,
+    WAY_DEG.spec,
+    CLEAR_SHARE.spec,
+    ISLAND_M.spec,
+    WALL_DEG.spec,
+    NEIGHBOURS.spec,
+    LEAK.spec,
+])
+// On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
+.storage(Storage::Sparse(|params, _| (2 * params.get(NEIGHBOURS) + 3).max(7)))
+// It sees ranges, and the order of the beams.
+.blind_to(&[Invariance::Turn, Invariance::Mirror]);
 
 /// The graph of the walls. Anticlockwise around the sensor:
 ///
@@ -141,8 +132,7 @@ pub(crate) const KIND: Kind<dyn AffinityStage> = Kind {
 ///
 /// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the
 /// returns that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
-#[derive(Clone, Debug)]
-pub struct Passage {
+struct Passage {
     limits: Limits,
     height_m: f64,
     wall_rad: f64,
@@ -177,42 +167,27 @@ struct Cloud {
 }
 
 impl Passage {
-    /// From values for its parameters, by name; those not named have their defaults.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    ///
-    /// # Panics
-    /// When there is no parameter of that name.
-    pub fn new(values: &[(&'static str, Value)]) -> Result<Self, ParamError> {
-        let mut params = Params::defaults(PARAMS);
-        for (name, value) in values {
-            params.set(name, value.clone())?;
-        }
-        Ok(Self::with(&params))
-    }
-
-    fn with(params: &Params) -> Self {
+    fn new(params: &Params) -> Self {
         let limits = Limits {
-            passage_m: params.number(PASSAGE_M.name),
-            stretch_m: params.number(STRETCH_M.name),
-            straight_rad: params.number(STRAIGHT_DEG.name).to_radians(),
-            way_rad: params.number(WAY_DEG.name).to_radians(),
-            clear_share: params.number(CLEAR_SHARE.name),
-            island_m: params.number(ISLAND_M.name),
+            passage_m: params.get(PASSAGE_M),
+            stretch_m: params.get(STRETCH_M),
+            straight_rad: params.get(STRAIGHT_DEG).to_radians(),
+            way_rad: params.get(WAY_DEG).to_radians(),
+            clear_share: params.get(CLEAR_SHARE),
+            island_m: params.get(ISLAND_M),
         };
         Self {
             limits,
-            height_m: params.number(HEIGHT_M.name),
+            height_m: params.get(HEIGHT_M),
             cloud: Cloud::default(),
-            wall_rad: params.number(WALL_DEG.name).to_radians(),
-            leak: params.number(LEAK.name),
+            wall_rad: params.get(WALL_DEG).to_radians(),
+            leak: params.get(LEAK),
             ring: Ring::default(),
             dust: Dust::default(),
             tangents: RefCell::default(),
             walls: Pieces::default(),
             islands: Pieces::default(),
-            chains: Chains::new(params.count(NEIGHBOURS.name)),
+            chains: Chains::new(params.get(NEIGHBOURS)),
         }
     }
 
@@ -277,7 +252,7 @@ impl Passage {
         // Carried on to what is not seen, a leak would be many.
         let done = self.walls_of_sweep(sweep, &view.seen().points_m, 0.0, seen, notes);
         if done.is_ok() {
-            out.verdicts.clear();
+            seen.sum_degrees(); // by which a return that has an edge is known
             out.verdicts.extend(
                 seen.verdicts.iter().map(|verdict| Verdict {
                     returns: verdict.returns.map(|i| view.numbers()[i as usize]),
@@ -292,21 +267,10 @@ impl Passage {
 }
 
 impl AffinityStage for Passage {
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
-        check_finite(&revolution.points_m)?;
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
         match revolution.as_sweep() {
             Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, self.leak, out, notes),
             None => self.walls_of_cloud(revolution, out, notes),
         }
-    }
-
-    fn memory_bytes(&self, n: usize) -> u64 {
-        // On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
-        edges_bytes(n, self.chains.neighbours.saturating_mul(2).saturating_add(3).max(7))
-    }
-
-    fn invariances(&self) -> &'static [Invariance] {
-        // It sees ranges, and the order of the beams.
-        &[Invariance::Turn, Invariance::Mirror]
     }
 }

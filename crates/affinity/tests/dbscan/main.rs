@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_affinity::Dbscan;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Point, Revolution};
+use crosscut_affinity::dbscan::KIND;
+use crosscut_stage::{Affinity, Notes, Point, Revolution};
 use nalgebra::distance_squared;
 use proptest::collection::vec;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
@@ -12,7 +12,7 @@ use proptest::test_runner::{Config, RngSeed, TestRunner};
 fn components(eps_m: f64, min_points: u32, points_m: &[Point]) -> Vec<usize> {
     let revolution = Revolution { points_m: points_m.to_vec(), ..Revolution::default() };
     let mut out = Affinity::default();
-    let mut stage = Dbscan::new(eps_m, min_points).expect("in range");
+    let mut stage = KIND.with(&[("eps_m", eps_m.into()), ("min_points", min_points.into())]).expect("in range");
     stage.affinity(&revolution, &mut out, &mut Notes::default()).expect("finite points");
     let mut smallest: Vec<usize> = (0..points_m.len()).collect();
     loop {
@@ -96,6 +96,6 @@ fn a_border_return_between_two_clusters_joins_the_first() {
 
 #[test]
 fn each_number_out_of_range_is_refused() {
-    assert!(Dbscan::new(0.0, 4).is_err_and(|error| error.name == "eps_m"));
-    assert!(Dbscan::new(1.0, 0).is_err_and(|error| error.name == "min_points"));
+    assert!(KIND.with(&[("eps_m", 0.0.into())]).is_err());
+    assert!(KIND.with(&[("min_points", 0.into())]).is_err());
 }

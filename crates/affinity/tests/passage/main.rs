@@ -8,10 +8,8 @@ mod ways;
 
 use std::f64::consts::{PI, TAU};
 
-use crosscut_affinity::Passage;
-use crosscut_stage::{
-    Affinity, AffinityStage, Beam, Notes, Point, Revolution, StageError, Sweep, Value, wrap_angle_rad,
-};
+use crosscut_affinity::passage::KIND;
+use crosscut_stage::{Affinity, Beam, Notes, Point, Revolution, StageError, Sweep, Value, wrap_angle_rad};
 
 /// A wall from one end to the other.
 pub(crate) type Segment = [[f64; 2]; 2];
@@ -107,7 +105,7 @@ pub(crate) fn with_branch_at(near_m: f64, width_m: f64) -> Vec<Segment> {
 /// Sizes of the components of the graph without its leaks, largest first.
 pub(crate) fn components(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<usize> {
     let mut affinity = Affinity::default();
-    let mut stage = Passage::new(settings).expect("allowed");
+    let mut stage = KIND.with(settings).expect("allowed");
     stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
     let mut component: Vec<usize> = (0..revolution.len()).collect();
     for _ in 0..revolution.len() {
@@ -171,7 +169,7 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
-    Passage::new(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
+    KIND.with(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
     let told = "passage: 20 returns within the vehicle, nearer than 0.3 m (half of vehicle.width_m), tied to none";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
@@ -186,7 +184,7 @@ fn beams_that_do_not_match_the_returns_are_an_error_whichever_way_the_message_ru
         let taken = |spoil: fn(&mut Revolution)| {
             let mut revolution = right.clone();
             spoil(&mut revolution);
-            Passage::new(&[]).expect("allowed").affinity(&revolution, &mut Affinity::default(), &mut Notes::default())
+            KIND.with(&[]).expect("allowed").affinity(&revolution, &mut Affinity::default(), &mut Notes::default())
         };
         taken(|_| {}).expect("as it is");
         let spoilt: [fn(&mut Revolution); 4] = [
@@ -204,7 +202,7 @@ fn beams_that_do_not_match_the_returns_are_an_error_whichever_way_the_message_ru
 #[test]
 fn a_number_out_of_range_is_refused_by_its_name() {
     for (name, bad) in [("passage_m", 0.0), ("straight_deg", 181.0), ("stretch_m", -1.0), ("island_m", f64::NAN)] {
-        let refused = Passage::new(&[(name, Value::Number(bad))]).expect_err("must be refused");
+        let refused = KIND.with(&[(name, Value::Number(bad))]).err().expect("must be refused");
         assert_eq!(refused.name, name);
     }
 }

@@ -1,14 +1,14 @@
 //! How doubtful a verdict is: leaks from wall to wall, and what is told.
 
-use crosscut_affinity::Passage;
-use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Value};
+use crosscut_affinity::passage::KIND;
+use crosscut_stage::{Affinity, Notes, Revolution, Value};
 
 use crate::{LEAK, TUNNEL, all, bumps, scan, with_branch};
 
 /// The edges weaker than any within a wall.
 fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {
     let mut affinity = Affinity::default();
-    let mut stage = Passage::new(settings).expect("allowed");
+    let mut stage = KIND.with(settings).expect("allowed");
     stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
     let mut leaks = Vec::new();
     affinity.weights.for_each(|i, j, weight| {
@@ -34,7 +34,7 @@ fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
     let revolution = scan(&with_branch(3.0), patch);
     let mut affinity = Affinity::default();
     for _ in 0..2 {
-        let mut stage = Passage::new(&[]).expect("allowed");
+        let mut stage = KIND.with(&[]).expect("allowed");
         stage.affinity(&revolution, &mut affinity, &mut Notes::default()).expect("a scan");
         let ways: Vec<_> = affinity.verdicts.iter().filter(|verdict| verdict.is_way).collect();
         assert_eq!(ways.len(), 3, "ahead, behind and into the branch, in a used buffer too: {:?}", affinity.verdicts);

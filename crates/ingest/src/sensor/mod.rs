@@ -5,56 +5,56 @@ mod fan;
 mod limits;
 
 use crosscut_messages::{Echo, LaserScan, ScanMessage};
-use crosscut_stage::{Beam, Interval, Notes, ParamSpec, Params, Point, Revolution, Shape, counted, wrap_angle_rad};
+use crosscut_stage::{
+    Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted, wrap_angle_rad,
+};
 
 use self::fan::Fan;
 use self::limits::{Limits, Reading, Tally};
 use std::f64::consts::{PI, TAU};
 
+/// How the sensor is turned.
+pub const YAW_RAD: Number = Number::new("yaw_rad", "rad", 0.0)
+    .from(-PI)
+    .to(PI)
+    .doc("direction of the sensor's zero bearing in the body frame, anticlockwise");
+
+/// Whether the sensor is turned over.
+pub const UPSIDE_DOWN: Flag =
+    Flag::new("upside_down", false).doc("the sensor hangs upside down, so that its bearings run the other way");
+
+/// The nearest return that is taken.
+pub const MIN_RANGE_M: Number = Number::new("min_range_m", "m", 0.0)
+    .from(0.0)
+    .to(1e6)
+    .doc("returns nearer than this are left out (parts of the vehicle); their direction is unknown");
+
+/// The farthest return that is taken.
+pub const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
+    .above(0.0)
+    .to(f64::INFINITY)
+    .doc("returns farther than this are read as no return; above min_range_m");
+
+const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
+    .from(-PI)
+    .to(PI)
+    .doc("bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π");
+
+const FRAME_ID: Word = Word::any("frame_id", "")
+    .doc("take only scans of this frame_id, where several sensors share a topic; empty takes all");
+
+const ECHO: Word = Word::one_of("echo", &["first", "last", "strongest"])
+    .doc("of several echoes of a beam (MultiEchoLaserScan), the one that is its range");
+
 /// The `ingest` section of the configuration.
 pub const PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "yaw_rad",
-        unit: "rad",
-        shape: Shape::Number { default: 0.0, range: Interval::closed(-PI, PI) },
-        doc: "direction of the sensor's zero bearing in the body frame, anticlockwise",
-    },
-    ParamSpec {
-        name: "upside_down",
-        unit: "",
-        shape: Shape::Flag { default: false },
-        doc: "the sensor hangs upside down, so that its bearings run the other way",
-    },
-    ParamSpec {
-        name: "min_range_m",
-        unit: "m",
-        shape: Shape::Number { default: 0.0, range: Interval::closed(0.0, 1e6) },
-        doc: "returns nearer than this are left out (parts of the vehicle); their direction is unknown",
-    },
-    ParamSpec {
-        name: "max_range_m",
-        unit: "m",
-        shape: Shape::Number { default: f64::INFINITY, range: Interval::above(0.0, f64::INFINITY) },
-        doc: "returns farther than this are read as no return; above min_range_m",
-    },
-    ParamSpec {
-        name: "masked_sectors_rad",
-        unit: "rad",
-        shape: Shape::Pairs { range: Interval::closed(-PI, PI) },
-        doc: "bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π",
-    },
-    ParamSpec {
-        name: "frame_id",
-        unit: "",
-        shape: Shape::Text { default: "" },
-        doc: "take only scans of this frame_id, where several sensors share a topic; empty takes all",
-    },
-    ParamSpec {
-        name: "echo",
-        unit: "",
-        shape: Shape::Choice { default: "first", of: &["first", "last", "strongest"] },
-        doc: "of several echoes of a beam (MultiEchoLaserScan), the one that is its range",
-    },
+    YAW_RAD.spec,
+    UPSIDE_DOWN.spec,
+    MIN_RANGE_M.spec,
+    MAX_RANGE_M.spec,
+    MASKED_SECTORS_RAD.spec,
+    FRAME_ID.spec,
+    ECHO.spec,
 ];
 
 /// Bearings of f32 angles are known to within this: the beam at f32 -π is the one at π.
@@ -63,11 +63,11 @@ const ROUNDING_RAD: f64 = 1e-6;
 /// A lidar as it is mounted, with what is to be cleaned up.
 ///
 /// ```
-/// use crosscut_ingest::{PARAMS, Sensor};
+/// use crosscut_ingest::Sensor;
 /// use crosscut_messages::LaserScan;
-/// use crosscut_stage::{Notes, Params, Revolution};
+/// use crosscut_stage::{Notes, Revolution};
 ///
-/// let sensor = Sensor::new(&Params::defaults(PARAMS));
+/// let sensor = Sensor::default();
 /// let scan = LaserScan {
 ///     angle_max: 0.2,
 ///     angle_increment: 0.1,
@@ -91,17 +91,24 @@ pub struct Sensor {
     echo: Echo,
 }
 
+/// Mounted upright, looking ahead, with nothing left out.
+impl Default for Sensor {
+    fn default() -> Self {
+        Self::new(&Params::defaults(PARAMS))
+    }
+}
+
 impl Sensor {
     /// From checked values of [`PARAMS`].
     pub fn new(params: &Params) -> Self {
         Self {
-            yaw_rad: params.number("yaw_rad"),
-            upside_down: params.flag("upside_down"),
-            min_range_m: params.number("min_range_m"),
-            max_range_m: params.number("max_range_m"),
-            masked_sectors_rad: params.pairs("masked_sectors_rad").to_vec(),
-            frame_id: params.text("frame_id").to_owned(),
-            echo: match params.text("echo") {
+            yaw_rad: params.get(YAW_RAD),
+            upside_down: params.get(UPSIDE_DOWN),
+            min_range_m: params.get(MIN_RANGE_M),
+            max_range_m: params.get(MAX_RANGE_M),
+            masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
+            frame_id: params.get(FRAME_ID),
+            echo: match params.get(ECHO).as_str() {
                 "last" => Echo::Last,
                 "strongest" => Echo::Strongest,
                 _ => Echo::First,

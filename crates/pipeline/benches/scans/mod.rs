@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crosscut_ingest::{ReadOptions, Recording, Sensor};
 use crosscut_simulator::{Split, suites};
-use crosscut_stage::{Notes, Params, Revolution, Source};
+use crosscut_stage::{Notes, Revolution, Source};
 
 pub(crate) type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -14,9 +14,9 @@ pub(crate) struct Scans {
     pub(crate) revolutions: Vec<Revolution>,
 }
 
-/// Those of the recordings, or of all families if there are none: at most so many of each, evenly.
+/// Those of the recordings, or of all families if there are none: at most `most` of each, evenly spread.
 pub(crate) fn of(recordings: &[String], most: usize) -> Fallible<Vec<Scans>> {
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     if recordings.is_empty() {
         let revolution = |scan: &_| {
             let mut revolution = Revolution::default();

@@ -5,7 +5,7 @@ use crosscut_stage::ParamError;
 /// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the messages say what the fields are
+#[allow(missing_docs)] // the messages explain the fields
 pub enum ConfigError {
     #[error("there is no preset {name:?}; {nearest}")]
     UnknownPreset { name: String, nearest: String },
@@ -25,7 +25,7 @@ pub enum ConfigError {
     BadValue { layer: String, section: &'static str, error: ParamError },
 }
 
-/// "did you mean ...?" when one of the known names is near, else all of them.
+/// Asks "did you mean ...?" if one of the known names is near, else lists all of them.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let known: Vec<_> = known.collect();
     match best(name, &known) {
@@ -35,7 +35,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> S
     }
 }
 
-/// All of the known names, where they are few; the nearest before them.
+/// Lists all of the known names, after the nearest; for short lists.
 pub(super) fn nearest_and_all(name: &str, known: &[&str]) -> String {
     let guess = best(name, known).map_or_else(String::new, |best| format!("did you mean {best}? "));
     format!("{guess}there are: {}", known.join(", "))

@@ -6,14 +6,64 @@ use toml::{Table, Value};
 
 use super::error::{ConfigError, nearest};
 
-/// The presets: name, and the settings as TOML.
-pub const PRESETS: &[(&str, &str)] = &[
-    ("paper", include_str!("presets/paper.toml")),
-    ("default", include_str!("presets/default.toml")),
-    ("threshold", include_str!("presets/threshold.toml")),
-    ("breakpoint", include_str!("presets/breakpoint.toml")),
-    ("dbscan", include_str!("presets/dbscan.toml")),
-];
+/// Settings that ship with the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// Algorithm 1 of the paper to the letter.
+    Paper,
+    /// The best there is.
+    #[default]
+    Default,
+    /// A baseline: returns within a radius of each other are of one wall.
+    Threshold,
+    /// A baseline: adaptive breakpoints.
+    Breakpoint,
+    /// A baseline: DBSCAN.
+    Dbscan,
+}
+
+impl Preset {
+    /// All presets, in the order in which messages list them.
+    pub const ALL: [Self; 5] = [Self::Paper, Self::Default, Self::Threshold, Self::Breakpoint, Self::Dbscan];
+
+    /// The preset of this name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn named(name: &str) -> Result<Self, ConfigError> {
+        Self::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| ConfigError::UnknownPreset {
+            name: name.to_owned(),
+            nearest: nearest(name, Self::ALL.into_iter().map(Self::name)),
+        })
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Default => "default",
+            Self::Threshold => "threshold",
+            Self::Breakpoint => "breakpoint",
+            Self::Dbscan => "dbscan",
+        }
+    }
+
+    fn toml(self) -> &'static str {
+        match self {
+            Self::Paper => include_str!("presets/paper.toml"),
+            Self::Default => include_str!("presets/default.toml"),
+            Self::Threshold => include_str!("presets/threshold.toml"),
+            Self::Breakpoint => include_str!("presets/breakpoint.toml"),
+            Self::Dbscan => include_str!("presets/dbscan.toml"),
+        }
+    }
+}
+
+impl From<Preset> for Layer {
+    fn from(preset: Preset) -> Self {
+        Self::parse(format!("preset {}", preset.name()), preset.toml()).expect("a preset that ships is TOML")
+    }
+}
 
 /// Settings from one place.
 #[derive(Clone, Debug)]
@@ -23,19 +73,6 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A preset by name.
-    ///
-    /// # Errors
-    /// When there is no such preset.
-    pub fn preset(name: &str) -> Result<Self, ConfigError> {
-        let known = PRESETS.iter().find(|(known, _)| *known == name);
-        let (_, text) = known.ok_or_else(|| {
-            let names = PRESETS.iter().map(|(known, _)| *known);
-            ConfigError::UnknownPreset { name: name.to_owned(), nearest: nearest(name, names) }
-        })?;
-        Self::parse(format!("preset {name}"), text)
-    }
-
     /// The text of a configuration file; `path` is for messages.
     ///
     /// # Errors
@@ -44,8 +81,8 @@ impl Layer {
         Self::parse(path.display().to_string(), text)
     }
 
-    /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is taken as a word. Messages call
-    /// the layer by its `name`.
+    /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is a word. Messages call the layer by
+    /// its `name`.
     ///
     /// # Errors
     /// When a setting is not of this form.

@@ -10,6 +10,6 @@ mod resolve;
 mod schema;
 
 pub use error::ConfigError;
-pub use layer::{Layer, PRESETS};
+pub use layer::{Layer, Preset};
 pub use resolve::Config;
-pub use schema::{PIPELINE_PARAMS, Schema};
+pub(crate) use schema::MEMORY_MB;

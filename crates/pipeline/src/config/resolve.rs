@@ -5,13 +5,9 @@ use std::fmt;
 use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
-use super::layer::Layer;
-use super::schema::{Body, Choice, Schema, Section};
+use super::layer::{Layer, Preset};
+use super::schema::{Body, Choice, IN_FLIGHT, Section, WORKERS, sections};
 use crate::Registry;
-
-/// Parameters that are those of the vehicle unless they are set themselves: the two, each by section and name.
-const OF_VEHICLE: [[(&str, &str); 2]; 2] =
-    [[("affinity", "passage_m"), ("vehicle", "width_m")], [("affinity", "height_m"), ("vehicle", "height_m")]];
 
 /// Every parameter with its value and the layer that set it.
 #[derive(Clone, Debug)]
@@ -26,24 +22,24 @@ pub(super) struct Resolved {
     pub(super) kind: Option<ResolvedKind>,
     pub(super) specs: &'static [ParamSpec],
     pub(super) params: Params,
-    /// Of each parameter.
+    /// What set each parameter.
     pub(super) set_by: Vec<SetBy>,
 }
 
-/// Who set a value.
+/// What set a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum SetBy {
-    Nobody,
+    Default,
     /// The layer of this name.
     Layer(String),
     /// The parameter of this name, which it follows.
-    Parameter(String),
+    Parameter(&'static str),
 }
 
 impl fmt::Display for SetBy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nobody => f.write_str("default"),
+            Self::Default => f.write_str("default"),
             Self::Layer(name) => f.write_str(name),
             Self::Parameter(name) => write!(f, "follows {name}"),
         }
@@ -59,47 +55,62 @@ pub(super) struct ResolvedKind {
 }
 
 impl Config {
-    /// Applies `layers` in order over the defaults of `schema`.
+    /// Applies `layers` in order over the defaults of the stages in `registry`.
     ///
     /// # Errors
     /// The first name that is unknown, or value that is not allowed.
-    pub fn resolve(schema: &Schema, layers: &[Layer]) -> Result<Self, ConfigError> {
+    pub fn resolve(registry: &Registry, layers: &[Layer]) -> Result<Self, ConfigError> {
+        let sections = sections(registry);
         for layer in layers {
-            refuse_unknown_sections(schema, layer)?;
+            refuse_unknown_sections(&sections, layer)?;
         }
-        let sections = schema.sections.iter().map(|section| resolve_section(section, layers));
+        let sections = sections.iter().map(|section| resolve_section(section, layers));
         let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
-        OF_VEHICLE.into_iter().try_for_each(|[to, from]| config.follow(to, from))?;
+        config.follow();
         Ok(config)
     }
 
-    /// Sets a parameter to another, unless it was set itself, or its kind does not have it.
-    fn follow(&mut self, (section, name): (&str, &'static str), (of, other): (&str, &str)) -> Result<(), ConfigError> {
-        let value = Value::Number(self.params(of).number(other));
-        let to = self.sections.iter_mut().find(|resolved| resolved.name == section).expect("a section of the method");
-        if let Some(place) = to.specs.iter().position(|spec| spec.name == name)
-            && to.set_by[place] == SetBy::Nobody
-        {
-            let followed = format!("{of}.{other}");
-            let refused = |error| ConfigError::BadValue { layer: followed.clone(), section: to.name, error };
-            to.params.set(name, value).map_err(refused)?;
-            to.set_by[place] = SetBy::Parameter(followed);
+    /// Gives parameters that are not set themselves the values of those that they follow.
+    fn follow(&mut self) {
+        let followed: Vec<Vec<Option<Value>>> = self.sections.iter().map(|section| self.followed(section)).collect();
+        for (section, followed) in self.sections.iter_mut().zip(followed) {
+            for (place, value) in followed.into_iter().enumerate() {
+                let spec = &section.specs[place];
+                if let (Some(value), Some(follows)) = (value, spec.follows)
+                    && section.params.set(spec.name, value).is_ok()
+                {
+                    section.set_by[place] = SetBy::Parameter(follows.parameter);
+                }
+            }
         }
-        Ok(())
     }
 
-    /// A preset alone, for the sections of the method.
+    /// The values that the parameters of a section have from others, if they follow any that is there and not 0.
+    fn followed(&self, section: &Resolved) -> Vec<Option<Value>> {
+        let followed = |(spec, set_by): (&ParamSpec, &SetBy)| {
+            let follows = spec.follows.filter(|_| *set_by == SetBy::Default)?;
+            let (other, name) = follows.parameter.split_once('.')?;
+            let other = self.sections.iter().find(|section| section.name == other)?;
+            match other.params.value(name)? {
+                Value::Number(x) if *x != 0.0 => Some(Value::Number(follows.times * x)),
+                _ => None,
+            }
+        };
+        section.specs.iter().zip(&section.set_by).map(followed).collect()
+    }
+
+    /// A preset alone.
     ///
     /// # Errors
-    /// When there is no such preset, or the registry lacks a stage that it names.
-    pub fn preset(name: &str, registry: &Registry) -> Result<Self, ConfigError> {
-        Self::resolve(&Schema::new(registry), &[Layer::preset(name)?])
+    /// When the registry lacks a stage that the preset names.
+    pub fn preset(preset: Preset, registry: &Registry) -> Result<Self, ConfigError> {
+        Self::resolve(registry, &[preset.into()])
     }
 
     /// The values of a section.
     ///
     /// # Panics
-    /// When the schema has no such section.
+    /// When there is no such section.
     pub fn params(&self, section: &str) -> &Params {
         &self.section(section).params
     }
@@ -124,7 +135,7 @@ impl Config {
 
     /// How many lanes to run: not more than there are frames for.
     pub fn workers(&self) -> usize {
-        let workers = match self.params("pipeline").count("workers") {
+        let workers = match self.params("pipeline").get(WORKERS) {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             workers => workers,
         };
@@ -133,7 +144,17 @@ impl Config {
 
     /// How many frames the pool holds.
     pub fn in_flight(&self) -> usize {
-        self.params("pipeline").count("in_flight")
+        self.params("pipeline").get(IN_FLIGHT)
+    }
+
+    /// The kind that was chosen among `kinds`.
+    ///
+    /// # Panics
+    /// When `kinds` are not those of the registry that the configuration was resolved with.
+    pub fn kind<'a, S: StageKind + ?Sized>(&self, kinds: &'a [Kind<S>]) -> &'a Kind<S> {
+        let chosen = self.section(S::SECTION).kind.as_ref().map(|kind| kind.name);
+        let kind = kinds.iter().find(|kind| Some(kind.name) == chosen);
+        kind.expect("the configuration was resolved with the same registry")
     }
 
     /// Builds the stage that was chosen among `kinds`, for programs that run stages one by one.
@@ -141,10 +162,7 @@ impl Config {
     /// # Panics
     /// When `kinds` are not those of the registry that the configuration was resolved with.
     pub fn build<S: StageKind + ?Sized>(&self, kinds: &[Kind<S>]) -> Box<S> {
-        let section = self.section(S::SECTION);
-        let chosen = section.kind.as_ref().map(|kind| kind.name);
-        let kind = kinds.iter().find(|kind| Some(kind.name) == chosen);
-        (kind.expect("the configuration was resolved with the same registry").build)(&section.params)
+        self.kind(kinds).build(self.params(S::SECTION))
     }
 
     fn section(&self, name: &str) -> &Resolved {
@@ -153,8 +171,8 @@ impl Config {
     }
 }
 
-fn refuse_unknown_sections(schema: &Schema, layer: &Layer) -> Result<(), ConfigError> {
-    let known = || schema.sections.iter().map(|section| section.name);
+fn refuse_unknown_sections(sections: &[Section], layer: &Layer) -> Result<(), ConfigError> {
+    let known = || sections.iter().map(|section| section.name);
     match layer.table.keys().find(|name| !known().any(|k| k == name.as_str())) {
         None => Ok(()),
         Some(name) => Err(ConfigError::UnknownSection {
@@ -192,7 +210,7 @@ fn defaults(section: &Section) -> Resolved {
         Body::Fixed(specs) => (None, *specs),
         Body::Kinds(choices) => (Some(choices[0]), choices[0].params),
     };
-    Resolved::new(section.name, kind, specs, SetBy::Nobody)
+    Resolved::new(section.name, kind, specs, SetBy::Default)
 }
 
 impl Resolved {
@@ -202,11 +220,11 @@ impl Resolved {
             kind: kind.map(|kind| ResolvedKind { name: kind.name, doc: kind.doc, set_by: kind_set_by }),
             specs,
             params: Params::defaults(specs),
-            set_by: vec![SetBy::Nobody; specs.len()],
+            set_by: vec![SetBy::Default; specs.len()],
         }
     }
 
-    /// Takes another kind, with its defaults; the same kind again changes nothing but who said so.
+    /// Takes another kind, with its defaults. The kind that is chosen already keeps its values.
     fn choose(&mut self, choices: &[Choice], wanted: &toml::Value, layer: &Layer) -> Result<(), ConfigError> {
         let name = wanted.as_str().unwrap_or_default();
         let choice = choices.iter().find(|choice| choice.name == name).ok_or_else(|| ConfigError::UnknownKind {
@@ -228,7 +246,7 @@ impl Resolved {
         let spec = &self.specs[place];
         let refused = |error| ConfigError::BadValue { layer: layer.name.clone(), section: self.name, error };
         let value = from_toml(value).ok_or_else(|| {
-            let (name, value, expected) = (spec.name, value.to_string(), spec.expected());
+            let (name, value, expected) = (spec.name.to_owned(), value.to_string(), spec.expected());
             refused(ParamError { name, value, expected })
         })?;
         self.params.set(spec.name, value).map_err(refused)?;

@@ -3,13 +3,23 @@
 use std::path::Path;
 
 use crate::stages::registry;
-use crosscut_pipeline::{Config, ConfigError, Layer, PRESETS, Registry, Schema};
+use crosscut_pipeline::{Config, ConfigError, Layer, Preset, Registry};
+use crosscut_stage::Value;
 
 fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let layers =
-        [Layer::preset("paper")?, Layer::file(Path::new("mine.toml"), file)?, Layer::settings("--set", &settings)?];
-    Config::resolve(&Schema::new(&registry()), &layers)
+        [Preset::Paper.into(), Layer::file(Path::new("mine.toml"), file)?, Layer::settings("--set", &settings)?];
+    Config::resolve(&registry(), &layers)
+}
+
+/// The value of a number, `section.name`.
+fn number(config: &Config, parameter: &str) -> f64 {
+    let (section, name) = parameter.split_once('.').expect("section.name");
+    match config.params(section).value(name) {
+        Some(Value::Number(x)) => *x,
+        other => panic!("{parameter} is {other:?}"),
+    }
 }
 
 fn refused(file: &str, settings: &[&str]) -> String {
@@ -19,8 +29,8 @@ fn refused(file: &str, settings: &[&str]) -> String {
 #[test]
 fn later_layers_win_and_the_printout_says_who_set_what() {
     let config = resolve("[affinity]\nsigma_per_m2 = 2", &["spectral.zero_tolerance=1e-6"]).expect("allowed");
-    assert_eq!(config.params("affinity").number("sigma_per_m2"), 2.0);
-    assert_eq!(config.params("spectral").number("zero_tolerance"), 1e-6);
+    assert_eq!(number(&config, "affinity.sigma_per_m2"), 2.0);
+    assert_eq!(number(&config, "spectral.zero_tolerance"), 1e-6);
     let text = config.to_string();
     assert!(text.contains("sigma_per_m2 = 2.0  # mine.toml"), "{text}");
     assert!(text.contains("zero_tolerance = 1e-6  # --set"), "{text}");
@@ -32,9 +42,8 @@ fn later_layers_win_and_the_printout_says_who_set_what() {
 fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
     let passage = |settings: &[&str]| {
         let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-        let layers =
-            [Layer::preset("default").expect("a preset"), Layer::settings("--set", &settings).expect("settings")];
-        let config = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
+        let layers = [Preset::Default.into(), Layer::settings("--set", &settings).expect("settings")];
+        let config = Config::resolve(&Registry::standard(), &layers).expect("allowed");
         let text = config.to_string();
         text.lines().find(|line| line.contains("passage_m = ")).expect("a passage").to_owned()
     };
@@ -46,22 +55,42 @@ fn the_affinity_is_of_the_vehicle_that_is_set_unless_it_is_set_itself() {
 }
 
 #[test]
+fn a_solver_put_in_place_of_another_takes_the_leak_for_its_tolerance() {
+    let printed = |settings: &[&str]| {
+        let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+        let layers = [Preset::Default.into(), Layer::settings("--set", &settings).expect("settings")];
+        Config::resolve(&Registry::standard(), &layers).expect("allowed").to_string()
+    };
+    for kind in ["blocks", "faer", "slicing"] {
+        let text = printed(&[&format!("spectral.kind={kind}"), "affinity.leak=1e-9"]);
+        assert!(text.contains("# zero_tolerance = 1e-9  # follows affinity.leak"), "{text}");
+    }
+    let union_find = printed(&["spectral.kind=components", "affinity.leak=1e-9"]);
+    assert!(union_find.contains("# least_weight = 1e-5  # follows affinity.leak"), "{union_find}");
+    let set = printed(&["spectral.zero_tolerance=1e-6"]);
+    assert!(set.contains("zero_tolerance = 1e-6  # --set"), "{set}");
+    for none in ["affinity.leak=0", "affinity.kind=rbf"] {
+        assert!(printed(&[none]).contains("zero_tolerance = 1e-7  # default"), "{none}");
+    }
+}
+
+#[test]
 fn a_printed_file_does_not_untie_the_affinity_from_the_vehicle() {
     let registry = Registry::standard();
-    let printed = Config::preset("default", &registry).expect("a preset").to_string();
+    let printed = Config::preset(Preset::Default, &registry).expect("a preset").to_string();
     let wider = printed.replace("width_m = 0.6  # default", "width_m = 1.2");
     assert_ne!(wider, printed);
     let layers = [Layer::file(Path::new("wider.toml"), &wider).expect("TOML")];
-    let config = Config::resolve(&Schema::new(&registry), &layers).expect("allowed");
-    assert_eq!(config.params("affinity").number("passage_m"), 1.2);
+    let config = Config::resolve(&registry, &layers).expect("allowed");
+    assert_eq!(number(&config, "affinity.passage_m"), 1.2);
 }
 
 #[test]
 fn every_preset_prints_a_file_that_resolves_to_itself() {
-    for (name, _) in PRESETS {
-        let config = Config::preset(name, &Registry::standard()).expect("a preset");
+    for preset in Preset::ALL {
+        let config = Config::preset(preset, &Registry::standard()).expect("a preset");
         let layers = [Layer::file(Path::new("printed.toml"), &config.to_string()).expect("TOML")];
-        let again = Config::resolve(&Schema::new(&Registry::standard()), &layers).expect("allowed");
+        let again = Config::resolve(&Registry::standard(), &layers).expect("allowed");
         let values = |config: &Config| {
             let text = config.to_string();
             text.lines().map(|line| line.split("  #").next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
@@ -72,9 +101,9 @@ fn every_preset_prints_a_file_that_resolves_to_itself() {
 
 #[test]
 fn every_preset_chooses_every_kind_itself() {
-    for (name, _) in PRESETS {
-        let text = Config::preset(name, &Registry::standard()).expect("a preset").to_string();
-        let chosen = format!("# preset {name}");
+    for preset in Preset::ALL {
+        let text = Config::preset(preset, &Registry::standard()).expect("a preset").to_string();
+        let chosen = format!("# preset {}", preset.name());
         let kinds = text.lines().filter(|line| line.starts_with("kind = ") && line.ends_with(&chosen)).count();
         assert_eq!(kinds, 3, "{text}");
     }
@@ -83,11 +112,11 @@ fn every_preset_chooses_every_kind_itself() {
 #[test]
 fn a_changed_kind_takes_its_own_defaults_and_applies_before_the_rest_of_its_layer() {
     let config = resolve("[affinity]\nerror_at_x = 4\nkind = \"failing\"", &[]).expect("allowed");
-    assert_eq!(config.params("affinity").number("error_at_x"), 4.0);
+    assert_eq!(number(&config, "affinity.error_at_x"), 4.0);
     let config = resolve("[affinity]\nsigma_per_m2 = 7", &["affinity.kind=failing"]).expect("allowed");
-    assert_eq!(config.params("affinity").number("error_at_x"), -1.0, "sigma of the other kind is gone");
+    assert_eq!(number(&config, "affinity.error_at_x"), -1.0, "sigma of the other kind is gone");
     let config = resolve("[affinity]\nsigma_per_m2 = 7", &["affinity.kind=rbf"]).expect("allowed");
-    assert_eq!(config.params("affinity").number("sigma_per_m2"), 7.0, "the same kind again keeps what was set");
+    assert_eq!(number(&config, "affinity.sigma_per_m2"), 7.0, "the same kind again keeps what was set");
 }
 
 #[test]
@@ -101,7 +130,7 @@ fn unknown_names_are_refused_with_the_nearest_right_one() {
     assert!(refused("", &["affinity.kind=rfb"]).contains("did you mean rbf?"));
     assert!(refused("", &["affinity.error_at_x=1"]).contains(r#"that is a parameter of affinity.kind = "failing""#));
     assert!(refused("", &["report.kind=x"]).contains("report has no kind"));
-    let unknown = Layer::preset("papper").expect_err("no such preset").to_string();
+    let unknown = Preset::named("papper").expect_err("no such preset").to_string();
     assert_eq!(unknown, r#"there is no preset "papper"; did you mean paper?"#);
 }
 

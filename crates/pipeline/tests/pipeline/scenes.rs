@@ -1,11 +1,11 @@
-//! What the default method says of simulated scans when the vehicle is another.
+//! The answers of the default method to simulated scans, for several vehicles.
 
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
+use crosscut_pipeline::{Config, Engine, Layer, Preset, Registry};
 use crosscut_simulator::{Split, Suite, suites};
-use crosscut_stage::{Beam, Frame, Junction, Notes, Params, Place, Revolution, Sweep};
+use crosscut_stage::{Beam, Frame, Junction, Notes, Place, Revolution, Sweep};
 
-/// A scan is taken of so many that follow each other.
+/// One scan in this many is taken.
 const SCENES_STEP: usize = 60;
 
 /// The blind sector: from a fifth of the turn to two fifths.
@@ -21,7 +21,7 @@ fn blinded(scan: &Revolution) -> Revolution {
     looking(scan, (0..of.len()).map(|at| (of.bearings_rad[at], seen(at))), true)
 }
 
-/// The same by a sensor that does not look there.
+/// The scan by a sensor that does not look into the sector.
 fn limited(scan: &Revolution) -> Revolution {
     let of = scan.sweep.as_ref().expect("beams");
     let hidden = sector(of.len());
@@ -29,7 +29,7 @@ fn limited(scan: &Revolution) -> Revolution {
     looking(scan, order.map(|at| (of.bearings_rad[at], of.beams[at])), false)
 }
 
-/// Of a scan what these beams saw, each with its bearing.
+/// A scan of these beams alone, each with its bearing.
 pub(crate) fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>, full_turn: bool) -> Revolution {
     let of = scan.sweep.clone().expect("beams");
     let mut revolution = Revolution::default();
@@ -48,13 +48,13 @@ pub(crate) fn looking(scan: &Revolution, seen: impl Iterator<Item = (f64, Beam)>
 pub(crate) fn engine(settings: &[&str]) -> Engine {
     let registry = Registry::standard();
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-    let layers = [Layer::preset("default").expect("a preset"), Layer::settings("--set", &settings).expect("settings")];
-    Engine::new(&Config::resolve(&Schema::new(&registry), &layers).expect("allowed"), &registry)
+    let layers = [Preset::Default.into(), Layer::settings("--set", &settings).expect("settings")];
+    Engine::new(&Config::resolve(&registry, &layers).expect("allowed"), &registry)
 }
 
-/// One scan of a suite in so many, each with what it is called.
+/// One scan in `step` of a suite, each with its name.
 pub(crate) fn scans(suite: &Suite, step: usize) -> impl Iterator<Item = (String, Revolution)> {
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     suite.scenes(Split::Dev).enumerate().step_by(step).map(move |(number, scene)| {
         let mut scan = Revolution::default();
         sensor.revolution(&scene.scan, &mut scan, &mut Notes::default());

@@ -2,39 +2,41 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscut_affinity::Rbf;
+use crosscut_affinity::rbf;
 use crosscut_ingest::{ReadOptions, Recording, Sensor};
 use crosscut_simulator::{Split, suites};
-use crosscut_spectral::{FaerEvd, Slicing, ZeroRule};
-use crosscut_stage::{Affinity, AffinityStage, Notes, Params, Revolution, Source, SpectralStage, Spectrum};
+use crosscut_spectral::{faer_evd, slicing};
+use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Source, SpectralStage, Spectrum};
 
-/// Those of preset `paper`.
-const SIGMA_PER_M2: f64 = 1.5;
+/// That of preset `paper`.
 const TOLERANCE: f64 = 1e-7;
-/// So many eigenvalues at least are asked for.
+/// At least this many eigenvalues are computed.
 const EIGENVALUES: [u32; 2] = [1, 16];
-/// A scan is taken of so many that follow each other.
+/// One scan in this many is taken.
 const SCENES_STEP: usize = 100;
 const RECORDED_STEP: usize = 25;
 
 /// The solvers, and what was compared.
 struct Comparison {
-    rbf: Rbf,
-    faer: FaerEvd,
-    slicing: [Slicing; 2],
+    rbf: Box<dyn AffinityStage>,
+    faer: Box<dyn SpectralStage>,
+    slicing: [Box<dyn SpectralStage>; 2],
     compared: usize,
-    /// An eigenvalue is so near to τ that k depends on rounding.
+    /// Comparisons in which an eigenvalue is so near to τ that k depends on rounding.
     undecided: usize,
     in_full: usize,
 }
 
 impl Comparison {
     fn new() -> Self {
-        let rule = ZeroRule::Tolerance(TOLERANCE);
+        let tolerance = ("zero_tolerance", TOLERANCE.into());
+        let slicing = |eigenvalues: u32| {
+            slicing::KIND.with(&[tolerance.clone(), ("eigenvalues", eigenvalues.into())]).expect("allowed")
+        };
         Self {
-            rbf: Rbf::new(SIGMA_PER_M2).expect("allowed"),
-            faer: FaerEvd::new(rule).expect("allowed"),
-            slicing: EIGENVALUES.map(|eigenvalues| Slicing::new(rule, eigenvalues).expect("allowed")),
+            rbf: rbf::KIND.with(&[]).expect("the defaults are those of preset `paper`"),
+            faer: faer_evd::KIND.with(std::slice::from_ref(&tolerance)).expect("allowed"),
+            slicing: EIGENVALUES.map(slicing),
             compared: 0,
             undecided: 0,
             in_full: 0,
@@ -71,7 +73,7 @@ impl Comparison {
 
     fn compare_recording(&mut self, path: PathBuf) {
         let name = path.display().to_string();
-        let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+        let sensor = Sensor::default();
         let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor).expect("a recording");
         let (mut revolution, mut number) = (Revolution::default(), 0);
         while recording.next(&mut revolution, &mut Notes::default()).expect("a recording") {
@@ -99,7 +101,7 @@ fn root() -> PathBuf {
 
 #[test]
 fn zeros_span_and_k_of_simulated_scans_are_those_of_the_full_decomposition() {
-    let sensor = Sensor::new(&Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     let mut comparison = Comparison::new();
     for suite in suites() {
         for (number, scene) in suite.scenes(Split::Dev).enumerate().step_by(SCENES_STEP) {

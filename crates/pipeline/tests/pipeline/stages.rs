@@ -3,36 +3,20 @@
 use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crosscut_pipeline::{Config, Layer, Registry, Schema, StreamOptions, Summary, stream};
+use crosscut_pipeline::{Config, Layer, Registry, StreamOptions, Summary, stream};
 use crosscut_stage::{
-    Affinity, AffinityStage, Frame, Interval, Kind, KmeansStage, Notes, ParamSpec, Partition, Point, Revolution, Shape,
-    Source, SourceError, SpectralStage, Spectrum, StageError, Step,
+    Affinity, AffinityStage, Frame, Kind, KmeansStage, Notes, Number, ParamSpec, Partition, Point, Revolution, Source,
+    SourceError, SpectralStage, Spectrum, StageError, Step,
 };
 
 /// Calls of all test stages of one kind, over all tests of this binary.
 pub(crate) static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
 
-/// Revolution at which a test stage errs, panics, or (kmeans) names a cluster that there is not; -1: never.
-const AT: &[ParamSpec] = &[
-    ParamSpec {
-        name: "lie_at_x",
-        unit: "",
-        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
-        doc: "",
-    },
-    ParamSpec {
-        name: "error_at_x",
-        unit: "",
-        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
-        doc: "",
-    },
-    ParamSpec {
-        name: "panic_at_x",
-        unit: "",
-        shape: Shape::Number { default: -1.0, range: Interval::closed(-1.0, 1e9) },
-        doc: "",
-    },
-];
+/// The x at which a stage names a cluster that there is not, errs, or panics; -1: never.
+const LIE_AT_X: Number = Number::new("lie_at_x", "", -1.0).from(-1.0).to(1e9);
+pub(crate) const ERROR_AT_X: Number = Number::new("error_at_x", "", -1.0).from(-1.0).to(1e9);
+const PANIC_AT_X: Number = Number::new("panic_at_x", "", -1.0).from(-1.0).to(1e9);
+const AT: &[ParamSpec] = &[LIE_AT_X.spec, ERROR_AT_X.spec, PANIC_AT_X.spec];
 
 /// Errs or panics on the revolution whose first point has this x, which each stage hands on in its own part.
 struct Failing {
@@ -43,11 +27,7 @@ struct Failing {
 
 impl Failing {
     fn new(params: &crosscut_stage::Params) -> Self {
-        Self {
-            error_at_x: params.number("error_at_x"),
-            panic_at_x: params.number("panic_at_x"),
-            lie_at_x: params.number("lie_at_x"),
-        }
+        Self { error_at_x: params.get(ERROR_AT_X), panic_at_x: params.get(PANIC_AT_X), lie_at_x: params.get(LIE_AT_X) }
     }
 
     fn act(&self, x: f64) -> Result<(), StageError> {
@@ -57,20 +37,15 @@ impl Failing {
 }
 
 impl AffinityStage for Failing {
-    fn affinity(&mut self, r: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+    fn weigh(&mut self, r: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
         AFFINITY_CALLS.fetch_add(1, Ordering::Relaxed);
         let x = r.points_m[0].x;
         // Uneven work, so that lanes overtake each other if nothing keeps the order.
         std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq.is_multiple_of(7)) * 500));
         self.act(x)?;
-        out.weights.make_dense(1)[(0, 0)] = 1.0;
-        out.degrees = vec![x];
+        out.weights.make_dense(1)[(0, 0)] = x; // and so its degree
         notes.add(format!("affinity of {x}"));
         Ok(())
-    }
-
-    fn memory_bytes(&self, n: usize) -> u64 {
-        8 * (n * n) as u64
     }
 }
 
@@ -99,9 +74,9 @@ impl KmeansStage for Failing {
 pub(crate) fn registry() -> Registry {
     let mut registry = Registry::standard();
     let doc = "fails when told to";
-    registry.affinity.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
-    registry.spectral.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
-    registry.kmeans.insert(0, Kind { name: "failing", doc, params: AT, build: |p| Box::new(Failing::new(p)) });
+    registry.affinity.insert(0, Kind::affinity("failing", doc, |p| Box::new(Failing::new(p))).params(AT));
+    registry.spectral.insert(0, Kind::spectral("failing", doc, |p| Box::new(Failing::new(p))).params(AT));
+    registry.kmeans.insert(0, Kind::kmeans("failing", doc, |p| Box::new(Failing::new(p))).params(AT));
     registry
 }
 
@@ -109,7 +84,7 @@ pub(crate) fn registry() -> Registry {
 pub(crate) fn config(settings: &[&str]) -> Config {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let layers = [Layer::settings("--set", &settings).expect("settings")];
-    Config::resolve(&Schema::new(&registry()), &layers).expect("a configuration")
+    Config::resolve(&registry(), &layers).expect("a configuration")
 }
 
 /// `length` revolutions of one return, at x = seq; errs or panics at `fails`.

@@ -8,7 +8,7 @@ use crosscut_stage::{Frame, Revolution};
 
 use crate::scenes::{engine, looking, scans};
 
-/// A scan is taken of so many that follow each other.
+/// One scan in this many is taken.
 const SCENES_STEP: usize = 3;
 
 /// What may not change.

@@ -11,7 +11,7 @@ const USUAL_WIDTHS: [usize; 2] = [2, 4];
 const NARROW: usize = USUAL_WIDTHS[0] + 1;
 const WIDER: usize = USUAL_WIDTHS[1] + 1;
 
-/// The Laplacian of one block, the links to others set aside, by the columns of its lower triangle: entries stay near
+/// The Laplacian of one block, the edges to others set aside, by the columns of its lower triangle: entries stay near
 /// the diagonal if rows stand in the order of returns along a wall.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Band {
@@ -25,7 +25,7 @@ pub(crate) struct Band {
 
 impl Band {
     /// Takes one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
-    /// of each return's links to other blocks, which are set aside.
+    /// of each return's edges to other blocks, which are set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
         let (members, rank) = (order.members(block), order.ranks(block));
         self.n = members.len();
@@ -48,7 +48,7 @@ impl Band {
         let span = order.span(block);
         (self.n, self.stride) = (span.len(), NARROW);
         self.entries.clear();
-        // What follows the block is below its columns, where these have zeros.
+        // The entries after the block are below its columns, which have zeros there.
         self.entries.extend_from_slice(narrow.columns[span.start..span.end + NARROW].as_flattened());
     }
 }
@@ -62,7 +62,7 @@ pub(crate) struct NarrowBands {
 }
 
 impl NarrowBands {
-    /// Takes the blocks of `graph`, the links between them set aside.
+    /// Takes the blocks of `graph`, the edges between them set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
         let (places, leaks) = (order.places(), split.leaks());
         self.too_long.clear();
@@ -72,13 +72,13 @@ impl NarrowBands {
         for (i, &place) in places.iter().enumerate() {
             self.columns[place as usize][0] = graph.diagonal(i, leaks[i]);
         }
-        for tie in split.ties() {
-            let [from, to] = [tie.from, tie.to].map(|i| places[i as usize] as usize);
+        for edge in split.edges_within() {
+            let [from, to] = [edge.from, edge.to].map(|i| places[i as usize] as usize);
             let length = from.abs_diff(to);
             if let Some(entry) = self.columns[from.min(to)].get_mut(length) {
-                *entry = -tie.scaled;
+                *entry = -edge.scaled;
             } else {
-                let too_long = &mut self.too_long[split.block_of_return()[tie.from as usize] as usize];
+                let too_long = &mut self.too_long[split.block_of_return()[edge.from as usize] as usize];
                 *too_long = length.max(*too_long);
             }
         }
@@ -187,7 +187,7 @@ fn eliminate_wide(
     negative
 }
 
-/// The same for so few entries of a column that what a pivot changes stays in registers.
+/// LDLᵀ as `eliminate_wide` makes it, of columns so short that the entries which a pivot changes stay in registers.
 #[inline]
 fn eliminate_narrow<const STRIDE: usize>(
     columns: &[f64],

@@ -5,23 +5,24 @@ use crate::dot::dot;
 /// The Laplacian of a block, of which L - shift·I can be factorised.
 pub(crate) trait ShiftInvert {
     /// Solves (L - shift·I) x = `x` in place by a factorisation; the number of its negative pivots, which is returned,
-    /// is that of eigenvalues below the shift. `x` has n entries; what it gets beyond is taken off. `None` if there is
+    /// is that of eigenvalues below the shift. `x` has n entries; longer parts are removed. `None` if there is
     /// no factorisation at the shift, nor just beside it.
     fn solve(&mut self, shift: f64, x: &mut Vec<f64>) -> Option<usize>;
 
-    /// The number of eigenvalues below a shift, by the pivots alone; `None` likewise.
+    /// The number of eigenvalues below a shift, by the pivots alone; `None` if there is no factorisation at it, nor just
+    /// beside it.
     fn count_below(&mut self, shift: f64) -> Option<usize>;
 }
 
 /// The shift of the first step: L itself is singular.
 const FIRST_SHIFT: f64 = -1e-9;
-/// How near its two bounds must come, relative to the eigenvalue.
+/// The largest distance of the two bounds, relative to the eigenvalue.
 const PROVED: f64 = 1e-2;
-/// How near the upper one must be to it, by what is known of the residual: for each return.
+/// The largest error of the upper bound by its residual, for each return.
 const ROUNDING: f64 = 10.0 * f64::EPSILON;
-/// Factorisations at most. Halving alone takes 2 to 2e-14 in 47.
+/// The largest number of factorisations. Halving alone takes 2 to 2e-14 in 47.
 const MOST_STEPS: usize = 100;
-/// How much of the start vector is noise, in case the rest has nothing of the eigenvector.
+/// The share of noise in the start vector, in case the rest is orthogonal to the eigenvector.
 const NOISE: f64 = 1e-2;
 
 /// Finds the Fiedler pair; holds its buffers.
@@ -37,7 +38,7 @@ pub(crate) struct Fiedler {
 pub(crate) struct Between {
     /// By the pivots at this shift.
     pub(crate) lower: f64,
-    /// A Rayleigh quotient: the eigenvalue itself, as near as rounding lets it come.
+    /// A Rayleigh quotient: the eigenvalue itself, up to rounding.
     pub(crate) upper: f64,
 }
 
@@ -53,9 +54,8 @@ impl Fiedler {
     /// Inverse iteration, orthogonal to `zero`. The Rayleigh quotient of the vector is at least λ, and λ is above every
     /// shift that has no more than one negative pivot (Sylvester). So both bound λ, whatever the vector converges to,
     /// and with shifts just below λ both approach it, as fast as Rayleigh quotient iteration does; where a shift turns
-    /// out to be above λ, the next one halves what is between. What comes out are both, once the upper one has
-    /// converged and two digits of it are proved, or once the two differ by rounding alone; `None` if they do not come
-    /// so near.
+    /// out to be above λ, the next one halves what is between. Both are returned once the upper one has converged
+    /// and two digits of it are proved, or once the two differ by rounding alone; `None` if they do not come that near.
     pub(crate) fn find(&mut self, matrix: &mut dyn ShiftInvert, zero: &[f64]) -> Option<Between> {
         self.start(zero);
         let rounding = ROUNDING * zero.len() as f64;

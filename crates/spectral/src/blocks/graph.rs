@@ -17,7 +17,7 @@ pub(crate) struct Graph<'a> {
     pub(crate) node_of_return: &'a [u32],
 }
 
-/// What a graph is made in; holds its buffers.
+/// The buffers of a graph.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GraphBuffers {
     inverse_sqrt_degrees: Vec<f64>,
@@ -27,7 +27,7 @@ pub(crate) struct GraphBuffers {
 }
 
 impl GraphBuffers {
-    /// The graph of an affinity whose degrees are sound. What twins are is no zero below `tolerance`.
+    /// The graph of an affinity whose degrees are sound. Twins add no zero below `tolerance`.
     ///
     /// # Errors
     /// When a weight is not finite.
@@ -51,7 +51,7 @@ impl Graph<'_> {
         self.entries_back(i).filter(|edge| edge.scaled > 0.0)
     }
 
-    /// The same of all entries of W that are stored, those that are no edges among them.
+    /// The stored entries of W of return `i` to earlier ones, also those that are no edges, each as an edge.
     #[inline]
     pub(crate) fn entries_back(&self, i: usize) -> impl Iterator<Item = Edge> {
         let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
@@ -62,7 +62,7 @@ impl Graph<'_> {
         })
     }
 
-    /// L_ii, if so much of the weights of its edges is set aside.
+    /// L_ii, if edges of these weights in sum are set aside.
     #[inline]
     pub(crate) fn diagonal(&self, i: usize, leak: f64) -> f64 {
         let inverse_degree = self.inverse_sqrt_degrees[i] * self.inverse_sqrt_degrees[i];

@@ -8,13 +8,10 @@ mod sparse;
 mod split;
 mod twins;
 
-use crosscut_stage::{
-    Affinity, Embedding, Interval, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError,
-    Value,
-};
+use crosscut_stage::{Affinity, Embedding, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
 
-use crate::FaerEvd;
 use crate::degrees::check_degrees;
+use crate::faer_evd::FaerEvd;
 use crate::laplacian::dense_bytes;
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 use band::{Band, NarrowBands};
@@ -24,12 +21,9 @@ use order::Order;
 use sparse::{MOST_BYTES, Sparse};
 use split::Split;
 
-const WEAK_LINK: ParamSpec = ParamSpec {
-    name: "weak_link",
-    unit: "",
-    shape: Shape::Number { default: 1e-3, range: Interval::closed(0.0, 1.0) },
-    doc: "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
-};
+const WEAK_LINK: Number = Number::new("weak_link", "", 1e-3).from(0.0).to(1.0).follows("affinity.leak", 1e5).doc(
+    "edges of W_ij / √(D_ii D_jj) below it are set aside and their effect is computed, if that leaves zeros; 0: none",
+);
 
 /// Blocks with longer edges, in the best order of their returns that was found, go through the sparse factorisation.
 const WIDEST_BAND: usize = 64;
@@ -37,50 +31,45 @@ const BYTES_PER_RETURN: u64 = 512;
 /// Each edge is two entries of W, and is held in a list that doubles as it grows; the entries of a dense W are copied.
 const BYTES_PER_ENTRY: u64 = (size_of::<Edge>() + size_of::<f64>() + size_of::<u32>()) as u64;
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "blocks",
-    doc: "the zero eigenvalues and the next, block by block by a banded factorisation, for sparse graphs",
-    params: &[ZERO_TOLERANCE, WEAK_LINK],
-    build: |params| Box::new(Blocks::with(ZeroRule::of(params), params.number(WEAK_LINK.name))),
-};
+/// The solver of sparse graphs.
+pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
+    "blocks",
+    "the zero eigenvalues and the next, block by block by a banded factorisation, for sparse graphs",
+    |params| {
+        let rule = ZeroRule::of(params);
+        Box::new(Blocks {
+            rule,
+            weak_link: params.get(WEAK_LINK),
+            graph: GraphBuffers::default(),
+            solver: Solver::default(),
+            full: FaerEvd::new(rule),
+        })
+    },
+)
+.params(&[ZERO_TOLERANCE.spec, WEAK_LINK.spec])
+.stays_sparse();
 
-/// Weak links aside, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector D^1/2 1_B /
+/// Without its weak edges, L is block diagonal: L_0. A block B of L_0 has the eigenvalue 0, with the eigenvector D^1/2 1_B /
 /// ‖D^1/2 1_B‖, and no other below τ if L_B - τI has one negative pivot (Sylvester). Its next eigenvalue is found by
 /// inverse iteration: at most a Rayleigh quotient, and at least the last shift that has one eigenvalue below it, by the
-/// pivots again, which must not be below τ. Only the least of all blocks is reported, so a block whose pivots say that
-/// its own is no less than one that was found before is done.
+/// pivots again, which must not be below τ. Only the least of all blocks is reported, so a block is done when its pivots
+/// show that its own is no less than the least so far.
 ///
-/// Weak links lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
+/// Weak edges lift the zeros of the m blocks to the eigenvalues θ of the graph of blocks (m×m), which are the ones
 /// reported. All are below τ, and λ_m <= θ_m < τ <= μ <= λ_m+1, where μ is the least of the blocks' next eigenvalues: k
-/// = m is proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] say how far θ and U may be off.
+/// = m is proved, not estimated. [`Spectrum::zeros_bound`] and [`Spectrum::span_bound`] bound the errors of θ and U.
 /// The columns of U are those of the blocks, an orthonormal basis of what the eigenvectors of the zeros span.
 ///
-/// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak links) goes
-/// through the full decomposition, with a note; if links were set aside, with those.
+/// A block with an eigenvalue below τ beside its zero (one wall that is almost two, but not along weak edges) is decomposed
+/// in full, with a note, together with its weak edges.
 ///
-/// Returns with the same ties, of which a cloud has many, are taken together before all this, which changes no
-/// eigenvalue.
-pub struct Blocks {
+/// Returns with the same edges, of which a cloud has many, are first taken together, which changes no eigenvalue.
+struct Blocks {
     rule: ZeroRule,
     weak_link: f64,
     graph: GraphBuffers,
     solver: Solver,
     full: FaerEvd,
-}
-
-impl Blocks {
-    /// Takes as zero what `rule` says. Links of W_ij / √(D_ii D_jj) below `weak_link`, in [0, 1], may be set aside.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    pub fn new(rule: ZeroRule, weak_link: f64) -> Result<Self, ParamError> {
-        WEAK_LINK.check(Value::Number(weak_link))?;
-        rule.checked().map(|rule| Self::with(rule, weak_link))
-    }
-
-    fn with(rule: ZeroRule, weak_link: f64) -> Self {
-        Self { rule, weak_link, graph: GraphBuffers::default(), solver: Solver::default(), full: FaerEvd::with(rule) }
-    }
 }
 
 /// A block that has more zeros than one, decomposed in full.
@@ -193,18 +182,18 @@ impl Solver {
         });
     }
 
-    /// How far the zeros and their span may be off because of the links that were set aside.
+    /// Bounds on the errors of the zeros and their span by the edges that were set aside.
     fn bounds(&self, degrees: &[f64], zeros: &[f64], next: Option<f64>) -> (f64, f64) {
         let split = &self.split;
         // Without a next eigenvalue the columns of Z span everything, and nothing is neglected.
-        let (true, Some(next), Some(largest)) = (split.has_links(), next, zeros.last()) else { return (0.0, 0.0) };
+        let (true, Some(next), Some(largest)) = (split.has_weak_edges(), next, zeros.last()) else { return (0.0, 0.0) };
         let (coupling, gap) = (split.coupling(degrees), next - largest);
         // No eigenvalue is negative.
         ((coupling * coupling / gap).min(*largest), (coupling / gap).min(1.0))
     }
 }
 
-/// The Laplacian of a block, the links to others set aside: a band, or sparse if the block's edges are long in every
+/// The Laplacian of a block, the edges to others set aside: a band, or sparse if the block's edges are long in every
 /// order that was found.
 fn take<'a>(
     graph: &Graph<'_>,
@@ -250,7 +239,7 @@ impl SpectralStage for Blocks {
             *self;
         let graph = graph.graph(affinity, tolerance)?;
         solver.solve(&graph, weak_link, tolerance)?;
-        if solver.split.has_links() && !solver.several.is_empty() {
+        if solver.split.has_weak_edges() && !solver.several.is_empty() {
             notes.add("blocks: no link set aside, as a wall between weak links is itself almost two");
             solver.solve(&graph, 0.0, tolerance)?;
         }

@@ -19,14 +19,15 @@ use crate::decomposition::make_room;
 
 /// No block and no graph of blocks takes more memory than this.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
-/// A shift that meets an eigenvalue of a leading part exactly is moved by this, so often.
+/// A shift that meets an eigenvalue of a leading part exactly is moved by this.
 const NUDGE: f64 = f64::EPSILON;
+/// The largest number of such moves.
 const NUDGES: usize = 8;
-/// With more entries in a column of the factor, on average, columns are worked on in blocks. A return of a cloud is
-/// tied to three others, and its column has little in common with the next.
+/// With more entries in a column of the factor, on average, columns are worked on in blocks. A return of a cloud
+/// has edges to three others, and its column has little in common with the next.
 const FULL: usize = 64;
 
-/// The Laplacian of one block, the links to others set aside, by the columns of its upper triangle; and its LDLᵀ with
+/// The Laplacian of one block, the edges to others set aside, by the columns of its upper triangle; and its LDLᵀ with
 /// rows in an order of little fill (approximate minimum degree).
 pub(crate) struct Sparse {
     column_starts: Vec<usize>,
@@ -54,7 +55,7 @@ impl Default for Sparse {
 }
 
 impl Sparse {
-    /// Takes one block of `graph`. `leaks` are the weights of each return's links to other blocks, which are set aside.
+    /// Takes one block of `graph`. `leaks` are the weights of each return's edges to other blocks, which are set aside.
     ///
     /// # Errors
     /// When the factor would take more than 1 GB.
@@ -93,8 +94,8 @@ impl Sparse {
         self.plan()
     }
 
-    /// How rows are ordered: if a few are far longer than the others, as of the one return to which all around it are
-    /// tied, they go last, in the order of the block. Minimum degree would look through them again and again.
+    /// How rows are ordered: if a few are far longer than the others, as of the one return to which all around it have
+    /// an edge, they come last, in the order of the block. Minimum degree would search them again and again.
     fn ordering(&self) -> Control {
         let n = self.column_starts.len() - 1;
         let mut lengths = vec![0; n];
@@ -178,7 +179,7 @@ impl ShiftInvert for Sparse {
     }
 }
 
-/// How many entries of the diagonal of a factor LDLᵀ, where D stands, are negative.
+/// The number of negative entries of D in a factor LDLᵀ.
 fn negative_pivots(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> usize {
     match symbolic.raw() {
         SymbolicCholeskyRaw::Simplicial(columns) => {

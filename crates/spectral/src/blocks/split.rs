@@ -1,4 +1,4 @@
-//! The graph split into blocks along its weak links, and the eigenvalues that the links leave near zero.
+//! The graph split into blocks along its weak edges, and the eigenvalues near zero that these edges make.
 
 use crosscut_stage::StageError;
 use faer::Mat;
@@ -9,10 +9,10 @@ use crate::decomposition::Decomposition;
 use crate::forest::{self, Forest};
 use crate::laplacian::dense_bytes;
 
-/// The returns in m blocks: what is tied by more than weak links, and the links between them.
+/// The returns in m blocks, each connected by edges that are not weak, and the weak edges between them.
 ///
 /// With Z (n×m) the columns D^1/2 1_B / ‖D^1/2 1_B‖ of the blocks B, and E = D^-1/2 (D_w - W_w) D^-1/2 the part of L
-/// that the weak links make (W_w their weights, D_w the degrees of W_w), L = L_0 + E. L_0 is block diagonal with
+/// that the weak edges make (W_w their weights, D_w the degrees of W_w), L = L_0 + E. L_0 is block diagonal with
 /// L_0 Z = 0, and E is positive semidefinite. The Laplacian of the graph of blocks,
 ///
 /// Q = ZᵀLZ = ZᵀEZ: Q_AA = w(A, rest) / vol A, Q_AB = -w(A, B) / √(vol A · vol B),
@@ -21,21 +21,21 @@ use crate::laplacian::dense_bytes;
 ///
 /// λ_m <= θ_m (Courant, Fischer) and μ <= λ_m+1 (Weyl, E >= 0).
 ///
-/// So L has exactly m eigenvalues below τ if θ_m < τ <= μ. Blocks are therefore joined until θ_m < τ; what μ is, is not
+/// So L has exactly m eigenvalues below τ if θ_m < τ <= μ. Blocks are therefore joined until θ_m < τ; μ is not
 /// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns
 /// of Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
 pub(crate) struct Split {
     forest: Forest,
     /// Edges between blocks, which are set aside.
-    links: Vec<Edge>,
+    between: Vec<Edge>,
     /// Those within blocks.
-    ties: Vec<Edge>,
+    within: Vec<Edge>,
     block_of_return: Vec<u32>,
     /// Σ D_ii over each block.
     volumes: Vec<f64>,
-    /// Σ of the weights of the weak links of each return.
+    /// Σ of the weights of the weak edges of each return.
     leaks: Vec<f64>,
-    /// The place in Q of each block that has weak links.
+    /// The place in Q of each block that has weak edges.
     place: Vec<Option<usize>>,
     quotient: Mat<f64>,
     eigenvalues: Vec<f64>,
@@ -46,8 +46,8 @@ impl Default for Split {
     fn default() -> Self {
         Self {
             forest: Forest::default(),
-            links: Vec::new(),
-            ties: Vec::new(),
+            between: Vec::new(),
+            within: Vec::new(),
             block_of_return: Vec::new(),
             volumes: Vec::new(),
             leaks: Vec::new(),
@@ -60,7 +60,7 @@ impl Default for Split {
 }
 
 impl Split {
-    /// Splits the graph along its links of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until
+    /// Splits the graph along its edges of W_ij / √(D_ii D_jj) < `weak`, and joins blocks again until
     /// θ_m < `tolerance`.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl Split {
         self.cut(graph, weak);
         loop {
             self.number_blocks(graph.degrees);
-            if self.links.is_empty() {
+            if self.between.is_empty() {
                 self.eigenvalues.clear();
                 return Ok(());
             }
@@ -94,14 +94,14 @@ impl Split {
         self.volumes.len()
     }
 
-    /// Whether links were set aside.
-    pub(crate) fn has_links(&self) -> bool {
-        !self.links.is_empty()
+    /// Whether edges were set aside.
+    pub(crate) fn has_weak_edges(&self) -> bool {
+        !self.between.is_empty()
     }
 
     /// The edges within blocks.
-    pub(crate) fn ties(&self) -> &[Edge] {
-        &self.ties
+    pub(crate) fn edges_within(&self) -> &[Edge] {
+        &self.within
     }
 
     /// The block of each return; blocks are numbered by their first return.
@@ -114,67 +114,67 @@ impl Split {
         &self.volumes
     }
 
-    /// Σ of the weights of the weak links of each return.
+    /// Σ of the weights of the weak edges of each return.
     pub(crate) fn leaks(&self) -> &[f64] {
         &self.leaks
     }
 
-    /// Those of θ_1, …, θ_m that are not 0 because a block has no weak links; ascending.
+    /// Those of θ_1, …, θ_m that are not 0 because a block has no weak edges; ascending.
     pub(crate) fn eigenvalues(&self) -> &[f64] {
         &self.eigenvalues
     }
 
     /// r = ‖EZ‖, or a little more. Row i of EZ, of a return in block A, has the norm²
-    /// (s² / vol A + Σ_B s_B² / vol B) / D_ii, s_B what its links to block B weigh, s = Σ s_B.
+    /// (s² / vol A + Σ_B s_B² / vol B) / D_ii, s_B what its edges to block B weigh, s = Σ s_B.
     pub(crate) fn coupling(&self, degrees: &[f64]) -> f64 {
-        let per_link = |link: &Edge| {
+        let per_edge = |edge: &Edge| {
             let half = |near: u32, far: u32| {
                 let volume = |i: u32| self.volumes[self.block_of_return[i as usize] as usize];
                 // s_B² <= s·s_B.
                 let both = volume(near).recip() + volume(far).recip();
-                link.weight * self.leaks[near as usize] * both / degrees[near as usize]
+                edge.weight * self.leaks[near as usize] * both / degrees[near as usize]
             };
-            half(link.from, link.to) + half(link.to, link.from)
+            half(edge.from, edge.to) + half(edge.to, edge.from)
         };
-        self.links.iter().map(per_link).sum::<f64>().sqrt()
+        self.between.iter().map(per_edge).sum::<f64>().sqrt()
     }
 
-    /// Joins what is tied by links that are not weak, and remembers the others.
+    /// Joins the returns of edges that are not weak, and keeps the others.
     fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
         let n = graph.degrees.len();
         self.forest.plant(n);
-        self.links.clear();
-        self.ties.clear();
-        let weak = weak.max(f64::from_bits(1)); // what is 0 is no tie either
+        self.between.clear();
+        self.within.clear();
+        let weak = weak.max(f64::from_bits(1)); // a weight of 0 is no edge either
         for i in 0..n {
             for edge in graph.entries_back(i) {
                 if edge.scaled >= weak {
                     self.forest.join(i, edge.to as usize);
-                    self.ties.push(edge);
+                    self.within.push(edge);
                 } else if edge.scaled > 0.0 {
-                    self.links.push(edge);
+                    self.between.push(edge);
                 }
             }
         }
     }
 
-    /// Numbers the blocks as they now are; links within a block become ties.
+    /// Numbers the current blocks, and moves the weak edges within a block to the others.
     fn number_blocks(&mut self, degrees: &[f64]) {
         self.block_of_return.clear();
         self.block_of_return.extend_from_slice(self.forest.number_components());
         forest::volumes(&self.block_of_return, degrees, &mut self.volumes);
         let block = &self.block_of_return;
-        let is_tie = |link: &mut Edge| block[link.from as usize] == block[link.to as usize];
-        self.ties.extend(self.links.extract_if(.., is_tie));
+        let is_within = |edge: &mut Edge| block[edge.from as usize] == block[edge.to as usize];
+        self.within.extend(self.between.extract_if(.., is_within));
         self.leaks.clear();
         self.leaks.resize(block.len(), 0.0);
-        for link in &self.links {
-            self.leaks[link.from as usize] += link.weight;
-            self.leaks[link.to as usize] += link.weight;
+        for edge in &self.between {
+            self.leaks[edge.from as usize] += edge.weight;
+            self.leaks[edge.to as usize] += edge.weight;
         }
     }
 
-    /// Q, of the blocks that have weak links.
+    /// Q of the blocks that have weak edges.
     fn form_quotient(&mut self) -> Result<(), StageError> {
         self.place.clear();
         self.place.resize(self.volumes.len(), None);
@@ -197,24 +197,24 @@ impl Split {
         }
         self.quotient.resize_with(linked, linked, |_, _| 0.0);
         self.quotient.fill(0.0);
-        for link in &self.links {
-            let [(a, volume_a), (b, volume_b)] = [link.from, link.to].map(|i| self.place_and_volume(i));
-            self.quotient[(a, a)] += link.weight / volume_a;
-            self.quotient[(b, b)] += link.weight / volume_b;
-            let between = link.weight / (volume_a.sqrt() * volume_b.sqrt());
+        for edge in &self.between {
+            let [(a, volume_a), (b, volume_b)] = [edge.from, edge.to].map(|i| self.place_and_volume(i));
+            self.quotient[(a, a)] += edge.weight / volume_a;
+            self.quotient[(b, b)] += edge.weight / volume_b;
+            let between = edge.weight / (volume_a.sqrt() * volume_b.sqrt());
             self.quotient[(a, b)] -= between;
             self.quotient[(b, a)] -= between;
         }
         Ok(())
     }
 
-    /// The place in Q and the volume of the block of return `i`, which has weak links.
+    /// The place in Q and the volume of the block of return `i`, which has weak edges.
     fn place_and_volume(&self, i: u32) -> (usize, f64) {
         let block = self.block_of_return[i as usize] as usize;
-        (self.place[block].expect("a block with weak links has a place"), self.volumes[block])
+        (self.place[block].expect("a block with weak edges has a place"), self.volumes[block])
     }
 
-    /// Joins each of the `leaking` places of Q with the one that it is tied to most.
+    /// Joins each of the `leaking` places of Q with the one to which its edge weighs most.
     fn join(&mut self, leaking: &[usize]) {
         let q = &self.quotient;
         let mut strongest: Vec<Option<usize>> = vec![None; q.nrows()];
@@ -228,10 +228,10 @@ impl Split {
         for (i, &block) in self.block_of_return.iter().enumerate() {
             self.forest.join(i, *first_return[block as usize].get_or_insert(i));
         }
-        for link in &self.links {
-            let (a, b) = (self.place_and_volume(link.from).0, self.place_and_volume(link.to).0);
+        for edge in &self.between {
+            let (a, b) = (self.place_and_volume(edge.from).0, self.place_and_volume(edge.to).0);
             if strongest[a] == Some(b) || strongest[b] == Some(a) {
-                self.forest.join(link.from as usize, link.to as usize);
+                self.forest.join(edge.from as usize, edge.to as usize);
             }
         }
     }

@@ -1,15 +1,15 @@
-//! Returns with the same ties, taken together as one node of a smaller graph.
+//! Returns with the same edges, taken together as one node of a smaller graph.
 
 use crosscut_stage::Csr;
 
-/// Fewer returns are not looked through, which would cost more than it saves: a sweep has no twins.
-const FEW: usize = 1024;
+/// Smaller graphs are not searched for twins, which would cost more than it saves: a sweep has none.
+const FEWEST_RETURNS: usize = 1024;
 const NONE: u32 = u32::MAX;
 
 /// The nodes of a graph: returns, or the twins among them.
 ///
-/// Twins are tied to the same others by the same weights, and not to each other, as are all returns of a cloud for
-/// which one of a wall stands. On the m_A twins i of a node A, a vector that sums to 0 there and is 0 elsewhere is an
+/// Twins have edges of the same weights to the same others, and none to each other, like the returns of a cloud that one
+/// return of a wall stands for. On the m_A twins i of a node A, a vector that sums to 0 there and is 0 elsewhere is an
 /// eigenvector,
 ///
 /// L x = (1 - 1 / D_ii) x,
@@ -27,7 +27,7 @@ pub(crate) struct Twins {
     firsts: Vec<u32>,
     /// Number of returns of each node, m_A.
     sizes: Vec<f64>,
-    /// The latest node among those whose ties have the same [`bucket`].
+    /// The latest node among those whose edges have the same [`bucket`].
     latest: Vec<u32>,
     /// W and D of the nodes.
     edges: Csr,
@@ -35,13 +35,13 @@ pub(crate) struct Twins {
 }
 
 impl Twins {
-    /// Finds the nodes of a graph, numbered by their first return. Some twins may be missed. Whether there are any.
+    /// Finds the nodes of a graph, numbered by their first return; whether there are twins. Some may be missed.
     pub(crate) fn find(&mut self, edges: &Csr, degrees: &[f64], tolerance: f64) -> bool {
         let n = edges.n();
         self.node_of_return.clear();
         self.firsts.clear();
         self.sizes.clear();
-        if n <= FEW {
+        if n <= FEWEST_RETURNS {
             self.node_of_return.extend(0..n as u32);
             self.sizes.resize(n, 1.0);
             return false;
@@ -95,7 +95,7 @@ impl Twins {
                 if j == i {
                     quotient.push(node, size * weight);
                 } else if firsts[node as usize] == j {
-                    // The others of the node are tied by the same weight.
+                    // The others of the node have an edge of the same weight.
                     quotient.push(node, size * sizes[node as usize] * weight);
                 }
             }
@@ -105,7 +105,7 @@ impl Twins {
     }
 }
 
-/// Where to look for a return with the same ties; `None` without any.
+/// Where to look for a return with the same edges; `None` without any.
 fn bucket(edges: &Csr, i: usize, buckets: usize) -> Option<usize> {
     let (others, _) = edges.row(i);
     let is_other = |&&j: &&u32| j as usize != i;
@@ -126,7 +126,7 @@ fn same_ties(edges: &Csr, i: usize, j: usize) -> bool {
 mod tests {
     use super::*;
 
-    /// A star of hubs with so many leaves tied to each and to hub 0, leaf by leaf around the hubs.
+    /// A star of hubs with this many leaves, each with edges to its hub and to hub 0, leaf by leaf around the hubs.
     fn star(hubs: u32, leaves: u32) -> (Csr, Vec<f64>) {
         let (mut edges, mut degrees) = (Csr::default(), Vec::new());
         let n = hubs * (1 + leaves);

@@ -1,4 +1,4 @@
-//! Which returns of a dense W are connected, in an order in which L is narrow.
+//! The connected parts of a dense W, in an order in which L is narrow.
 
 use super::normalised::Normalised;
 
@@ -6,12 +6,12 @@ use super::normalised::Normalised;
 /// them together move the eigenvalues of n returns by n·1e-15 at most (Gershgorin), a twentieth of what k may depend
 /// on.
 const NOTHING: f64 = 1e-15;
-/// Returns that are looked at together.
+/// Returns that are checked together.
 const CHUNK: usize = 8;
 
 /// The returns that have not been found yet.
 pub(crate) struct Unseen {
-    /// Of each return its entry of D^-1/2, 0 once it has been found.
+    /// The entry of D^-1/2 of each return, 0 once the return has been found.
     scale: Vec<f64>,
     count: usize,
 }
@@ -26,7 +26,7 @@ impl Unseen {
         self.count
     }
 
-    /// The one of least degree, at an end of the walls.
+    /// Takes the return of least degree, which is at an end of a wall.
     pub(crate) fn take_first(&mut self) -> Option<u32> {
         let largest = self.scale.iter().copied().fold(0.0, f64::max);
         let first = self.scale.iter().position(|&scale| scale > 0.0 && scale == largest)?;
@@ -35,7 +35,7 @@ impl Unseen {
         Some(first as u32)
     }
 
-    /// Takes back what has been found.
+    /// Makes returns unseen again.
     pub(crate) fn put_back(&mut self, l: &Normalised<'_>, members: &[u32]) {
         members.iter().for_each(|&i| self.scale[i as usize] = l.scale[i as usize]);
         self.count += members.len();

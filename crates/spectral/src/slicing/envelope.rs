@@ -12,11 +12,11 @@ use super::normalised::Normalised;
 use super::tall;
 use crate::decomposition::make_room;
 
-/// Columns that are worked on together.
+/// Columns that are processed together.
 const PANEL: usize = 16;
 
 /// D^1/2 (L - shift·I) D^1/2 = (1 - shift) D - W of one part, n×n, as M Δ Mᵀ without exchange of rows. For indefinite
-/// matrices this can be inaccurate; what comes of it has to be checked.
+/// matrices this can be inaccurate, so its results have to be checked.
 ///
 /// It is taken by panels of columns: from the first row of a panel to its end, below which there is nothing.
 pub(crate) struct Envelope {
@@ -87,7 +87,7 @@ impl Default for Envelope {
 
 impl Envelope {
     /// Takes the returns that are connected with `first` out of `unseen`, and factorises L - `shift`·I of them. `false`
-    /// if a pivot is 0 or no number, as after a weight that is not finite; the members are there all the same.
+    /// if a pivot is 0 or no number, as after a weight that is not finite; the members are found all the same.
     ///
     /// Panel by panel, each as soon as its returns are known: W is read once, and the factor written once.
     pub(crate) fn factorise(&mut self, l: &Normalised<'_>, first: u32, unseen: &mut Unseen, shift: f64) -> bool {
@@ -161,7 +161,7 @@ impl Envelope {
         true
     }
 
-    /// Takes off the panel at work what those before it say, M Δ Mᵀ; of panels that end alike all at once.
+    /// Subtracts M Δ Mᵀ of the panels before it from the panel at work; panels that end alike together.
     fn subtract_before(&mut self, panel: Panel) {
         let Self { panels, factor, pivots, work, scaled, .. } = self;
         let first = panels.partition_point(|before| before.end <= panel.start);
@@ -229,7 +229,7 @@ impl Envelope {
     }
 }
 
-/// Makes room for so many rows and columns.
+/// Makes room for this many rows and columns.
 fn reserve(matrix: &mut Mat<f64>, rows: usize, columns: usize) {
     if matrix.nrows() < rows || matrix.ncols() < columns {
         matrix.resize_with(matrix.nrows().max(rows), matrix.ncols().max(columns), |_, _| 0.0);

@@ -10,26 +10,29 @@ use super::tall;
 use super::tridiagonal::Tridiagonal;
 use crate::dot::dot;
 
-/// Columns of a block at least, and how many more than there are eigenvalues below the shift.
+/// The least number of columns of a block.
 const COLUMNS: usize = 4;
+/// Columns of a block beyond the number of eigenvalues below the shift.
 const SPARE: usize = 2;
-/// Before so many blocks, and if more than the zeros and the next are wanted so many columns for each eigenvalue
-/// beside, it is not looked whether they suffice.
+/// The space is first checked when it has this many blocks.
 const LEAST_BLOCKS: usize = 4;
+/// If more than the zeros and the next are wanted, the first check waits for this many further columns an eigenvalue.
 const LEAST_SHARE: usize = 2;
-/// Columns at most, for each eigenvalue and beside.
+/// The largest number of columns of the space, for each eigenvalue.
 const MOST_SHARE: usize = 6;
+/// The largest number of columns of the space beyond that.
 const MOST_BESIDE: usize = 48;
-/// Errors of eigenvalues that are not zero, and what is small enough for a residual, whatever else is near.
+/// Largest error of an eigenvalue that is not zero.
 const ERROR: f64 = 1e-10;
+/// A residual below this is small enough, whatever other eigenvalue is near.
 const RESIDUAL: f64 = 1e-8;
-/// What may be left of a column, of what it was, before it is made orthogonal once more.
+/// A column of which less than this share is left is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
-/// So many eigenvalues that are not zero are few.
-const FEW: usize = 2;
-/// Corrections of the eigenvectors at most, after a factorisation that was inaccurate.
+/// Up to this many eigenvalues that are not zero are settled like the zeros: checking them costs as much.
+const SMALL_REQUEST: usize = 2;
+/// The largest number of corrections of the eigenvectors, after an inaccurate factorisation.
 const CORRECTIONS: usize = 2;
-/// What is left of a column that depends on those before it.
+/// A column of which less than this share is left depends on those before it.
 const DEPENDENT: f64 = 1e-10;
 
 /// Block Krylov spaces of X = (L - shift·I)⁻¹; holds its buffers.
@@ -46,7 +49,7 @@ pub(crate) struct Lowest {
     pub(crate) vectors: Mat<f64>,
 }
 
-/// The basis V so far, and X in it: X V = V H + (the next block) R.
+/// The basis V, and X in it: X V = V H + (the next block) R.
 struct Space {
     /// V, n×dimension, orthonormal columns.
     basis: Mat<f64>,
@@ -75,9 +78,9 @@ impl Krylov {
     ///
     /// λ = shift + 1 / (ν (1 + ‖R y / ν‖²)).
     ///
-    /// Of the zeros, L in the span of their vectors (Rayleigh, Ritz) gives the eigenvalues, with residuals that count.
-    /// Of the others it is enough that (L - shift) z = V y / ν holds for a random sum of them: what a factorisation or a
-    /// decomposition did wrong would show there.
+    /// The zeros are the eigenvalues of L in the span of their vectors (Rayleigh, Ritz), whose residuals are computed. The
+    /// others are checked by (L - shift) z = V y / ν for a random sum of them: an error of the factorisation or of the
+    /// decomposition shows there.
     ///
     /// # Errors
     /// When a small decomposition does not converge.
@@ -101,7 +104,7 @@ impl Krylov {
         Ok(None)
     }
 
-    /// The eigenvalues in what is there of the space, if they have settled.
+    /// The eigenvalues in the current space, if they have settled.
     fn try_at(
         &mut self,
         l: &Normalised<'_>,
@@ -111,7 +114,7 @@ impl Krylov {
         let Self { space, small, values } = self;
         let dimension = space.dimension - space.columns;
         small.decompose(space.projected.submatrix(0, 0, dimension, dimension), values)?;
-        // λ = shift + 1/ν ascends as ν goes down from just below 0 to -∞, and on from ∞ to 0.
+        // λ = shift + 1/ν ascends as ν descends from just below 0 to -∞, and then from ∞ to 0.
         let negative = values.partition_point(|&nu| nu < 0.0);
         let mut order = (0..negative).rev().chain((negative..dimension).rev());
         let chosen: Vec<usize> = order.by_ref().take(wanted).collect();
@@ -141,8 +144,8 @@ impl Krylov {
             _ => 0.0,
         });
         let (y, z) = sums(weights.as_ref());
-        // Of few it costs as much to know whether they are right as to settle them.
-        let sound = wanted - below > FEW && space.step_error(l, envelope, z.col(below), y.col(below + 1)) <= ERROR;
+        let sound =
+            wanted - below > SMALL_REQUEST && space.step_error(l, envelope, z.col(below), y.col(below + 1)) <= ERROR;
         let (unsettled, mut turn) = if sound {
             (below, z.subcols(0, below).to_owned())
         } else {
@@ -218,7 +221,7 @@ impl Default for Space {
 }
 
 impl Space {
-    /// Begins anew with random columns, but `start` the first of them.
+    /// Starts with random columns after `start`.
     fn begin(&mut self, start: &[f64], columns: usize, most: usize) {
         let n = start.len();
         let most = most.min(n) / columns * columns;

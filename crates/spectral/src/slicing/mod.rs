@@ -7,9 +7,7 @@ mod normalised;
 mod tall;
 mod tridiagonal;
 
-use crosscut_stage::{
-    Affinity, Kind, Notes, ParamError, ParamSpec, Shape, SpectralStage, Spectrum, StageError, Value, Weights,
-};
+use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, StageError, Weights};
 use faer::Mat;
 
 use crate::decomposition::Decomposition;
@@ -21,25 +19,33 @@ use envelope::Envelope;
 use krylov::{Krylov, Lowest};
 use normalised::Normalised;
 
-/// Parts of fewer returns, and so many more for each eigenvalue, are decomposed in full, which is faster then.
+/// Smaller parts are decomposed in full, which is faster: those of fewer returns than this and the next.
 const FEWEST_RETURNS: usize = 20;
+/// What each eigenvalue adds to that number of returns.
 const RETURNS_PER_EIGENVALUE: usize = 4;
-/// Eigenvalues of a part beyond its share.
+/// Eigenvalues of a part that are computed beyond its share.
 const SPARE: usize = 2;
 
-const EIGENVALUES: ParamSpec = ParamSpec {
-    name: "eigenvalues",
-    unit: "",
-    shape: Shape::Integer { default: 1, min: 1, max: 1000 },
-    doc: "so many of the smallest are computed at least, and always the zeros and the next",
-};
+const EIGENVALUES: Count = Count::new("eigenvalues", "", 1)
+    .from(1)
+    .to(1000)
+    .doc("so many of the smallest are computed at least, and always the zeros and the next");
 
-pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
-    name: "slicing",
-    doc: "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert: the paper's, faster",
-    params: &[ZERO_TOLERANCE, EIGENVALUES],
-    build: |params| Box::new(Slicing::with(ZeroRule::of(params), params.count(EIGENVALUES.name))),
-};
+/// The fast solver of dense graphs.
+pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
+    "slicing",
+    "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert: the paper's, faster",
+    |params| {
+        Box::new(Slicing {
+            rule: ZeroRule::of(params),
+            eigenvalues: params.get(EIGENVALUES),
+            envelope: Envelope::default(),
+            krylov: Krylov::default(),
+            full: Decomposition::default(),
+        })
+    },
+)
+.params(&[ZERO_TOLERANCE.spec, EIGENVALUES.spec]);
 
 /// Entries of D^-1/2 W D^-1/2 below 1e-15 set aside, L is block diagonal. Of each block B:
 ///
@@ -50,13 +56,13 @@ pub(crate) const KIND: Kind<dyn SpectralStage> = Kind {
 ///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
 ///    decomposed in full, with a note.
 ///
-/// Of the eigenvalues that are asked for, of a block its share of the trace of D^-1/2 W D^-1/2 is computed first, and all
-/// of them only if the block may have more.
+/// Of the eigenvalues that are asked for, a block first computes its share of the trace of D^-1/2 W D^-1/2, and all of them
+/// only if it may have more.
 ///
 /// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10, or to 1e-8
 /// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
 /// within 100·n·ε of τ.
-pub struct Slicing {
+struct Slicing {
     rule: ZeroRule,
     eigenvalues: usize,
     envelope: Envelope,
@@ -79,25 +85,6 @@ impl Part {
 }
 
 impl Slicing {
-    /// Takes as zero what `rule` says, and computes at least so many eigenvalues, 1 to 1000.
-    ///
-    /// # Errors
-    /// When a number is out of range.
-    pub fn new(rule: ZeroRule, eigenvalues: u32) -> Result<Self, ParamError> {
-        EIGENVALUES.check(Value::Integer(eigenvalues.into()))?;
-        rule.checked().map(|rule| Self::with(rule, eigenvalues as usize))
-    }
-
-    fn with(rule: ZeroRule, eigenvalues: usize) -> Self {
-        Self {
-            rule,
-            eigenvalues,
-            envelope: Envelope::default(),
-            krylov: Krylov::default(),
-            full: Decomposition::default(),
-        }
-    }
-
     /// The zeros and the next eigenvalue, or `eigenvalues` of the returns if that is more, of the part of return `first`.
     fn solve(
         &mut self,
@@ -188,7 +175,7 @@ impl Slicing {
         out.eigenvalues.clear();
         out.eigenvalues.extend(all.iter().map(|(eigenvalue, ..)| eigenvalue));
         self.rule.count(out, n);
-        // Of each part those are known: what comes after may be missing in one of them.
+        // Every part gave these; a larger one may be missing in some part.
         out.eigenvalues.truncate(self.eigenvalues.max(out.k + 1));
         let u = out.u.make_dense(n, out.k);
         u.fill(0.0);

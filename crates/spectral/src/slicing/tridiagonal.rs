@@ -8,20 +8,20 @@ use faer::{Mat, MatRef, Par, Spec};
 use crate::decomposition::make_room;
 use crate::dot::dot;
 
-/// Sweeps at most, for each eigenvalue.
+/// The largest number of sweeps for each eigenvalue.
 const SWEEPS: usize = 30;
 
-/// H = Y N Yᵀ of a symmetric H, m×m, N its eigenvalues, ascending. Y is kept as what made it: the reflections Q that
+/// H = Y N Yᵀ of a symmetric H, m×m, N its eigenvalues, ascending. Y is kept as a product: the reflections Q that
 /// make H tridiagonal (Householder), the rotations G that make that diagonal (implicit QR with Wilkinson's shift; Golub
-/// and Van Loan, Matrix Computations, 8.3), and the order of what comes of it. So few columns or rows of Y cost little,
-/// where all of them cost most of a decomposition.
+/// and Van Loan, Matrix Computations, 8.3), and the order of the eigenvalues. A few columns or rows of Y then cost little;
+/// all of them would cost most of a decomposition.
 pub(crate) struct Tridiagonal {
     /// Below its subdiagonal the reflections: column k has that of the rows from k + 1 on, without its leading 1.
     reflections: Mat<f64>,
-    /// What divides each reflection, 1×(m - 1).
+    /// The divisor of each reflection, 1×(m - 1).
     divisors: Mat<f64>,
     rotations: Vec<Rotation>,
-    /// Of each eigenvalue, ascending, its place after the rotations.
+    /// The place of each eigenvalue after the rotations, eigenvalues ascending.
     order: Vec<usize>,
     diagonal: Vec<f64>,
     off_diagonal: Vec<f64>,
@@ -86,12 +86,12 @@ impl Tridiagonal {
         Ok(())
     }
 
-    /// The first row that is coupled with row `last`, if there is one but it.
+    /// The first row that is coupled with row `last`, if another one is.
     fn coupled_with(&self, last: usize) -> Option<usize> {
         let Self { diagonal, off_diagonal, .. } = self;
         let is_coupled = |&i: &usize| {
             let nothing = f64::EPSILON * (diagonal[i].abs() + diagonal[i + 1].abs());
-            // What is no number is coupled, so that it is told.
+            // NaN counts as coupled, so that it ends in an error.
             off_diagonal[i].abs().partial_cmp(&nothing).is_none_or(std::cmp::Ordering::is_gt)
         };
         let coupled = (0..last).rev().take_while(is_coupled).count();
@@ -186,7 +186,7 @@ mod tests {
 
     use super::*;
 
-    /// A symmetric matrix of so many rows whose entries grow small, from a scale of 1 at its first row to the `grade` at
+    /// A symmetric matrix of m rows whose entries shrink from a scale of 1 at its first row to the `grade` at
     /// its last.
     fn symmetric(entries: &[f64], m: usize, grade: f64) -> Mat<f64> {
         let scale = |i: usize| grade.powf(i as f64 / m as f64 / 2.0);

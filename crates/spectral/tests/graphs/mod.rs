@@ -14,7 +14,7 @@ pub(crate) struct Graph {
     weights: Mat<f64>,
 }
 
-/// A graph of up to `n` nodes in up to four pieces: each node tied to an earlier one of its piece, and some more edges.
+/// A graph of up to `n` nodes in up to four pieces: each node with an edge to an earlier one of its piece, and some more edges.
 /// Weights are at least 0.05, so that the smallest nonzero eigenvalue is far above rounding.
 pub(crate) fn graph(n: Range<usize>) -> impl Strategy<Value = Graph> {
     vec((0..4usize, any::<[u16; 2]>(), [0.05..1.0f64, 0.05..1.0f64]), n).prop_map(|nodes| {
@@ -31,12 +31,12 @@ pub(crate) fn graph(n: Range<usize>) -> impl Strategy<Value = Graph> {
 }
 
 impl Graph {
-    /// Every two of `n` nodes tied by the same weight; by none if it is 0.
+    /// An edge of the same weight between every two of `n` nodes; none if it is 0.
     pub(crate) fn complete(n: usize, weight: f64) -> Self {
         Self { n, weights: Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { weight }) }
     }
 
-    /// The same graph with every two nodes tied by at least `weight`.
+    /// This graph with an edge of at least `weight` between every two nodes.
     pub(crate) fn leaking(&self, weight: f64) -> Self {
         Self { n: self.n, weights: Mat::from_fn(self.n, self.n, |i, j| self.weights[(i, j)].max(weight)) }
     }

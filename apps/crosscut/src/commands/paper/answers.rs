@@ -42,7 +42,7 @@ impl Answers {
 
 /// The truth under a title of its own.
 pub(crate) fn truth_panel(title: String, scene: &Scene) -> Panel {
-    let sensor = Sensor::new(&crosscut_stage::Params::defaults(crosscut_ingest::PARAMS));
+    let sensor = Sensor::default();
     let mut frame = Frame::default();
     sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
     Panel::of_truth(title, &frame.revolution, &scene.truth)

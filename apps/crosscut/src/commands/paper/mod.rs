@@ -8,7 +8,7 @@ mod tolerance;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_pipeline::{Config, Registry, StopFlag};
+use crosscut_pipeline::{Config, Preset, Registry, StopFlag, ZERO_TOLERANCE};
 use crosscut_simulator::suites;
 
 use crate::cli::PaperArgs;
@@ -20,7 +20,7 @@ use crate::say::say;
 /// Writes the figures, the table, and a page that shows them all. The same program always writes the same bytes.
 pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
-    let tolerance_of_preset = Config::preset("paper", &registry)?.params("spectral").number("zero_tolerance");
+    let tolerance_of_preset = Config::preset(Preset::Paper, &registry)?.params("spectral").get(ZERO_TOLERANCE);
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make the folder {}", args.out.display()))?;

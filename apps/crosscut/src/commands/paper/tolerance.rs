@@ -10,7 +10,7 @@ use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Registry, StopFlag};
 use crosscut_report::{Reporter, ResultsLine};
 use crosscut_simulator::{Scene, Split, suites};
-use crosscut_stage::{AffinityStage, Frame, KmeansStage, ReportStage, SpectralStage};
+use crosscut_stage::{AffinityStage, Frame, KmeansStage, SpectralStage};
 use indicatif::ProgressBar;
 
 use crate::cli::ConfigArgs;

@@ -5,7 +5,7 @@ use std::iter::Peekable;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use crosscut_ingest::Sensor;
+use crosscut_ingest::{Sensor, UPSIDE_DOWN};
 use crosscut_messages::{Header, LaserScan, Time};
 use crosscut_pipeline::{Config, Engine, Layer, Registry};
 use crosscut_recorder::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
@@ -13,7 +13,6 @@ use crosscut_spectral::Laplacian;
 use crosscut_stage::{Frame, wrap_angle_rad};
 
 use super::selection::Selection;
-use crate::config;
 use crate::exit::UsageError;
 
 /// Recomputed eigenvalues may differ from the recorded ones by this much: other machines round otherwise.
@@ -89,11 +88,10 @@ impl<'a> Recomputation<'a> {
         let toml = recording.config_toml().context("the recording has no /config")?;
         let registry = Registry::standard();
         let layer = Layer::file(Path::new("/config"), &toml)?;
-        let config = Config::resolve(&config::schema(&registry), &[layer])
-            .context("it was recorded by another version of crosscut")?;
+        let config = Config::resolve(&registry, &[layer]).context("it was recorded by another version of crosscut")?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
-            upside_down: config.params("ingest").flag("upside_down"),
+            upside_down: config.params("ingest").get(UPSIDE_DOWN),
             engine: Engine::new(&config, &registry),
             frame: Frame::default(),
             of_frame,

@@ -7,9 +7,9 @@ use crosscut_stage::{Beam, Point, Revolution, Sweep, wrap_angle_rad};
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
 
-/// A sweep of up to `beams` beams: runs of beams that hit a wall at one distance (rough to 5 cm), see nothing, or know
-/// nothing; either direction of turning, a full turn or a part of it.
-pub(crate) fn scan(beams: Range<usize>) -> impl Strategy<Value = Revolution> {
+/// A sweep of `beams` beams: runs of beams that hit a wall at one distance (rough to 5 cm), have no return, or are
+/// unreadable; either direction of turning, a full turn or a part of it.
+pub fn scan(beams: Range<usize>) -> impl Strategy<Value = Revolution> {
     let run = (prop_oneof![3 => 0.3..15.0f64, 1 => -2.0..0.0f64], 1..12usize);
     let shape = (-PI..PI, any::<bool>(), any::<bool>());
     (vec(run, 1..20), vec(-0.05..0.05f64, beams), shape).prop_map(
@@ -38,8 +38,8 @@ pub(crate) fn scan(beams: Range<usize>) -> impl Strategy<Value = Revolution> {
     )
 }
 
-/// A cloud of up to `points` points in R³: a few clumps, a third of their points twice.
-pub(crate) fn cloud(points: Range<usize>) -> impl Strategy<Value = Revolution> {
+/// A cloud of `points` points in R³: a few clumps, a third of their points twice.
+pub fn cloud(points: Range<usize>) -> impl Strategy<Value = Revolution> {
     let coordinates = |reach_m: f64| [-reach_m..reach_m, -reach_m..reach_m, -reach_m..reach_m];
     (vec(coordinates(10.0), 1..6), vec(coordinates(0.8), points)).prop_map(|(centres_m, offsets_m)| {
         let mut points_m: Vec<Point> = Vec::new();

@@ -1,22 +1,16 @@
-//! The method inside a robot's own program: one scan in, walls and ways on out; no files, no threads, no viewer.
+//! The method inside a robot's own program: one scan in, walls and openings out; no files, no threads, no viewer.
 //!
-//! `cargo run --release --example robot`
+//! `cargo run` in this folder.
 
+use std::error::Error;
 use std::f32::consts::PI;
 
-use crosscut_ingest::Sensor;
-use crosscut_messages::LaserScan;
-use crosscut_pipeline::{Config, Engine, Layer, Registry, Schema};
-use crosscut_stage::{Frame, Params, Value};
+use crosscut_pipeline::{Frame, LaserScan, Preset, Settings};
 
-fn main() -> anyhow::Result<()> {
-    // Once, at start: how the lidar is mounted, which stages to run, and how wide the vehicle is.
-    let mut mounting = Params::defaults(crosscut_ingest::PARAMS);
-    mounting.set("yaw_rad", Value::Number(0.0))?;
-    let sensor = Sensor::new(&mounting);
-    let registry = Registry::standard();
-    let layers = [Layer::preset("default")?, Layer::settings("--set", &["vehicle.width_m=0.8".to_owned()])?];
-    let mut engine = Engine::new(&Config::resolve(&Schema::new(&registry), &layers)?, &registry);
+fn main() -> Result<(), Box<dyn Error>> {
+    // Once, at start: which stages to run, and how wide the vehicle is; `sensor_yaw_rad` and others say how the lidar is mounted.
+    let settings = Settings::new(Preset::Default).vehicle_width_m(0.8);
+    let (sensor, mut engine) = (settings.sensor()?, settings.engine()?);
     let mut frame = Frame::default();
 
     // For every scan that the driver delivers; the frame's buffers are used again.
@@ -31,7 +25,7 @@ fn main() -> anyhow::Result<()> {
         println!("{} walls, {}, confidence {:.2}", junction.junctions, junction.place, junction.confidence);
         for opening in &junction.openings {
             let bearing_deg = opening.bearing_rad.to_degrees();
-            println!("  a way on at {bearing_deg:.0}°, {:.1} m wide, {}", opening.width_m, opening.evidence);
+            println!("  an opening at {bearing_deg:.0}°, {:.1} m wide, {}", opening.width_m, opening.evidence);
         }
     }
     Ok(())
@@ -54,5 +48,20 @@ fn tunnel_scan(width_m: f32) -> LaserScan {
         range_max,
         ranges: (0..beams).map(range).collect(),
         ..Default::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tunnel_has_two_walls_and_two_openings() {
+        let settings = Settings::new(Preset::Default);
+        let (sensor, mut engine) = (settings.sensor().expect("allowed"), settings.engine().expect("allowed"));
+        let mut frame = Frame::default();
+        sensor.revolution(&tunnel_scan(6.0), &mut frame.revolution, &mut frame.notes);
+        engine.process(&mut frame).expect("a sound scan");
+        assert_eq!((frame.junction.junctions, frame.junction.openings.len()), (2, 2));
     }
 }

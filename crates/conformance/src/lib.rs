@@ -1,0 +1,26 @@
+//! What the rest of the program relies on in a stage: one body of tests for every kind.
+//!
+//! A stage of your own runs them in a test of its own; random inputs are the same in every run:
+//!
+//! ```
+//! use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};
+//!
+//! /// Every return on its own: W = I.
+//! struct Alone;
+//!
+//! const KIND: Kind<dyn AffinityStage> =
+//!     Kind::affinity("alone", "every return on its own", |_| Box::new(Alone)).storage(Storage::Sparse(|_, _| 1));
+//!
+//! impl AffinityStage for Alone {
+//!     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+//!         let w = out.weights.make_sparse();
+//!         (0..revolution.len() as u32).for_each(|i| w.push_row(&[i], &[1.0]));
+//!         Ok(())
+//!     }
+//! }
+//!
+//! crosscut_conformance::affinity::all(&KIND);
+//! ```
+
+pub mod affinity;
+pub mod revolutions;

@@ -1,0 +1,296 @@
+//! One parameter of a stage: name, unit, range, default and meaning, and the type of its value.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::{ParamError, Value};
+
+/// The key of a parameter whose value is a `T`.
+///
+/// A stage declares it once, as a constant. The constant documents the parameter, checks what is set, and reads the
+/// value.
+///
+/// ```
+/// use crosscut_stage::{Number, Params};
+///
+/// const RADIUS_M: Number = Number::new("radius_m", "m", 2.5).above(0.0).to(1e6).doc("reach of an edge");
+///
+/// let mut params = Params::defaults(&[RADIUS_M.spec]);
+/// assert_eq!(params.get(RADIUS_M), 2.5);
+/// params.set("radius_m", 3.0)?;
+/// assert_eq!(params.get(RADIUS_M), 3.0);
+/// assert!(params.set("radius_m", 0.0).is_err());
+/// # Ok::<(), crosscut_stage::ParamError>(())
+/// ```
+#[derive(Debug)]
+pub struct Param<T> {
+    /// What it is.
+    pub spec: ParamSpec,
+    value: PhantomData<fn() -> T>,
+}
+
+/// A real number.
+pub type Number = Param<f64>;
+/// A whole number, 0 or more.
+pub type Count = Param<usize>;
+/// True or false.
+pub type Flag = Param<bool>;
+/// One of a few words, or any text.
+pub type Word = Param<String>;
+/// A list of `[from, to]` pairs, empty by default.
+pub type Pairs = Param<Vec<[f64; 2]>>;
+
+impl<T> Param<T> {
+    const fn of(name: &'static str, unit: &'static str, shape: Shape) -> Self {
+        Self { spec: ParamSpec { name, unit, shape, doc: "", follows: None }, value: PhantomData }
+    }
+
+    /// What it means, in one sentence.
+    pub const fn doc(mut self, doc: &'static str) -> Self {
+        self.spec.doc = doc;
+        self
+    }
+
+    const fn with_low(mut self, low: f64, low_open: bool) -> Self {
+        if let Shape::Number { range, .. } | Shape::Pairs { range } = &mut self.spec.shape {
+            (range.low, range.low_open) = (low, low_open);
+        }
+        self
+    }
+
+    const fn with_high(mut self, high: f64) -> Self {
+        if let Shape::Number { range, .. } | Shape::Pairs { range } = &mut self.spec.shape {
+            range.high = high;
+        }
+        self
+    }
+}
+
+impl Number {
+    /// Any finite number unless the range is narrowed.
+    pub const fn new(name: &'static str, unit: &'static str, default: f64) -> Self {
+        Self::of(name, unit, Shape::Number { default, range: Interval::FINITE })
+    }
+
+    /// Only numbers larger than `low`.
+    pub const fn above(self, low: f64) -> Self {
+        self.with_low(low, true)
+    }
+
+    /// Only `low` and larger numbers.
+    pub const fn from(self, low: f64) -> Self {
+        self.with_low(low, false)
+    }
+
+    /// Only numbers up to `high`, which may be infinite.
+    pub const fn to(self, high: f64) -> Self {
+        self.with_high(high)
+    }
+
+    /// While it is not set itself, it is `times` the value of another parameter, `section.name`. A value of 0, or one
+    /// that is not allowed here, is not followed.
+    pub const fn follows(mut self, parameter: &'static str, times: f64) -> Self {
+        self.spec.follows = Some(Follows { parameter, times });
+        self
+    }
+}
+
+impl Count {
+    /// Any whole number from 0 unless the range is narrowed.
+    pub const fn new(name: &'static str, unit: &'static str, default: u32) -> Self {
+        Self::of(name, unit, Shape::Integer { default: default as i64, min: 0, max: i64::MAX })
+    }
+
+    /// Only `low` and larger numbers.
+    pub const fn from(mut self, low: u32) -> Self {
+        if let Shape::Integer { min, .. } = &mut self.spec.shape {
+            *min = low as i64;
+        }
+        self
+    }
+
+    /// Only numbers up to `high`.
+    pub const fn to(mut self, high: u32) -> Self {
+        if let Shape::Integer { max, .. } = &mut self.spec.shape {
+            *max = high as i64;
+        }
+        self
+    }
+}
+
+impl Flag {
+    /// True or false.
+    pub const fn new(name: &'static str, default: bool) -> Self {
+        Self::of(name, "", Shape::Flag { default })
+    }
+}
+
+impl Word {
+    /// One of these words; the first is the default.
+    pub const fn one_of(name: &'static str, words: &'static [&'static str]) -> Self {
+        Self::of(name, "", Shape::Choice { default: words[0], of: words })
+    }
+
+    /// Any text.
+    pub const fn any(name: &'static str, default: &'static str) -> Self {
+        Self::of(name, "", Shape::Text { default })
+    }
+}
+
+impl Pairs {
+    /// Pairs of any finite numbers unless the range is narrowed.
+    pub const fn new(name: &'static str, unit: &'static str) -> Self {
+        Self::of(name, unit, Shape::Pairs { range: Interval::FINITE })
+    }
+
+    /// Only `low` and larger numbers.
+    pub const fn from(self, low: f64) -> Self {
+        self.with_low(low, false)
+    }
+
+    /// Only numbers up to `high`.
+    pub const fn to(self, high: f64) -> Self {
+        self.with_high(high)
+    }
+}
+
+/// The description of one parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct ParamSpec {
+    /// Its key in the configuration, with the unit as its ending (`sigma_per_m2`).
+    pub name: &'static str,
+    /// The unit in words, empty for a plain number.
+    pub unit: &'static str,
+    /// Type, range and default.
+    pub shape: Shape,
+    /// What it means, in one sentence.
+    pub doc: &'static str,
+    /// Where its value comes from while it is not set.
+    pub follows: Option<Follows>,
+}
+
+/// The value of another parameter, times a factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follows {
+    /// The other parameter, `section.name`.
+    pub parameter: &'static str,
+    /// The factor.
+    pub times: f64,
+}
+
+/// Type, range and default of a parameter.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// True or false.
+    Flag {
+        /// The default.
+        default: bool,
+    },
+    /// A whole number.
+    Integer {
+        /// The default.
+        default: i64,
+        /// Smallest allowed value.
+        min: i64,
+        /// Largest allowed value.
+        max: i64,
+    },
+    /// A real number.
+    Number {
+        /// The default.
+        default: f64,
+        /// Allowed values.
+        range: Interval,
+    },
+    /// One of a few words.
+    Choice {
+        /// The default.
+        default: &'static str,
+        /// The words.
+        of: &'static [&'static str],
+    },
+    /// Any text.
+    Text {
+        /// The default.
+        default: &'static str,
+    },
+    /// A list of `[from, to]` pairs, empty by default.
+    Pairs {
+        /// Allowed values of both ends.
+        range: Interval,
+    },
+}
+
+/// The allowed values of a real number. Infinity is allowed only as an end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    low: f64,
+    low_open: bool,
+    high: f64,
+}
+
+impl Interval {
+    /// Every finite number.
+    const FINITE: Self = Self { low: f64::MIN, low_open: false, high: f64::MAX };
+
+    /// Whether `x` is allowed. NaN never is.
+    pub fn contains(&self, x: f64) -> bool {
+        (if self.low_open { x > self.low } else { x >= self.low }) && x <= self.high
+    }
+}
+
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{:?}, {:?}]", if self.low_open { '(' } else { '[' }, self.low, self.high)
+    }
+}
+
+impl ParamSpec {
+    /// The default.
+    pub fn default_value(&self) -> Value {
+        match self.shape {
+            Shape::Flag { default } => Value::Flag(default),
+            Shape::Integer { default, .. } => Value::Integer(default),
+            Shape::Number { default, .. } => Value::Number(default),
+            Shape::Choice { default, .. } | Shape::Text { default } => Value::Text(default.to_owned()),
+            Shape::Pairs { .. } => Value::Pairs(Vec::new()),
+        }
+    }
+
+    /// The allowed values, in words.
+    pub fn expected(&self) -> String {
+        match self.shape {
+            Shape::Flag { .. } => "true or false".to_owned(),
+            Shape::Integer { min, max, .. } if max == i64::MAX => format!("a whole number, at least {min}"),
+            Shape::Integer { min, max, .. } => format!("a whole number in [{min}, {max}]"),
+            Shape::Number { range, .. } => format!("a number in {range}"),
+            Shape::Choice { of, .. } => format!("one of {}", of.join(", ")),
+            Shape::Text { .. } => "a text; one that looks like a number in quotes of its own: '\"5\"'".to_owned(),
+            Shape::Pairs { range } => format!("a list of [from, to] pairs, each in {range}"),
+        }
+    }
+
+    /// `value` if it is allowed here; a whole number serves where a real one is asked for.
+    ///
+    /// # Errors
+    /// When its type or its size is not allowed.
+    pub fn check(&self, value: Value) -> Result<Value, ParamError> {
+        let value = match (self.shape, value) {
+            (Shape::Number { .. }, Value::Integer(i)) => Value::Number(i as f64),
+            (_, value) => value,
+        };
+        let allowed = match (self.shape, &value) {
+            (Shape::Flag { .. }, Value::Flag(_)) | (Shape::Text { .. }, Value::Text(_)) => true,
+            (Shape::Integer { min, max, .. }, Value::Integer(i)) => (min..=max).contains(i),
+            (Shape::Number { range, .. }, Value::Number(x)) => range.contains(*x),
+            (Shape::Choice { of, .. }, Value::Text(word)) => of.contains(&word.as_str()),
+            (Shape::Pairs { range }, Value::Pairs(pairs)) => pairs.iter().flatten().all(|&x| range.contains(x)),
+            _ => false,
+        };
+        if allowed {
+            Ok(value)
+        } else {
+            Err(ParamError { name: self.name.to_owned(), value: value.to_string(), expected: self.expected() })
+        }
+    }
+}
