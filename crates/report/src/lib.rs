@@ -18,11 +18,12 @@
 pub mod confidence;
 mod islands;
 pub mod openings;
+mod outline;
 mod place;
 mod reporter;
 mod results;
-pub mod ring;
 mod walls;
 
+pub use outline::Outline;
 pub use reporter::{PARAMS, Reporter, VEHICLE_PARAMS};
 pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};

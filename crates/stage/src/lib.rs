@@ -19,7 +19,6 @@ mod frame;
 mod invariance;
 mod junction;
 mod kind;
-mod level_view;
 mod notes;
 mod params;
 mod partition;
@@ -33,11 +32,10 @@ pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{Kind, StageKind};
-pub use level_view::{LevelReturn, LevelView};
 pub use notes::{Notes, counted};
 pub use params::{Interval, ParamError, ParamSpec, Params, Shape, Value};
 pub use partition::Partition;
-pub use revolution::{Beam, Revolution, Sweep, View, wrap_angle_rad};
+pub use revolution::{Beam, Revolution, Sweep, View, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use traits::{
     AffinityStage, KmeansStage, Observer, ObserverError, ReportStage, Source, SourceError, SpectralStage, StageError,
