@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::gap::Gap;
 
-/// Nothing is seen in a gap into which at least this many beams came back with nothing.
+/// A gap is dark if at least this many beams into it came back with nothing.
 const DARK_BEAMS: u32 = 4;
-/// Nothing is seen in a gap over whose beams with nothing more than this angle passes.
+/// The beams into a dark gap that came back with nothing span more than this angle.
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// A return is about at the end of the sensor's range if it lies beyond this share of it.
 const FAR_SHARE: f64 = 0.8;

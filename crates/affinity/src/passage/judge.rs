@@ -8,7 +8,7 @@ use super::gap::{Gap, ends_run};
 use super::site::Site;
 use super::verdict::{Decision, Reason};
 
-/// A verdict is at most as doubtful as if the wall turned by this much less or more.
+/// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
 /// The room ratio of a way on is at least this.
 const LEAST_ROOM_RATIO: f64 = 1.05;
@@ -34,7 +34,7 @@ const COST_PER_M: f64 = 0.05;
 const LONG_GAP_M: f64 = 3.0;
 /// Joining a piece without a direction to one that has one costs this at least.
 const COST_OF_SMALL: f64 = 0.3;
-/// Joining two pieces without directions costs this...
+/// Joining two pieces without directions costs this at least.
 const COST_OF_TWO_SMALL: f64 = 1.0;
 /// Joining two pieces without directions costs this for each metre of the gap.
 const COST_OF_TWO_SMALL_PER_M: f64 = 0.1;

@@ -11,7 +11,7 @@ use super::verdict::{Decision, Reason};
 const WAY_SHARE: f64 = 0.3;
 /// A way on in the shadow of islands, where nothing is known, is at least this share of the place's size wide.
 const SHADE_SHARE: f64 = 1.5;
-/// A way on whose inside is seen is at most required to be this share of the place's size wide and deep.
+/// A way on whose inside is seen need not be wider or deeper than this share of the place's size.
 const SEEN_INSIDE_SHARE: f64 = 0.5;
 /// A gap before the face of a corner is at least this share of the place's size long.
 const FACE_SHARE: f64 = 0.75;
