@@ -68,6 +68,7 @@ impl Islands {
     }
 
     /// Whether at least half of the beams after a return and before another one, anticlockwise, end at islands.
+    #[inline]
     pub fn shade(&self, ring: &Ring, from: usize, to: usize) -> bool {
         if to == from || to == from + 1 {
             return false; // The most common case: no return is between them.

@@ -19,6 +19,7 @@ pub struct Pieces {
 
 impl Pieces {
     /// Number of pieces.
+    #[inline]
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -62,6 +63,7 @@ impl Pieces {
     }
 
     /// The piece after one, around the sensor.
+    #[inline]
     pub fn next(&self, at: usize) -> usize {
         if at + 1 < self.len() { at + 1 } else { 0 }
     }
@@ -119,6 +121,7 @@ pub enum End {
 
 impl End {
     /// The k-th return of a piece, counted from this end.
+    #[inline]
     pub fn at(self, piece: &[usize], k: usize) -> usize {
         piece[if self == Self::Last { piece.len() - 1 - k } else { k }]
     }
@@ -127,6 +130,7 @@ impl End {
 impl Index<usize> for Pieces {
     type Output = [usize];
 
+    #[inline]
     fn index(&self, at: usize) -> &[usize] {
         &self.returns[self.start(at)..self.ends[at]]
     }

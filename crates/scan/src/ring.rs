@@ -84,36 +84,43 @@ impl Ring {
     }
 
     /// Number of returns.
+    #[inline]
     pub fn len(&self) -> usize {
         self.returns.len()
     }
 
     /// Whether there is no return.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.returns.is_empty()
     }
 
     /// The place of return `i`.
+    #[inline]
     pub fn position_m(&self, i: usize) -> Position {
         self.returns[i].position_m
     }
 
     /// The distance of return `i` from the sensor.
+    #[inline]
     pub fn range_m(&self, i: usize) -> f64 {
         self.returns[i].range_m
     }
 
     /// The distance between two returns.
+    #[inline]
     pub fn distance_m(&self, i: usize, j: usize) -> f64 {
         (self.position_m(j) - self.position_m(i)).norm()
     }
 
     /// Whether the distance between two returns is at least this.
+    #[inline]
     pub fn are_apart(&self, i: usize, j: usize, least_m: f64) -> bool {
         (self.position_m(j) - self.position_m(i)).norm_squared() >= least_m * least_m
     }
 
     /// The return `steps` after `i`, or before it if negative; `None` beyond the end of a limited view.
+    #[inline]
     pub fn after(&self, i: usize, steps: isize) -> Option<usize> {
         let (n, at) = (self.len() as isize, i as isize + steps);
         match at {
@@ -124,22 +131,27 @@ impl Ring {
     }
 
     /// How many beams lie from one return to another, the shorter way around the sensor.
+    #[inline]
     pub fn beams_apart(&self, i: usize, j: usize) -> usize {
         let apart = self.returns[i].beam.abs_diff(self.returns[j].beam);
         if self.full_turn { apart.min(self.beams.len() - apart) } else { apart }
     }
 
     /// How many beams lie from one return anticlockwise to another.
+    #[inline]
     pub fn beams_from(&self, from: usize, to: usize) -> usize {
-        (self.returns[to].beam + self.beams.len() - self.returns[from].beam) % self.beams.len()
+        let (from, to) = (self.returns[from].beam, self.returns[to].beam);
+        if from <= to { to - from } else { to + self.beams.len() - from }
     }
 
     /// The distance between two returns, divided by the number of beams between them.
+    #[inline]
     pub fn spacing_m(&self, i: usize, j: usize) -> f64 {
         self.distance_m(i, j) / self.beams_apart(i, j).max(1) as f64
     }
 
     /// How many beams from one return anticlockwise to another came back with nothing.
+    #[inline]
     pub fn dark_between(&self, from: usize, to: usize) -> u32 {
         let (from, to) = (&self.returns[from], &self.returns[to]);
         let around = if to.beam < from.beam { self.dark } else { 0 };
@@ -174,6 +186,7 @@ impl Ring {
 }
 
 /// The angle from one direction anticlockwise to another, in [-π, π].
+#[inline]
 pub fn turn_rad(from: Position, to: Position) -> f64 {
     from.perp(&to).atan2(from.dot(&to))
 }

@@ -67,6 +67,7 @@ impl Scan {
     }
 
     /// Whether at least half of the beams after a return and before another one, anticlockwise, end at islands.
+    #[inline]
     pub fn is_shaded(&self, from: usize, to: usize) -> bool {
         self.islands.shade(&self.ring, from, to)
     }
