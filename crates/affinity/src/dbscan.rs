@@ -23,14 +23,15 @@ const MIN_POINTS: Count = Count::new("min_points", "returns", 3)
     .doc("a return with at least this many neighbours, itself included, is a core");
 
 /// DBSCAN.
-pub const KIND: Kind<dyn AffinityStage> =
-    Kind::affinity("dbscan", "a 0/1 graph whose components are DBSCAN's clusters; noise is alone (baseline)", |params| {
-        Box::new(Dbscan { eps_m: params.get(EPS_M), min_points: params.get(MIN_POINTS), ..Dbscan::default() })
-    })
-    .params(&[EPS_M.spec, MIN_POINTS.spec])
-    .storage(Storage::Sparse(|_, n| n))
-    // The order of the returns decides to which of two clusters a border return goes.
-    .blind_to(&[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]);
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "dbscan",
+    "a 0/1 graph whose components are DBSCAN's clusters; noise is alone (baseline)",
+    |params| Box::new(Dbscan { eps_m: params.get(EPS_M), min_points: params.get(MIN_POINTS), ..Dbscan::default() }),
+)
+.params(&[EPS_M.spec, MIN_POINTS.spec])
+.storage(Storage::Sparse(|_, n| n))
+// The order of the returns decides to which of two clusters a border return goes.
+.blind_to(&[Invariance::Translation, Invariance::Rotation, Invariance::Turn, Invariance::Mirror]);
 
 #[derive(Default)]
 struct Dbscan {

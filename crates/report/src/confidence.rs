@@ -1,62 +1,62 @@
 //! How sure an answer is.
 //!
 //! By the zero rule: 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the nearest
-//! eigenvalue; how firmly *this rule* stands by its count.
+//! eigenvalue. It shows how firmly this rule stands by its count.
 //!
-//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is, so it is
-//! as sure as its most doubtful verdicts are clear ([`Grounds`]):
+//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is wrong, so
+//! it is as sure as its most doubtful verdicts are clear ([`Grounds`]):
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)
 //! ```
 //! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
-//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over the
-//! development scenes and places of another generator; the example `confidence` checks it and writes what it means.
+//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over
+//! the development scenes and places of another generator. The example `confidence` checks it and writes what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
+use crosscut_scan::Position;
 use crosscut_stage::{Junction, Opening, Revolution, wrap_angle_rad};
 
 use crate::openings::{clearance_m, depth_m, sides};
-use crate::ring::{Entry, Position, Ring};
+use crate::outline::Outline;
 
-/// Clearances count between these multiples of the vehicle's width.
+/// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
-/// Unseen angles count between these.
+/// Unseen angles are limited to these.
 const UNSEEN_DEG: [f64; 2] = [1.0, 60.0];
-/// Widths differ at most by this factor.
+/// The ratio of the narrowest to the widest opening is limited to this.
 const LEAST_RATIO: f64 = 0.2;
-/// Openings are as far apart as they need to be.
+/// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;
-/// A margin of a decade is as good as a larger one.
+/// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
 pub const BETA: [f64; Grounds::INPUTS] = [-2.36, 0.63, -0.62, -0.33, -0.39, 0.33, 3.94, -0.57, 3.18];
 
-/// Returns this far apart, 90 a turn with room for rounding, tell walls from gaps; fewer do not (of `clean6`, 88 % are
-/// right with 90 beams and 50 % with 60).
+/// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 
-/// What speaks for and against an answer.
+/// What an answer rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grounds {
-    /// o: how far the walls at an opening, or where one ends and another begins, leave each other's line, metres; the
+    /// o: how far the walls leave each other's line at an opening, or where one ends and another begins, metres; the
     /// least of all.
     pub least_at_openings_m: f64,
-    /// g: how far a wall leaves its own line at a gap, or how deep it is behind the gap, if that is less, metres; the
-    /// most of all gaps of the vehicle's width.
+    /// g: how far a wall leaves its own line at a gap, or how deep the space behind the gap is, if that is less,
+    /// metres; the most of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
     /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
     pub unseen_within_walls_rad: f64,
     /// l: the length of the longest such gap, metres.
     pub longest_within_walls_m: f64,
-    /// r: the width of the narrowest opening as a part of that of the widest; those that the end of the view cuts
-    /// aside.
+    /// r: the width of the narrowest opening as a share of that of the widest, of those that the end of the view does
+    /// not cut.
     pub narrowest_to_widest: f64,
-    /// φ: between the bearings of two openings, the least.
+    /// φ: the least angle between the bearings of two openings.
     pub apart_rad: f64,
     /// i: whether pillars are in view, behind which nothing is seen.
     pub islands: bool,
-    /// m: how far the zero tolerance could be moved before k changes, decades; `None` if the eigenvalues do not say.
+    /// m: how far the zero tolerance could be moved before k changes, decades; `None` if the spectrum has none.
     pub margin_decades: Option<f64>,
 }
 
@@ -73,20 +73,20 @@ impl Grounds {
     ) -> Option<Self> {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
         let wall_beside_openings: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
-        let mut ring = Ring::default();
-        ring.fill(revolution, revolution.as_sweep()?, &wall_beside_openings);
-        Self::on(&ring, revolution, vehicle_width_m, margin_decades, answer)
+        let mut outline = Outline::default();
+        outline.fill(revolution, revolution.as_sweep()?, &wall_beside_openings).ok()?;
+        Self::on(&outline, revolution, vehicle_width_m, margin_decades, answer)
     }
 
-    /// The same, `ring` holding the walls that are no islands; `None` without one.
+    /// The grounds of an answer, from the outline of its walls that are no islands; `None` without one.
     fn on(
-        ring: &Ring,
+        outline: &Outline,
         revolution: &Revolution,
         vehicle_width_m: f64,
         margin_decades: Option<f64>,
         answer: &Junction,
     ) -> Option<Self> {
-        if ring.entries.is_empty() {
+        if outline.is_empty() {
             return None;
         }
         let mut grounds = Self {
@@ -100,13 +100,13 @@ impl Grounds {
             margin_decades,
         };
         // No opening within a wall is narrower than the vehicle.
-        for sides in sides(ring, vehicle_width_m) {
+        for sides in sides(outline, vehicle_width_m) {
             let edge_m = sides.edge_m();
-            // Too narrow for an opening, it tells two walls apart all the same.
+            // An edge between two walls counts although it may be too narrow for an opening.
             if is_at_opening(edge_m, &answer.openings) || (sides.are_two_walls() && sides.is_known()) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if !sides.are_two_walls() {
-                let unseen_rad = (1 + sides.between().count()) as f64 * ring.step_rad;
+                let unseen_rad = (1 + sides.between().count()) as f64 * outline.ring.step_rad;
                 grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
                 let [from_m, to_m] = edge_m;
                 grounds.longest_within_walls_m = grounds.longest_within_walls_m.max((to_m - from_m).norm());
@@ -148,48 +148,47 @@ fn apart_rad(answer: &Junction) -> f64 {
     if answer.openings.len() < 2 { std::f64::consts::PI } else { apart.fold(std::f64::consts::PI, f64::min) }
 }
 
-/// The share of right answers among those on such grounds; 0 without any. `ring` holds the walls that are no islands,
-/// of whose returns [`spacing_rad`] says how far apart they are.
+/// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
+/// islands, and [`spacing_rad`] of it is given.
 pub(crate) fn of_scene(
     revolution: &Revolution,
-    ring: &Ring,
+    outline: &Outline,
     spacing_rad: f64,
     vehicle_width_m: f64,
     margin_decades: Option<f64>,
     answer: &Junction,
 ) -> f64 {
-    let Some(grounds) = Grounds::on(ring, revolution, vehicle_width_m, margin_decades, answer) else { return 0.0 };
-    let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-    of_spacing(spacing_rad) / (1.0 + (-logit).exp())
+    let grounds = Grounds::on(outline, revolution, vehicle_width_m, margin_decades, answer);
+    grounds.map_or(0.0, |grounds| {
+        let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
+        of_spacing(spacing_rad) / (1.0 + (-logit).exp())
+    })
 }
 
-/// The angle from one return of a wall to the next, on average: more than that of the beams where some are lost. What
-/// lies in an opening is not lost.
-pub(crate) fn spacing_rad(ring: &Ring, openings: &[Opening]) -> f64 {
+/// The average angle from one return of a wall to the next: more than that of the beams where some are lost. Beams into
+/// openings are not lost.
+pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
+    let ring = &outline.ring;
     let [mut beams, mut spacings] = [0, 0];
-    let mut add = |from: &Entry, to: &Entry, apart: usize| {
-        if from.wall == to.wall && (apart == 1 || !is_at_opening([from.position_m, to.position_m], openings)) {
+    for [from, to] in outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to)) {
+        let apart = ring.beams_from(from, to);
+        if apart == 1 || !is_at_opening([from, to].map(|at| ring.position_m(at)), openings) {
             (beams, spacings) = (beams + apart, spacings + 1);
         }
-    };
-    ring.entries.windows(2).for_each(|pair| add(&pair[0], &pair[1], pair[1].beam - pair[0].beam));
-    if let [first, .., last] = &ring.entries[..]
-        && ring.full_turn
-    {
-        add(last, first, first.beam + ring.beams.len() - last.beam);
     }
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
 }
 
-/// Whether an edge is one of an opening, or part of one: a stray return inside an opening splits its edge, the first
-/// part begins where the opening does, the last ends where it does.
+/// Whether an edge is that of an opening, or part of it: a stray return inside an opening splits its edge. The first
+/// part begins where the opening begins, the last ends where it ends.
 fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
     let mut edges_m = openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
     edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
 }
 
-/// What is left of the share of right answers when returns are so far apart, about as found by leaving beams out of
-/// scans, every so many or at random: 1 up to [`COARSE_RAD`], half of it at 60 returns a turn, an eighth at 24.
+/// What remains of the share of right answers when returns are this far apart: 1 up to [`COARSE_RAD`], half at 60
+/// returns a turn, an eighth at 24. This is about what is found when beams are left out of scans, regularly or at
+/// random.
 fn of_spacing(spacing_rad: f64) -> f64 {
     (COARSE_RAD / spacing_rad).powf(1.5).min(1.0)
 }
@@ -239,7 +238,7 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(of_scene(&Revolution::default(), &Ring::default(), 0.0, 0.6, None, &Junction::default()), 0.0);
+        assert_eq!(of_scene(&Revolution::default(), &Outline::default(), 0.0, 0.6, None, &Junction::default()), 0.0);
         assert_eq!(
             Grounds::of(&cloud, 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
             None

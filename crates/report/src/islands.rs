@@ -1,82 +1,57 @@
-//! Walls that stand free in front of others: pillars. They are found here whatever the affinity is; the one that is called
-//! `passage` has rules of its own for them, so that it does not tie them to what is behind.
+//! Walls that stand free in front of others: pillars. These rules hold for walls of any affinity; `passage` has rules
+//! of its own (`crosscut_scan::Islands`), so that it does not join a pillar to what is behind it.
 
+use crosscut_scan::{BEHIND_M, Position};
 use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 
-use crate::ring::{Position, Ring};
+use crate::outline::Outline;
 
-/// What is seen past either end of an island lies at least this much farther.
-const BEHIND_M: f64 = 0.5;
 /// Walls that run out in directions no farther apart are the sides of one way on: two branches are farther apart.
 const ONE_WAY_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
-/// What is asked of an island.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limits {
-    /// It is shorter.
-    pub(crate) island_m: f64,
-    /// A vehicle can pass beside it.
-    pub(crate) vehicle_width_m: f64,
-}
-
-/// Sets `island` of the walls of `out` that are short and stand free, and takes them out of `ring`. A wall stands free
-/// if on both sides the next wall, going around the sensor, is farther away; or if it is on one side, and on the other
-/// there is room, and both are long walls that run out past it side by side: it stands in the way on between them. Where
-/// a limited view ends, it is enough that there is room to the end of it, or that the wall is nearer than a vehicle lets
-/// one come: then it is of the vehicle itself.
+/// Sets `island` of the walls of `out` that are shorter than `island_m` and stand free, and takes them out of
+/// `outline`.
 ///
-/// Nearest first: one that is partly hidden by another is judged by what is beside both. Two beside each other, neither
-/// of them farther, stand free together.
-pub(crate) fn mark(revolution: &Revolution, limits: &Limits, ring: &mut Ring, out: &mut Junction) {
+/// A wall stands free if
+/// - on both sides the next wall, around the sensor, is farther away; or
+/// - on one side it is, on the other there is room for a vehicle, and both are long walls that run out past it side by
+///   side: it stands in the way on between them;
+/// - and where a limited view ends beside it, there is room to that end, or it is nearer than a vehicle lets a wall
+///   come, and so part of the vehicle.
+///
+/// The nearest is found first, so that one that it partly hides is judged by the walls beside both. Two neighbours,
+/// neither of them farther, stand free together.
+pub(crate) fn mark(
+    revolution: &Revolution,
+    island_m: f64,
+    vehicle_width_m: f64,
+    outline: &mut Outline,
+    out: &mut Junction,
+) {
     let mut is_seen = vec![false; out.walls.len()];
-    ring.entries.iter().for_each(|entry| is_seen[entry.wall as usize] = true);
+    outline.walls().iter().for_each(|&wall| is_seen[wall as usize] = true);
     let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
-    let are_short = are_short(revolution, out, limits.island_m);
-    let is_short = |wall: u32| are_short[wall as usize];
-    // Of a cloud, the level view does not see every wall.
-    let short = |wall: &&Wall| is_short(wall.id) && is_seen[wall.id as usize];
+    let are_short = are_short(revolution, out, island_m);
+    // The level view of a cloud does not see every wall.
+    let may_stand_free = |wall: &&Wall| are_short[wall.id as usize] && is_seen[wall.id as usize];
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
-        out.walls.iter().filter(short).map(|wall| (nearest_m(wall), wall.id)).collect();
+        out.walls.iter().filter(may_stand_free).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
-    while let Some(free) = first_free(ring, &candidates, limits, &is_short).filter(|free| free.len() < others) {
+    loop {
+        let surroundings = Surroundings { outline, are_short: &are_short, vehicle_width_m };
+        let Some(free) = surroundings.first_free(&candidates).filter(|free| free.len() < others) else { return };
         others -= free.len();
         for id in free {
             out.walls[id as usize].island = true;
-            ring.remove(id);
+            outline.remove(id);
             candidates.retain(|&other| other != id);
         }
     }
 }
 
-/// The first of the walls that stands free; if there is none, the first two that do together.
-fn first_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> Option<Vec<u32>> {
-    let alone = walls.iter().map(|&id| vec![id]);
-    let pairs = pairs_beside_each_other(ring, walls).into_iter().map(|[b, a]| vec![walls[a], walls[b]]);
-    alone.chain(pairs).find(|free| stand_free(ring, free, limits, is_short))
-}
-
-/// The walls that follow each other around the sensor, as their places in `walls`, the later first; in order. Two others
-/// stand free together only if each does alone. The first and the last of a limited view have but one side each, so
-/// they count as well.
-fn pairs_beside_each_other(ring: &Ring, walls: &[u32]) -> Vec<[usize; 2]> {
-    let mut places = vec![None; walls.iter().max().map_or(0, |&id| id as usize + 1)];
-    walls.iter().enumerate().for_each(|(place, &id)| places[id as usize] = Some(place));
-    let place = |at: usize| places.get(ring.entries[at].wall as usize).copied().flatten();
-    let ends = (!ring.full_turn && ring.len() > 0).then(|| (0, ring.len() - 1));
-    let beside = (0..ring.edges()).map(|at| (at, ring.after(at))).chain(ends);
-    let mut pairs: Vec<[usize; 2]> = beside
-        .filter_map(|(at, next)| Some([place(at)?, place(next)?]))
-        .filter(|[a, b]| a != b)
-        .map(|[a, b]| [a.max(b), a.min(b)])
-        .collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-}
-
-/// Whether no two returns of each wall are so far from each other.
+/// Whether each wall has no two returns that are this far from each other.
 fn are_short(revolution: &Revolution, out: &Junction, least_m: f64) -> Vec<bool> {
     let are_near = |a: &Point, b: &Point| (a - b).norm_squared() < least_m * least_m;
     let returns = || revolution.points_m.iter().zip(&out.wall_of_return);
@@ -86,7 +61,7 @@ fn are_short(revolution: &Revolution, out: &Junction, least_m: f64) -> Vec<bool>
         let Some(wall) = wall.map(|id| id as usize) else { continue };
         are_short[wall] &= are_near(first[wall].get_or_insert(point), point);
     }
-    // Most are long by that. The first return in the message may be in the middle of the others.
+    // Most walls are long by that. The first return in the message may lie in the middle of the others.
     for (id, is_short) in (0..).zip(&mut are_short).filter(|(_, is_short)| **is_short) {
         let wall: Vec<&Point> = returns().filter(|(_, wall)| **wall == Some(id)).map(|(point, _)| point).collect();
         *is_short = (1..wall.len()).all(|a| wall[..a].iter().all(|b| are_near(wall[a], b)));
@@ -100,47 +75,100 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
     of_wall.map(|i| revolution.range_m(i)).fold(f64::INFINITY, f64::min)
 }
 
-fn stand_free(ring: &Ring, walls: &[u32], limits: &Limits, is_short: &impl Fn(u32) -> bool) -> bool {
-    let is_one = |at: usize| walls.contains(&ring.entries[at].wall);
-    let is_of_vehicle =
-        || (0..ring.len()).filter(|&at| is_one(at)).all(|at| ring.entries[at].range_m < limits.vehicle_width_m);
-    // In doubt it is a wall: any beam of which nothing is known may have met more of it.
-    let is_cut = |at: usize, anticlockwise: bool| {
-        let is_doubtful = || ring.beams_to_end(at, anticlockwise).contains(&Beam::Unknown);
-        is_one(at) && (ring.room_to_end_m(at, anticlockwise) < limits.vehicle_width_m || is_doubtful())
-    };
-    let is_at_end = !ring.full_turn && ring.len() > 0 && (is_cut(0, false) || is_cut(ring.len() - 1, true));
-    if is_at_end && !is_of_vehicle() {
-        return false;
+/// What is around the walls that may stand free.
+#[derive(Clone, Copy)]
+struct Surroundings<'a> {
+    outline: &'a Outline,
+    are_short: &'a [bool],
+    vehicle_width_m: f64,
+}
+
+impl Surroundings<'_> {
+    /// The first of the walls that stands free; if there is none, the first two that do together.
+    fn first_free(&self, walls: &[u32]) -> Option<Vec<u32>> {
+        let alone = walls.iter().map(|&id| vec![id]);
+        let pairs = self.neighbours(walls).into_iter().map(|[b, a]| vec![walls[a], walls[b]]);
+        alone.chain(pairs).find(|free| self.stand_free(free))
     }
-    let steps: Vec<Step> = (0..ring.edges()).filter_map(|at| Step::from_one_to_another(ring, at, is_one)).collect();
-    let behind = steps.iter().filter(|step| step.goes_behind(ring)).count();
-    let in_way = |[a, b]: [&Step; 2]| {
-        let has_room = |step: &Step| step.goes_behind(ring) || step.aside_m(ring) >= limits.vehicle_width_m;
-        let is_long = |step: &Step| !is_short(ring.entries[step.outer].wall);
-        [a, b].iter().all(|step| has_room(step) && is_long(step))
-            && stands_between(ring, [a, b], limits.vehicle_width_m)
-    };
-    match &steps[..] {
-        [] => false, // nothing is beside them
-        _ if behind == steps.len() => true,
-        [a, b] if behind == 1 => in_way([a, b]),
-        _ => false,
+
+    /// The pairs of walls that are neighbours around the sensor, as their places in `walls`, the later first; in order.
+    /// Two that are no neighbours stand free together only if each does alone. The first and the last wall of a limited
+    /// view have but one neighbour each, so they count as a pair as well.
+    fn neighbours(&self, walls: &[u32]) -> Vec<[usize; 2]> {
+        let mut places = vec![None; walls.iter().max().map_or(0, |&id| id as usize + 1)];
+        walls.iter().enumerate().for_each(|(place, &id)| places[id as usize] = Some(place));
+        let place = |at: usize| places.get(self.outline.wall(at) as usize).copied().flatten();
+        let ends_of_view =
+            (!self.outline.ring.full_turn && !self.outline.is_empty()).then(|| [0, self.outline.len() - 1]);
+        let mut pairs: Vec<[usize; 2]> = (self.outline.pairs().chain(ends_of_view))
+            .filter_map(|[at, next]| Some([place(at)?, place(next)?]))
+            .filter(|[a, b]| a != b)
+            .map(|[a, b]| [a.max(b), a.min(b)])
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    fn stand_free(&self, walls: &[u32]) -> bool {
+        let (outline, n) = (self.outline, self.outline.len());
+        let is_one = |at: usize| walls.contains(&outline.wall(at));
+        let are_of_vehicle = || (0..n).filter(|&at| is_one(at)).all(|at| outline.range_m(at) < self.vehicle_width_m);
+        // Any unknown beam may have met more of the wall.
+        let is_cut = |at: usize, anticlockwise: bool| {
+            let is_doubtful = || outline.beams_to_end(at, anticlockwise).contains(&Beam::Unknown);
+            is_one(at) && (outline.room_to_end_m(at, anticlockwise) < self.vehicle_width_m || is_doubtful())
+        };
+        let is_at_end = !outline.ring.full_turn && n > 0 && (is_cut(0, false) || is_cut(n - 1, true));
+        if is_at_end && !are_of_vehicle() {
+            return false;
+        }
+        let borders: Vec<Border> = outline.pairs().filter_map(|pair| Border::at(pair, is_one)).collect();
+        match (&borders[..], borders.iter().filter(|border| self.is_behind(border)).count()) {
+            ([], _) => false,
+            (all, behind) if behind == all.len() => true,
+            ([a, b], 1) => self.is_in_way_between(a, b),
+            _ => false,
+        }
+    }
+
+    fn is_behind(&self, border: &Border) -> bool {
+        self.outline.range_m(border.outer) > self.outline.range_m(border.inner) + BEHIND_M
+    }
+
+    /// Whether long walls run out on both sides in one direction, with room for a vehicle to the line of either.
+    fn is_in_way_between(&self, a: &Border, b: &Border) -> bool {
+        let width_m = self.vehicle_width_m;
+        let has_room = |border: &Border| self.is_behind(border) || border.aside_m(self.outline) >= width_m;
+        let is_long = |border: &Border| !self.are_short[self.outline.wall(border.outer) as usize];
+        if ![a, b].into_iter().all(|border| has_room(border) && is_long(border)) {
+            return false;
+        }
+        let runs_out = |border: &Border| border.runs_out(self.outline, width_m);
+        let (Some(along_a), Some(along_b)) = (runs_out(a), runs_out(b)) else { return false };
+        let off_line_m = |border: &Border, along: Position| {
+            let [inner_m, outer_m] = [border.inner, border.outer].map(|at| self.outline.position_m(at));
+            along.perp(&(inner_m - outer_m)).abs()
+        };
+        along_a.dot(&along_b) > ONE_WAY_RAD.cos()
+            && off_line_m(a, along_a) >= width_m
+            && off_line_m(b, along_b) >= width_m
     }
 }
 
-/// From an end of a wall to the return beside it, which is of another.
-struct Step {
+/// Where a wall that may stand free ends, and its neighbour begins.
+struct Border {
+    /// The return of the one.
     inner: usize,
+    /// The return of the other.
     outer: usize,
-    /// The other wall goes on anticlockwise.
+    /// The neighbour runs on anticlockwise.
     anticlockwise: bool,
 }
 
-impl Step {
-    /// The step from an entry to the next, if one of them alone `is_one` of the walls asked about.
-    fn from_one_to_another(ring: &Ring, at: usize, is_one: impl Fn(usize) -> bool) -> Option<Self> {
-        let next = ring.after(at);
+impl Border {
+    /// The border between two neighbouring returns, if one of them alone `is_one` of the walls that may stand free.
+    fn at([at, next]: [usize; 2], is_one: impl Fn(usize) -> bool) -> Option<Self> {
         match (is_one(at), is_one(next)) {
             (true, false) => Some(Self { inner: at, outer: next, anticlockwise: true }),
             (false, true) => Some(Self { inner: next, outer: at, anticlockwise: false }),
@@ -148,45 +176,24 @@ impl Step {
         }
     }
 
-    fn goes_behind(&self, ring: &Ring) -> bool {
-        ring.entries[self.outer].range_m > ring.entries[self.inner].range_m + BEHIND_M
+    /// How far the two returns are apart across the beams, at the nearer of them.
+    fn aside_m(&self, outline: &Outline) -> f64 {
+        let apart = outline.ring.beams_apart(self.inner, self.outer);
+        outline.range_m(self.inner).min(outline.range_m(self.outer)) * apart as f64 * outline.ring.step_rad
     }
 
-    /// How far the two ends are apart across the beams, at the nearer of them.
-    fn aside_m(&self, ring: &Ring) -> f64 {
-        let [inner, outer] = [self.inner, self.outer].map(|at| &ring.entries[at]);
-        let apart = inner.beam.abs_diff(outer.beam);
-        let apart = if ring.full_turn { apart.min(ring.beams.len() - apart) } else { apart };
-        inner.range_m.min(outer.range_m) * apart as f64 * ring.step_rad
-    }
-
-    /// The direction in which the other wall runs towards its end here, over a length of it.
-    fn runs_out(&self, ring: &Ring, length_m: f64) -> Option<Position> {
-        let end = &ring.entries[self.outer];
-        let along = ring.onward(self.outer, self.anticlockwise);
-        let to_end_m = along.take_while(|entry| entry.wall == end.wall).map(|entry| end.position_m - entry.position_m);
+    /// The direction in which the neighbour runs towards its end here, over this length of it.
+    fn runs_out(&self, outline: &Outline, length_m: f64) -> Option<Position> {
+        let end_m = outline.position_m(self.outer);
         let mut longest_m = Position::zeros();
-        for offset_m in to_end_m {
-            longest_m = offset_m;
-            if offset_m.norm() >= length_m {
+        for one in outline.wall_from(self.outer, self.anticlockwise) {
+            longest_m = end_m - one.position_m;
+            if longest_m.norm() >= length_m {
                 break;
             }
         }
         longest_m.try_normalize(0.0)
     }
-}
-
-/// Whether what is between two steps stands between walls that run out in one direction, with room for a vehicle to the
-/// line of either.
-fn stands_between(ring: &Ring, [a, b]: [&Step; 2], vehicle_width_m: f64) -> bool {
-    let runs_out = |step: &Step| step.runs_out(ring, vehicle_width_m);
-    let (Some(along_a), Some(along_b)) = (runs_out(a), runs_out(b)) else { return false };
-    let off_line_m = |step: &Step, along: Position| {
-        along.perp(&(ring.entries[step.inner].position_m - ring.entries[step.outer].position_m)).abs()
-    };
-    along_a.dot(&along_b) > ONE_WAY_RAD.cos()
-        && off_line_m(a, along_a) >= vehicle_width_m
-        && off_line_m(b, along_b) >= vehicle_width_m
 }
 
 #[cfg(test)]
@@ -214,15 +221,15 @@ mod tests {
             wall_of_return: labels.iter().copied().map(Some).collect(),
             ..Junction::default()
         };
-        let mut ring = Ring::default();
-        ring.fill(&revolution, &sweep, &junction.wall_of_return);
-        mark(&revolution, &Limits { island_m, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
-        assert!(ring.entries.iter().all(|entry| !junction.walls[entry.wall as usize].island), "islands are taken out");
+        let mut outline = Outline::default();
+        outline.fill(&revolution, &sweep, &junction.wall_of_return).expect("in message order");
+        mark(&revolution, island_m, 0.6, &mut outline, &mut junction);
+        assert!(outline.walls().iter().all(|&wall| !junction.walls[wall as usize].island), "islands are taken out");
         junction.walls.iter().map(|wall| wall.island).collect()
     }
 
     #[test]
-    fn a_short_piece_in_front_of_its_neighbours_is_an_island_and_a_long_one_is_not() {
+    fn short_walls_before_both_neighbours_are_islands() {
         let labels = [0, 0, 0, 1, 1, 0, 0, 0];
         let ranges_m = [5.0, 5.0, 5.0, 2.0, 2.0, 5.0, 5.0, 5.0];
         assert_eq!(marked(ranges_m, labels, 2.0), [false, true]);
@@ -231,14 +238,14 @@ mod tests {
     }
 
     #[test]
-    fn a_piece_with_a_neighbour_as_near_is_a_wall_unless_that_is_an_island_itself() {
+    fn walls_with_a_near_neighbour_are_no_islands() {
         let labels = [0, 0, 1, 2, 0, 0, 0, 0];
         assert_eq!(marked([5.0, 2.1, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0], [0, 0, 1, 0, 0, 0, 0, 0], 2.0), [false, false]);
         assert_eq!(marked([5.0, 5.0, 1.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, true, true]);
     }
 
     #[test]
-    fn two_pieces_as_near_as_each_other_stand_free_together_and_not_beside_a_wall() {
+    fn two_equally_near_walls_stand_free_together() {
         let labels = [0, 0, 1, 2, 0, 0, 0, 0];
         assert_eq!(marked([5.0, 5.0, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, true, true]);
         assert_eq!(marked([5.0, 2.3, 2.0, 2.2, 5.0, 5.0, 5.0, 5.0], labels, 2.0), [false, false, false]);
@@ -247,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_the_end_of_a_limited_view_a_short_piece_is_an_island_if_there_is_room_that_is_known_to_be_free() {
+    fn walls_cut_by_the_view_are_no_islands() {
         let is_island = |beside: Beam, beams_beside: usize| {
             let beams = std::iter::repeat_n(beside, beams_beside).chain((0..5).map(Beam::Return)).collect();
             let sweep = Sweep { beams, step_rad: 10f64.to_radians(), full_turn: false, ..Sweep::default() };
@@ -259,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_the_end_of_a_limited_view_what_is_nearer_than_a_vehicle_lets_a_wall_come_is_of_the_vehicle() {
+    fn near_walls_at_the_end_of_the_view_are_islands() {
         let is_island = |range_m: f64| {
             let beams = (0..5).map(Beam::Return).collect();
             let sweep = Sweep { beams, step_rad: 10f64.to_radians(), full_turn: false, ..Sweep::default() };
@@ -303,15 +310,15 @@ mod tests {
         let wall = |id| Wall { id, returns: 1, bearing_rad: [0.0; 2], island: false };
         let wall_of_return = seen.iter().flatten().map(|&(_, wall)| Some(wall)).collect();
         let mut junction = Junction { walls: (0..3).map(wall).collect(), wall_of_return, ..Junction::default() };
-        let mut ring = Ring::default();
-        ring.fill(&revolution, &sweep, &junction.wall_of_return);
-        mark(&revolution, &Limits { island_m: 2.0, vehicle_width_m: 0.6 }, &mut ring, &mut junction);
+        let mut outline = Outline::default();
+        outline.fill(&revolution, &sweep, &junction.wall_of_return).expect("in message order");
+        mark(&revolution, 2.0, 0.6, &mut outline, &mut junction);
         assert!(!junction.walls[0].island && !junction.walls[2].island, "long walls");
         junction.walls[1].island
     }
 
     #[test]
-    fn a_short_piece_behind_the_end_of_a_wall_is_an_island_where_a_vehicle_passes_on_both_sides_into_one_way() {
+    fn walls_that_stand_in_one_way_on_are_islands() {
         assert!(piece_in_way([-0.9, -0.3], 0.0));
         assert!(piece_in_way([-0.9, -0.3], 20.0));
         assert!(!piece_in_way([-0.9, -0.3], 50.0), "the tip between two branches");

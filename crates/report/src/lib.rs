@@ -6,7 +6,7 @@
 //! bearing (rad), clear width (m) and evidence, the place, and a confidence in [0, 1].
 //!
 //! - A **wall** is a cluster (`walls.rs`); `junctions`, the paper's count, is the number of walls, islands left out.
-//! - An **island** is a short wall in front of others (`islands.rs`), if these are asked for.
+//! - An **island** is a short wall in front of others (`islands.rs`), if `report.island_m` is more than 0.
 //! - An **opening** is an edge of the visible free space between two returns that follow each other around the
 //!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
@@ -18,11 +18,12 @@
 pub mod confidence;
 mod islands;
 pub mod openings;
+mod outline;
 mod place;
 mod reporter;
 mod results;
-pub mod ring;
 mod walls;
 
+pub use outline::Outline;
 pub use reporter::{PARAMS, Reporter, VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};

@@ -1,12 +1,12 @@
 //! The report stage: walls, then openings, then the name of the place.
 
+use crosscut_scan::LevelView;
 use crosscut_stage::{
-    Count, Junction, LevelView, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep,
-    Word,
+    Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Word,
 };
 
-use crate::openings::{self, Rule};
-use crate::ring::Ring;
+use crate::openings::{self, OpeningRule};
+use crate::outline::Outline;
 use crate::{confidence, islands, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
@@ -51,8 +51,8 @@ pub struct Reporter {
     vehicle_width_m: f64,
     vehicle_height_m: f64,
     view: LevelView,
-    openings: Rule,
-    ring: Ring,
+    openings: OpeningRule,
+    outline: Outline,
 }
 
 impl Reporter {
@@ -66,10 +66,10 @@ impl Reporter {
             vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
             view: LevelView::default(),
             openings: match report.get(OPENINGS).as_str() {
-                "between_walls" => Rule::BetweenWalls,
-                _ => Rule::FreeSpace,
+                "between_walls" => OpeningRule::BetweenWalls,
+                _ => OpeningRule::FreeSpace,
             },
-            ring: Ring::default(),
+            outline: Outline::default(),
         }
     }
 
@@ -94,7 +94,6 @@ impl Reporter {
             Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
             None => self.look_around_in_cloud(revolution, spectrum, out, notes),
         }
-        Ok(())
     }
 
     /// Islands, openings, the name of the place and the confidence, from the walls of a sweep.
@@ -105,30 +104,37 @@ impl Reporter {
         spectrum: &Spectrum,
         out: &mut Junction,
         notes: &mut Notes,
-    ) {
-        let Self { ring, vehicle_width_m, .. } = self;
-        ring.fill(revolution, sweep, &out.wall_of_return);
-        let limits = islands::Limits { island_m: self.island_m, vehicle_width_m: *vehicle_width_m };
-        islands::mark(revolution, &limits, ring, out);
-        openings::find(self.openings, revolution, ring, *vehicle_width_m, &mut out.openings);
+    ) -> Result<(), StageError> {
+        let (outline, vehicle_width_m) = (&mut self.outline, self.vehicle_width_m);
+        outline.fill(revolution, sweep, &out.wall_of_return)?;
+        islands::mark(revolution, self.island_m, vehicle_width_m, outline, out);
+        openings::find(self.openings, revolution, outline, vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
-        out.place = place::name(openings::sees_all(ring), out.junctions, &out.openings);
+        out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
         out.confidence = if self.confidence_of_scene {
-            let spacing_rad = confidence::spacing_rad(ring, &out.openings);
+            let spacing_rad = confidence::spacing_rad(outline, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
                 notes.add(format!(
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            confidence::of_scene(revolution, ring, spacing_rad, *vehicle_width_m, spectrum.margin_decades, out)
+            confidence::of_scene(revolution, outline, spacing_rad, vehicle_width_m, spectrum.margin_decades, out)
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };
+        Ok(())
     }
 
-    /// The same for a cloud: from its walls as a level vehicle sees them.
-    fn look_around_in_cloud(&mut self, cloud: &Revolution, spectrum: &Spectrum, out: &mut Junction, notes: &mut Notes) {
+    /// Islands, openings, the name of the place and the confidence, from the walls of a cloud as a level vehicle sees
+    /// them.
+    fn look_around_in_cloud(
+        &mut self,
+        cloud: &Revolution,
+        spectrum: &Spectrum,
+        out: &mut Junction,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
         let mut view = std::mem::take(&mut self.view);
         view.look(cloud, self.vehicle_height_m, self.vehicle_width_m);
         let wall_of = |&number: &u32| out.wall_of_return[number as usize];
@@ -140,13 +146,14 @@ impl Reporter {
         seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
         seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        self.look_around(view.seen(), sweep, spectrum, &mut seen, notes);
+        let done = self.look_around(view.seen(), sweep, spectrum, &mut seen, notes);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
         }
         (out.openings, out.junctions) = (seen.openings, seen.junctions);
         (out.place, out.confidence) = (seen.place, seen.confidence);
         self.view = view;
+        done
     }
 }
 

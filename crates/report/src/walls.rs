@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crosscut_scan::Position;
 use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall, counted};
-
-use crate::ring::Position;
 
 /// Writes `out.walls` and `out.wall_of_return`: one wall per cluster of at least `min_returns` returns, numbered by
 /// its first return.
@@ -67,8 +66,8 @@ fn set_bearings(revolution: &Revolution, out: &mut Junction) {
 #[derive(Clone, Copy, Debug, Default)]
 struct Direction {
     position_m: Position,
-    /// y / (|x| + |y|), carried on around the turn: it grows with the bearing, half as fast at least and as fast at
-    /// most, from -2 to 2, and takes no arc tangent.
+    /// y / (|x| + |y|), continued around the turn: it grows with the bearing from -2 to 2, at least half as fast and at
+    /// most as fast, and needs no arc tangent.
     key: f64,
 }
 

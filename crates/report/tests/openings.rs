@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
-use crosscut_report::openings::{Rule, find};
-use crosscut_report::ring::Ring;
+use crosscut_report::Outline;
+use crosscut_report::openings::{OpeningRule, find};
 use crosscut_stage::{Beam, Evidence, Opening, Revolution};
 use scenes::{Segment, scan, tee, tunnel};
 
@@ -15,15 +15,15 @@ fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
 }
 
 fn openings_of(scan: &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
-    openings_by(Rule::FreeSpace, scan)
+    openings_by(OpeningRule::FreeSpace, scan)
 }
 
-fn openings_by(rule: Rule, (revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
-    let (mut ring, mut found) = (Ring::default(), Vec::new());
+fn openings_by(rule: OpeningRule, (revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+    let (mut outline, mut found) = (Outline::default(), Vec::new());
     if let Some(sweep) = &revolution.sweep {
-        ring.fill(revolution, sweep, walls);
+        outline.fill(revolution, sweep, walls).expect("in message order");
     }
-    find(rule, revolution, &ring, 0.6, &mut found);
+    find(rule, revolution, &outline, 0.6, &mut found);
     found
 }
 
@@ -137,17 +137,30 @@ fn a_side_passage_that_is_seen_far_in_is_looked_at_8_m_away() {
 #[test]
 fn returns_lost_where_a_way_is_looked_at_do_not_turn_or_narrow_it() {
     // Of the left wall ahead, nothing from 4 m to 13 m away came back.
-    let lost = |bearing: f64| (7.8_f64.to_radians()..26_f64.to_radians()).contains(&bearing);
-    let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
-    let sweep = revolution.sweep.as_mut().expect("a sweep");
-    for (beam, _) in sweep.beams.iter_mut().zip(&sweep.bearings_rad).filter(|(_, bearing)| lost(**bearing)) {
-        if let Beam::Return(i) = std::mem::replace(beam, Beam::NoReturn) {
-            walls[i as usize] = None;
-        }
-    }
-    let found = openings_of(&(revolution, walls));
+    let found = openings_of(&without(scan(&tunnel(), 360, |_| false), 188..206));
     let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
     assert!(ahead.bearing_rad.abs() < 0.02 && (ahead.width_m - 3.5).abs() < 0.05, "{ahead:?}");
+}
+
+/// A scan of which nothing comes back from some beams.
+fn without(
+    (mut revolution, walls): (Revolution, Vec<Option<u32>>),
+    lost: Range<usize>,
+) -> (Revolution, Vec<Option<u32>>) {
+    let sweep = revolution.sweep.as_mut().expect("a sweep");
+    let (mut points_m, mut kept_walls) = (Vec::new(), Vec::new());
+    for (at, beam) in sweep.beams.iter_mut().enumerate() {
+        let Beam::Return(i) = *beam else { continue };
+        *beam = if lost.contains(&at) {
+            Beam::NoReturn
+        } else {
+            points_m.push(revolution.points_m[i as usize]);
+            kept_walls.push(walls[i as usize]);
+            Beam::Return(points_m.len() as u32 - 1)
+        };
+    }
+    revolution.points_m = points_m;
+    (revolution, kept_walls)
 }
 
 /// The part of a scan between two bearings.
@@ -266,7 +279,7 @@ fn the_way_out_of_a_dead_end_is_the_one_that_is_seen_to_be_dark_and_not_a_wider_
     let scan = scan(&wall, 360, |_| false);
     let hidden = openings_of(&scan).iter().map(|opening| opening.width_m).fold(0.0, f64::max);
     assert!(hidden > 4.0, "the bay is wider than the tunnel: {hidden}");
-    let found = openings_by(Rule::BetweenWalls, &scan);
+    let found = openings_by(OpeningRule::BetweenWalls, &scan);
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_opening(&found[0], PI, 3.5);
 }
@@ -283,16 +296,15 @@ fn with_pillar(corners: &[[f64; 2]], ahead_m: f64, half_m: f64) -> (Revolution, 
 #[test]
 fn what_a_pillar_hides_behind_one_wall_is_a_way_on_only_if_it_is_several_vehicles_wide() {
     let stepped_room = [[-5.0, -4.0], [6.0, -4.0], [6.0, 0.0], [7.2, 0.0], [7.2, 4.0], [-5.0, 4.0], [-5.0, -4.0]];
-    let found = openings_by(Rule::BetweenWalls, &with_pillar(&stepped_room, 3.0, 0.4));
+    let found = openings_by(OpeningRule::BetweenWalls, &with_pillar(&stepped_room, 3.0, 0.4));
     assert!(found.is_empty(), "the step lies in the shadow: {found:#?}");
     for lost in [172, 180, 187] {
-        let mut scan = with_pillar(&stepped_room, 3.0, 0.4);
-        scan.0.sweep.as_mut().expect("a sweep").beams[lost] = Beam::NoReturn;
-        let found = openings_by(Rule::BetweenWalls, &scan);
+        let scan = without(with_pillar(&stepped_room, 3.0, 0.4), lost..lost + 1);
+        let found = openings_by(OpeningRule::BetweenWalls, &scan);
         assert!(found.is_empty(), "and one beam is lost at the pillar, {lost}: {found:#?}");
     }
     let dead_end = [[30.0, 1.2], [-5.0, 1.2], [-5.0, -1.2], [30.0, -1.2]];
-    let found = openings_by(Rule::BetweenWalls, &with_pillar(&dead_end, 1.0, 0.5));
+    let found = openings_by(OpeningRule::BetweenWalls, &with_pillar(&dead_end, 1.0, 0.5));
     assert_eq!(found.len(), 1, "the way out lies in the shadow: {found:#?}");
     assert_opening(&found[0], 0.0, 2.4);
 }

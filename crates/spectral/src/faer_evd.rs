@@ -10,12 +10,13 @@ use crate::laplacian::{Laplacian, dense_bytes};
 use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
 
 /// The paper's solver.
-pub const KIND: Kind<dyn SpectralStage> =
-    Kind::spectral("faer", "all eigenvalues by the full decomposition of the dense Laplacian, as in the paper", |params| {
-        Box::new(FaerEvd::new(ZeroRule::of(params)))
-    })
-    .params(&[ZERO_TOLERANCE.spec])
-    .eigenvalues(Eigenvalues::All);
+pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
+    "faer",
+    "all eigenvalues by the full decomposition of the dense Laplacian, as in the paper",
+    |params| Box::new(FaerEvd::new(ZeroRule::of(params))),
+)
+.params(&[ZERO_TOLERANCE.spec])
+.eigenvalues(Eigenvalues::All);
 
 pub(crate) struct FaerEvd {
     rule: ZeroRule,

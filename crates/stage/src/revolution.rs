@@ -181,7 +181,7 @@ impl Sweep {
 
 /// The longest run of beams of a full turn for which `holds` is true, the first of equally long ones: its first beam and
 /// its length. It may cross from the last beam to beam 0.
-pub(crate) fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize) {
+pub fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize) {
     let Some(start) = (0..beams).find(|&beam| !holds(beam)) else { return (0, beams) };
     let (mut widest, mut run) = ((0, 0), 0);
     for beam in start..=start + beams {

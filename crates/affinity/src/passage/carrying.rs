@@ -3,61 +3,64 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use crosscut_stage::{Affinity, LevelReturn, LevelView, Revolution, Weights};
+use crosscut_scan::{LevelReturn, LevelView};
+use crosscut_stage::{Affinity, Revolution, Weights};
 use nalgebra::Vector2;
 
-/// Unseen returns are coarsened to so much of a vehicle's width.
-const SPACING: f64 = 0.25;
-/// Of a return that is not level.
+/// The spacing to which unseen returns are coarsened, as a share of the vehicle's width.
+const SPACING_SHARE: f64 = 0.25;
+/// Stands for the representative of a return that is not level.
 const NONE: u32 = u32::MAX;
 
-/// A return and what it weighs to be tied to it.
-type Tie = (u32, f64);
+/// A return at the other end of an edge, and the weight of the edge.
+type Edge = (u32, f64);
 
-/// W of a cloud, from that of what is seen of it; holds its buffers.
+/// Makes W of a cloud from W of the returns that are seen; holds its buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carrying {
-    /// By beam, those of a beam by range.
+    /// Sorted by beam, those of a beam by range.
     representatives: Vec<Representative>,
-    /// Where those of each beam start, and the end.
+    /// Where the representatives of each beam start, and the end of the last.
     starts: Vec<usize>,
     /// The representative of each return of the cloud.
     of_return: Vec<u32>,
-    /// That of each return that is seen.
+    /// The representative of each return that is seen.
     of_seen: Vec<u32>,
+    /// Those from which walls are still carried on.
     open: Vec<u32>,
     /// The rows of the representatives, columns by numbers of the cloud.
-    rows: Vec<Vec<Tie>>,
+    rows: Vec<Vec<Edge>>,
 }
 
-/// A level return that stands for those near it.
+/// A level return that represents those near it.
 #[derive(Clone, Copy, Debug)]
 struct Representative {
     place_m: Vector2<f64>,
     level: LevelReturn,
-    /// Its number among those that are seen.
+    /// Its number among the returns that are seen.
     seen: Option<u32>,
-    /// The representative from which a wall was carried on to it, in how many steps from what is seen of that.
+    /// The representative from which a wall was carried on to it.
     carried_from: Option<u32>,
+    /// In how many steps from a return that is seen.
     steps: u32,
-    /// The two nearest of the representatives that it is tied to, if there are any.
-    nearest: [Option<Tie>; 2],
+    /// The edges to the two nearest of the representatives that it has edges to.
+    nearest: [Option<Edge>; 2],
 }
 
 impl Carrying {
     /// Writes W of `cloud` into `out`. `seen` is the graph of `view.seen()`.
     ///
-    /// 1. The level returns of each beam are coarsened: walking outward, each is represented by the last representative
-    ///    that is no more than a quarter of `passage_m` before it, and is one if there is none. All that are seen
-    ///    represent themselves.
-    /// 2. From what is seen of a wall, the wall is carried on to representatives within `passage_m`, nearest in steps
-    ///    first: each is tied to the one that it was reached from, of several the nearest, so that nothing unseen joins
-    ///    two walls.
-    /// 3. Each other level return is tied to its representative, and to the two nearest of those that this one is tied
-    ///    to. So what ties the parts of a wall grows with its number of returns as the parts do, and the second
-    ///    eigenvalue of its block does not fall with it.
+    /// 1. The level returns of each beam are coarsened. Walking outward, a return is represented by the last
+    ///    representative if that is no more than a quarter of `passage_m` before it; otherwise it becomes one. All
+    ///    returns that are seen represent themselves.
+    /// 2. Walls are carried on, from the returns of them that are seen, to representatives within `passage_m`, in the
+    ///    fewest steps. Each has an edge to the one that it was reached from, the nearest of several, so that nothing
+    ///    unseen joins two walls.
+    /// 3. Each other level return has edges to its representative, and to the two nearest of those that this one has
+    ///    edges to. So the edges between the parts of a wall grow in number as the parts do, and the second eigenvalue
+    ///    of its block does not fall with the number of returns.
     ///
-    /// What is not level, or not reached, is tied to nothing.
+    /// A return that is not level, or not reached, has no edge.
     pub(super) fn write(
         &mut self,
         cloud: &Revolution,
@@ -66,10 +69,10 @@ impl Carrying {
         passage_m: f64,
         out: &mut Affinity,
     ) {
-        self.coarsen(cloud, view, SPACING * passage_m);
+        self.coarsen(cloud, view, SPACING_SHARE * passage_m);
         self.carry(seen, view.beams(), passage_m);
-        self.tie_representatives(seen);
-        self.tie_others();
+        self.connect_representatives(seen);
+        self.connect_others();
         self.write_rows(out);
     }
 
@@ -105,13 +108,13 @@ impl Carrying {
         starts.resize(view.beams() + 1, representatives.len());
     }
 
-    /// Sets `carried_from`, breadth first from the seen returns that have an edge; of those that reach it in as few steps,
-    /// the nearest, so that the mirror image of a cloud has the same walls.
+    /// Sets `carried_from`, breadth first from the seen returns that have an edge. Of those that reach a representative
+    /// in equally many steps the nearest is taken, so that the mirror image of a cloud has the same walls.
     fn carry(&mut self, seen: &Affinity, beams: usize, passage_m: f64) {
         let Self { representatives, starts, of_seen, open, .. } = self;
-        let is_of_wall = |one: &Representative| one.seen.is_some_and(|seen_at| seen.degrees[seen_at as usize] > 1.0);
+        let has_edge = |one: &Representative| one.seen.is_some_and(|seen_at| seen.degrees[seen_at as usize] > 1.0);
         open.clear();
-        open.extend(of_seen.iter().filter(|&&at| is_of_wall(&representatives[at as usize])));
+        open.extend(of_seen.iter().filter(|&&at| has_edge(&representatives[at as usize])));
         let mut next = 0;
         while let Some(&from) = open.get(next) {
             next += 1;
@@ -136,33 +139,33 @@ impl Carrying {
         }
     }
 
-    /// Writes what representatives are tied to among themselves into `rows`, and sets `nearest`.
-    fn tie_representatives(&mut self, seen: &Affinity) {
+    /// Writes the edges between representatives into `rows`, and sets `nearest`.
+    fn connect_representatives(&mut self, seen: &Affinity) {
         let Self { representatives, of_seen, rows, .. } = self;
         rows.iter_mut().for_each(Vec::clear);
         rows.resize_with(representatives.len().max(rows.len()), Vec::new);
-        let mut ties: Vec<Tie> = Vec::new();
+        let mut edges: Vec<Edge> = Vec::new();
         for at in 0..representatives.len() {
             let Representative { level, seen: seen_at, carried_from, .. } = representatives[at];
-            ties.clear();
+            edges.clear();
             let along = seen_at.into_iter().flat_map(|i| row(seen, i as usize));
-            ties.extend(along.map(|(j, weight)| (of_seen[j as usize], weight)).filter(|&(j, _)| j as usize != at));
+            edges.extend(along.map(|(j, weight)| (of_seen[j as usize], weight)).filter(|&(j, _)| j as usize != at));
             if let Some(from) = carried_from {
-                ties.push((from, 1.0));
+                edges.push((from, 1.0));
                 rows[from as usize].push((level.number, 1.0));
             }
             rows[at].push((level.number, 1.0));
-            rows[at].extend(ties.iter().map(|&(j, weight)| (representatives[j as usize].level.number, weight)));
-            representatives[at].nearest = nearest_two(representatives, at, &ties);
+            rows[at].extend(edges.iter().map(|&(j, weight)| (representatives[j as usize].level.number, weight)));
+            representatives[at].nearest = nearest_two(representatives, at, &edges);
         }
     }
 
-    /// Adds the returns that are represented by another one to `rows`.
-    fn tie_others(&mut self) {
+    /// Adds to `rows` the edges to returns that another one represents.
+    fn connect_others(&mut self) {
         let Self { representatives, of_return, rows, .. } = self;
         for (i, &at) in (0..).zip(&*of_return) {
             let Some(one) = representatives.get(at as usize).filter(|one| one.level.number != i) else { continue };
-            for (j, weight) in ties_through(at, one) {
+            for (j, weight) in edges_through(at, one) {
                 rows[j as usize].push((i, weight));
             }
         }
@@ -171,19 +174,19 @@ impl Carrying {
     fn write_rows(&mut self, out: &mut Affinity) {
         let Self { representatives, of_return, rows, .. } = self;
         let csr = out.weights.make_sparse();
-        let mut other: Vec<Tie> = Vec::new();
+        let mut other: Vec<Edge> = Vec::new();
         for (i, &at) in (0..).zip(&*of_return) {
             let row = match representatives.get(at as usize) {
                 Some(one) if one.level.number == i => &mut rows[at as usize],
                 represented => {
-                    let ties = represented.into_iter().flat_map(|one| ties_through(at, one));
+                    let edges = represented.into_iter().flat_map(|one| edges_through(at, one));
                     other.clear();
                     other.push((i, 1.0));
-                    other.extend(ties.map(|(j, weight)| (representatives[j as usize].level.number, weight)));
+                    other.extend(edges.map(|(j, weight)| (representatives[j as usize].level.number, weight)));
                     &mut other
                 }
             };
-            // Those that were added last, most of all, ascend already.
+            // Most entries are of `connect_others` and ascend already.
             row.sort_by_key(|&(column, _)| column);
             row.iter().for_each(|&(column, weight)| csr.push(column, weight));
             csr.end_row();
@@ -191,8 +194,8 @@ impl Carrying {
     }
 }
 
-/// What a return is tied to that is represented by the one at `at`: nothing, if that is not of a wall.
-fn ties_through(at: u32, representative: &Representative) -> impl Iterator<Item = Tie> {
+/// The edges of a return that the representative at `at` represents; none if that is not of a wall.
+fn edges_through(at: u32, representative: &Representative) -> impl Iterator<Item = Edge> {
     let nearest = representative.nearest;
     let itself = nearest[0].map(|_| (at, 1.0));
     itself.into_iter().chain(nearest.into_iter().flatten())
@@ -213,7 +216,7 @@ fn beams_within(reach_m: f64, of: LevelReturn, beams: usize) -> [Range<usize>; 2
 }
 
 /// The entries of row `i` of the seen graph.
-fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = Tie> {
+fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = Edge> {
     let (columns, weights) = match &seen.weights {
         Weights::Sparse(w) => w.row(i),
         _ => (&[][..], &[][..]),
@@ -221,19 +224,19 @@ fn row(seen: &Affinity, i: usize) -> impl Iterator<Item = Tie> {
     columns.iter().copied().zip(weights.iter().copied())
 }
 
-/// The two of `ties` that are nearest to the representative at `at`, the first of equals.
-fn nearest_two(representatives: &[Representative], at: usize, ties: &[Tie]) -> [Option<Tie>; 2] {
+/// The two of `edges` that are nearest to the representative at `at`, the first of equals.
+fn nearest_two(representatives: &[Representative], at: usize, edges: &[Edge]) -> [Option<Edge>; 2] {
     let place_m = |at: usize| representatives[at].place_m;
     let mut nearest = [(f64::INFINITY, None); 2];
-    for &tie in ties {
-        let found = ((place_m(tie.0 as usize) - place_m(at)).norm_squared(), Some(tie));
+    for &edge in edges {
+        let found = ((place_m(edge.0 as usize) - place_m(at)).norm_squared(), Some(edge));
         if found.0 < nearest[0].0 {
             nearest = [found, nearest[0]];
         } else if found.0 < nearest[1].0 {
             nearest[1] = found;
         }
     }
-    nearest.map(|(_, tie)| tie)
+    nearest.map(|(_, edge)| edge)
 }
 
 #[cfg(test)]

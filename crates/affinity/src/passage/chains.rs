@@ -1,28 +1,28 @@
-//! The graph of walls: edges along each, weaker across gaps.
+//! The graph of walls: edges along each wall, weaker across gaps, and weak ones from wall to wall.
 
 use std::ops::Range;
 
+use crosscut_scan::{Pieces, Ring};
 use crosscut_stage::{Affinity, Verdict};
 
-use super::gap::{Closing, Judge};
-use super::pieces::Pieces;
-use super::ring::Ring;
-use super::way::Room;
+use super::judge::{Joint, Judge};
+use super::verdict::Decision;
 
-/// A return that no wall was found for goes to the nearer of the walls beside it, if that is no farther than this.
+/// A return of no wall has an edge to the nearer of the walls beside it, if that is no farther than this.
 const NEAR_M: f64 = 3.0;
-/// The weight of that edge, and of a gap that was joined against its direction.
+/// The weight of that edge, and of one across a gap that is within a wall although a vehicle could pass.
 const WEAK: f64 = 0.1;
-/// A verdict twice as decided is further from the zero tolerance by this power of 2.
-const DECIDED_POWER: i32 = 4;
+/// The eigenvalue of a way on falls with this power of its room ratio.
+const ROOM_POWER: i32 = 4;
 
 /// Writes W; holds its buffers. Walls and islands are chains of returns.
 #[derive(Clone, Debug)]
 pub(super) struct Chains {
+    /// Each return has edges to this many of its chain on either side.
     pub(super) neighbours: usize,
-    /// The numbers of their returns, one chain after the other.
+    /// The numbers of the returns of all chains, one chain after the other.
     numbers: Vec<u32>,
-    /// Of each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those
+    /// For each of those, the weights of its edges to the `neighbours` before it in its chain, to itself, and to those
     /// after it; 0 beyond the ends.
     weights: Vec<f64>,
     chains: Vec<Chain>,
@@ -30,7 +30,7 @@ pub(super) struct Chains {
     links: Vec<f64>,
     /// The chain of each return, and its place in `numbers`.
     places: Vec<Option<(u32, u32)>>,
-    /// Edges from one chain to another, and of returns that are left over: in both directions.
+    /// Edges from one chain to another, and of returns of no chain, in both directions.
     others: Vec<(u32, u32, f64)>,
     /// A row whose entries are not in order along its chain, or not all on it.
     row: Vec<(u32, f64)>,
@@ -41,7 +41,7 @@ pub(super) struct Chains {
 struct Chain {
     /// Its places in `numbers`.
     places: Range<usize>,
-    /// Σ D_ii over it, as far as it is tied to itself: each edge counts at both of its ends.
+    /// Σ D_ii over its edges to itself; each edge counts at both of its ends.
     volume: f64,
 }
 
@@ -59,13 +59,13 @@ impl Chains {
         }
     }
 
-    /// W of `walls` and `islands`, each a list of returns in order; walls as they follow each other around the
-    /// sensor. An eigenvalue of `leak` stands for a verdict between two walls that could as well be the other.
+    /// Writes W and the verdicts of `walls`, in the order in which they follow each other around the sensor, and of
+    /// the islands of the scan. `left_over` are returns of no wall. A way on that could as well be none has an
+    /// eigenvalue of `leak`.
     pub(super) fn write(
         &mut self,
-        ring: &Ring,
-        judge: &Judge<'_>,
-        (walls, islands): (&Pieces, &Pieces),
+        judge: &mut Judge<'_>,
+        walls: &Pieces,
         left_over: &[usize],
         leak: f64,
         out: &mut Affinity,
@@ -75,30 +75,30 @@ impl Chains {
         self.chains.clear();
         self.others.clear();
         out.verdicts.clear();
-        for chain in walls.iter().chain(islands.iter()) {
-            self.tie_along(ring, judge, chain, &mut out.verdicts);
+        let scan = judge.site.scan;
+        for chain in walls.iter().chain(scan.islands.pieces.iter()) {
+            self.connect_along(judge, chain, &mut out.verdicts);
         }
         if leak > 0.0 {
-            self.tie_across(ring, judge, walls, leak, &mut out.verdicts);
+            self.connect_across_ways(judge, walls, leak, &mut out.verdicts);
         }
         if !left_over.is_empty() {
-            self.tie_left_over(ring, (walls, islands), left_over);
+            self.connect_left_over(&scan.ring, walls.iter().chain(scan.islands.pieces.iter()), left_over);
         }
-        self.write_rows(ring, out);
+        self.write_rows(&scan.ring, out);
     }
 
-    /// An edge from each return that no wall was found for to the nearest return of the next wall, or island, clockwise
-    /// and anticlockwise. One farther around the sensor would stand on both sides of those.
-    fn tie_left_over(&mut self, ring: &Ring, (walls, islands): (&Pieces, &Pieces), left_over: &[usize]) {
-        let all: Vec<&[usize]> = walls.iter().chain(islands.iter()).collect();
-        let mut of_return = vec![None; ring.len()];
-        for &returns in &all {
-            returns.iter().for_each(|&i| of_return[i] = Some(returns));
+    /// An edge from each return that is left over to the nearest return of the next chain clockwise or anticlockwise. A
+    /// chain farther around the sensor is hidden by those two.
+    fn connect_left_over<'a>(&mut self, ring: &Ring, chains: impl Iterator<Item = &'a [usize]>, left_over: &[usize]) {
+        let mut chain_of_return = vec![None; ring.len()];
+        for chain in chains {
+            chain.iter().for_each(|&i| chain_of_return[i] = Some(chain));
         }
         for &i in left_over {
             let next = |direction: isize| {
                 let mut onward = (1..ring.len() as isize).map_while(|steps| ring.after(i, direction * steps));
-                onward.find_map(|j| of_return[j])
+                onward.find_map(|j| chain_of_return[j])
             };
             let (mut nearest, mut least) = (None, NEAR_M * NEAR_M);
             for &j in [next(-1), next(1)].into_iter().flatten().flatten() {
@@ -108,19 +108,20 @@ impl Chains {
                 }
             }
             if let Some(j) = nearest {
-                self.tie(ring, i, j, WEAK);
+                self.connect(ring, i, j, WEAK);
             }
         }
     }
 
-    /// Edges along a chain, as strong as its gaps were cheap to close.
-    fn tie_along(&mut self, ring: &Ring, judge: &Judge<'_>, chain: &[usize], verdicts: &mut Vec<Verdict>) {
+    /// Edges along a chain, the stronger the cheaper its gaps were to close.
+    fn connect_along(&mut self, judge: &mut Judge<'_>, chain: &[usize], verdicts: &mut Vec<Verdict>) {
+        let ring = &judge.site.scan.ring;
         let link = |(at, pair): (usize, &[usize])| {
-            if !judge.is_gap(pair[0], pair[1]) {
+            if !judge.site.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
-            let Closing { cost, room } = judge.closing(&chain[..at], &chain[at..]);
-            verdicts.extend(room.map(|room| verdict(ring, [pair[0], pair[1]], false, room)));
+            let Joint { cost, decision } = judge.joint(&chain[..at], &chain[at..]);
+            verdicts.extend(decision.map(|decision| verdict(ring, [pair[0], pair[1]], false, decision)));
             cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
@@ -150,22 +151,24 @@ impl Chains {
     }
 
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
-    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, or less, the more decided the verdict
-    /// is; half, because two edges at one wall may add up.
-    fn tie_across(&mut self, ring: &Ring, judge: &Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
-        let gaps = match walls.len() {
+    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, divided by a power of the room ratio;
+    /// half, because two edges at one wall may add up.
+    fn connect_across_ways(&mut self, judge: &mut Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
+        let ring = &judge.site.scan.ring;
+        let ways = match walls.len() {
             0 | 1 => 0,
             n if ring.full_turn => n,
             n => n - 1,
         };
-        for at in 0..gaps {
-            let next = (at + 1) % walls.len();
+        for at in 0..ways {
+            let next = walls.next(at);
             let (a, b) = (&walls[at], &walls[next]);
-            let room = judge.least_room(a, b);
-            let eigenvalue = 0.5 * leak / room.ratio.powi(DECIDED_POWER);
+            let ends = [a[a.len() - 1], b[0]];
+            let decision = judge.least_room(a, b);
+            let eigenvalue = 0.5 * leak / decision.room_ratio.powi(ROOM_POWER);
             let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
-            self.tie(ring, a[a.len() - 1], b[0], weight);
-            verdicts.push(verdict(ring, [a[a.len() - 1], b[0]], true, room));
+            self.connect(ring, ends[0], ends[1], weight);
+            verdicts.push(verdict(ring, ends, true, decision));
         }
     }
 
@@ -174,7 +177,7 @@ impl Chains {
         2 * self.neighbours + 1
     }
 
-    fn tie(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
+    fn connect(&mut self, ring: &Ring, i: usize, j: usize, weight: f64) {
         let [i, j] = [i, j].map(|i| ring.returns[i].number);
         self.others.extend([(i, j, weight), (j, i, weight)]);
     }
@@ -194,7 +197,7 @@ impl Chains {
         for (number, place) in (0..).zip(&self.places) {
             let (columns, weights) = self.row_along(&number, *place);
             let has_others = others.peek().is_some_and(|&&(from, ..)| from == number);
-            // A chain runs around the sensor once at most: if it runs anticlockwise by numbers, only a row over the
+            // A chain runs around the sensor at most once: if returns are numbered anticlockwise, only a row across the
             // first beam is not in order.
             if !ring.clockwise && columns[0] <= columns[columns.len() - 1] && !has_others {
                 csr.push_row(columns, weights);
@@ -212,8 +215,8 @@ impl Chains {
         self.row = row;
     }
 
-    /// The numbers of the returns that a return is tied to along its chain, itself among them, with the weights of
-    /// those edges.
+    /// The numbers of the returns to which a return has an edge along its chain, itself among them, with the weights of
+    /// these edges.
     fn row_along<'a>(&'a self, number: &'a u32, place: Option<(u32, u32)>) -> (&'a [u32], &'a [f64]) {
         let Some((chain, at)) = place else { return (std::slice::from_ref(number), &[1.0]) };
         let (chain, at, neighbours) = (&self.chains[chain as usize].places, at as usize, self.neighbours);
@@ -223,6 +226,7 @@ impl Chains {
     }
 }
 
-fn verdict(ring: &Ring, returns: [usize; 2], is_way: bool, Room { ratio, rule }: Room) -> Verdict {
-    Verdict { returns: returns.map(|i| ring.returns[i].number), is_way, room_ratio: ratio, reason: rule.words() }
+fn verdict(ring: &Ring, ends: [usize; 2], is_way: bool, decision: Decision) -> Verdict {
+    let Decision { room_ratio, reason } = decision;
+    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason: reason.words() }
 }

@@ -1,223 +1,265 @@
-//! Whether a wall goes on across a gap, or a vehicle can pass.
+//! A gap between two pieces of wall: what is measured at it.
 
-use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
-use super::Limits;
-use super::pieces::{End, Pieces};
-use super::ring::{Position, Ring, turn_rad};
-use super::tangent::{Tangents, has_direction, tangent};
-use super::way::Room;
+use crosscut_scan::{Directions, End, Position, direction, turn_rad};
 
-/// Tunnels are not so wide: where the median range is larger, the place is a hall, and its ways on are no wider for
-/// that.
-const HALL_M: f64 = 4.5;
+use super::site::Site;
+
 /// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
 const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
-/// A piece without a direction belongs to a wall if it lies within this of its line, plus a share of the distance.
-const OFF_LINE_M: f64 = 0.3;
-const OFF_LINE_SHARE: f64 = 0.15;
-/// Two pieces without direction belong together along a line of sight: a wall at grazing incidence. Share of their
-/// distance that is along the beams.
-const GRAZING_SHARE: f64 = 0.8;
 
-/// Judges the gaps of one scan.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Judge<'a> {
-    pub(super) ring: &'a Ring,
-    /// Those of the same ring.
-    tangents: &'a RefCell<Tangents>,
-    pub(super) limits: Limits,
-    /// The size of the place: the median range, or [`HALL_M`] if that is less.
-    pub(super) size_m: f64,
-    /// The most beams that are lost in a row where a wall clearly goes on.
-    pub(super) lost_beams: u32,
-    /// At how many such places several are.
-    pub(super) lossy_places: u32,
-}
+/// Walls that turn by less do not make a corner whose returns could be missing.
+pub(super) const CORNER_RAD: f64 = 75.0 * PI / 180.0;
 
-/// How much a wall turns left at a gap: at its nearer end, at its farther one, and in all.
+/// A bump at the end of a smooth wall hides the farther wall as deep as if it were this high.
+pub(super) const BUMP_HIDES_M: f64 = 0.3;
+/// A bump at the end of a rough wall is higher by this many times the roughness of the walls.
+const BUMP_HIDES_BUMPS: f64 = 30.0;
+/// A bump at a corner of rough walls is higher by this many times their roughness.
+const BUMP_HIDES_BUMPS_AT_CORNER: f64 = 10.0;
+
+/// The end of a wall before an inner corner hides as much as a bump of this height: what is seen deeper behind it leads
+/// on.
+const INNER_CORNER_HIDES_M: f64 = 0.1;
+/// Before an inner corner of rough walls, such a bump is higher by this many times their roughness.
+const INNER_CORNER_HIDES_BUMPS: f64 = 15.0;
+/// The gap before an inner corner is narrower than this share of the place's size.
+const INNER_CORNER_SHARE: f64 = 1.4;
+/// The other side of the place is seen over a wider angle than this.
+const OTHER_SIDE_RAD: f64 = 34.0 * PI / 180.0;
+/// The direction of the other side of the place is taken over this stretch.
+const OTHER_SIDE_M: f64 = 4.0;
+
+/// The face of a corner is as short as this stretch.
+const FACE_M: f64 = 0.3;
+/// Over the stretch of a face, the wall turns by at least this, whatever it does over longer ones.
+const FACE_RAD: f64 = 80.0 * PI / 180.0;
+
+/// A turn to the left by more than this is one to the right around a tip.
+const MOST_LEFT_RAD: f64 = 1.5 * PI;
+/// A wall turns right by no more than this around a tip.
+const MOST_RIGHT_RAD: f64 = 1.15 * PI;
+
+/// How much a wall turns left at a gap.
 #[derive(Clone, Copy)]
 pub(super) struct Turns {
+    /// At the end that is nearer to the sensor.
     pub(super) near_rad: f64,
+    /// At the other end.
     pub(super) far_rad: f64,
+    /// In all.
     pub(super) whole_rad: f64,
 }
 
-/// What it takes to close a gap.
-pub(super) struct Closing {
-    /// `None` where a vehicle could pass.
-    pub(super) cost: Option<f64>,
-    /// `None` if a piece has no direction.
-    pub(super) room: Option<Room>,
-}
-
-/// A gap between two pieces that have directions there.
+/// A gap between two pieces that have directions there. The nearer wall is that of the end which is nearer to the
+/// sensor.
+#[derive(Clone, Copy)]
 pub(super) struct Gap<'p> {
-    pub(super) a: &'p [usize],
-    pub(super) b: &'p [usize],
-    /// The last return of `a`, and the first of `b`.
-    pub(super) ends: (usize, usize),
-    /// The ranges of the nearer of them, and of the farther one.
+    pub(super) site: &'p Site<'p>,
+    /// The pieces clockwise and anticlockwise of it.
+    pieces: [&'p [usize]; 2],
+    /// The last return of the first piece, and the first of the second.
+    pub(super) ends: [usize; 2],
+    /// The first piece is the nearer wall.
+    pub(super) first_is_nearer: bool,
+    /// The ranges of the nearer and of the farther end.
     pub(super) near_m: f64,
     pub(super) far_m: f64,
-    /// The direction in which the wall runs at the end of `a`: a unit vector.
-    pub(super) before: Position,
-    /// From the end of `a` to the start of `b`.
+    /// The unit directions in which the wall runs at the first end, and on from the second.
+    directions: [Position; 2],
+    /// From the first end to the second.
     pub(super) chord: Position,
-    /// The direction in which it runs on at the start of `b`.
-    pub(super) after: Position,
-    /// The end of `a` is nearer to the sensor than that of `b`.
-    pub(super) a_is_nearer: bool,
-}
-
-impl<'a> Judge<'a> {
-    /// Learns the size of the place, and how many beams get lost, from the pieces of its walls.
-    pub(super) fn new(ring: &'a Ring, tangents: &'a RefCell<Tangents>, pieces: &Pieces, limits: Limits) -> Self {
-        tangents.borrow_mut().start(ring, limits.stretch_m);
-        let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
-        let middle = ranges_m.len() / 2;
-        let median_m =
-            if ranges_m.is_empty() { 0.0 } else { *ranges_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        let size_m = median_m.min(HALL_M);
-        let mut judge = Self { ring, tangents, limits, size_m, lost_beams: 0, lossy_places: 0 };
-        judge.count_lost_beams(pieces);
-        judge
-    }
-
-    /// The cost at which one wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
-    /// where a vehicle could pass between them.
-    #[inline]
-    pub(super) fn cost(&self, a: &[usize], b: &[usize]) -> Option<f64> {
-        if self.is_gap(a[a.len() - 1], b[0]) { self.closing(a, b).cost } else { Some(0.0) }
-    }
-
-    /// Whether two returns that follow each other are so far from each other that the wall may end between them.
-    #[inline]
-    pub(super) fn is_gap(&self, p: usize, q: usize) -> bool {
-        self.ring.are_apart(p, q, self.limits.passage_m)
-    }
-
-    /// What it takes to go on over a gap from the end of piece `a` to the start of piece `b`.
-    pub(super) fn closing(&self, a: &[usize], b: &[usize]) -> Closing {
-        let ring = self.ring;
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let chord = ring.position_m(q) - ring.position_m(p);
-        let chord_m = chord.norm();
-        match self.directions(a, b) {
-            [Some(before), Some(after)] => {
-                let gap = Gap::new(ring, [a, b], [before, after]);
-                let turns = gap.turns();
-                let room = self.room(&gap, turns);
-                let detour_rad = turns.near_rad.abs().min(turns.far_rad.abs());
-                let far = if chord_m > 3.0 { 0.05 * chord_m } else { 0.0 };
-                let cost = (!room.is_way()).then(|| 0.1 + turns.whole_rad.abs() + 0.2 * detour_rad + far);
-                Closing { cost, room: Some(room) }
-            }
-            [None, None] => {
-                let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
-                let grazing = along_m > GRAZING_SHARE * chord_m;
-                Closing { cost: grazing.then_some(1.0 + 0.1 * chord_m), room: None }
-            }
-            [before, after] => {
-                let cost = before.or(after).and_then(|line| {
-                    let along_m = line.dot(&chord);
-                    let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
-                    (along_m > 0.0 && off < 1.0).then_some(0.3 + off + 0.05 * chord_m)
-                });
-                Closing { cost, room: None }
-            }
-        }
-    }
-
-    /// How much the wall turns left at both ends of a gap, over this stretch of either piece.
-    pub(super) fn turns_over_rad(&self, a: &[usize], b: &[usize], stretch_m: f64) -> [f64; 2] {
-        let directions =
-            [(a, End::Last), (b, End::First)].map(|(piece, end)| tangent(self.ring, piece, end, stretch_m));
-        Gap::new(self.ring, [a, b], directions).turns_rad()
-    }
-
-    /// Whether at most one beam looks into the gap, and the angle is not so wide that this means that nothing is seen in it:
-    /// one that came back with nothing, from the air or from too little to be a wall, says nothing.
-    pub(super) fn has_hardly_a_beam(&self, gap: &Gap<'_>) -> bool {
-        let steps = self.ring.beams_from(gap.ends.0, gap.ends.1);
-        steps == 1 || (steps == 2 && 2.0 * self.ring.step_rad < ONE_BEAM_RAD)
-    }
-
-    /// The gap between two pieces; `None` if one of them has no direction.
-    pub(super) fn gap<'p>(&self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>> {
-        let [before, after] = self.directions(a, b);
-        Some(Gap::new(self.ring, [a, b], [before?, after?]))
-    }
-
-    /// The directions in which a wall runs at the end of piece `a` and at the start of piece `b`, if they have one.
-    pub(super) fn directions(&self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
-        let of = |piece: &[usize], end| {
-            has_direction(self.ring, piece).then(|| self.tangents.borrow_mut().of(self.ring, piece, end))
-        };
-        [of(a, End::Last), of(b, End::First)]
-    }
+    pub(super) turns: Turns,
+    /// The distance of the nearer end from the line of the farther wall. It is small at a bump, and at a corner of
+    /// which only the returns are missing; at a branch it is the width of the branch.
+    pub(super) clear_m: f64,
+    /// How far behind the line of the nearer wall the farther one begins; negative in front of it.
+    pub(super) depth_m: f64,
+    /// How many beams into it came back with nothing.
+    pub(super) dark_beams: u32,
+    /// Nothing is seen in it.
+    pub(super) is_dark: bool,
+    /// Islands hide what is in it.
+    pub(super) is_shaded: bool,
+    /// How deep behind the end of the nearer wall a bump hides the farther one; infinite where the gap is not clear.
+    pub(super) bump_hides_m: f64,
+    /// The farther wall is the other side of the place, and meets the line of the nearer one in a corner.
+    pub(super) is_corner: bool,
 }
 
 impl<'p> Gap<'p> {
-    fn new(ring: &Ring, [a, b]: [&'p [usize]; 2], [before, after]: [Position; 2]) -> Self {
-        let (p, q) = (a[a.len() - 1], b[0]);
-        let chord = ring.position_m(q) - ring.position_m(p);
-        let [p_m, q_m] = [p, q].map(|end| ring.range_m(end));
-        let (near_m, far_m) = (p_m.min(q_m), p_m.max(q_m));
-        Self { a, b, ends: (p, q), near_m, far_m, before, chord, after, a_is_nearer: p_m < q_m }
+    /// The gap between two pieces, anticlockwise; `None` if one of them has no direction.
+    pub(super) fn between(
+        site: &'p Site<'p>,
+        a: &'p [usize],
+        b: &'p [usize],
+        directions: &mut Directions,
+    ) -> Option<Self> {
+        let [before, after] = ends_run(site, a, b, directions);
+        Some(Self::measure(site, [a, b], [before?, after?]))
     }
 
-    pub(super) fn turns(&self) -> Turns {
-        let turns_rad @ [before_rad, after_rad] = self.turns_rad();
-        let (near_rad, far_rad) = if self.a_is_nearer { (before_rad, after_rad) } else { (after_rad, before_rad) };
-        Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) }
+    /// Measures the gap between two pieces whose ends run in these directions.
+    pub(super) fn measure(site: &'p Site<'p>, pieces: [&'p [usize]; 2], directions: [Position; 2]) -> Self {
+        let ring = &site.scan.ring;
+        let ends @ [p, q] = [pieces[0][pieces[0].len() - 1], pieces[1][0]];
+        let chord = ring.position_m(q) - ring.position_m(p);
+        let [p_m, q_m] = ends.map(|end| ring.range_m(end));
+        let first_is_nearer = p_m < q_m;
+        let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
+        let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
+        // How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
+        let [second_left_m, first_left_m] = [directions[0].perp(&chord), directions[1].perp(&-chord)];
+        let (clear_m, depth_m) =
+            if first_is_nearer { (first_left_m.abs(), -second_left_m) } else { (second_left_m.abs(), -first_left_m) };
+        let mut gap = Self {
+            site,
+            pieces,
+            ends,
+            first_is_nearer,
+            near_m: p_m.min(q_m),
+            far_m: p_m.max(q_m),
+            directions,
+            chord,
+            turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) },
+            clear_m,
+            depth_m,
+            dark_beams: ring.dark_between(p, q),
+            is_dark: false,
+            is_shaded: site.scan.is_shaded(p, q),
+            bump_hides_m: f64::INFINITY,
+            is_corner: false,
+        };
+        gap.is_dark = gap.lacks_beams();
+        gap.measure_by_turn();
+        gap
+    }
+
+    /// The gap as it would be if the wall turned left by this much more in all.
+    pub(super) fn turned_by(&self, more_rad: f64) -> Self {
+        let mut gap = *self;
+        gap.turns.whole_rad += more_rad;
+        gap.measure_by_turn();
+        gap
+    }
+
+    /// Measures what depends on how much the wall turns.
+    fn measure_by_turn(&mut self) {
+        if !self.is_clear() {
+            return;
+        }
+        let bumps = if self.turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
+        self.bump_hides_m = self.shadow_m(BUMP_HIDES_M, bumps);
+        self.is_corner = self.turns_like_branch()
+            && self.clear_m < INNER_CORNER_SHARE * self.site.scan.size_m
+            && self.room_m() < self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
+            && self.shows_other_side();
+    }
+
+    /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.
+    /// The bump is `height_m` high, and by `bumps` times the roughness of the walls higher.
+    fn shadow_m(&self, height_m: f64, bumps: f64) -> f64 {
+        self.site.with_bumps_m(height_m, bumps) * self.far_m / self.near_m
+    }
+
+    /// Something is seen in it.
+    pub(super) fn is_clear(&self) -> bool {
+        !self.is_dark && !self.is_shaded
+    }
+
+    /// The wall turns as it does at a branch, neither straight on nor back.
+    pub(super) fn turns_like_branch(&self) -> bool {
+        (self.site.thresholds.straight_rad..self.site.thresholds.way_rad).contains(&self.turns.whole_rad)
+    }
+
+    /// The clear width or the depth, whichever is less.
+    pub(super) fn room_m(&self) -> f64 {
+        self.clear_m.min(self.depth_m)
+    }
+
+    /// The distance between the two ends.
+    pub(super) fn chord_m(&self) -> f64 {
+        self.chord.norm()
+    }
+
+    /// The angle in which nothing is seen.
+    pub(super) fn dark_rad(&self) -> f64 {
+        f64::from(self.dark_beams) * self.site.scan.ring.step_rad
+    }
+
+    /// Whether the farther wall is the other side of the place, which runs back towards the line of the nearer one.
+    pub(super) fn shows_other_side(&self) -> bool {
+        let run = self.directions[usize::from(self.first_is_nearer)];
+        if run.dot(&self.chord) <= 0.0 {
+            return false;
+        }
+        let (scan, (far, end)) = (self.site.scan, self.farther());
+        let span_rad = scan.ring.beams_from(far[0], far[far.len() - 1]) as f64 * scan.ring.step_rad;
+        span_rad > OTHER_SIDE_RAD
+            && direction(&scan.ring, &scan.roughness, far, end, OTHER_SIDE_M).dot(&self.chord) < 0.0
+    }
+
+    /// Whether the wall turns to the face of a corner: over a short stretch, by nearly a right angle.
+    pub(super) fn turns_to_face(&self) -> bool {
+        let (scan, [a, b]) = (self.site.scan, self.pieces);
+        let directions = [(a, End::Last), (b, End::First)]
+            .map(|(piece, end)| direction(&scan.ring, &scan.roughness, piece, end, FACE_M));
+        whole_turn_rad(turns_rad(directions, self.chord)) >= FACE_RAD
+    }
+
+    /// Whether at most one beam looks into the gap, over an angle so narrow that this does not mean that nothing is
+    /// seen: a beam that came back with nothing, from dust or from a small piece, shows nothing.
+    pub(super) fn holds_one_beam_at_most(&self) -> bool {
+        let ring = &self.site.scan.ring;
+        let steps = ring.beams_from(self.ends[0], self.ends[1]);
+        steps == 1 || (steps == 2 && 2.0 * ring.step_rad < ONE_BEAM_RAD)
     }
 
     /// The return at the nearer end, and that at the farther one.
-    pub(super) fn nearer_and_farther(&self) -> (usize, usize) {
-        let (p, q) = self.ends;
-        if self.a_is_nearer { (p, q) } else { (q, p) }
+    pub(super) fn near_and_far_end(&self) -> [usize; 2] {
+        let [p, q] = self.ends;
+        if self.first_is_nearer { [p, q] } else { [q, p] }
     }
 
     /// The direction in which the nearer wall runs towards its end.
     pub(super) fn nearer_onward(&self) -> Position {
-        if self.a_is_nearer { self.before } else { -self.after }
+        if self.first_is_nearer { self.directions[0] } else { -self.directions[1] }
     }
 
     /// The nearer piece, and its end at the gap.
     pub(super) fn nearer(&self) -> (&'p [usize], End) {
-        if self.a_is_nearer { (self.a, End::Last) } else { (self.b, End::First) }
+        if self.first_is_nearer { (self.pieces[0], End::Last) } else { (self.pieces[1], End::First) }
     }
 
     /// The farther piece, and its end at the gap.
-    pub(super) fn farther(&self) -> (&'p [usize], End) {
-        if self.a_is_nearer { (self.b, End::First) } else { (self.a, End::Last) }
-    }
-
-    /// The clear width, and how far the end of the farther wall lies to the left of the line of the nearer one.
-    pub(super) fn clear_and_farther_m(&self) -> [f64; 2] {
-        let [of_q, of_p] = self.aside_m();
-        if self.a_is_nearer { [of_p.abs(), of_q] } else { [of_q.abs(), of_p] }
-    }
-
-    /// How much the wall turns left at the one end and at the other.
-    pub(super) fn turns_rad(&self) -> [f64; 2] {
-        [turn_rad(self.before, self.chord), turn_rad(self.chord, self.after)]
-    }
-
-    /// How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
-    pub(super) fn aside_m(&self) -> [f64; 2] {
-        [self.before.perp(&self.chord), self.after.perp(&-self.chord)]
+    fn farther(&self) -> (&'p [usize], End) {
+        if self.first_is_nearer { (self.pieces[1], End::First) } else { (self.pieces[0], End::Last) }
     }
 }
 
-/// How far the wall turns at the gap, to the left; around a tip it may turn right by more than π.
-pub(super) fn whole_turn_rad([before_rad, after_rad]: [f64; 2]) -> f64 {
-    let turn_rad = before_rad + after_rad;
-    if turn_rad < -1.15 * PI {
+/// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have one.
+pub(super) fn ends_run(
+    site: &Site<'_>,
+    a: &[usize],
+    b: &[usize],
+    directions: &mut Directions,
+) -> [Option<Position>; 2] {
+    let (ring, roughness) = (&site.scan.ring, &site.scan.roughness);
+    [(a, End::Last), (b, End::First)].map(|(piece, end)| directions.of(ring, roughness, piece, end))
+}
+
+/// How much a wall turns left at the one end of a gap and at the other.
+fn turns_rad([before, after]: [Position; 2], chord: Position) -> [f64; 2] {
+    [turn_rad(before, chord), turn_rad(chord, after)]
+}
+
+/// How far the wall turns left in all; around a tip it may turn right by more than π.
+fn whole_turn_rad([first_rad, second_rad]: [f64; 2]) -> f64 {
+    let turn_rad = first_rad + second_rad;
+    if turn_rad < -MOST_RIGHT_RAD {
         turn_rad + TAU
-    } else if turn_rad > 1.5 * PI {
+    } else if turn_rad > MOST_LEFT_RAD {
         turn_rad - TAU
     } else {
         turn_rad

@@ -1,59 +1,62 @@
-//! Whether what is behind a gap is where the nearer wall goes on, so that nothing is hidden.
+//! Whether the nearer wall of a gap goes on where the farther one begins, so that the gap hides nothing.
 
-use super::gap::{Gap, Judge};
-use super::ring::{Position, turn_rad};
+use crosscut_scan::{Position, turn_rad};
 
-/// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that is seen: a beam
-/// that passes the end of a wall goes on behind its line at the whole angle.
+use super::gap::Gap;
+
+/// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that line is
+/// seen: a beam that passes the end of a wall goes on behind its line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
-/// It is no farther away than so many times the spacing...
+/// The farther wall is no farther away than this many times the spacing of the nearer one.
 const REACH_TIMES: f64 = 2.5;
-/// ...of so many returns before it...
-const REACH_SPACINGS: usize = 2;
-/// ...nor than so many times the place's size.
+/// The spacing of the nearer wall is that of its last return from the one this many returns before.
+const REACH_RETURNS: usize = 2;
+/// The farther wall is no farther away than this many times the place's size.
 const REACH_SHARE: f64 = 6.0;
-/// The line is also taken over this length...
+/// The length of wall over which a second line is taken, in case the end of the wall lies on a bump.
 const LONG_M: f64 = 3.0;
-/// ...where returns stray from it by no more than so many times the roughness of the walls.
+/// Over that length a straight wall strays from its line by no more than this many times the roughness of the walls.
 const LONG_BUMPS: f64 = 8.0;
-impl Judge<'_> {
-    /// Whether what the next beam meets is where the line of the nearer wall goes on, or in front of it. So it is in the
-    /// corner of a dead end, along whose sides returns are far apart only because they are seen at a grazing angle.
-    pub(super) fn is_in_line(&self, gap: &Gap<'_>) -> bool {
-        self.has_hardly_a_beam(gap) && self.goes_on_along(gap, gap.nearer_onward())
+
+impl Gap<'_> {
+    /// Whether the next beam meets the line of the nearer wall, or something in front of it. So it is in the corner of
+    /// a dead end, where returns are far apart only because the sides are seen at a grazing angle.
+    pub(super) fn is_in_line(&self) -> bool {
+        self.holds_one_beam_at_most() && self.goes_on_along(self.nearer_onward())
     }
 
-    /// The same of the line over [`LONG_M`], if the wall is straight there: its end may lie on a bump.
-    pub(super) fn is_in_long_line(&self, gap: &Gap<'_>) -> bool {
-        self.has_hardly_a_beam(gap) && self.long_line(gap).is_some_and(|onward| self.goes_on_along(gap, onward))
+    /// Whether the next beam meets the line of the nearer wall over [`LONG_M`], if the wall is straight there.
+    pub(super) fn is_in_long_line(&self) -> bool {
+        self.holds_one_beam_at_most() && self.long_line().is_some_and(|onward| self.goes_on_along(onward))
     }
 
-    /// Whether the farther wall begins about where the nearer one would go on, which runs towards its end in this direction:
-    /// in front of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
-    fn goes_on_along(&self, gap: &Gap<'_>, onward: Position) -> bool {
-        let (p, q) = gap.ends;
-        let (end, turned_rad) =
-            if gap.a_is_nearer { (p, turn_rad(onward, gap.chord)) } else { (q, turn_rad(gap.chord, -onward)) };
-        let seen_at_rad = turn_rad(onward, self.ring.position_m(end)).abs();
-        (-BEHIND_LINE_SHARE * seen_at_rad..self.limits.straight_rad).contains(&turned_rad) && self.is_in_reach(gap)
+    /// Whether the farther wall begins about where the nearer one would go on if it ran on in this direction: in front
+    /// of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
+    fn goes_on_along(&self, onward: Position) -> bool {
+        let turned_rad =
+            if self.first_is_nearer { turn_rad(onward, self.chord) } else { turn_rad(self.chord, -onward) };
+        let end_m = self.site.scan.ring.position_m(self.near_and_far_end()[0]);
+        let seen_at_rad = turn_rad(onward, end_m).abs();
+        (-BEHIND_LINE_SHARE * seen_at_rad..self.site.thresholds.straight_rad).contains(&turned_rad)
+            && self.is_in_reach()
     }
 
-    /// Whether the farther wall begins about where the next beam would meet the nearer one, if that went straight on. Past
-    /// the inner wall of a bend, along whose line it looks, a beam meets the outer one much farther away.
-    fn is_in_reach(&self, gap: &Gap<'_>) -> bool {
-        let (near, end) = gap.nearer();
-        let (last, before) = (end.at(near, 0), end.at(near, REACH_SPACINGS.min(near.len() - 1)));
-        let next_m = self.ring.spacing_m(last, before) * self.ring.beams_from(gap.ends.0, gap.ends.1) as f64;
-        gap.chord.norm() <= (REACH_TIMES * next_m).min(REACH_SHARE * self.size_m)
+    /// Whether the farther wall begins about where the next beam would meet the nearer one. Past the inner wall of a
+    /// bend, along whose line it looks, a beam meets the outer one much farther away.
+    fn is_in_reach(&self) -> bool {
+        let (ring, (near, end)) = (&self.site.scan.ring, self.nearer());
+        let (last, before) = (end.at(near, 0), end.at(near, REACH_RETURNS.min(near.len() - 1)));
+        let next_m = ring.spacing_m(last, before) * ring.beams_from(self.ends[0], self.ends[1]) as f64;
+        self.chord_m() <= (REACH_TIMES * next_m).min(REACH_SHARE * self.site.scan.size_m)
     }
 
-    /// The direction in which the nearer wall runs towards its end over [`LONG_M`], if it is straight there.
-    fn long_line(&self, gap: &Gap<'_>) -> Option<Position> {
-        let (near, end) = gap.nearer();
-        let from_end_m = |k: usize| self.ring.position_m(end.at(near, k)) - self.ring.position_m(end.at(near, 0));
+    /// The direction in which the nearer wall runs towards its end over [`LONG_M`]; `None` if it is not straight there.
+    fn long_line(&self) -> Option<Position> {
+        let (ring, (near, end)) = (&self.site.scan.ring, self.nearer());
+        let from_end_m = |k: usize| ring.position_m(end.at(near, k)) - ring.position_m(end.at(near, 0));
         let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
         let onward = -from_end_m(far).normalize();
-        let is_straight = (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= LONG_BUMPS * self.ring.roughness.off_m);
-        is_straight.then_some(onward)
+        let most_off_m = LONG_BUMPS * self.site.scan.roughness.off_m;
+        (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= most_off_m).then_some(onward)
     }
 }

@@ -1,36 +1,27 @@
-//! `passage`: an edge wherever the wall goes on, none where a vehicle could pass.
+//! `passage`: edges along each wall, and none where a vehicle could pass.
 
 mod carrying;
 mod chains;
 mod dark;
-mod dust;
 mod gap;
-mod islands;
 mod joining;
+mod judge;
 mod line;
-mod mixed;
 mod mouth;
-mod pieces;
-mod ring;
-mod roughness;
-mod tangent;
-mod way;
+mod rules;
+mod site;
+mod verdict;
 
-use std::cell::RefCell;
-
+use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Invariance, Kind, LevelView, Notes, Number, Params, Point, Revolution, StageError,
-    Storage, Sweep, Verdict, counted,
+    Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Params, Point, Revolution, StageError, Storage,
+    Sweep, Verdict, counted,
 };
 
 use carrying::Carrying;
 use chains::Chains;
-use dust::Dust;
-use gap::Judge;
-use pieces::Pieces;
-use ring::Ring;
-use roughness::Roughness;
-use tangent::Tangents;
+use judge::Judge;
+use site::{Site, Thresholds};
 
 const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
     .above(0.0)
@@ -107,91 +98,73 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 
 /// The graph of the walls. Anticlockwise around the sensor:
 ///
-/// 1. Dust, isolated returns nearer than what is around them, has no edge. Nor have returns between the edge of a pillar
-///    and what is behind it, nor what lies inside the vehicle.
-/// 2. The ring of the others is cut where two that follow each other are `passage_m` apart or more.
-/// 3. Short pieces that stand free in front of what is on both sides of them are islands.
-/// 4. At each gap between two pieces, with the directions t and t' of their ends and the chord c from one to the other,
-///    the wall turns by T = ∠(t, c) + ∠(c, t'), and its clear width is the distance of the nearer end from the line of
-///    the farther wall. It goes on if T < `straight_deg` (a bump, lost beams), if no vehicle fits into the clear width,
-///    or if that is small beside the place, whose size is the median range: less than `clear_share` of it, or than a
-///    smaller share if the gap is dark or T > `way_deg`. Else a vehicle can pass: T is 180° where both walls of a
-///    tunnel recede. It can as well where nothing is seen over a wide angle, or in a door where no beams get lost, before
-///    the face of a corner or of a side passage, where a gap is in plain sight and wider, or the farther wall deeper
-///    behind the nearer one, than a bump hides, and where that is seen through a mouth; not where the other side of the
-///    place meets the nearer wall in a corner, or where the next beam meets what goes on along its line, no farther away
-///    than the spacing of its returns lets expect: nothing is hidden then.
-///    Pieces join at the least |T| first, so that directions come from ever longer walls.
-/// 5. A wall is cut where a vehicle can pass between all of it before a gap and all of it behind. What is then small,
-///    or alone, joins anew. What is left over goes to the nearer of the walls beside it.
+/// 1. [`Scan`] makes the geometry: dust, mixed returns beside pillars and the vehicle's own returns are left out, the
+///    ring of the others is cut where two neighbours are `passage_m` apart, and islands are taken out.
+/// 2. `Gap` measures each gap between two pieces: how much the wall turns, the clear width, the depth, what is dark.
+///    With the directions t and t' of the two ends and the chord c between them, the wall turns by T = ∠(t, c) + ∠(c,
+///    t').
+/// 3. The rules (`rules.rs`) say how much room there is for a way on, divided by how much one needs. At 1 and more a
+///    vehicle can pass. Vetoes (`line.rs`, `mouth.rs`) hold where the wall plainly goes on, or the gap is a slit.
+/// 4. Pieces between which no vehicle can pass are joined, at the least |T| first, so that directions come from ever
+///    longer walls (`joining.rs`). Then walls are cut where a vehicle can pass between all before a gap and all behind
+///    it, and what is too small for a wall is joined again. What is left over goes to the nearer of the walls beside
+///    it.
+/// 5. Each wall and each island becomes a chain (`chains.rs`): W_ij = Π exp(-c_g) over the gaps g between i and j,
+///    which were joined at cost c_g, for the `neighbours` returns on either side of i. These weights do not fall with
+///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
+///    one weak edge over each way on. Its eigenvalue is half of `leak`, divided by the fourth power of the room ratio.
 ///
-/// Within a wall, W_ij = Π exp(-c_g) over the gaps g between i and j that were joined at cost c_g, for the `neighbours`
-/// returns of the wall on either side of i. The weights along a wall do not fall with the spacing of its returns, so
-/// the second eigenvalue of its block does not either. From wall to wall there is one weak edge over each way on: its
-/// eigenvalue is half of `leak`, divided by the fourth power of how many times the room that a way on needs there is.
-///
-/// Of a cloud, what a level vehicle sees of it ([`LevelView`]) is such a sweep. The walls are then carried on to the
-/// returns that are not seen, and the graph is made so that the second eigenvalue depends on the walls and not on n.
+/// A cloud is worked on by the sweep that a level vehicle sees of it ([`LevelView`]). Its walls are then carried on to
+/// the returns that are not seen (`carrying.rs`), by edges such that the second eigenvalue depends on the walls and not
+/// on n.
 struct Passage {
-    limits: Limits,
+    thresholds: Thresholds,
     height_m: f64,
     wall_rad: f64,
     leak: f64,
-    cloud: Cloud,
-    ring: Ring,
-    dust: Dust,
-    tangents: RefCell<Tangents>,
-    walls: Pieces,
-    islands: Pieces,
     chains: Chains,
+    cloud: Cloud,
+    scan: Scan,
+    directions: Directions,
+    walls: Pieces,
 }
 
-/// What is asked of walls, gaps and islands: the parameters of these names.
-#[derive(Clone, Copy, Debug)]
-struct Limits {
-    passage_m: f64,
-    stretch_m: f64,
-    straight_rad: f64,
-    way_rad: f64,
-    clear_share: f64,
-    island_m: f64,
-}
-
-/// Held from one cloud to the next.
+/// The buffers of a cloud.
 #[derive(Clone, Debug, Default)]
 struct Cloud {
     view: LevelView,
-    /// The graph of what is seen.
+    /// The graph of the returns that are seen.
     seen: Affinity,
     carrying: Carrying,
 }
 
 impl Passage {
     fn new(params: &Params) -> Self {
-        let limits = Limits {
+        let lengths = Lengths {
             passage_m: params.get(PASSAGE_M),
+            island_m: params.get(ISLAND_M),
             stretch_m: params.get(STRETCH_M),
+        };
+        let thresholds = Thresholds {
+            lengths,
             straight_rad: params.get(STRAIGHT_DEG).to_radians(),
             way_rad: params.get(WAY_DEG).to_radians(),
             clear_share: params.get(CLEAR_SHARE),
-            island_m: params.get(ISLAND_M),
         };
         Self {
-            limits,
+            thresholds,
             height_m: params.get(HEIGHT_M),
-            cloud: Cloud::default(),
             wall_rad: params.get(WALL_DEG).to_radians(),
             leak: params.get(LEAK),
-            ring: Ring::default(),
-            dust: Dust::default(),
-            tangents: RefCell::default(),
-            walls: Pieces::default(),
-            islands: Pieces::default(),
             chains: Chains::new(params.get(NEIGHBOURS)),
+            cloud: Cloud::default(),
+            scan: Scan::default(),
+            directions: Directions::default(),
+            walls: Pieces::default(),
         }
     }
 
-    /// W and D of the returns of one sweep, with edges over the ways on that leak so much.
+    /// Writes W, D and the verdicts of a sweep, whose points these are.
     fn walls_of_sweep(
         &mut self,
         sweep: &Sweep,
@@ -200,46 +173,40 @@ impl Passage {
         out: &mut Affinity,
         notes: &mut Notes,
     ) -> Result<(), StageError> {
-        let Self { limits, ring, dust, tangents, walls, islands, .. } = self;
-        ring.fill(sweep, points_m)?;
-        let dust = dust.find(ring, limits);
-
-        // A step of 0 gives an infinite number: then no piece is a wall.
-        let least_returns = ((self.wall_rad / ring.step_rad).round() as usize).max(joining::LEAST_RETURNS);
-        let inside_m = limits.passage_m / 2.0;
-        let kept = (0..ring.len()).filter(|&i| !dust[i] && ring.range_m(i) > inside_m);
-        walls.fill(ring, kept, limits.passage_m);
-        let hanging = dust.iter().filter(|dust| **dust).count();
-        let inside = ring.len() - hanging - walls.returns().len();
-        ring.roughness = Roughness::of(ring, walls);
-        islands::take(ring, walls, limits, islands);
-        let judge = Judge::new(ring, tangents, walls, *limits);
-        let mut left_over = joining::join(ring, &judge, walls, least_returns);
-        if joining::cut_at_ways(&judge, walls) {
-            left_over.extend(joining::join(ring, &judge, walls, least_returns));
+        let Self { thresholds, scan, directions, walls, .. } = self;
+        let lengths = &thresholds.lengths;
+        scan.make(sweep, points_m, lengths)?;
+        if scan.in_air > 0 {
+            let in_air = counted(scan.in_air as u64, "return");
+            notes.add(format!("passage: {in_air} in the air (dust, edges of pillars), tied to none"));
         }
-
-        if hanging > 0 {
-            notes.add(format!(
-                "passage: {} in the air (dust, edges of pillars), tied to none",
-                counted(hanging as u64, "return")
-            ));
-        }
-        if inside > 0 {
-            let inside = counted(inside as u64, "return");
+        if scan.of_vehicle > 0 {
+            let (inside, inside_m) = (counted(scan.of_vehicle as u64, "return"), lengths.passage_m / 2.0);
             notes.add(format!(
                 "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), tied to none"
             ));
         }
-        self.chains.write(ring, &judge, (walls, islands), &left_over, leak, out);
+
+        // A step of 0 gives an infinite number: then no piece is a wall.
+        let least_returns = ((self.wall_rad / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
+        directions.start(&scan.ring, &scan.roughness, lengths.stretch_m);
+        let site = Site::new(scan, *thresholds, directions);
+        let mut judge = Judge::new(&site, directions);
+        walls.clone_from(&scan.pieces);
+        let mut left_over = joining::join(&mut judge, walls, least_returns);
+        if joining::cut_at_ways(&mut judge, walls) {
+            left_over.extend(joining::join(&mut judge, walls, least_returns));
+        }
+        self.chains.write(&mut judge, walls, &left_over, leak, out);
         Ok(())
     }
 
-    /// W and D of a cloud, by way of the sweep that a level vehicle sees.
+    /// Writes W, D and the verdicts of a cloud, by the sweep that a level vehicle sees of it.
     fn walls_of_cloud(&mut self, cloud: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+        let passage_m = self.thresholds.lengths.passage_m;
         let mut buffers = std::mem::take(&mut self.cloud);
         let Cloud { view, seen, carrying } = &mut buffers;
-        view.look(cloud, self.height_m, self.limits.passage_m);
+        view.look(cloud, self.height_m, passage_m);
         if let Some(sweep) = cloud.beams() {
             notes.add(format!("passage: {} beams are many, worked on as {}", sweep.len(), view.beams()));
         }
@@ -249,7 +216,7 @@ impl Passage {
             notes.add(format!("passage: {aside} above or below the vehicle, or within it, tied to none"));
         }
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        // Carried on to what is not seen, a leak would be many.
+        // No leak: carried on to the returns that are not seen, it would become many.
         let done = self.walls_of_sweep(sweep, &view.seen().points_m, 0.0, seen, notes);
         if done.is_ok() {
             seen.sum_degrees(); // by which a return that has an edge is known
@@ -259,7 +226,7 @@ impl Passage {
                     ..*verdict
                 }),
             );
-            carrying.write(cloud, view, seen, self.limits.passage_m, out);
+            carrying.write(cloud, view, seen, passage_m, out);
         }
         self.cloud = buffers;
         done

@@ -1,7 +1,9 @@
 //! Whether the vehicle can pass between two returns into free space, and how nearly.
 
+use crosscut_scan::Position;
+
 use super::sides::{Side, Sides};
-use crate::ring::{Position, Ring};
+use crate::outline::Outline;
 
 /// The line of a wall behind its end is taken over this stretch.
 const LINE_M: f64 = 1.5;
@@ -11,26 +13,26 @@ const LINE_M: f64 = 1.5;
 /// less.
 pub(crate) fn clearance_m(sides: &Sides<'_>) -> f64 {
     let [near, far] = sides.by_range();
-    let end_m = |side: Side| sides.ring.entries[side.at].position_m;
-    let of_far_m = distance_from_line_m(sides.ring, far, end_m(near));
-    let of_near_m = distance_from_line_m(sides.ring, near, end_m(far));
+    let end_m = |side: Side| sides.outline.position_m(side.at);
+    let of_far_m = distance_from_line_m(sides.outline, far, end_m(near));
+    let of_near_m = distance_from_line_m(sides.outline, near, end_m(far));
     of_far_m.min(2.0 * of_near_m)
 }
 
 /// Distance of a point from the line of the wall on one side; 0 where the wall has no direction.
-fn distance_from_line_m(ring: &Ring, side: Side, point_m: Position) -> f64 {
-    let end_m = ring.entries[side.at].position_m;
-    let along = end_m - stretch_start_m(ring, side);
+fn distance_from_line_m(outline: &Outline, side: Side, point_m: Position) -> f64 {
+    let end_m = outline.position_m(side.at);
+    let along = end_m - stretch_start_m(outline, side);
     let across_m = along.perp(&(point_m - end_m)).abs() / along.norm();
     if across_m.is_nan() { 0.0 } else { across_m }
 }
 
 /// The return of the same wall about [`LINE_M`] before its end.
-fn stretch_start_m(ring: &Ring, side: Side) -> Position {
-    let end_m = ring.entries[side.at].position_m;
+fn stretch_start_m(outline: &Outline, side: Side) -> Position {
+    let end_m = outline.position_m(side.at);
     let mut start_m = end_m;
-    for entry in side.along(ring) {
-        start_m = entry.position_m;
+    for one in side.along(outline) {
+        start_m = one.position_m;
         if (start_m - end_m).norm_squared() >= LINE_M * LINE_M {
             break;
         }

@@ -15,20 +15,22 @@
 //!
 //! Edges that lead into the same branch (a stray return deep inside it splits its edge in two) are one opening.
 //!
-//! That is [`Rule::FreeSpace`], for walls of any origin. Where walls are known to end at openings and nowhere else,
-//! [`Rule::BetweenWalls`] takes every edge between two different walls, so that the two agree. One wall all around has
-//! at most one opening then, of those in free space: not in the shadow of a pillar, if there is such a one, nor there at
-//! all unless the walls leave each other's line by several times the vehicle's width, or as much is dark, as the wall may
-//! turn a corner in it; of those, the one with the widest stretch
-//! of beams that came back with nothing; of equal ones, the widest. By either rule no opening is narrower than the
-//! vehicle.
+//! That is [`OpeningRule::FreeSpace`], for walls of any origin. Where walls end at openings and nowhere else,
+//! [`OpeningRule::BetweenWalls`] takes every edge between two different walls, so that walls and openings agree. One
+//! wall all around has at most one opening by that rule, of those in free space:
+//! - one in no shadow of a pillar, if there is one; in such a shadow the wall may turn a corner, so the walls there
+//!   leave each other's line by [`SHADED_TIMES`] times the vehicle's width, or the dark part is as wide as the vehicle;
+//! - of those, the one with the widest stretch of beams that came back with nothing;
+//! - of equal ones, the widest.
+//!
+//! By either rule no opening is narrower than the vehicle.
 //!
 //! A limited view may end in the middle of an opening. Where beams came back with nothing all the way from the last
-//! return of a wall to the end of the view (stray returns apart), and leave room for the vehicle beside that return,
-//! there is a way on of which a part is seen ([`Opening::cut_by_view`]).
+//! return of a wall to the end of the view (single other beams apart), and leave room for the vehicle beside that
+//! return, there is a way on of which a part is seen ([`Opening::cut_by_view`]).
 //!
 //! Bearing and width are those of the branch behind the edge, [`LOOKOUT_M`] from the sensor or where its centreline is
-//! last seen, if that is nearer. Walls are lines from return to return. With N the one whose end is nearer to the
+//! last seen, if that is nearer. Walls are lines from return to return. With N the wall whose end is nearer to the
 //! sensor, F the other, d_F(x) the distance of x from F, and n (f) the place where N (F), followed from its end, comes
 //! within 8 m:
 //! ```text
@@ -37,23 +39,25 @@
 //!         with d_F(x) = width / 2
 //! ```
 //! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
-//! From an edge more than 8 m away, walls may lead around a chamber instead of along a branch: where n and f lie on the
-//! other side of the sensor, or so much farther from each other than the walls are at the edge, the ends of the edge take
-//! their place. A mouth that does not lie ahead is replaced by the edge, a bearing that does not by the direction in which
-//! the middle of the edge is seen.
-//! Of a branch that is cut by the end of the view both are those of the part in view.
+//!
+//! Behind an edge more than 8 m away, walls may lead around a chamber instead of along a branch. Where n and f lie on
+//! the other side of the sensor, or farther from each other than [`WIDENS`] times the width of the edge, the ends of
+//! the edge take their place. If the line across the branch does not lie ahead, the edge replaces it. If x does not lie
+//! ahead, the bearing is that of the middle of the edge. Bearing and width of a branch that the end of the view cuts
+//! are those of the part in view.
 
 mod edge;
 mod sides;
 
 use std::cmp::Ordering;
 
+use crosscut_scan::Position;
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution};
 
 pub(crate) use self::edge::{clearance_m, depth_m};
 use self::sides::Side;
 pub(crate) use self::sides::Sides;
-use crate::ring::{Position, Ring};
+use crate::outline::Outline;
 
 /// The free space beyond an opening is at least this deep, or not seen to be shallower.
 pub const DEPTH_M: f64 = 3.0;
@@ -61,16 +65,16 @@ pub const DEPTH_M: f64 = 3.0;
 /// An opening's bearing and width are taken at most this far from the sensor.
 pub const LOOKOUT_M: f64 = 8.0;
 
-/// One wall all around may turn a corner, or have a step, in the shadow of a pillar: unless nothing comes back from beside
-/// that over the vehicle's width, it leads on if the walls leave each other's line by so many times that width.
-const SHADED_TIMES: f64 = 3.0;
+/// In the shadow of a pillar, one wall all around leads on if the walls leave each other's line by this many times the
+/// vehicle's width: it may turn a corner there, or have a step.
+pub const SHADED_TIMES: f64 = 3.0;
 
 /// Walls this many times farther from each other than at the edge are no longer those of the branch.
-const WIDENS: f64 = 2.5;
+pub const WIDENS: f64 = 2.5;
 
 /// Which edges are openings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Rule {
+pub enum OpeningRule {
     /// Those through which the vehicle fits into free space.
     #[default]
     FreeSpace,
@@ -78,43 +82,49 @@ pub enum Rule {
     BetweenWalls,
 }
 
-/// Writes the openings between the walls of `ring`, which is filled from `revolution`, by bearing ascending.
-pub fn find(rule: Rule, revolution: &Revolution, ring: &Ring, vehicle_width_m: f64, out: &mut Vec<Opening>) {
-    let outlook = Outlook { revolution, vehicle_width_m, ring };
-    let one_wall = ring.entries.windows(2).all(|pair| pair[0].wall == pair[1].wall);
+/// Writes the openings between the walls of `outline`, which is filled from `revolution`, by bearing ascending.
+pub fn find(
+    rule: OpeningRule,
+    revolution: &Revolution,
+    outline: &Outline,
+    vehicle_width_m: f64,
+    out: &mut Vec<Opening>,
+) {
+    let outlook = Outlook { revolution, vehicle_width_m, outline };
+    let is_one_wall = outline.walls().windows(2).all(|pair| pair[0] == pair[1]);
     let branches = match rule {
-        Rule::FreeSpace => outlook.in_free_space(1.0),
-        Rule::BetweenWalls if !one_wall => outlook.between_walls(),
-        Rule::BetweenWalls if ring.full_turn => plainest(outlook.in_free_space(SHADED_TIMES), vehicle_width_m),
-        Rule::BetweenWalls => Vec::new(),
+        OpeningRule::FreeSpace => outlook.in_free_space(1.0),
+        OpeningRule::BetweenWalls if !is_one_wall => outlook.between_walls(),
+        OpeningRule::BetweenWalls if outline.ring.full_turn => {
+            plainest(outlook.in_free_space(SHADED_TIMES), vehicle_width_m)
+        }
+        OpeningRule::BetweenWalls => Vec::new(),
     };
     out.clear();
     out.extend(branches.into_iter().map(|branch| branch.opening));
-    if !ring.full_turn {
+    if !outline.ring.full_turn {
         out.extend(outlook.cut_by_its_ends());
     }
     out.retain(|opening| opening.width_m >= vehicle_width_m);
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
-/// The sides of every two returns that follow each other and are of two walls, or at least so far from each other.
-pub(crate) fn sides(ring: &Ring, least_m: f64) -> impl Iterator<Item = Sides<'_>> {
-    let is_edge = move |&(from, to): &(usize, usize)| {
-        let (from, to) = (&ring.entries[from], &ring.entries[to]);
-        from.wall != to.wall || (to.position_m - from.position_m).norm_squared() >= least_m * least_m
+/// The sides of every two neighbouring returns that are of two walls, or at least this far from each other.
+pub(crate) fn sides(outline: &Outline, least_m: f64) -> impl Iterator<Item = Sides<'_>> {
+    let is_edge = move |&[from, to]: &[usize; 2]| {
+        outline.wall(from) != outline.wall(to) || outline.ring.are_apart(from, to, least_m)
     };
-    let pairs = (0..ring.edges()).map(|at| (at, ring.after(at)));
-    pairs.filter(is_edge).map(|(from, to)| Sides::of(ring, from, to))
+    outline.pairs().filter(is_edge).map(|[from, to]| Sides::of(outline, from, to))
 }
 
 /// Whether the view goes all the way round, and something is known between any two walls.
-pub(crate) fn sees_all(ring: &Ring) -> bool {
-    let knows_all = || sides(ring, f64::INFINITY).all(|sides| sides.is_known());
-    ring.full_turn && (!ring.beams.contains(&Beam::Unknown) || knows_all())
+pub(crate) fn sees_all(outline: &Outline) -> bool {
+    let knows_all = || sides(outline, f64::INFINITY).all(|sides| sides.is_known());
+    outline.ring.full_turn && (!outline.ring.beams.contains(&Beam::Unknown) || knows_all())
 }
 
-/// Of the branches that are wide enough, one in no shadow, if there is such a one; of those, the one with the widest stretch
-/// of beams that came back with nothing; of equal ones, the widest.
+/// Of the branches that are wide enough, one in no shadow if there is one; of those, the one with the widest stretch of
+/// beams that came back with nothing; of equal ones, the widest.
 fn plainest(mut branches: Vec<Branch>, vehicle_width_m: f64) -> Vec<Branch> {
     let plain = |branch: &Branch| (!branch.is_shaded, branch.dark_m, branch.opening.width_m);
     branches.retain(|branch| branch.opening.width_m >= vehicle_width_m);
@@ -126,7 +136,7 @@ fn plainest(mut branches: Vec<Branch>, vehicle_width_m: f64) -> Vec<Branch> {
 struct Branch {
     opening: Opening,
     middle_m: Position,
-    /// How wide the beams into it that came back with nothing are, at the nearer end of its edge.
+    /// The width, at the nearer end of its edge, of the beams into it that came back with nothing.
     dark_m: f64,
     /// More than half of what is in its edge is hidden by pillars.
     is_shaded: bool,
@@ -144,7 +154,7 @@ impl Branch {
         (next.opening.edge_m[0] - self.opening.edge_m[1]).norm()
     }
 
-    /// Takes up the next edge anticlockwise of the same branch. The longer edge says where the mouth is.
+    /// Joins the next edge anticlockwise of the same branch. The mouth is that of the longer edge.
     fn join(&mut self, next: Self) {
         let (clockwise, anticlockwise) = (&self.opening, &next.opening);
         let walls = [clockwise.walls[0], anticlockwise.walls[1]];
@@ -160,33 +170,33 @@ impl Branch {
     }
 }
 
-/// One revolution seen as a ring of wall returns.
+/// One revolution, seen as the outline of its walls.
 struct Outlook<'a> {
     revolution: &'a Revolution,
     vehicle_width_m: f64,
-    ring: &'a Ring,
+    outline: &'a Outline,
 }
 
 impl Outlook<'_> {
     /// Every edge between two walls that is not masked throughout.
     fn between_walls(&self) -> Vec<Branch> {
-        sides(self.ring, self.vehicle_width_m)
+        sides(self.outline, self.vehicle_width_m)
             .filter(|sides| sides.are_two_walls() && sides.is_known())
             .map(|sides| self.branch(&sides))
             .collect()
     }
 
-    /// Every edge that the vehicle can pass into free space, those into the same branch joined. One in the shadow of a pillar
-    /// needs so many times the clearance of others.
+    /// Every edge that the vehicle can pass into free space, those into the same branch joined. An edge in the shadow
+    /// of a pillar needs `shaded_times` the clearance of others.
     fn in_free_space(&self, shaded_times: f64) -> Vec<Branch> {
         let times = |sides: &Sides<'_>| {
             // Beams get lost at the edges of a pillar.
             let is_hidden = sides.is_shaded() && sides.dark_m() < self.vehicle_width_m;
             if is_hidden { shaded_times } else { 1.0 }
         };
-        let edges = sides(self.ring, self.vehicle_width_m).filter(|sides| self.is_passable(sides, times(sides)));
+        let edges = sides(self.outline, self.vehicle_width_m).filter(|sides| self.is_passable(sides, times(sides)));
         let mut branches: Vec<Branch> = edges.map(|sides| self.branch(&sides)).collect();
-        // Those whose edges are nearest to each other first, so that it does not matter where the ring begins.
+        // The nearest to each other are joined first, so that it does not matter where the outline begins.
         while let Some((at, next)) = self.nearest_into_same_way(&branches) {
             let joined = branches.remove(next);
             branches[if next < at { at - 1 } else { at }].join(joined);
@@ -194,18 +204,18 @@ impl Outlook<'_> {
         branches
     }
 
-    /// Of the branches that follow each other and are the same way, those whose edges are nearest to each other.
+    /// Of the neighbouring branches that are the same way, the two whose edges are nearest to each other.
     fn nearest_into_same_way(&self, branches: &[Branch]) -> Option<(usize, usize)> {
         let n = branches.len();
         let pairs = (0..n).map(|at| (at, (at + 1) % n));
         let is_same_way = |&(at, next): &(usize, usize)| {
-            at != next && (self.ring.full_turn || next != 0) && branches[at].is_same_way_as(&branches[next])
+            at != next && (self.outline.ring.full_turn || next != 0) && branches[at].is_same_way_as(&branches[next])
         };
         let apart = |(at, next): (usize, usize)| branches[at].gap_to_m(&branches[next]);
         pairs.filter(is_same_way).min_by(|&a, &b| apart(a).total_cmp(&apart(b)))
     }
 
-    /// Whether the vehicle can pass, and the walls leave each other's line by so many times its width.
+    /// Whether the vehicle can pass, and the walls leave each other's line by `times` its width.
     fn is_passable(&self, sides: &Sides<'_>, times: f64) -> bool {
         let edge_m = sides.edge_m();
         if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !sides.is_known() {
@@ -237,9 +247,9 @@ impl Outlook<'_> {
         Branch { opening, middle_m, dark_m: sides.dark_m(), is_shaded: sides.is_shaded() }
     }
 
-    /// Ways on of which the end of a limited view leaves but a part.
+    /// Ways on that an end of a limited view cuts.
     fn cut_by_its_ends(&self) -> Vec<Opening> {
-        let Some(last) = self.ring.len().checked_sub(1) else { return Vec::new() };
+        let Some(last) = self.outline.len().checked_sub(1) else { return Vec::new() };
         let before = Side { at: 0, clockwise: false };
         let after = Side { at: last, clockwise: true };
         [before, after].into_iter().filter_map(|side| self.cut_beside(side)).collect()
@@ -247,12 +257,12 @@ impl Outlook<'_> {
 
     /// The way on between a wall and the end of the view.
     fn cut_beside(&self, side: Side) -> Option<Opening> {
-        if self.ring.room_to_end_m(side.at, side.clockwise) < self.vehicle_width_m {
+        if self.outline.room_to_end_m(side.at, side.clockwise) < self.vehicle_width_m {
             return None;
         }
-        let end = self.ring.entries[side.at];
-        let beams = if side.clockwise { self.ring.beams.len() - 1 - end.beam } else { end.beam };
-        let turn_rad = beams as f64 * self.ring.step_rad;
+        let end = self.outline.ring.returns[side.at];
+        let beams = if side.clockwise { self.outline.ring.beams.len() - 1 - end.beam } else { end.beam };
+        let turn_rad = beams as f64 * self.outline.ring.step_rad;
         let towards_end = if side.clockwise { turn_rad } else { -turn_rad };
         let turned_m = |share: f64| nalgebra::Rotation2::new(share * towards_end) * end.position_m;
         let mut edge_m = [end.position_m, turned_m(1.0)];
@@ -261,8 +271,8 @@ impl Outlook<'_> {
         }
         Some(Opening {
             bearing_rad: bearing_rad(turned_m(0.5)),
-            width_m: turned_m(1.0).normalize().perp(&side.anchor_m(self.ring)).abs(),
-            walls: [end.wall; 2],
+            width_m: turned_m(1.0).normalize().perp(&side.anchor_m(self.outline)).abs(),
+            walls: [self.outline.wall(side.at); 2],
             evidence: Evidence::NoReturn,
             edge_m: edge_m.map(point),
             cut_by_view: true,

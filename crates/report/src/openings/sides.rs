@@ -2,16 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use crosscut_scan::{Position, Return};
 use crosscut_stage::Beam;
 
 use super::LOOKOUT_M;
-use crate::ring::{Entry, Position, Ring};
+use crate::outline::Outline;
 
-/// Bisections of a way of at most 8 m or a half turn: to 1 cm and 0.2° at worst.
+/// This many bisections of a way of at most 8 m or a half turn leave 1 cm or 0.2°.
 const BISECTIONS: usize = 10;
-/// What is farther by this factor is so for certain, whatever was rounded.
+/// What is farther by this factor is farther whatever was rounded.
 const ROUNDING: f64 = 1.001;
-/// Seldom are more pieces of a wall near where a branch is last seen.
+/// More pieces of a wall are seldom near where a branch is last seen.
 const NEAR_PIECES: usize = 32;
 
 /// The wall on one side of an edge.
@@ -25,35 +26,33 @@ pub(super) struct Side {
 
 /// Both sides of an edge.
 pub(crate) struct Sides<'a> {
-    pub(super) ring: &'a Ring,
+    pub(super) outline: &'a Outline,
     pub(super) clockwise: Side,
     pub(super) anticlockwise: Side,
 }
 
 impl Side {
     /// The returns of the wall, from the edge onward, half way round the ring at most.
-    pub(super) fn along(self, ring: &Ring) -> impl Iterator<Item = &Entry> {
-        let wall = ring.entries[self.at].wall;
-        let returns = ring.onward(self.at, !self.clockwise).take(ring.len().div_ceil(2));
-        returns.take_while(move |entry| entry.wall == wall)
+    pub(super) fn along(self, outline: &Outline) -> impl Iterator<Item = &Return> {
+        outline.wall_from(self.at, !self.clockwise).take(outline.len().div_ceil(2))
     }
 
     /// The wall as a line from return to return: each return from the edge onward with the one before it.
-    fn line(self, ring: &Ring) -> impl Iterator<Item = [&Entry; 2]> {
-        let mut before = &ring.entries[self.at];
-        self.along(ring).map(move |after| [std::mem::replace(&mut before, after), after])
+    fn line(self, outline: &Outline) -> impl Iterator<Item = [&Return; 2]> {
+        let mut before = &outline.ring.returns[self.at];
+        self.along(outline).map(move |after| [std::mem::replace(&mut before, after), after])
     }
 
-    /// The same, in positions.
-    fn line_m(self, ring: &Ring) -> impl Iterator<Item = [Position; 2]> {
-        self.line(ring).map(|piece| piece.map(|entry| entry.position_m))
+    /// The wall as a line, each piece by the positions of its two ends.
+    fn line_m(self, outline: &Outline) -> impl Iterator<Item = [Position; 2]> {
+        self.line(outline).map(|piece| piece.map(|one| one.position_m))
     }
 
     /// Where the wall, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; its end at the edge if it does
     /// not.
-    pub(super) fn anchor_m(self, ring: &Ring) -> Position {
-        let within = self.line(ring).find(|[_, after]| after.range_m <= LOOKOUT_M);
-        within.map_or(ring.entries[self.at].position_m, |[before, after]| {
+    pub(super) fn anchor_m(self, outline: &Outline) -> Position {
+        let within = self.line(outline).find(|[_, after]| after.range_m <= LOOKOUT_M);
+        within.map_or(outline.position_m(self.at), |[before, after]| {
             if before.range_m <= LOOKOUT_M {
                 after.position_m
             } else {
@@ -63,10 +62,10 @@ impl Side {
     }
 
     /// The place of the wall that is nearest to a point.
-    fn nearest_m(self, ring: &Ring, point_m: Position) -> Position {
-        let (mut nearest_m, mut least) = (ring.entries[self.at].position_m, f64::INFINITY);
-        for piece_m in self.line_m(ring) {
-            // Most pieces are farther, which is seen without a division; with room for rounding.
+    fn nearest_m(self, outline: &Outline, point_m: Position) -> Position {
+        let (mut nearest_m, mut least) = (outline.position_m(self.at), f64::INFINITY);
+        for piece_m in self.line_m(outline) {
+            // This needs no division, and excludes most pieces.
             if !is_within(piece_m, point_m, ROUNDING * least) {
                 continue;
             }
@@ -82,10 +81,10 @@ impl Side {
 
 impl<'a> Sides<'a> {
     /// Of the edge from one return to the next.
-    pub(super) fn of(ring: &'a Ring, clockwise: usize, anticlockwise: usize) -> Self {
+    pub(super) fn of(outline: &'a Outline, clockwise: usize, anticlockwise: usize) -> Self {
         let [clockwise, anticlockwise] =
             [(clockwise, true), (anticlockwise, false)].map(|(at, clockwise)| Side { at, clockwise });
-        Self { ring, clockwise, anticlockwise }
+        Self { outline, clockwise, anticlockwise }
     }
 
     /// Whether the returns beside the edge are of two walls.
@@ -102,17 +101,17 @@ impl<'a> Sides<'a> {
 
     /// The walls clockwise and anticlockwise of the edge.
     pub(crate) fn walls(&self) -> [u32; 2] {
-        [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].wall)
+        [self.clockwise, self.anticlockwise].map(|side| self.outline.wall(side.at))
     }
 
     /// The two returns at the edge.
     pub(crate) fn edge_m(&self) -> [Position; 2] {
-        [self.clockwise, self.anticlockwise].map(|side| self.ring.entries[side.at].position_m)
+        [self.clockwise, self.anticlockwise].map(|side| self.outline.position_m(side.at))
     }
 
-    /// How far the walls are apart at the edge; a stray return at the end of one does not count.
+    /// How far the walls are apart at the edge; the last two returns of each count, as one may be a stray return.
     pub(super) fn width_m(&self) -> f64 {
-        let last_two_m = |side: Side| side.along(self.ring).take(2).map(|entry| entry.position_m);
+        let last_two_m = |side: Side| side.along(self.outline).take(2).map(|one| one.position_m);
         let across_m =
             last_two_m(self.clockwise).flat_map(|a| last_two_m(self.anticlockwise).map(move |b| (a - b).norm()));
         across_m.fold(0.0, f64::max)
@@ -125,49 +124,48 @@ impl<'a> Sides<'a> {
         nalgebra::Rotation2::new(0.5 * seen_at_rad) * from_m.normalize()
     }
 
-    /// What the beams between them saw.
+    /// What the beams between the two returns saw.
     pub(crate) fn between(&self) -> impl Iterator<Item = Beam> + Clone {
-        self.ring.between(self.clockwise.at, self.anticlockwise.at)
+        self.outline.ring.between(self.clockwise.at, self.anticlockwise.at)
     }
 
-    /// Whether more than half of those end at pillars, or at returns of no wall.
+    /// Whether more than half of the beams between them end at pillars, or at returns of no wall.
     pub(super) fn is_shaded(&self) -> bool {
         let shaded = self.between().filter(|beam| matches!(beam, Beam::Return(_))).count();
         2 * shaded > self.between().count()
     }
 
-    /// How wide those that came back with nothing are, at the nearer end.
+    /// The width, at the nearer end, of the beams between them that came back with nothing.
     pub(super) fn dark_m(&self) -> f64 {
         let dark = self.between().filter(|beam| *beam == Beam::NoReturn).count();
         let [near, _] = self.by_range();
-        dark as f64 * self.ring.step_rad * self.ring.entries[near.at].range_m
+        dark as f64 * self.outline.ring.step_rad * self.outline.range_m(near.at)
     }
 
-    /// Whether one of those came back with nothing.
+    /// Whether a beam between them came back with nothing.
     pub(super) fn is_dark(&self) -> bool {
         self.between().any(|beam| beam == Beam::NoReturn)
     }
 
     /// The side whose wall comes nearer to the sensor at the edge, and the other.
     pub(super) fn by_range(&self) -> [Side; 2] {
-        let range_m = |side: Side| self.ring.entries[side.at].range_m;
+        let range_m = |side: Side| self.outline.range_m(side.at);
         let clockwise_first = range_m(self.clockwise) <= range_m(self.anticlockwise);
         if clockwise_first { [self.clockwise, self.anticlockwise] } else { [self.anticlockwise, self.clockwise] }
     }
 
     /// Where the wall on each side, seen from the edge, comes within [`LOOKOUT_M`] of the sensor; clockwise side first.
     pub(super) fn anchors_m(&self) -> [Position; 2] {
-        [self.clockwise, self.anticlockwise].map(|side| side.anchor_m(self.ring))
+        [self.clockwise, self.anticlockwise].map(|side| side.anchor_m(self.outline))
     }
 
-    /// The two ends of the shortest line across the branch, at most [`LOOKOUT_M`] from the sensor.
-    ///
-    /// From the anchor of each side to the nearest return of the other side; the shorter of the two.
+    /// The two ends of the shortest line across the branch, at most [`LOOKOUT_M`] from the sensor: the shorter of the
+    /// lines from the anchor of each side to the nearest place of the other side.
     pub(super) fn mouth_m(&self, anchors_m: [Position; 2]) -> [Position; 2] {
         let [clockwise_m, anticlockwise_m] = anchors_m;
         let lines = [
-            [clockwise_m, self.anticlockwise.nearest_m(self.ring, clockwise_m)],
-            [anticlockwise_m, self.clockwise.nearest_m(self.ring, anticlockwise_m)],
+            [clockwise_m, self.anticlockwise.nearest_m(self.outline, clockwise_m)],
+            [anticlockwise_m, self.clockwise.nearest_m(self.outline, anticlockwise_m)],
         ];
         let length_m = |[a, b]: [Position; 2]| (a - b).norm();
         if length_m(lines[0]) <= length_m(lines[1]) { lines[0] } else { lines[1] }
@@ -185,12 +183,12 @@ impl<'a> Sides<'a> {
         let turn_rad = corner_m.perp(&opposite_m).atan2(corner_m.dot(&opposite_m));
         let on_beam = |share: f64| corner_m + (at_lookout_m - corner_m) * share;
         let on_circle = |share: f64| nalgebra::Rotation2::new(share * turn_rad) * at_lookout_m;
-        // Only what is near the start of both ways can be near a point of one, with room for rounding.
+        // Only pieces that are near the start of both ways can be near a point of one.
         let near_m = 0.5 * width_m;
         let reach_m = [corner_m, on_circle(1.0)].map(|end_m| (end_m - at_lookout_m).norm());
         let reach_m = ROUNDING * (reach_m[0].max(reach_m[1]) + near_m);
         let mut wall_m = Vec::with_capacity(NEAR_PIECES);
-        wall_m.extend(far.line_m(self.ring).filter(|&piece_m| is_within(piece_m, at_lookout_m, reach_m * reach_m)));
+        wall_m.extend(far.line_m(self.outline).filter(|&piece_m| is_within(piece_m, at_lookout_m, reach_m * reach_m)));
         first_within_m(on_beam, &wall_m, near_m).or_else(|| first_within_m(on_circle, &wall_m, near_m))
     }
 }

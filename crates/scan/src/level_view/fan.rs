@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crosscut_stage::{Beam, Sweep, wrap_angle_rad};
 use nalgebra::{UnitComplex, Vector2};
-
-use crate::{Beam, Sweep, wrap_angle_rad};
 
 /// Beams all around, as wide as the angle from one to the next.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +34,8 @@ impl Fan {
         wrap_angle_rad(self.first_rad + beam as f64 * self.step_rad())
     }
 
-    /// The beam in which a place lies. Most clouds come beam by beam, so it is looked for around a `guess`, that of the
-    /// place before; only if it is not there does it take an arc tangent.
+    /// The beam in which a place lies. Most clouds list their points beam by beam, so the beams around a `guess`, that
+    /// of the point before, are tried first; if none of them holds the place, an arc tangent finds it.
     pub(super) fn beam(&self, place_m: Vector2<f64>, guess: usize) -> usize {
         let next = if guess + 1 == self.beams { 0 } else { guess + 1 };
         let previous = if guess == 0 { self.beams - 1 } else { guess - 1 };
@@ -68,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_in_the_beam_of_its_bearing_whatever_the_guess() {
+    fn every_guess_finds_the_beam_of_a_place() {
         let mut fan = Fan::default();
         for (first_rad, beams) in [(0.0, 1), (-2.0, 2), (1.0, 3), (3.0, 7), (-3.1, 720)] {
             fan.open(first_rad, beams);

@@ -2,12 +2,15 @@
 
 use std::ops::Index;
 
-use super::ring::Ring;
+use crate::ring::Ring;
 
-/// Pieces as they follow each other, none of them empty. They lie in one buffer, so that joining and cutting them moves
-/// no returns.
+/// A piece of fewer returns is neither a wall nor an island.
+pub const LEAST_WALL_RETURNS: usize = 3;
+
+/// Pieces in the order in which they follow each other around the sensor. Each has at least one return. All returns lie
+/// in one buffer, so that joining and cutting moves none of them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pieces {
+pub struct Pieces {
     /// The returns of all pieces, one piece after the other.
     returns: Vec<usize>,
     /// Where each piece ends in `returns`.
@@ -15,14 +18,21 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    pub(super) fn len(&self) -> usize {
+    /// Number of pieces.
+    #[inline]
+    pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// The ring of the `kept` returns, cut where two that follow each other are a passage apart.
-    pub(super) fn fill(&mut self, ring: &Ring, kept: impl Iterator<Item = usize>, passage_m: f64) {
+    /// Whether there is no piece.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The ring of the `kept` returns, cut where two neighbours are `cut_m` apart or more.
+    pub(crate) fn fill(&mut self, ring: &Ring, kept: impl Iterator<Item = usize>, cut_m: f64) {
         self.clear();
-        let is_apart = |from: usize, to: usize| ring.are_apart(from, to, passage_m);
+        let is_apart = |from: usize, to: usize| ring.are_apart(from, to, cut_m);
         for i in kept {
             let starts_piece = self.returns.last().is_none_or(|&last| is_apart(last, i));
             self.push(i, starts_piece);
@@ -36,22 +46,30 @@ impl Pieces {
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Removes all pieces, keeping the buffers.
+    pub fn clear(&mut self) {
         self.returns.clear();
         self.ends.clear();
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[usize]> {
+    /// The pieces, each as its returns.
+    pub fn iter(&self) -> impl Iterator<Item = &[usize]> {
         (0..self.len()).map(|at| &self[at])
     }
 
     /// The returns of all pieces.
-    pub(super) fn returns(&self) -> &[usize] {
+    pub fn returns(&self) -> &[usize] {
         &self.returns
     }
 
-    /// Adds a return to the last piece, or to a new one behind it.
-    pub(super) fn push(&mut self, i: usize, starts_piece: bool) {
+    /// The piece after one, around the sensor.
+    #[inline]
+    pub fn next(&self, at: usize) -> usize {
+        if at + 1 < self.len() { at + 1 } else { 0 }
+    }
+
+    /// Adds a return to the last piece, or to a new piece behind it.
+    pub(crate) fn push(&mut self, i: usize, starts_piece: bool) {
         if starts_piece {
             self.ends.push(self.returns.len());
         }
@@ -62,7 +80,7 @@ impl Pieces {
     }
 
     /// Joins a piece with the next, which is the first one if it is the last.
-    pub(super) fn join(&mut self, at: usize) {
+    pub fn join(&mut self, at: usize) {
         if at + 1 < self.len() {
             self.ends.remove(at);
             return;
@@ -75,13 +93,13 @@ impl Pieces {
         }
     }
 
-    /// Cuts a piece before its return at `cut`, where it has some on both sides.
-    pub(super) fn cut(&mut self, at: usize, cut: usize) {
+    /// Cuts a piece before its return number `cut`, which is not the first of the piece.
+    pub fn cut(&mut self, at: usize, cut: usize) {
         self.ends.insert(at, self.start(at) + cut);
     }
 
-    /// Takes a piece out.
-    pub(super) fn remove(&mut self, at: usize) -> impl Iterator<Item = usize> {
+    /// Takes a piece out and gives its returns.
+    pub fn remove(&mut self, at: usize) -> impl Iterator<Item = usize> {
         let (start, end) = (self.start(at), self.ends.remove(at));
         self.ends[at..].iter_mut().for_each(|later| *later -= end - start);
         self.returns.drain(start..end)
@@ -92,16 +110,19 @@ impl Pieces {
     }
 }
 
-/// Which end of a piece.
+/// An end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub enum End {
+    /// The clockwise end.
     First,
+    /// The anticlockwise end.
     Last,
 }
 
 impl End {
-    /// The k-th return of a piece from this end on.
-    pub(super) fn at(self, piece: &[usize], k: usize) -> usize {
+    /// The k-th return of a piece, counted from this end.
+    #[inline]
+    pub fn at(self, piece: &[usize], k: usize) -> usize {
         piece[if self == Self::Last { piece.len() - 1 - k } else { k }]
     }
 }
@@ -109,6 +130,7 @@ impl End {
 impl Index<usize> for Pieces {
     type Output = [usize];
 
+    #[inline]
     fn index(&self, at: usize) -> &[usize] {
         &self.returns[self.start(at)..self.ends[at]]
     }
@@ -127,12 +149,12 @@ mod tests {
     }
 
     #[test]
-    fn joined_cut_and_taken_out_pieces_keep_their_returns_also_around_the_ring() {
+    fn joined_cut_and_removed_pieces_keep_their_returns() {
         let mut all = pieces(&[&[1, 2], &[3], &[4, 5, 6], &[7]]);
         all.join(1);
         assert!(all.iter().eq([&[1, 2][..], &[3, 4, 5, 6], &[7]]), "{all:?}");
         all.join(2);
-        assert!(all.iter().eq([&[3, 4, 5, 6][..], &[7, 1, 2]]), "the last goes on in the first: {all:?}");
+        assert!(all.iter().eq([&[3, 4, 5, 6][..], &[7, 1, 2]]), "the last is joined with the first: {all:?}");
         all.cut(0, 1);
         assert!(all.remove(1).eq([4, 5, 6]));
         assert!(all.iter().eq([&[3][..], &[7, 1, 2]]), "{all:?}");

@@ -1,9 +1,10 @@
 //! How many returns a beam of a cloud usually has: what tells a wall from dust.
 
-/// A beam that met a wall has at least this share of the returns that are usual. With fewer it met dust, or a cable.
+/// A beam that met a wall has at least this share of the usual number of returns. With fewer it met dust, or a cable.
 const SHARE: f64 = 0.25;
-/// The usual number is known at so many ranges, from the vehicle on, each so many times the one before.
+/// The usual number is known at this many ranges, from the vehicle outward.
 const RANGES: usize = 28;
+/// Each of these ranges is this many times the one before.
 const STEP: f64 = 1.25;
 
 /// The number of returns, at whatever range, that a beam has in the angles |z| / range <= height / (2r) that are level
@@ -14,11 +15,12 @@ pub(super) struct Usual {
     medians: [u32; RANGES],
     /// Beam by beam, the number at each range.
     counts: Vec<[u32; RANGES]>,
+    /// The numbers of all beams at one range.
     of_beams: Vec<u32>,
 }
 
 impl Usual {
-    /// Begins to count the returns of so many beams, at ranges from the nearest on.
+    /// Begins to count the returns of this many beams, at ranges from the nearest on.
     pub(super) fn begin(&mut self, beams: usize, nearest_m: f64) {
         self.ranges_m = std::array::from_fn(|at| nearest_m * STEP.powi(at as i32));
         self.counts.clear();
@@ -30,9 +32,9 @@ impl Usual {
         self.counts[beam][ranges - 1] += 1;
     }
 
-    /// Learns the usual numbers from what was counted.
+    /// Takes the medians of what was counted.
     pub(super) fn end(&mut self) {
-        // What is level at a range is so at all nearer ones.
+        // An angle that is level at a range is level at all nearer ones.
         for of_beam in &mut self.counts {
             (1..RANGES).rev().for_each(|at| of_beam[at - 1] += of_beam[at]);
         }
@@ -45,7 +47,7 @@ impl Usual {
         }
     }
 
-    /// How many returns at this range are more than dust.
+    /// How many returns a beam needs for a wall at this range.
     pub(super) fn enough(&self, range_m: f64) -> usize {
         let median = self.ranges_to(range_m).checked_sub(1).map_or(0, |at| self.medians[at]);
         ((SHARE * f64::from(median)).ceil() as usize).max(1)

@@ -5,33 +5,34 @@ mod usual;
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::revolution::widest_run;
-use crate::{Beam, Point, Revolution, Sweep};
+use crosscut_stage::{Beam, Point, Revolution, Sweep, widest_run};
+
 use fan::Fan;
 use usual::Usual;
 
-/// A beam is half a degree wide if there are returns enough.
+/// The beams of a level view; each is at least half a degree wide.
 const MOST_LEVEL_BEAMS: usize = 720;
-/// A wider sector without any return was not looked at: no way on is as wide.
+/// A sector without any return that is wider than this was not looked at: no way on is as wide.
 const UNSEEN_RAD: f64 = FRAC_PI_2;
 
 /// The nearest returns of a cloud at the height of the vehicle.
 ///
-/// A cloud has no beams. What a level vehicle could meet are its returns with |z| <= height/2, z = 0 being the height
-/// of the sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to min(their number, 720)
-/// beams, and each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size, to which all
-/// that is known of sweeps applies.
+/// A cloud has no beams. A level vehicle could meet its returns with |z| <= height/2, where z = 0 is the height of the
+/// sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to as many beams as there are of
+/// them, at most 720, and each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size,
+/// on which everything works that works on sweeps.
 ///
 /// A beam sees the nearest return that has company: together with those up to a vehicle's width behind it, a quarter of
 /// the returns that a beam usually has (the median) in the angles |z| / range <= height / (2 range) that are level
 /// there. A wall has them all; dust has a few per cent, also where nothing comes back from beyond it.
 ///
-/// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud, whatever the
-/// order of its points is. An empty sector of more than 90° is taken as not looked at; a smaller one as free. Of a sweep
-/// of very many beams, which is worked on as a cloud, its own beams say which.
+/// The nearest level return is in the middle of its beam, the first one, so the view turns with the cloud and does not
+/// depend on the order of its points. An empty sector of more than 90° counts as not looked at, a smaller one as free.
+/// A sweep of more than 4096 beams is worked on as a cloud, and its own beams tell the two apart.
 ///
 /// ```
-/// use crosscut_stage::{LevelView, Point, Revolution};
+/// use crosscut_scan::LevelView;
+/// use crosscut_stage::{Point, Revolution};
 ///
 /// let points_m = [[3.0, 0.0, 0.1], [0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [-4.0, 0.0, 0.0], [3.0, 0.0, 1.5]];
 /// let cloud = Revolution { points_m: points_m.map(Point::from).to_vec(), ..Revolution::default() };
@@ -49,9 +50,9 @@ pub struct LevelView {
     undealt: Vec<LevelReturn>,
     fan: Fan,
     usual: Usual,
-    /// The return that each beam sees, from the beam of the nearest level return on.
+    /// The return that each beam sees; the first beam is that of the nearest level return.
     met: Vec<Option<LevelReturn>>,
-    /// What each beam saw where it meets no return.
+    /// What each beam saw, if it sees no return.
     blank: Vec<Beam>,
 }
 
@@ -67,13 +68,13 @@ pub struct LevelReturn {
 }
 
 impl LevelView {
-    /// Looks at `cloud`, whatever was looked at before. What lies within half the vehicle's width of the sensor is the
-    /// vehicle itself.
+    /// Looks at `cloud`; nothing of an earlier cloud is left. Returns within half the vehicle's width of the sensor are
+    /// of the vehicle itself.
     pub fn look(&mut self, cloud: &Revolution, height_m: f64, width_m: f64) {
         let (half_height_m, nearest_m) = (0.5 * height_m, 0.5 * width_m);
         let is_level = |point: &Point| point.z.abs() <= half_height_m && point.coords.xy().norm() > nearest_m;
         let level = cloud.points_m.iter().filter(|point| is_level(point)).map(|point| point.coords.xy());
-        // A beam looks at the nearest one, whatever the order of the points is.
+        // The first beam looks at the nearest level return.
         let (mut beams, mut nearest) = (0, None);
         for place_m in level {
             let squared = place_m.norm_squared();
@@ -106,8 +107,8 @@ impl LevelView {
         &self.numbers
     }
 
-    /// All level returns, those that are not seen too: beam by beam from the first of the view, those of a beam by
-    /// range.
+    /// All level returns, those that are not seen too: sorted by beam, from the first of the view on, those of a beam
+    /// by range.
     pub fn level(&self) -> &[LevelReturn] {
         &self.level
     }
@@ -117,7 +118,7 @@ impl LevelView {
         self.fan.beams
     }
 
-    /// Fills `undealt`, and learns what is usual.
+    /// Fills `undealt` and `usual`.
     fn find_level(&mut self, cloud: &Revolution, half_height_m: f64, nearest_m: f64) {
         let Self { undealt, fan, usual, .. } = self;
         usual.begin(fan.beams, nearest_m);
@@ -206,7 +207,7 @@ fn start_at(first: usize, beams: usize, level: &mut [LevelReturn]) {
     level.iter_mut().for_each(|one| one.beam = (one.beam + 2 * beams - first) % beams);
 }
 
-/// What one beam sees of its returns, which ascend by range.
+/// The return that a beam sees, of its returns, which ascend by range.
 fn first_met(returns: &[LevelReturn], usual: &Usual, width_m: f64) -> Option<LevelReturn> {
     let is_met = |&(at, one): &(usize, &LevelReturn)| {
         let last = returns.get(at + usual.enough(one.range_m) - 1);
@@ -227,7 +228,7 @@ mod tests {
         view
     }
 
-    /// A ring of so many returns at this range and height.
+    /// A ring of this many returns at one range and height.
     fn ring(returns: usize, range_m: f64, z_m: f64) -> impl Iterator<Item = Point> {
         (0..returns).map(move |i| {
             let (sin, cos) = (TAU * i as f64 / returns as f64).sin_cos();
@@ -236,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cloud_of_any_size_has_no_more_beams_than_half_degrees_and_sees_only_its_nearest_level_returns() {
+    fn a_large_cloud_sees_its_nearest_level_returns() {
         let wall = ring(50_000, 3.0, 0.1).chain(ring(50_000, 4.0, -0.2));
         let view = look(wall.chain(ring(1000, 1.0, 0.5)).chain(ring(20, 0.2, 0.0)).collect());
         assert_eq!((view.level().len(), view.numbers().len()), (100_000, 720), "the roof and the vehicle are no wall");
@@ -247,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_returns_in_the_air_are_not_what_a_beam_of_many_sees() {
+    fn a_beam_of_many_returns_sees_no_dust() {
         // Where nothing comes back from beyond the dust, nothing is seen.
         for (dark, least) in [(0, 720), (900, 620)] {
             let view = look(ring(7200, 5.0, 0.0).skip(dark).chain(ring(360, 2.0, 0.0)).collect());
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_without_returns_is_not_looked_at_and_less_is_free() {
+    fn only_a_wide_empty_sector_is_out_of_view() {
         let part = |share: f64| look(ring(3600, 4.0, 0.0).take((3600.0 * share) as usize).collect());
         let sweep_of = |view: &LevelView| view.seen().sweep.clone().expect("made");
         let (three_quarters, most) = (sweep_of(&part(0.7)), sweep_of(&part(0.8)));
@@ -271,14 +272,14 @@ mod tests {
     }
 
     #[test]
-    fn what_the_beams_of_a_dense_sweep_say_of_masks_and_range_is_not_forgotten() {
+    fn masks_and_range_of_a_dense_sweep_are_kept() {
         let points_m: Vec<Point> = ring(9000, 4.0, 0.0).skip(2000).collect();
         let beam = |i: usize| match i {
             0..1000 => Beam::Unknown,
             1000..2000 => Beam::NoReturn,
             i => Beam::Return(i as u32 - 2000),
         };
-        let bearing_rad = |i: usize| crate::wrap_angle_rad(TAU * i as f64 / 9000.0);
+        let bearing_rad = |i: usize| crosscut_stage::wrap_angle_rad(TAU * i as f64 / 9000.0);
         let sweep = Sweep {
             beams: (0..9000).map(beam).collect(),
             bearings_rad: (0..9000).map(bearing_rad).collect(),
@@ -296,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn no_level_return_is_no_beam_and_a_used_view_is_as_good_as_new() {
+    fn a_used_view_holds_nothing_of_an_earlier_cloud() {
         let mut view = look(ring(500, 4.0, 0.0).collect());
         view.look(&Revolution { points_m: ring(9, 4.0, 2.0).collect(), ..Revolution::default() }, 0.6, 0.6);
         assert_eq!(

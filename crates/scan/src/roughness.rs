@@ -1,55 +1,58 @@
-//! How rough the walls are.
+//! How rough the walls are, and how inexact the ranges.
 
-use super::pieces::Pieces;
-use super::ring::{Position, Ring};
+use crate::median;
+use crate::pieces::Pieces;
+use crate::ring::{Position, Ring};
 
-/// Roughness is taken over stretches of so much wall, of so many returns or more.
+/// Roughness is taken over stretches of wall of this length.
 const STRETCH_M: f64 = 2.2;
+/// A stretch of fewer returns is left out.
 const LEAST_RETURNS: u32 = 4;
 
-/// Returns that are spaced like this or closer lie on one line with those beside them, on any wall: what is off it says how
-/// inexact ranges are, if there are so many of them.
+/// Returns with this spacing or less lie on one line with their neighbours on any wall, so that what they lie off it
+/// shows how inexact ranges are.
 const DENSE_M: f64 = 0.05;
+/// With fewer dense returns, how inexact ranges are is unknown.
 const LEAST_DENSE: u32 = 20;
-/// So much of what inexact ranges make of the mean square is taken off.
+/// This share of what inexact ranges add to the mean square is taken off.
 const INEXACT_SHARE: f64 = 0.8;
-/// Of evenly spaced returns that scatter by a standard deviation of 1: the mean square distance of each from the line
-/// through those beside it.
+/// The mean square distance of a return from the line through its two neighbours, for evenly spaced returns that
+/// scatter by a standard deviation of 1.
 const MEAN_SQUARE_OFF: f64 = 1.5;
 
 /// A return of a wall.
 #[derive(Clone, Copy)]
-struct Return {
+struct WallReturn {
     position_m: Position,
     range_squared: f64,
-    /// Square of its distance from the line through those beside it.
+    /// Square of its distance from the line through its two neighbours.
     off_squared: f64,
 }
 
-/// What single returns tell of the walls and of the lidar.
+/// What single returns show of the walls and of the lidar.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Roughness {
-    /// How far the returns of a wall lie off its line, in metres: the root of their mean square over a stretch, and of all
-    /// stretches the median, so that corners do not count. 0 if no piece is so long. Stretches are taken from either end
-    /// of a piece, as the mirror image of a scan is as rough.
+pub struct Roughness {
+    /// The roughness ρ of the walls, metres: the root mean square distance of returns from the line of their stretch of
+    /// wall, of which the median over all stretches is taken, so that corners do not count. 0 if no piece is as long as
+    /// a stretch. Stretches are taken from either end of a piece, so that the mirror image of a scan is as rough.
     ///
-    /// What inexact ranges make of it is taken off, or a lidar would make walls rough: no more than single returns lie
-    /// off the line of their neighbours, nor than they would if ranges were as inexact everywhere as they are near by,
-    /// where neighbours are so dense that no bump parts them.
-    pub(super) off_m: f64,
-    /// The standard deviation of ranges as a share of them, by the dense returns; `None` if they are few.
-    pub(super) inexact_share: Option<f64>,
+    /// What inexact ranges add is taken off. That is at most what single returns lie off the line of their neighbours,
+    /// and at most what ranges add that are as inexact everywhere as those of dense returns.
+    pub off_m: f64,
+    /// The standard deviation of ranges as a share of them, by the dense returns; `None` if these are few.
+    pub inexact_share: Option<f64>,
 }
 
 impl Roughness {
-    pub(super) fn of(ring: &Ring, pieces: &Pieces) -> Self {
+    /// Measures the walls that these pieces of `ring` show.
+    pub(crate) fn of(ring: &Ring, pieces: &Pieces) -> Self {
         let n = pieces.returns().len();
-        let (mut returns, mut ends) = (Vec::with_capacity(n), Vec::with_capacity(pieces.len()));
+        let mut returns = Vec::with_capacity(n);
         let (mut dense, mut share_squared) = (0, 0.0);
         for piece in pieces.iter() {
             for (k, &i) in piece.iter().enumerate() {
                 let range_squared = ring.range_m(i) * ring.range_m(i);
-                let mut next = Return { position_m: ring.position_m(i), range_squared, off_squared: 0.0 };
+                let mut next = WallReturn { position_m: ring.position_m(i), range_squared, off_squared: 0.0 };
                 if let (Some(&before), Some(&after)) = (piece.get(k.wrapping_sub(1)), piece.get(k + 1)) {
                     let (off, squared) = ring.off_chord([before, i, after]);
                     next.off_squared = off * off / squared.max(f64::MIN_POSITIVE);
@@ -60,25 +63,22 @@ impl Roughness {
                 }
                 returns.push(next);
             }
-            ends.push(returns.len());
         }
         let inexact_squared = (dense >= LEAST_DENSE).then(|| share_squared / f64::from(dense) / MEAN_SQUARE_OFF);
         let mut offs_m: Vec<f64> = Vec::with_capacity(2 * n / LEAST_RETURNS as usize);
-        let mut start = 0;
-        for end in ends {
-            let wall = &returns[start..end];
+        let mut rest = &returns[..];
+        for piece in pieces.iter() {
+            let (wall, later) = rest.split_at(piece.len());
             take_stretches(wall.iter(), inexact_squared.unwrap_or(0.0), &mut offs_m);
             take_stretches(wall.iter().rev(), inexact_squared.unwrap_or(0.0), &mut offs_m);
-            start = end;
+            rest = later;
         }
-        let middle = offs_m.len() / 2;
-        let off_m = if offs_m.is_empty() { 0.0 } else { *offs_m.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        Self { off_m, inexact_share: inexact_squared.map(f64::sqrt) }
+        Self { off_m: median(&mut offs_m), inexact_share: inexact_squared.map(f64::sqrt) }
     }
 }
 
-/// Adds how rough the stretches are that these returns fill one after the other. What does not fill one may be anything.
-fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a Return>, inexact_squared: f64, offs_m: &mut Vec<f64>) {
+/// Adds the roughness of each stretch that these returns fill, one after the other. A rest that fills none is left out.
+fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a WallReturn>, inexact_squared: f64, offs_m: &mut Vec<f64>) {
     let Some(first) = returns.next() else { return };
     let mut stretch = Stretch::from(first);
     for next in returns {
@@ -94,7 +94,7 @@ fn take_stretches<'a>(mut returns: impl Iterator<Item = &'a Return>, inexact_squ
     }
 }
 
-/// Some returns, by the sums of their offsets from the first and of the products of those.
+/// The sums over the returns of a stretch: of their offsets from the first, and of the products of those.
 struct Stretch {
     start_m: Position,
     returns: u32,
@@ -105,7 +105,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn from(first: &Return) -> Self {
+    fn from(first: &WallReturn) -> Self {
         Self {
             start_m: first.position_m,
             returns: 1,
@@ -116,7 +116,7 @@ impl Stretch {
         }
     }
 
-    fn add(&mut self, offset_m: Position, next: &Return) {
+    fn add(&mut self, offset_m: Position, next: &WallReturn) {
         self.returns += 1;
         self.off_squared += next.off_squared;
         self.range_squared += next.range_squared;
@@ -127,8 +127,8 @@ impl Stretch {
         *yy += offset_m.y * offset_m.y;
     }
 
-    /// Root of the mean square distance of the returns from their principal axis, whose square is the lesser eigenvalue
-    /// of their covariance, less what inexact ranges make of it.
+    /// The root mean square distance of the returns from their principal axis, less what inexact ranges add. Its square
+    /// is the smaller eigenvalue of their covariance.
     fn off_line_m(&self, inexact_squared: f64) -> f64 {
         let n = f64::from(self.returns);
         let (mean, [xx, xy, yy]) = (self.sum / n, self.products.map(|sum| sum / n));

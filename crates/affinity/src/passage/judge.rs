@@ -1,0 +1,123 @@
+//! Whether a wall goes on across a gap, at which cost, or a vehicle can pass.
+
+use std::f64::consts::PI;
+
+use crosscut_scan::{Directions, Position};
+
+use super::gap::{Gap, ends_run};
+use super::site::Site;
+use super::verdict::{Decision, Reason};
+
+/// Turns are known to within this much.
+const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
+/// The room ratio of a way on is at least this.
+const LEAST_ROOM_RATIO: f64 = 1.05;
+/// The room ratio of a way on between pieces without directions.
+const ROOM_RATIO_WITHOUT_DIRECTION: f64 = 3.0;
+
+/// A piece without a direction belongs to a wall if it lies within this of the line of the wall.
+const OFF_LINE_M: f64 = 0.3;
+/// Such a piece may lie off the line by this share of its distance more.
+const OFF_LINE_SHARE: f64 = 0.15;
+/// Two pieces without direction belong together along a line of sight, as a wall at grazing incidence: at least this
+/// share of their distance is along the beams.
+const GRAZING_SHARE: f64 = 0.8;
+
+/// Joining two pieces with directions costs this, and one for each radian of turn.
+const COST: f64 = 0.1;
+/// Joining two pieces costs this for each radian that the wall turns at the end where it turns less.
+const DETOUR_COST: f64 = 0.2;
+/// Joining two pieces costs this for each metre of the gap, if that is longer than [`LONG_GAP_M`] or a piece has no
+/// direction.
+const COST_PER_M: f64 = 0.05;
+/// Shorter gaps between pieces with directions cost nothing for their length.
+const LONG_GAP_M: f64 = 3.0;
+/// Joining a piece without a direction to one that has one costs this at least.
+const COST_OF_SMALL: f64 = 0.3;
+/// Joining two pieces without directions costs this at least.
+const COST_OF_TWO_SMALL: f64 = 1.0;
+/// Joining two pieces without directions costs this for each metre of the gap.
+const COST_OF_TWO_SMALL_PER_M: f64 = 0.1;
+
+/// Judges the gaps of one scan.
+pub(super) struct Judge<'s> {
+    pub(super) site: &'s Site<'s>,
+    directions: &'s mut Directions,
+}
+
+/// What it takes to join the two pieces at a gap.
+pub(super) struct Joint {
+    /// `None` where a vehicle could pass.
+    pub(super) cost: Option<f64>,
+    /// `None` if a piece has no direction.
+    pub(super) decision: Option<Decision>,
+}
+
+impl<'s> Judge<'s> {
+    /// The judge of a site; the directions are those of its scan.
+    pub(super) fn new(site: &'s Site<'s>, directions: &'s mut Directions) -> Self {
+        Self { site, directions }
+    }
+
+    /// The cost at which a wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
+    /// where a vehicle could pass between them.
+    #[inline]
+    pub(super) fn cost(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
+        if self.site.is_gap(a[a.len() - 1], b[0]) { self.joint(a, b).cost } else { Some(0.0) }
+    }
+
+    /// What it takes to join two pieces that have a gap between them.
+    pub(super) fn joint(&mut self, a: &[usize], b: &[usize]) -> Joint {
+        match self.directions(a, b) {
+            [Some(before), Some(after)] => {
+                let gap = Gap::measure(self.site, [a, b], [before, after]);
+                let decision = gap.decide();
+                let detour_rad = gap.turns.near_rad.abs().min(gap.turns.far_rad.abs());
+                let chord_m = gap.chord_m();
+                let long = if chord_m > LONG_GAP_M { COST_PER_M * chord_m } else { 0.0 };
+                let cost = COST + gap.turns.whole_rad.abs() + DETOUR_COST * detour_rad + long;
+                Joint { cost: (!decision.is_way()).then_some(cost), decision: Some(decision) }
+            }
+            [before, after] => Joint { cost: self.cost_of_small(a, b, before.or(after)), decision: None },
+        }
+    }
+
+    /// The cost of joining two pieces of which one alone has a direction, or none.
+    fn cost_of_small(&self, a: &[usize], b: &[usize], line: Option<Position>) -> Option<f64> {
+        let ring = &self.site.scan.ring;
+        let (p, q) = (a[a.len() - 1], b[0]);
+        let chord = ring.position_m(q) - ring.position_m(p);
+        let chord_m = chord.norm();
+        let Some(line) = line else {
+            let along_m = (ring.range_m(q) - ring.range_m(p)).abs();
+            let is_grazing = along_m > GRAZING_SHARE * chord_m;
+            return is_grazing.then_some(COST_OF_TWO_SMALL + COST_OF_TWO_SMALL_PER_M * chord_m);
+        };
+        let along_m = line.dot(&chord);
+        let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
+        (along_m > 0.0 && off < 1.0).then_some(COST_OF_SMALL + off + COST_PER_M * chord_m)
+    }
+
+    /// The room ratio between two pieces with directions, if that makes a way on.
+    pub(super) fn room_ratio_of_way(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let decision = Gap::between(self.site, a, b, self.directions)?.decide();
+        decision.is_way().then_some(decision.room_ratio)
+    }
+
+    /// What makes the gap between two walls a way on, and the least room that there is, or would be if the wall turned
+    /// by [`DOUBT_RAD`] less or more.
+    pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> Decision {
+        let Some(gap) = Gap::between(self.site, a, b, self.directions) else {
+            return Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason: Reason::NoDirection };
+        };
+        let decisions = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide_by_end());
+        let least = decisions.iter().map(|decision| decision.room_ratio).fold(f64::INFINITY, f64::min);
+        Decision { room_ratio: least.max(LEAST_ROOM_RATIO), reason: decisions[1].reason }
+    }
+
+    /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have
+    /// one.
+    pub(super) fn directions(&mut self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
+        ends_run(self.site, a, b, self.directions)
+    }
+}

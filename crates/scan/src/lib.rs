@@ -1,0 +1,42 @@
+//! The geometry of one revolution, before anything is decided: what affinity `passage` and the report both look at.
+//!
+//! In: the beams and points (metres, body frame) of a [`Sweep`](crosscut_stage::Sweep), and three [`Lengths`]. Out: a
+//! [`Scan`]:
+//!
+//! | part | what it is |
+//! |---|---|
+//! | [`Ring`] | the n returns anticlockwise around the sensor, and what each beam in view saw |
+//! | [`Pieces`] | the returns of walls, cut where two neighbours are a passage apart |
+//! | [`Islands`] | short pieces that stand free in front of others |
+//! | [`Roughness`] | how far returns lie off the line of their wall, and how inexact ranges are |
+//! | size | the median range of the walls, at most 4.5 m |
+//!
+//! [`direction()`] gives the direction in which a piece ends, and [`Directions`] keeps them while pieces are joined and
+//! cut. A cloud has no beams: [`LevelView`] makes the sweep of it that a level vehicle would have.
+//!
+//! A `Scan` is a function of the sweep alone, made in place and then only read. A stage that needs it holds one and
+//! makes it; frames and stage traits do not mention it, so that stages that need no geometry do not know of it.
+
+mod direction;
+mod dust;
+mod islands;
+mod level_view;
+pub mod mixed;
+mod pieces;
+mod ring;
+mod roughness;
+mod scan;
+
+pub use direction::{Directions, direction};
+pub use islands::{BEHIND_M, Islands};
+pub use level_view::{LevelReturn, LevelView};
+pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};
+pub use ring::{Position, Return, Ring, turn_rad};
+pub use roughness::Roughness;
+pub use scan::{Lengths, Scan};
+
+/// The median of some values, which are reordered; 0 of none.
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}

@@ -1,0 +1,74 @@
+//! The geometry of one revolution.
+
+use crosscut_stage::{Point, StageError, Sweep};
+
+use crate::dust::Dust;
+use crate::islands::Islands;
+use crate::median;
+use crate::pieces::Pieces;
+use crate::ring::Ring;
+use crate::roughness::Roughness;
+
+/// Tunnels are not wider than this to either side. Where the median range is larger, the place is a hall, and its ways
+/// on are no wider for that.
+const HALL_M: f64 = 4.5;
+
+/// The lengths by which a scan is divided, metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Lengths {
+    /// Where two neighbouring returns are this far apart, a vehicle could pass, and the ring is cut. What is nearer to
+    /// the sensor than half of it is the vehicle itself.
+    pub passage_m: f64,
+    /// Islands are shorter than this.
+    pub island_m: f64,
+    /// The length of wall over which the direction of its end is taken.
+    pub stretch_m: f64,
+}
+
+/// The geometry of one revolution: what a sweep shows before anything is decided. It does not change once it is made;
+/// its buffers are reused for the next revolution.
+#[derive(Clone, Debug, Default)]
+pub struct Scan {
+    /// All returns.
+    pub ring: Ring,
+    /// The pieces of walls: the returns that neither hang in the air, nor are of the vehicle or of an island.
+    pub pieces: Pieces,
+    /// The pieces that stand free in front of others.
+    pub islands: Islands,
+    /// How rough the walls are.
+    pub roughness: Roughness,
+    /// The size of the place: the median range of its walls, or 4.5 m if that is less.
+    pub size_m: f64,
+    /// How many returns hang in the air: dust, and mixed returns beside pillars.
+    pub in_air: usize,
+    /// How many returns are of the vehicle itself.
+    pub of_vehicle: usize,
+    dust: Dust,
+}
+
+impl Scan {
+    /// Makes the geometry of a sweep, whose points these are; nothing of an earlier one is left.
+    ///
+    /// # Errors
+    /// When the beams do not list all points in message order.
+    pub fn make(&mut self, sweep: &Sweep, points_m: &[Point], lengths: &Lengths) -> Result<(), StageError> {
+        let Self { ring, pieces, islands, dust, .. } = self;
+        ring.fill(sweep, points_m)?;
+        let hangs = dust.find(ring, lengths);
+        let vehicle_m = lengths.passage_m / 2.0;
+        pieces.fill(ring, (0..ring.len()).filter(|&i| !hangs[i] && ring.range_m(i) > vehicle_m), lengths.passage_m);
+        self.in_air = hangs.iter().filter(|hangs| **hangs).count();
+        self.of_vehicle = ring.len() - self.in_air - pieces.returns().len();
+        self.roughness = Roughness::of(ring, pieces);
+        islands.take(ring, &self.roughness, pieces, lengths);
+        let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();
+        self.size_m = median(&mut ranges_m).min(HALL_M);
+        Ok(())
+    }
+
+    /// Whether at least half of the beams after a return and before another one, anticlockwise, end at islands.
+    #[inline]
+    pub fn is_shaded(&self, from: usize, to: usize) -> bool {
+        self.islands.shade(&self.ring, from, to)
+    }
+}
