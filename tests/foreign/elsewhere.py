@@ -1,4 +1,4 @@
-"""How often `default` is right on places of a generator that is not ours (`places`), beside the paper's rule."""
+"""The share of right answers of `default` on places of another generator (`places`), compared with the paper's rule."""
 
 import json
 
@@ -6,12 +6,14 @@ import places
 from flights import Flights
 from verdicts import Verdicts
 
-COUNT = 30
-SEED = 1
-# Least shares over all kinds, some points under those of 3000 places (docs/results.json, `places`).
-LEAST_RIGHT = 0.82
+# 200 of the places of the published figure: the first of each kind.
+COUNT = 20
+SEED = 202
+PUBLISHED_RIGHT = 0.894
+# A change may cost at most two points.
+LEAST_RIGHT = PUBLISHED_RIGHT - 0.02
 LEAST_RIGHT_OF_SURE = 0.85
-SURE_FROM = 0.89  # the rows are a tenth wide
+SURE_FROM = 0.89  # bins are a tenth wide; this selects the last
 PAPER = "paper,spectral.kind=slicing"  # the same counts without full decompositions of up to 1800 returns
 
 
@@ -28,7 +30,7 @@ def check(flights: Flights, verdicts: Verdicts):
     default, paper = (result["figures"] for result in evaluated["all"])
     right, sure = default["right"]["share"], share_of_sure(default)
     of = f"of {default['revolutions']}"
-    verdicts.that(right >= LEAST_RIGHT, "right", f"{right:.1%} {of}, at least {LEAST_RIGHT:.0%}")
+    verdicts.that(right >= LEAST_RIGHT, "right", f"{right:.1%} {of}, at least {LEAST_RIGHT:.1%}")
     verdicts.that(right > paper["right"]["share"], "more than the paper's rule", f"{paper['right']['share']:.1%}")
     verdicts.that(sure >= LEAST_RIGHT_OF_SURE, "right of the sure", f"{sure:.1%}, at least {LEAST_RIGHT_OF_SURE:.0%}")
 
