@@ -123,11 +123,11 @@ fn comparing_parts_out_of_order_is_noted() {
 fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     let flight = shipped_flight();
     let refused = |with: &[&str], more: &[&str]| compare(&flight, with, more).expect_code(2).stderr;
-    assert!(refused(&["default"], &[]).contains("name the other as well"));
+    assert!(refused(&["default"], &[]).contains("at least two"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
-    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is no file, and no setting"));
-    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: no preset"), "nor a file");
+    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is neither a file nor a setting"));
+    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: neither a preset"));
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
 }

@@ -155,7 +155,7 @@ fn wrong_usage_is_refused_before_anything_runs() {
     let flight = shipped_flight();
     let refused = |more: &[&str]| evaluate(&flight, more).expect_code(2).stderr;
     assert!(refused(&["--with", "papper"]).contains("there are: paper, default"));
-    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same place"));
+    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same file"));
     assert!(refused(&["--json", flight.to_str().expect("a path in UTF-8")]).contains("would be overwritten"));
     assert!(refused(&["--with", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
     assert!(root().join("recordings/tee.mcap").metadata().expect("it is still there").len() > 1000);

@@ -299,5 +299,5 @@ fn info_describes_the_first_scan_of_the_selected_frame() {
         run(["info".as_ref(), flight.as_os_str(), "--set".as_ref(), setting.as_ref()]).expect_code(0).stdout
     };
     assert!(shown("rear").contains("frame \"rear\"") && shown("lidar").contains("frame \"lidar\""));
-    assert!(shown("front").contains("no scan of /scan that is asked for"), "{}", shown("front"));
+    assert!(shown("front").contains("no selected scan on /scan"), "{}", shown("front"));
 }
