@@ -159,9 +159,9 @@ impl Walk<'_> {
         while unseen - seen > 1e-7 {
             let middle = 0.5 * (seen + unseen);
             if self.sight.sees_past_pillars(from.position_m + edge_m * middle) {
-                seen = middle
+                seen = middle;
             } else {
-                unseen = middle
+                unseen = middle;
             }
         }
         let mut path = vec![at];
