@@ -1,4 +1,4 @@
-//! `crosscut compare`: what a setting changes on a flight that has no truth.
+//! `crosscut compare`: the effect of a setting on a flight without truth.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn json(input: &Path, with: &[&str]) -> Value {
 }
 
 #[test]
-fn counts_and_stretches_are_those_of_two_runs_held_against_each_other() {
+fn counts_and_stretches_agree_with_two_runs() {
     let flight = shipped_flight();
     let junctions = |preset: &str| column(&results_of(&flight, &["--preset", preset]).1, "junctions");
     let (default, paper) = (junctions("default"), junctions("paper"));
@@ -28,7 +28,7 @@ fn counts_and_stretches_are_those_of_two_runs_held_against_each_other() {
     let found = &json(&flight, &["default", "paper"])["comparisons"][0];
     assert_eq!(found["figures"]["same_count"]["hits"], same);
     assert_eq!(found["figures"]["same_count"]["of"], default.len());
-    // Every revolution whose counts differ lies in a stretch that says so.
+    // Every revolution whose counts differ is in a stretch with these counts.
     let stretches = found["figures"]["stretches"].as_array().expect("a list");
     for (seq, pair) in default.iter().zip(&paper).enumerate().filter(|(_, (a, b))| a != b) {
         let covers = |s: &&Value| (s["seq"][0].as_u64()..=s["seq"][1].as_u64()).contains(&Some(seq as u64));
@@ -55,7 +55,7 @@ fn a_configuration_against_itself_differs_nowhere() {
 }
 
 #[test]
-fn a_scan_that_one_configuration_leaves_out_shifts_no_answer_to_another_scan() {
+fn a_scan_left_out_shifts_no_answer() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut scans: Vec<_> = (0..12).map(tunnel_scan).collect();
     for (seq, scan) in scans.iter_mut().enumerate() {
@@ -74,7 +74,7 @@ fn a_scan_that_one_configuration_leaves_out_shifts_no_answer_to_another_scan() {
         assert_eq!(figures["answered_by_one"], serde_json::json!(by_one), "{with:?}");
     }
     let shown = compare(&input, &["default", "default,ingest.frame_id=front"], &[]).expect_code(0).stdout;
-    assert!(shown.contains("by one alone"), "{shown}");
+    assert!(shown.contains("by one only"), "{shown}");
 }
 
 #[test]
@@ -88,8 +88,8 @@ fn single_settings_make_a_configuration_and_the_table_shows_them() {
 }
 
 #[test]
-fn what_fails_in_one_configuration_ends_the_comparison_and_keeps_what_came_before() {
-    // A dense W of 342 returns with all that belongs to it does not fit into 2 MB.
+fn a_failing_configuration_ends_the_comparison_but_keeps_its_start() {
+    // A dense W of 342 returns and its working memory need more than 2 MB.
     let small = ["default", "paper,pipeline.memory_mb=2"];
     let ran = compare(&shipped_flight(), &small, &["--json", "-"]).expect_code(1);
     assert!(
@@ -102,7 +102,7 @@ fn what_fails_in_one_configuration_ends_the_comparison_and_keeps_what_came_befor
 }
 
 #[test]
-fn a_recording_cut_off_is_compared_as_far_as_it_goes() {
+fn a_truncated_recording_is_compared_to_its_end() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let whole = std::fs::read(shipped_flight()).expect("it ships");
     let input = file(folder.path(), "cut.mcap", &whole[..whole.len() * 2 / 3]);
@@ -111,7 +111,7 @@ fn a_recording_cut_off_is_compared_as_far_as_it_goes() {
 }
 
 #[test]
-fn recordings_that_are_no_parts_of_one_flight_are_not_compared_without_a_word() {
+fn comparing_parts_out_of_order_is_noted() {
     let flight = shipped_flight();
     let twice = compare(&flight, &["default", "default"], &[flight.to_str().expect("a path in UTF-8")]).expect_code(0);
     assert!(twice.stderr.contains("note: time goes back at 1 scan;"), "{}", twice.stderr);
@@ -123,32 +123,32 @@ fn recordings_that_are_no_parts_of_one_flight_are_not_compared_without_a_word() 
 fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     let flight = shipped_flight();
     let refused = |with: &[&str], more: &[&str]| compare(&flight, with, more).expect_code(2).stderr;
-    assert!(refused(&["default"], &[]).contains("name the other as well"));
+    assert!(refused(&["default"], &[]).contains("at least two"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
-    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is no file, and no setting"));
-    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: no preset"), "nor a file");
+    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is neither a file nor a setting"));
+    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: neither a preset"));
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
 }
 
 #[test]
-fn a_file_of_settings_is_compared_over_the_preset_that_is_named_before_it() {
+fn a_settings_file_overrides_the_preset_before_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let settings = file(folder.path(), "finer.toml", b"[affinity]\nsigma_per_m2 = 3.0\n");
     let with = format!("paper,{}", settings.display());
     let figures =
         json(&shipped_flight(), &["paper,affinity.sigma_per_m2=3", &with])["comparisons"][0]["figures"].clone();
     assert_eq!(figures["same_walls"]["hits"], figures["same_walls"]["of"], "the same settings: {figures}");
-    // Alone the file is over preset `default`, whose affinity has no such parameter.
+    // Alone the file overrides preset `default`, whose affinity has no such parameter.
     compare(&shipped_flight(), &["paper", settings.to_str().expect("UTF-8")], &[]).expect_code(2);
 }
 
 #[test]
-fn seconds_of_a_part_of_a_flight_count_from_the_beginning_of_the_flight() {
+fn seconds_count_from_the_beginning_of_the_flight() {
     let flight = shipped_flight();
     let stamps_ns = column(&results_of(&flight, &[]).1, "stamp_ns");
-    // No scan that is taken lies at 5.02 s itself: the first is a while after it.
+    // The first selected scan is some time after 5.02 s.
     let shown = compare(&flight, &["default", "paper"], &["--from", "5.02", "--every", "4", "--all"]).expect_code(0);
     let (_, stretches) = shown.stdout.split_once("stretches where").expect("the table of stretches");
     let rows = stretches.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
@@ -162,7 +162,7 @@ fn seconds_of_a_part_of_a_flight_count_from_the_beginning_of_the_flight() {
 }
 
 #[test]
-fn a_flight_of_which_nothing_can_be_read_is_no_comparison() {
+fn an_unreadable_flight_fails_the_comparison() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut damaged = tunnel(20, &Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() });
     let magic = [0x28, 0xb5, 0x2f, 0xfd]; // of zstd: every chunk is lost

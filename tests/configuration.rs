@@ -1,11 +1,11 @@
-//! What is typed wrongly is refused before anything runs (exit code 2).
+//! Wrong usage and configuration are refused before anything runs (exit code 2).
 
 use crate::program::{run, shipped_flight};
 
 #[test]
 fn the_printed_configuration_is_a_configuration_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    // What TOML escapes otherwise than Rust, and what it does not escape.
+    // Characters that TOML escapes differently from Rust, and some that it does not escape.
     let frame_id = "ingest.frame_id=a \"b\" \\ \u{7}\u{200d}\u{e9}";
     let set = ["--set", "affinity.sigma_per_m2=2.5", "--set", frame_id];
     let printed = run([&["config", "--preset", "paper"][..], &set].concat()).expect_code(0).stdout;
@@ -16,13 +16,13 @@ fn the_printed_configuration_is_a_configuration_file() {
     assert_eq!(values(&again), values(&printed));
 }
 
-/// A line of configuration without the layer behind it.
+/// A line of configuration without its comment, which names the layer.
 fn value(line: &str) -> String {
     line.split("  #").next().unwrap_or_default().to_owned()
 }
 
 #[test]
-fn unknown_names_and_bad_values_are_exit_code_2_with_what_would_be_right() {
+fn unknown_names_and_bad_values_are_refused_with_suggestions() {
     let input = shipped_flight();
     let refused = |more: &[&str]| {
         let args = [&["run", input.to_str().expect("a path in UTF-8")], more].concat();
@@ -58,7 +58,7 @@ fn an_option_that_would_change_nothing_is_refused() {
 }
 
 #[test]
-fn what_cannot_be_written_under_the_name_asked_for_is_refused() {
+fn output_names_of_another_format_are_refused() {
     let input = shipped_flight();
     let refused =
         |more: [&str; 2]| run([&["run", input.to_str().expect("UTF-8")][..], &more].concat()).expect_code(2).stderr;

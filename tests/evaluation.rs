@@ -12,17 +12,18 @@ use serde_json::Value;
 use crate::flight::{PERIOD_NS, file, tunnel_scan};
 use crate::program::{Ran, root, run, shipped_flight};
 
-/// The truth of [`tunnel_scan`], as somebody else would write it: two walls, ways on ahead and behind.
+/// The truth of [`tunnel_scan`], as another program would write it: two walls, and openings ahead and behind.
 fn tunnel_truth() -> Value {
     let label = |(beam, range): (usize, &f32)| if range.is_finite() { i32::from(beam >= 90) } else { -1 };
     let labels: Vec<_> = tunnel_scan(0).ranges.iter().enumerate().map(label).collect();
     let opening =
-        |bearing_rad: f64| serde_json::json!({"bearing_rad": bearing_rad, "width_m": 6.0, "name": "a way on"});
+        |bearing_rad: f64| serde_json::json!({"bearing_rad": bearing_rad, "width_m": 6.0, "name": "an opening"});
     let openings = [opening(-std::f64::consts::PI), opening(0.0)];
     serde_json::json!({"walls": 2, "islands": 0, "openings": openings, "labels": labels, "author": "by hand"})
 }
 
-/// A recording of tunnel scans with these truths, by another writer: other topic of scans, truths behind all scans.
+/// A recording of tunnel scans with these truths, as another program would write it: another topic of scans, and all
+/// truths after all scans.
 fn recording(folder: &Path, name: &str, truths: &[Option<Value>]) -> PathBuf {
     let mut writer =
         mcap::WriteOptions::new().chunk_size(Some(8 * 1024)).create(Cursor::new(Vec::new())).expect("memory");
@@ -61,7 +62,7 @@ fn json_of(ran: &Ran) -> Value {
 }
 
 #[test]
-fn a_tunnel_that_somebody_else_recorded_and_labelled_is_right() {
+fn a_tunnel_recorded_and_labelled_elsewhere_is_right() {
     let folder = folder();
     let input = recording(folder.path(), "tunnel.mcap", &vec![Some(tunnel_truth()); 5]);
     let figures = &json_of(&evaluate(&input, &["--json", "-"]).expect_code(0))["families"][0]["results"][0]["figures"];
@@ -75,7 +76,7 @@ fn configurations_stand_side_by_side_by_family_and_in_all() {
     let folder = folder();
     recording(folder.path(), "tunnel.mcap", &vec![Some(tunnel_truth()); 3]);
     std::fs::copy(shipped_flight(), folder.path().join("tee.mcap")).expect("a copy");
-    // No wall has so many returns: nothing is found.
+    // No wall has this many returns, so none is found.
     let blind = file(folder.path(), "blind.toml", b"[report]\nmin_returns = 1000\n");
     let with = ["--with", "paper", "--with", blind.to_str().expect("a path in UTF-8")];
     let json = json_of(&evaluate(folder.path(), &[&with[..], &["--json", "-"]].concat()).expect_code(0));
@@ -106,7 +107,7 @@ fn markdown_and_details_hold_every_table() {
 }
 
 #[test]
-fn without_truth_the_exit_code_is_1_and_nothing_is_written() {
+fn without_truth_evaluation_fails_and_writes_nothing() {
     let folder = folder();
     let input = recording(folder.path(), "unlabelled.mcap", &[None, None]);
     let json = folder.path().join("out.json");
@@ -116,7 +117,7 @@ fn without_truth_the_exit_code_is_1_and_nothing_is_written() {
 }
 
 #[test]
-fn scans_that_cannot_be_compared_are_named_and_the_exit_code_is_3() {
+fn scans_that_cannot_be_compared_are_reported_with_code_3() {
     let folder = folder();
     let (good, short) =
         (tunnel_truth(), serde_json::json!({"walls": 2, "islands": 0, "openings": [], "labels": [0, 1]}));
@@ -138,7 +139,7 @@ fn truths_that_belong_to_no_scan_are_a_failure() {
 }
 
 #[test]
-fn a_recording_cut_off_is_evaluated_as_far_as_it_goes() {
+fn a_truncated_recording_is_evaluated_to_its_end() {
     let folder = folder();
     let whole = std::fs::read(shipped_flight()).expect("it ships");
     let input = file(folder.path(), "cut.mcap", &whole[..whole.len() * 2 / 3]);
@@ -154,14 +155,14 @@ fn wrong_usage_is_refused_before_anything_runs() {
     let flight = shipped_flight();
     let refused = |more: &[&str]| evaluate(&flight, more).expect_code(2).stderr;
     assert!(refused(&["--with", "papper"]).contains("there are: paper, default"));
-    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same place"));
+    assert!(refused(&["--json", "-", "--markdown", "-"]).contains("the same file"));
     assert!(refused(&["--json", flight.to_str().expect("a path in UTF-8")]).contains("would be overwritten"));
     assert!(refused(&["--with", "paper", "--set", "affinity.sigma=1"]).contains("did you mean sigma_per_m2?"));
     assert!(root().join("recordings/tee.mcap").metadata().expect("it is still there").len() > 1000);
 }
 
 #[test]
-fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
+fn only_wrong_answers_are_drawn_beside_the_truth() {
     let folder = folder();
     let drawn = folder.path().join("drawn");
     let draw = |truth: Value| {
@@ -182,7 +183,7 @@ fn wrong_answers_are_drawn_beside_the_truth_and_right_ones_are_not() {
 }
 
 #[test]
-fn a_folder_for_pictures_that_cannot_be_made_is_told_before_the_work_begins() {
+fn a_bad_folder_for_pictures_is_refused_before_the_work() {
     let folder = folder();
     let input = recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);
     let file = file(folder.path(), "drawn", b"no folder");
@@ -191,7 +192,7 @@ fn a_folder_for_pictures_that_cannot_be_made_is_told_before_the_work_begins() {
 }
 
 #[test]
-fn a_wall_of_a_high_number_is_drawn_as_soon_as_any_other() {
+fn a_high_wall_number_does_not_slow_the_drawing() {
     let folder = folder();
     let mut truth = tunnel_truth();
     truth["walls"] = 2_000_000_000_u32.into();
@@ -203,7 +204,7 @@ fn a_wall_of_a_high_number_is_drawn_as_soon_as_any_other() {
 }
 
 #[test]
-fn a_recording_without_truth_does_not_keep_the_others_from_being_evaluated() {
+fn a_recording_without_truth_does_not_stop_the_others() {
     let folder = folder();
     recording(folder.path(), "hand.mcap", &[Some(tunnel_truth())]);
     recording(folder.path(), "none.mcap", &[None]);
@@ -216,7 +217,7 @@ fn a_recording_without_truth_does_not_keep_the_others_from_being_evaluated() {
 }
 
 #[test]
-fn settings_that_change_the_scans_under_a_truth_are_pointed_out() {
+fn settings_that_change_the_scans_are_noted() {
     let said = |more: &[&str]| evaluate(&shipped_flight(), more).expect_code(0).stderr;
     let masked = said(&["--set", "ingest.masked_sectors_rad=[[1,2]]"]);
     assert!(masked.contains("default sets ingest.masked_sectors_rad=[[1.0, 2.0]]"), "{masked}");

@@ -1,4 +1,4 @@
-//! Small flights made in memory: a straight tunnel, written as any ROS 2 recorder would.
+//! Small flights made in memory: a straight tunnel, written as by a ROS 2 recorder.
 
 use std::f32::consts::PI;
 use std::io::Cursor;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message, SCHEMA_ENCODING, Time};
 use mcap::records::MessageHeader;
 
-/// Scans of these flights are this far apart.
+/// Time between scans of these flights.
 pub(crate) const PERIOD_NS: u64 = 100_000_000;
 
 /// A scan in the middle of a tunnel 6 m wide, seen to 12 m.
@@ -31,7 +31,7 @@ pub(crate) fn tunnel_scan(seq: u64) -> LaserScan {
     }
 }
 
-/// How a flight is written.
+/// The form in which a flight is written.
 pub(crate) struct Writing {
     pub(crate) compression: Option<mcap::Compression>,
     pub(crate) chunked: bool,
@@ -67,12 +67,12 @@ pub(crate) fn bytes(scans: &[LaserScan], writing: &Writing) -> Vec<u8> {
     writer.into_inner().into_inner()
 }
 
-/// A flight of so many scans of a straight tunnel.
+/// A flight with this number of scans of a straight tunnel.
 pub(crate) fn tunnel(scans: u64, writing: &Writing) -> Vec<u8> {
     bytes(&(0..scans).map(tunnel_scan).collect::<Vec<_>>(), writing)
 }
 
-/// Puts bytes into a file of `folder`.
+/// Writes bytes to a file in `folder` and returns its path.
 pub(crate) fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, bytes).expect("the temporary folder can be written");

@@ -1,4 +1,4 @@
-//! Input as it comes: every way of writing an MCAP, damage, and files that are something else.
+//! Input: MCAP files in every form, damaged files, and files of other formats.
 
 use crosscut_messages::Endian;
 
@@ -29,7 +29,7 @@ fn every_way_of_writing_gives_the_same_results() {
 }
 
 #[test]
-fn beams_beyond_a_full_turn_change_nothing_but_the_length_of_the_labels() {
+fn beams_beyond_a_full_turn_change_only_the_labels() {
     let folder = folder();
     let scans: Vec<_> = (0..5).map(tunnel_scan).collect();
     let answers = |more: usize| {
@@ -55,7 +55,7 @@ fn beams_beyond_a_full_turn_change_nothing_but_the_length_of_the_labels() {
 }
 
 #[test]
-fn a_recording_cut_off_inside_a_chunk_gives_every_whole_revolution_and_exit_code_3() {
+fn a_recording_cut_inside_a_chunk_gives_every_complete_scan() {
     let folder = folder();
     let whole = tunnel(40, &Writing { compression: Some(mcap::Compression::Zstd), ..Writing::default() });
     let flight = file(folder.path(), "cut.mcap", &whole[..whole.len() / 2]);
@@ -67,7 +67,7 @@ fn a_recording_cut_off_inside_a_chunk_gives_every_whole_revolution_and_exit_code
 }
 
 #[test]
-fn a_message_that_cannot_be_read_has_an_empty_line_and_the_rest_goes_on() {
+fn an_unreadable_message_has_an_empty_line() {
     let folder = folder();
     let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
     scans[1].ranges.clear();
@@ -120,7 +120,7 @@ fn refused(name: &str, content: &[u8]) -> Ran {
 }
 
 #[test]
-fn a_file_that_is_no_recording_is_told_for_what_it_is() {
+fn a_file_that_is_no_recording_is_identified() {
     refused("empty.mcap", b"");
     refused("noise.mcap", &[7; 4096]);
     let ran = run(["run", "nowhere.mcap"]).expect_code(1);
@@ -173,7 +173,7 @@ fn several_files_are_one_flight() {
 
 #[test]
 #[cfg(unix)]
-fn a_flight_may_have_more_parts_than_a_process_may_have_files_open() {
+fn a_flight_may_have_more_parts_than_open_files() {
     let folder = folder();
     for part in 0..60 {
         let chunked = part % 2 == 0; // the others have no index
@@ -189,7 +189,7 @@ fn a_flight_may_have_more_parts_than_a_process_may_have_files_open() {
 }
 
 #[test]
-fn info_tells_of_every_part_of_a_flight_also_after_one_that_is_a_wreck() {
+fn info_describes_parts_after_an_unreadable_one() {
     let folder = folder();
     let whole = tunnel(10, &Writing::default());
     for (name, content) in [("flight_0.mcap", &whole[..]), ("flight_1.mcap", b""), ("flight_2.mcap", &whole)] {
@@ -219,7 +219,7 @@ fn info_shows_the_topics_and_what_a_scan_looks_like() {
 }
 
 #[test]
-fn a_selection_that_holds_no_scan_is_a_failure_that_says_where_the_scans_are() {
+fn an_empty_selection_fails_and_names_the_time_of_scans() {
     let folder = folder();
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let said = |selection: &[&str]| {
@@ -239,7 +239,7 @@ fn a_selection_that_holds_no_scan_is_a_failure_that_says_where_the_scans_are() {
 }
 
 #[test]
-fn a_topic_named_with_control_characters_does_not_reach_the_terminal_as_it_is() {
+fn control_characters_in_topics_are_escaped() {
     let folder = folder();
     let writing = Writing { topics: &["/scan\u{1b}[31m", "/rear"], ..Writing::default() };
     let flight = file(folder.path(), "odd.mcap", &tunnel(1, &writing));
@@ -263,7 +263,7 @@ fn one_of_a_thing_is_not_told_in_the_plural() {
 }
 
 #[test]
-fn what_is_behind_the_end_of_a_recording_is_told_and_not_taken_for_read() {
+fn data_after_the_end_of_a_recording_is_reported() {
     let folder = folder();
     let whole = tunnel(10, &Writing::default());
     let flight = file(folder.path(), "two.mcap", &[whole.clone(), whole.clone()].concat());
@@ -274,7 +274,7 @@ fn what_is_behind_the_end_of_a_recording_is_told_and_not_taken_for_read() {
 }
 
 #[test]
-fn a_recording_of_which_no_scan_can_be_read_is_a_failure_and_older_results_stay() {
+fn a_recording_without_readable_scans_fails_and_keeps_old_results() {
     let folder = folder();
     let mut damaged = tunnel(10, &Writing::default());
     damaged[2000] ^= 1; // inside the only chunk
@@ -289,7 +289,7 @@ fn a_recording_of_which_no_scan_can_be_read_is_a_failure_and_older_results_stay(
 }
 
 #[test]
-fn info_describes_the_first_scan_of_the_frame_that_is_asked_for() {
+fn info_describes_the_first_scan_of_the_selected_frame() {
     let folder = folder();
     let mut scans: Vec<_> = (0..4).map(tunnel_scan).collect();
     scans[2].header.frame_id = "rear".into();
@@ -299,5 +299,5 @@ fn info_describes_the_first_scan_of_the_frame_that_is_asked_for() {
         run(["info".as_ref(), flight.as_os_str(), "--set".as_ref(), setting.as_ref()]).expect_code(0).stdout
     };
     assert!(shown("rear").contains("frame \"rear\"") && shown("lidar").contains("frame \"lidar\""));
-    assert!(shown("front").contains("no scan of /scan that is asked for"), "{}", shown("front"));
+    assert!(shown("front").contains("no selected scan on /scan"), "{}", shown("front"));
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C and kill: what was made is kept.
+//! Ctrl-C and kill: results so far are kept.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -17,9 +17,9 @@ fn start(folder: &Path) -> (Child, std::path::PathBuf) {
     (child, results)
 }
 
-fn await_or_panic(is_there: impl Fn() -> bool) {
+fn await_or_panic(is_done: impl Fn() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(60);
-    while !is_there() {
+    while !is_done() {
         assert!(Instant::now() < deadline, "nothing within a minute");
         std::thread::sleep(Duration::from_millis(20));
     }
@@ -32,7 +32,7 @@ fn signal(child: &Child, name: &str) {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_flight_ends_with_130_and_whole_results_without_a_gap() {
+fn an_interrupted_flight_ends_with_130_and_complete_results() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (child, results) = start(folder.path());
     signal(&child, "INT");
@@ -45,7 +45,7 @@ fn an_interrupted_flight_ends_with_130_and_whole_results_without_a_gap() {
 
 #[test]
 #[cfg(unix)]
-fn a_file_that_another_run_still_writes_to_is_left_to_it() {
+fn a_file_that_another_run_writes_to_is_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (child, results) = start(folder.path());
     let ran =
@@ -59,7 +59,7 @@ fn a_file_that_another_run_still_writes_to_is_left_to_it() {
 
 #[test]
 #[cfg(all(unix, feature = "rerun"))]
-fn a_recording_that_another_run_still_writes_to_is_left_to_it_and_results_are_complete() {
+fn a_recording_in_use_is_refused_and_results_are_complete() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "flight.mcap", &tunnel(600, &Writing::default()));
     let rrd = folder.path().join("flight.rrd");
@@ -79,7 +79,7 @@ fn a_recording_that_another_run_still_writes_to_is_left_to_it_and_results_are_co
     run(["rrd".as_ref(), "ls".as_ref(), rrd.as_os_str()]).expect_code(0);
 }
 
-/// Starts the command, interrupts it as soon as `made` is there, and says how it ended.
+/// Starts the command and interrupts it as soon as `made` exists.
 fn interrupted(command: &[&str], made: &Path) -> Ran {
     let child = crosscut(command).stderr(Stdio::piped()).spawn().expect("the program starts");
     await_or_panic(|| made.exists());
@@ -89,7 +89,7 @@ fn interrupted(command: &[&str], made: &Path) -> Ran {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_simulation_leaves_files_that_can_be_read_and_says_how_much_they_hold() {
+fn an_interrupted_simulation_leaves_readable_files() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().to_str().expect("UTF-8");
     let said = interrupted(&["simulate", "--suite", "all", "--out", path], &folder.path().join("clean35.mcap")).stderr;
@@ -104,7 +104,7 @@ fn an_interrupted_simulation_leaves_files_that_can_be_read_and_says_how_much_the
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_evaluation_of_the_paper_leaves_its_figures_and_no_page_with_half_a_table() {
+fn interrupting_paper_leaves_figures_and_no_page() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let last = folder.path().join("families.svg");
     let said = interrupted(&["paper", "--out", folder.path().to_str().expect("UTF-8")], &last).stderr;
@@ -115,7 +115,7 @@ fn an_interrupted_evaluation_of_the_paper_leaves_its_figures_and_no_page_with_ha
 
 #[test]
 #[cfg(unix)]
-fn a_killed_flight_leaves_every_result_that_was_made() {
+fn a_killed_flight_leaves_its_results() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (mut child, results) = start(folder.path());
     let before = std::fs::read_to_string(&results).expect("results");
@@ -128,7 +128,7 @@ fn a_killed_flight_leaves_every_result_that_was_made() {
 
 #[test]
 #[cfg(all(unix, feature = "rerun"))]
-fn an_interrupted_export_ends_with_130_and_leaves_what_was_there() {
+fn an_interrupted_export_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [saved, out] = ["tee.rrd", "w.csv"].map(|name| folder.path().join(name));
     let flight = shipped_flight();
@@ -149,7 +149,7 @@ fn an_interrupted_export_ends_with_130_and_leaves_what_was_there() {
 }
 
 #[test]
-fn who_has_read_enough_of_the_results_may_close_the_pipe_without_a_word() {
+fn a_closed_pipe_ends_the_run_silently() {
     let mut child = crosscut(["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), "-".as_ref()])
         .arg("--quiet")
         .stdout(Stdio::piped())
@@ -163,7 +163,7 @@ fn who_has_read_enough_of_the_results_may_close_the_pipe_without_a_word() {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_evaluation_says_in_its_files_that_it_was() {
+fn an_interrupted_evaluation_says_so_in_its_files() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let (json, markdown) = (at("figures.json"), at("figures.md"));

@@ -1,13 +1,14 @@
-//! The whole program at its process boundary: what is typed, what comes out, and how it ends.
+//! The whole program at its process boundary: arguments, outputs and exit codes.
 
 mod comparison;
 mod configuration;
-mod corridors;
 mod evaluation;
 mod figures;
 mod flight;
+mod headline;
 mod input;
 mod interruption;
+mod messages;
 mod over_time;
 mod overwriting;
 mod paper;
@@ -22,4 +23,3 @@ mod serving;
 mod simulation;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
-mod words;

@@ -1,4 +1,4 @@
-//! What a command reads is never written, nor is one file written twice.
+//! No output replaces an input, and no file is written twice.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// Everything in the folder, by name.
+/// The files of the folder with their contents, by name.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut files: Vec<_> = files.map(|path| (path.clone(), std::fs::read(path).expect("a file"))).collect();
@@ -20,7 +20,7 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// Runs the command, whose words `@NAME` are files of the folder: it is wrong usage, and nothing is touched.
+/// Fails unless the command is refused as wrong usage and changes nothing. Words `@NAME` are files of the folder.
 #[track_caller]
 fn refused(folder: &Path, command: &str) {
     let before = contents(folder);
@@ -30,7 +30,7 @@ fn refused(folder: &Path, command: &str) {
     };
     let ran = run(command.split(' ').map(word)).expect_code(2);
     assert!(ran.stderr.contains("would be overwritten"), "{command}: {}", ran.stderr);
-    assert!(contents(folder) == before, "{command}: nothing is touched");
+    assert!(contents(folder) == before, "{command}: nothing is changed");
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn name(folder: &Path) -> &str {
 
 #[test]
 #[cfg(unix)]
-fn the_input_is_not_overwritten_through_a_link_of_either_kind() {
+fn the_input_is_not_overwritten_through_a_link() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     std::fs::hard_link(at("flight.mcap"), at("hard")).expect("a link");
@@ -88,7 +88,7 @@ fn the_configuration_file_is_never_overwritten() {
 
 #[cfg(feature = "rerun")]
 #[test]
-fn a_later_part_of_a_recording_never_replaces_another_file_of_the_run() {
+fn a_later_part_never_replaces_another_file() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     std::fs::rename(at("flight.mcap"), at("in-2.rrd")).expect("renamed");

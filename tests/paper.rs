@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::program::run;
 
-/// What the command writes, by name.
+/// The files that the command writes, by name.
 fn written(folder: &Path) -> Vec<(String, String)> {
     run(["paper".as_ref(), "--scenes=2".as_ref(), "--out".as_ref(), folder.as_os_str()]).expect_code(0);
     let entries = std::fs::read_dir(folder).expect("it was made").map(|entry| entry.expect("an entry"));
@@ -16,7 +16,7 @@ fn written(folder: &Path) -> Vec<(String, String)> {
 }
 
 #[test]
-fn the_page_shows_every_figure_and_how_tolerances_fare_and_is_the_same_each_time() {
+fn the_page_shows_figures_and_tolerances_and_is_reproducible() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let files = written(&folder.path().join("deep/er"));
     let names: Vec<_> = files.iter().map(|(name, _)| name.as_str()).collect();
@@ -27,7 +27,7 @@ fn the_page_shows_every_figure_and_how_tolerances_fare_and_is_the_same_each_time
         assert!(page.contains(&format!("]({name})")), "the page does not show {name}");
     }
     assert!(page.contains("not public"), "whose data it is");
-    // 2 clean scenes of 6 m: right over many decades, and at 1e-1 never.
+    // Two clean scenes 6 m wide are right over many decades, and wrong at 1e-1.
     let row = page.lines().rfind(|line| line.starts_with("| clean6 ")).expect("a row of the last table");
     let cells: Vec<_> = row.split('|').map(str::trim).collect();
     assert_eq!((cells[10], cells[17], cells.len()), ("**100**", "0", 19), "at 1e-8 and 1e-1: {row}");
@@ -36,10 +36,10 @@ fn the_page_shows_every_figure_and_how_tolerances_fare_and_is_the_same_each_time
 }
 
 #[test]
-fn a_figure_has_a_dot_for_every_return_in_the_colour_of_its_wall() {
+fn a_figure_has_a_coloured_dot_for_every_return() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let random = &written(folder.path())[3].1;
-    // The first panel is a dead end of 360 beams, one wall: one path, with a dot for nearly every beam.
+    // The first panel is a dead end of 360 beams with one wall: one path, with a dot for nearly every beam.
     let first = random.lines().find(|line| line.contains("<path")).expect("a wall");
     let dots = first.matches("h0").count();
     assert!((300..=360).contains(&dots) && first.contains("stroke=\"#56b4e9\""), "{dots} dots: {first}");

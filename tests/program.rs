@@ -1,4 +1,4 @@
-//! The program under test, and where things are.
+//! The program under test, and paths of the project.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -15,17 +15,7 @@ pub(crate) fn shipped_flight() -> PathBuf {
     root().join("recordings/tee.mcap")
 }
 
-/// A real recording, if they are on this machine.
-pub(crate) fn real_recording(name: &str) -> Option<PathBuf> {
-    let path = root().join("../shared/data").join(name);
-    if !path.exists() {
-        println!("skipped: {} is not here", path.display());
-        return None;
-    }
-    Some(path)
-}
-
-/// `crosscut` with these arguments, ready to start.
+/// The command `crosscut` with these arguments.
 pub(crate) fn crosscut<A: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = A>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_crosscut"));
     command.args(args);
@@ -40,7 +30,7 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    /// Fails with all that the program said unless it ended with `code`.
+    /// Fails with the complete output unless the program ended with `code`.
     #[track_caller]
     pub(crate) fn expect_code(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "stderr:\n{}\nstdout:\n{}", self.stderr, self.stdout);
@@ -60,7 +50,7 @@ pub(crate) fn run<A: AsRef<std::ffi::OsStr>>(args: impl IntoIterator<Item = A>) 
     crosscut(args).output().expect("the program starts").into()
 }
 
-/// `crosscut run INPUT --results -` with more arguments: how it ended, and its lines of results.
+/// Runs `crosscut run INPUT --results -` with more arguments; returns how it ended, and the lines of results.
 pub(crate) fn results_of(input: &Path, more: &[&str]) -> (Ran, Vec<Value>) {
     let mut args = vec!["run".to_owned(), input.display().to_string(), "--results".to_owned(), "-".to_owned()];
     args.extend(more.iter().map(ToString::to_string));
@@ -69,12 +59,12 @@ pub(crate) fn results_of(input: &Path, more: &[&str]) -> (Ran, Vec<Value>) {
     (ran, lines)
 }
 
-/// JSON lines.
+/// Parses JSON lines.
 pub(crate) fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).expect("every line is JSON")).collect()
 }
 
-/// One whole-number field of every line.
+/// The values of a whole-number field in every line.
 pub(crate) fn column(lines: &[Value], field: &str) -> Vec<u64> {
     lines.iter().map(|line| line[field].as_u64().expect("a whole number")).collect()
 }

@@ -10,7 +10,7 @@ use crosscut_messages::LaserScan;
 use crate::flight::{Writing, bytes, file, tunnel_scan};
 use crate::program::{Ran, lines, run, shipped_flight};
 
-/// Every eighth revolution of the shipped flight, recorded with these settings; and its results.
+/// Records every eighth revolution of the shipped flight with these settings; returns the results.
 fn recorded(path: &Path, settings: &[&str]) -> Vec<Value> {
     let (input, path) = (shipped_flight().display().to_string(), path.display().to_string());
     let fixed = ["run", &input, "--preset", "paper", "--every", "8", "--quiet", "--results", "-", "--save", &path];
@@ -27,7 +27,7 @@ fn get(flight: &Path, entity: &str, out: &Path, more: &[&str]) -> Ran {
     rrd(&[&["get", &flight, entity, "--out", &out], more].concat())
 }
 
-/// A folder with a recording of the shipped flight in it.
+/// A folder with a recording of the shipped flight.
 fn folder() -> (tempfile::TempDir, PathBuf, Vec<Value>) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = folder.path().join("tee.rrd");
@@ -54,7 +54,7 @@ fn a_recording_is_listed_with_its_entities_versions_and_configuration() {
 }
 
 #[test]
-fn what_is_no_entity_or_no_recording_is_told_with_what_there_is() {
+fn unknown_entities_and_files_are_refused_with_alternatives() {
     let (folder, flight, _) = folder();
     let wrong = get(&flight, "/affinity/w", &folder.path().join("w.npy"), &[]).expect_code(2).stderr;
     assert!(wrong.contains("/affinity/W,") && !wrong.contains("/spectral"), "{wrong}");
@@ -64,7 +64,7 @@ fn what_is_no_entity_or_no_recording_is_told_with_what_there_is() {
 }
 
 #[test]
-fn exported_eigenvalues_are_those_of_the_results_recorded_as_well_as_recomputed() {
+fn exported_eigenvalues_agree_with_the_results() {
     let (folder, flight, results) = folder();
     for more in [&[][..], &["--exact"]] {
         let out = folder.path().join("eigenvalues.jsonl");
@@ -80,7 +80,7 @@ fn exported_eigenvalues_are_those_of_the_results_recorded_as_well_as_recomputed(
 }
 
 #[test]
-fn bearings_that_were_repaired_are_recomputed_from_what_they_were_repaired_with() {
+fn repaired_bearings_are_recomputed_exactly() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
     scans[0].angle_increment = f32::NAN;
@@ -98,7 +98,7 @@ fn bearings_that_were_repaired_are_recomputed_from_what_they_were_repaired_with(
 }
 
 #[test]
-fn an_export_is_of_the_revolutions_that_were_asked_for() {
+fn an_export_has_the_selected_revolutions() {
     let (folder, flight, _) = folder();
     let out = folder.path().join("junctions.csv");
     let count = |more: &[&str]| {
@@ -113,7 +113,7 @@ fn an_export_is_of_the_revolutions_that_were_asked_for() {
 }
 
 #[test]
-fn arrays_for_numpy_have_a_dimension_for_revolutions_unless_one_is_asked_for() {
+fn arrays_have_a_dimension_of_revolutions_unless_one_is_selected() {
     let (folder, flight, results) = folder();
     let out = folder.path().join("array.npy");
     let header = |entity: &str, more: &[&str]| {
@@ -132,7 +132,7 @@ fn arrays_for_numpy_have_a_dimension_for_revolutions_unless_one_is_asked_for() {
 }
 
 #[test]
-fn an_export_that_fails_leaves_the_file_that_was_there_and_none_beside_it() {
+fn a_failed_export_leaves_the_old_file() {
     let (folder, flight, _) = folder();
     let out = folder.path().join("keep.npy");
     std::fs::write(&out, "good").expect("written");
@@ -147,7 +147,7 @@ fn an_export_that_fails_leaves_the_file_that_was_there_and_none_beside_it() {
 }
 
 #[test]
-fn what_holds_for_the_whole_flight_is_exported_once_and_of_no_revolution() {
+fn static_entities_are_exported_once_without_a_revolution() {
     let (folder, flight, _) = folder();
     let text = |name: &str, entity: &str, more: &[&str]| {
         let out = folder.path().join(name);
@@ -180,7 +180,7 @@ fn what_cannot_be_exported_is_said_with_what_can() {
 }
 
 #[test]
-fn a_matrix_of_more_returns_than_are_drawn_is_told_to_be_exported_exactly_and_never_as_zeros() {
+fn a_matrix_too_large_to_draw_exports_no_zeros() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [input, flight, out] = ["many.mcap", "many.rrd", "w.npy"].map(|name| folder.path().join(name));
     let many = LaserScan { angle_increment: 2.0 * PI / 1100.0, ranges: vec![3.0; 1100], ..tunnel_scan(1) };
@@ -192,14 +192,14 @@ fn a_matrix_of_more_returns_than_are_drawn_is_told_to_be_exported_exactly_and_ne
     assert!(refused.contains("more than 1024") && refused.contains("--exact") && !out.exists(), "{refused}");
     assert!(w(&[]).expect_code(0).stderr.contains("not drawn of 1 revolution"));
     w(&["--revolution", "1", "--exact"]).expect_code(0);
-    // A Laplacian of returns that are all alone is 0, and drawn.
+    // The Laplacian of returns without edges is 0, and is drawn.
     let alone = recorded(&flight, &["--set", "affinity.sigma_per_m2=1e6"]).len();
     let zeros = get(&flight, "/spectral/L", &out, &[]).expect_code(0).stderr;
     assert!(alone > 0 && !zeros.contains("not drawn"), "{zeros}");
 }
 
 #[test]
-fn a_recording_of_the_same_flight_is_the_same_and_of_another_scale_differs_from_affinity_on() {
+fn diff_finds_the_first_stage_that_differs() {
     let (folder, flight, _) = folder();
     let other = folder.path().join("other.rrd");
     let compare =
@@ -216,7 +216,7 @@ fn a_recording_of_the_same_flight_is_the_same_and_of_another_scale_differs_from_
 }
 
 #[test]
-fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes_and_the_exit_code_is_3() {
+fn a_truncated_recording_is_read_with_code_3() {
     let (folder, flight, _) = folder();
     let whole = std::fs::read(&flight).expect("recorded");
     let cut = folder.path().join("cut.rrd");
@@ -230,7 +230,7 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes_and_the_exit_code_is_3
     rrd(&["diff", flight, cut]).expect_code(3);
 }
 
-/// The shipped flight in three parts: their paths.
+/// Paths of the shipped flight in three parts.
 fn in_parts(folder: &Path) -> [PathBuf; 3] {
     let parts = ["tee.rrd", "tee-2.rrd", "tee-3.rrd"].map(|name| folder.join(name));
     recorded(&parts[0], &["--record-part", "8"]);
@@ -238,7 +238,7 @@ fn in_parts(folder: &Path) -> [PathBuf; 3] {
 }
 
 #[test]
-fn a_recording_that_is_called_like_a_part_of_another_is_kept_and_the_other_goes_on_beside_it() {
+fn parts_do_not_replace_another_recording_of_that_name() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [first, second, _] = in_parts(folder.path());
     recorded(&second, &["--to", "3"]);
@@ -282,7 +282,7 @@ fn a_recording_gives_its_settings_to_another_run() {
 }
 
 #[test]
-fn a_missing_part_of_a_recording_is_said_and_the_rest_is_read() {
+fn a_missing_part_is_reported_and_the_rest_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [first, second, third] = in_parts(folder.path());
     let listed = |code| rrd(&["ls", first.to_str().expect("UTF-8")]).expect_code(code);

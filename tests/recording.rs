@@ -1,10 +1,10 @@
-//! `--save`: the recording of every stage.
+//! `--save`: the recording of all stages.
 
 use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
 use crate::program::{Ran, crosscut, lines, results_of, run, shipped_flight};
 
 #[test]
-fn a_recording_is_saved_beside_the_same_results_as_without() {
+fn saving_a_recording_does_not_change_the_results() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = folder.path().join("tee.rrd");
     let (input, every) = (shipped_flight(), ["--every", "8", "--quiet"]);
@@ -16,7 +16,7 @@ fn a_recording_is_saved_beside_the_same_results_as_without() {
 }
 
 #[test]
-fn a_recording_that_cannot_be_written_leaves_the_results_complete_and_is_exit_code_3() {
+fn a_recording_that_cannot_be_written_leaves_complete_results() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let nowhere = folder.path().join("no/such/folder/flight.rrd");
@@ -27,7 +27,7 @@ fn a_recording_that_cannot_be_written_leaves_the_results_complete_and_is_exit_co
 }
 
 #[test]
-fn a_recording_without_a_revolution_can_be_read_all_the_same() {
+fn an_empty_recording_can_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let saved = folder.path().join("none.rrd");
@@ -37,7 +37,7 @@ fn a_recording_without_a_revolution_can_be_read_all_the_same() {
 }
 
 #[test]
-fn a_recording_that_holds_no_revolution_of_a_flight_is_said() {
+fn an_empty_recording_is_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let saved = folder.path().join("none.rrd");
@@ -46,7 +46,7 @@ fn a_recording_that_holds_no_revolution_of_a_flight_is_said() {
         run([&save, more].concat()).expect_code(0).stderr
     };
     for beyond in [["--record-revolutions", "500.."], ["--record-seconds", "100.."]] {
-        assert!(said(&beyond).contains("nothing is recorded"), "{beyond:?}");
+        assert!(said(&beyond).contains("the recording is empty"), "{beyond:?}");
     }
     assert_eq!(said(&["--record-revolutions", "4.."]), "");
 }
@@ -69,7 +69,7 @@ fn a_recording_of_a_run_that_failed_says_why() {
 }
 
 #[test]
-fn one_wild_range_in_the_first_scan_makes_a_recording_no_larger() {
+fn an_outlier_range_does_not_enlarge_the_recording() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved_bytes = |first_range_m: f32| {
         let mut scans: Vec<_> = (0..3).map(tunnel_scan).collect();
@@ -89,7 +89,7 @@ fn one_wild_range_in_the_first_scan_makes_a_recording_no_larger() {
 }
 
 #[test]
-fn without_a_viewer_the_recording_is_saved_all_the_same_and_the_exit_code_is_3() {
+fn without_a_viewer_the_recording_is_saved_with_code_3() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let saved = folder.path().join("tunnel.rrd");
@@ -106,7 +106,7 @@ fn without_a_viewer_the_recording_is_saved_all_the_same_and_the_exit_code_is_3()
 
 #[test]
 #[cfg(unix)]
-fn a_disk_that_fills_up_leaves_the_results_complete_a_recording_that_opens_and_exit_code_3() {
+fn a_full_disk_leaves_complete_results_and_a_readable_recording() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = folder.path().join("flight.rrd");
     let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--results", "-", "--save"];
@@ -127,7 +127,7 @@ fn a_disk_that_fills_up_leaves_the_results_complete_a_recording_that_opens_and_e
 }
 
 #[test]
-fn a_recording_that_cannot_be_made_ends_the_run_at_once_unless_something_else_is_written() {
+fn a_run_whose_only_output_fails_ends_at_once() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let save = folder.path().join("nowhere").join("flight.rrd");
     let arguments = |more: &'static [&'static str]| {
@@ -139,7 +139,7 @@ fn a_recording_that_cannot_be_made_ends_the_run_at_once_unless_something_else_is
             .chain(more.iter().map(Into::into))
     };
     let ran = run(arguments(&[])).expect_code(1);
-    assert!(ran.stderr.starts_with("error: ") && ran.stderr.contains("nothing else was asked for"), "{}", ran.stderr);
+    assert!(ran.stderr.starts_with("lost: ") && ran.stderr.contains("error: no other output"), "{}", ran.stderr);
     let ran = run(arguments(&["--results", "-"])).expect_code(3);
     assert!(ran.stderr.starts_with("lost: ") && lines(&ran.stdout).len() == 141, "{}", ran.stderr);
 }

@@ -1,4 +1,4 @@
-//! `--serve`: viewers may connect while a flight runs, and afterwards.
+//! `--serve`: viewers connect during a run and afterwards.
 
 use std::io::{BufRead as _, BufReader};
 use std::net::{TcpListener, TcpStream};
@@ -8,7 +8,7 @@ use crate::flight::{Writing, file, tunnel};
 use crate::program::{crosscut, results_of};
 
 #[test]
-fn an_address_in_use_is_said_and_the_recording_and_the_results_are_whole() {
+fn an_address_in_use_leaves_recording_and_results_complete() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let taken = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -23,7 +23,7 @@ fn an_address_in_use_is_said_and_the_recording_and_the_results_are_whole() {
 
 #[test]
 #[cfg(unix)]
-fn a_flight_is_served_beyond_its_end_until_it_is_interrupted_and_then_ends_as_done() {
+fn a_flight_is_served_until_interrupted_and_ends_with_0() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let mut child = crosscut(["run".as_ref(), flight.as_os_str(), "--serve=127.0.0.1:0".as_ref(), "--quiet".as_ref()])

@@ -35,7 +35,7 @@ fn the_shipped_flight_is_what_its_command_makes() {
 }
 
 #[test]
-fn the_same_seed_is_the_same_bytes_and_another_seed_another_flight() {
+fn equal_seeds_give_equal_bytes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let fly = |name, seed| std::fs::read(simulate(folder.path(), name, seed)).expect("made");
     let reference = fly("a.mcap", "7");
@@ -44,7 +44,7 @@ fn the_same_seed_is_the_same_bytes_and_another_seed_another_flight() {
 }
 
 #[test]
-fn scenarios_and_suites_are_listed_and_unknown_ones_are_refused() {
+fn scenarios_and_suites_are_listed_and_unknown_ones_refused() {
     let listed = run(["simulate", "--list"]).expect_code(0).stdout;
     assert!(listed.contains("tee") && listed.contains("clean35"), "{listed}");
     for unknown in [["teee", "--seed", "1"], ["--suite", "clean53", "--split=dev"]] {

@@ -1,4 +1,4 @@
-//! `crosscut view`: what reaches the viewer.
+//! `crosscut view`: the data that reaches the viewer.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ fn recording(folder: &Path, name: &str) -> PathBuf {
     saved
 }
 
-/// Runs `crosscut view` where the viewer is a program that keeps what it is given; how it ended, and what was given.
+/// Runs `crosscut view` with a viewer that stores its input; returns how it ended, and the input.
 fn view(folder: &Path, args: &[&Path]) -> (Ran, PathBuf) {
     let (bin, given) = (folder.join("bin"), folder.join("given.rrd"));
     std::fs::create_dir_all(&bin).expect("a folder");
@@ -26,7 +26,7 @@ fn view(folder: &Path, args: &[&Path]) -> (Ran, PathBuf) {
     (ran.into(), given)
 }
 
-/// The entities that `crosscut rrd ls` finds.
+/// The entities that `crosscut rrd ls` lists.
 fn entities(recording: &Path) -> String {
     run(["rrd".as_ref(), "ls".as_ref(), recording.as_os_str()]).stdout
 }
@@ -37,14 +37,14 @@ fn a_recording_reaches_the_viewer_whole() {
     let saved = recording(folder.path(), "flight.rrd");
     let (ran, given) = view(folder.path(), &[&saved]);
     ran.expect_code(0);
-    // What is piped to a viewer has no footer, as a recording that was cut off.
+    // Data piped to a viewer has no footer, like a recording that was cut off.
     let diff = run(["rrd".as_ref(), "diff".as_ref(), saved.as_os_str(), given.as_os_str()]).expect_code(3);
     assert!(diff.stdout.starts_with("the same") && !diff.stdout.contains("differ"), "{}\n{}", diff.stdout, diff.stderr);
     assert!(entities(&given).contains("/affinity/W"));
 }
 
 #[test]
-fn two_recordings_stand_side_by_side_below_entities_of_their_own() {
+fn two_recordings_have_separate_entities() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (left, right) = (recording(folder.path(), "left.rrd"), recording(folder.path(), "right.rrd"));
     let (ran, given) = view(folder.path(), &[&left, Path::new("--beside"), &right]);
@@ -57,7 +57,7 @@ fn two_recordings_stand_side_by_side_below_entities_of_their_own() {
 }
 
 #[test]
-fn what_is_damaged_is_shown_up_to_there_and_the_exit_code_is_3() {
+fn a_damaged_recording_is_shown_up_to_the_damage() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let saved = recording(folder.path(), "flight.rrd");
     let bytes = std::fs::read(&saved).expect("saved");
@@ -69,7 +69,7 @@ fn what_is_damaged_is_shown_up_to_there_and_the_exit_code_is_3() {
 }
 
 #[test]
-fn parts_are_shown_as_one_and_a_missing_one_is_said() {
+fn parts_are_shown_together_and_missing_ones_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let [first, second] = ["long.rrd", "long-2.rrd"].map(|name| folder.path().join(name));
@@ -93,7 +93,7 @@ fn without_a_viewer_it_says_how_to_get_one() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused_before_a_viewer_is_started() {
+fn a_file_that_is_no_recording_starts_no_viewer() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = folder.path().join("notes.txt");
     std::fs::write(&text, "no recording\n").expect("written");

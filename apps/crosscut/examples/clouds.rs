@@ -1,4 +1,4 @@
-//! How often preset `default` counts the walls right in clouds, beside the 2D scans of the same places.
+//! The share of right counts of preset `default` in clouds, compared with 2D scans of the same places.
 //!
 //! `cargo run --release --no-default-features --example clouds [-- PLACES]`
 //!

@@ -1,5 +1,5 @@
-//! Fits the confidence of a scene to what preset `default` gets right and wrong on the development scenes, and on places of
-//! another generator. If the program has that fit, writes a page that shows how well its confidence means what it says.
+//! Generator of a page of the docs: how well the confidence of preset `default` is calibrated. Fits the confidence to right
+//! and wrong answers on the development scenes and on places of another generator, and fails if the program has another fit.
 //!
 //! ```text
 //! tests/foreign/run places target/places/dev --count 300 --seed 101
@@ -24,7 +24,7 @@ const N: usize = Grounds::INPUTS;
 /// As in preset `default`.
 const VEHICLE_WIDTH_M: f64 = 0.6;
 const NEWTON_STEPS: usize = 30;
-/// What a place of another generator counts beside a scene. If it counted as much, less than half of the answers in rough
+/// Weight of a place of another generator relative to a scene. With equal weights, less than half of the answers in rough
 /// walls would be sure.
 const WEIGHT_OF_PLACES: f64 = 1.0 / 3.0;
 
@@ -45,7 +45,7 @@ struct Answer {
 
 fn main() -> anyhow::Result<()> {
     let mut args = std::env::args().skip(1);
-    let file = args.next().context("say a file to write to")?;
+    let file = args.next().context("name a file to write to")?;
     let answers = answers(args.map(PathBuf::from).collect())?;
     let beta = fitted(&answers).map(|beta| (100.0 * beta).round() / 100.0);
     if <[f64; N]>::from(beta) != BETA {
@@ -70,7 +70,7 @@ fn markdown(table: &Table) -> String {
     format!("\n## {}\n\n{}|{}\n{rows}", table.title, row(&table.header), "---|".repeat(table.header.len()))
 }
 
-/// To the development scenes of every family, and the scenes of `recordings`, which have truth.
+/// Answers to the development scenes of every family, and to the scenes of `recordings`, which have truth.
 fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
     let mut program = Program::new()?;
     let mut answers = Vec::new();

@@ -1,5 +1,5 @@
-//! A flight of any length, for measuring throughput, memory and latency: the first minute of a simulated flight, again
-//! and again, with stamps that go on.
+//! Writes a flight of any length, for measuring throughput, memory and latency: the first minute of a simulated flight,
+//! repeated, with stamps that continue.
 //!
 //! `cargo run --release --no-default-features --example long_flight -- OUT.mcap REVOLUTIONS HZ`
 

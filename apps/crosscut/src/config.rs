@@ -1,4 +1,4 @@
-//! `crosscut config`, and the configuration of the other commands.
+//! `crosscut config`, and the resolution of the configuration for all commands.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -17,12 +17,12 @@ pub(crate) fn print(args: &ConfigArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Preset < file < single settings.
+/// Resolves the layers preset < file < single settings.
 pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Config> {
     resolve_with(args, &[], registry)
 }
 
-/// Preset < file < the settings of one `--with` < single settings for all.
+/// Resolves the layers preset < file < settings of one `--with` < single settings.
 pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registry) -> anyhow::Result<Config> {
     let mut layers = vec![Preset::named(&args.preset).map_err(usage)?.into()];
     if let Some(path) = &args.config {
@@ -35,21 +35,21 @@ pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registr
     let (nearest_m, farthest_m) = (ingest.get(MIN_RANGE_M), ingest.get(MAX_RANGE_M));
     if nearest_m >= farthest_m {
         return Err(usage(format!(
-            "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}): no return would be left"
+            "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}), so no return would be left"
         ))
         .into());
     }
     Ok(config)
 }
 
-/// The text of a file of settings, or that of the settings which a recording was made with.
+/// The text of a TOML file, or the settings stored in a recording.
 fn settings_in(path: &Path) -> Result<String, UsageError> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
-        return settings_of_recording(path);
+        return settings_in_recording(path);
     }
     std::fs::read_to_string(path).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => usage(format!(
-            "not a text in UTF-8: settings stand in a TOML file or a recording (.rrd): {}",
+            "not UTF-8 text; settings are read from a TOML file or a recording (.rrd): {}",
             path.display()
         )),
         _ => usage(format!("{}: {error}", path.display())),
@@ -57,13 +57,13 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
 }
 
 #[cfg(feature = "rerun")]
-fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
+fn settings_in_recording(path: &Path) -> Result<String, UsageError> {
     let recording = crosscut_recorder::Recording::open(path).map_err(usage)?;
     recording.config_toml().ok_or_else(|| usage(format!("the recording has no /config: {}", path.display())))
 }
 
 #[cfg(not(feature = "rerun"))]
-fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
+fn settings_in_recording(path: &Path) -> Result<String, UsageError> {
     Err(usage(format!("{}: {}", path.display(), crate::exit::without_rerun())))
 }
 

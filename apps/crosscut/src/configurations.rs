@@ -1,4 +1,4 @@
-//! Configurations side by side: what `--with` names.
+//! The configurations that `--with` names.
 
 use std::path::{Path, PathBuf};
 
@@ -8,14 +8,14 @@ use crate::cli::ConfigArgs;
 use crate::config;
 use crate::exit::UsageError;
 
-/// One of the configurations that are compared.
+/// A configuration with the name it has in tables.
 pub(crate) struct Configuration {
     pub(crate) name: String,
     pub(crate) config: Config,
 }
 
-/// What each of `with` names: `PRESET|FILE.toml|PRESET,FILE.toml[,SECTION.KEY=VALUE]...`, with the settings of `set` on top.
-/// Files of the same name in different folders are called by their paths.
+/// Resolves each `PRESET|FILE.toml|PRESET,FILE.toml[,SECTION.KEY=VALUE]...` of `with`, with the settings of `set` on top.
+/// Files of the same name in different folders are named by their paths.
 pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> anyhow::Result<Vec<Configuration>> {
     let resolved = with.iter().map(|text| resolve(text, set, registry));
     let mut configurations = resolved.collect::<anyhow::Result<Vec<_>>>()?;
@@ -28,7 +28,7 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
     Ok(configurations)
 }
 
-/// The files among what `with` names.
+/// The files that `with` names.
 pub(crate) fn files(with: &[String]) -> impl Iterator<Item = PathBuf> {
     with.iter().filter_map(|text| With::of(text).file).map(PathBuf::from)
 }
@@ -41,14 +41,18 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     let With { preset, file, settings } = With::of(text);
     if let Some(file) = file.filter(|file| !Path::new(file).exists()) {
         if is_preset(file) {
-            return Err(UsageError(format!("--with {text}: a preset stands over no other; name a file over it")).into());
+            return Err(UsageError(format!(
+                "--with {text}: two presets cannot be combined; name a file after the preset"
+            ))
+            .into());
         }
         if preset.is_some() {
-            let words = format!("--with {text}: {file:?} is no file, and no setting of the form section.key=value");
-            return Err(UsageError(words).into());
+            let usage =
+                format!("--with {text}: {file:?} is neither a file nor a setting of the form section.key=value");
+            return Err(UsageError(usage).into());
         }
         let presets = Preset::ALL.map(Preset::name).join(", ");
-        return Err(UsageError(format!("--with {file}: no preset (there are: {presets}) and no such file")).into());
+        return Err(UsageError(format!("--with {file}: neither a preset (there are: {presets}) nor a file")).into());
     }
     let own = settings.map(single_settings).unwrap_or_default();
     let layers = ConfigArgs {
@@ -65,7 +69,7 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     Ok(Configuration { name, config: config::resolve_with(&layers, &own, registry)? })
 }
 
-/// What one `--with` names, as it was typed.
+/// The parts of one `--with`, as typed.
 #[derive(Debug, PartialEq, Eq)]
 struct With<'a> {
     preset: Option<&'a str>,
@@ -74,7 +78,7 @@ struct With<'a> {
 }
 
 impl<'a> With<'a> {
-    /// A file may have a comma in its name.
+    /// Splits the text at commas, except those in the name of an existing file.
     fn of(text: &'a str) -> Self {
         let split = |text: &'a str| match text.split_once(',') {
             Some((base, rest)) if !Path::new(text).exists() => (base, Some(rest)),
@@ -93,7 +97,7 @@ impl<'a> With<'a> {
     }
 }
 
-/// Settings with commas between them. A comma that no `KEY=` follows belongs to the value: `a.b=[[0,1],[2,3]],c.d=4`.
+/// Splits settings at commas. A comma that no `KEY=` follows belongs to the value: `a.b=[[0,1],[2,3]],c.d=4`.
 fn single_settings(text: &str) -> Vec<String> {
     let mut settings: Vec<String> = Vec::new();
     for piece in text.split(',') {
@@ -110,7 +114,7 @@ mod tests {
     use super::With;
 
     #[test]
-    fn a_file_may_stand_alone_or_after_the_preset_that_it_changes() {
+    fn a_file_may_stand_alone_or_after_a_preset() {
         let with = |preset, file, settings| With { preset, file, settings };
         assert_eq!(With::of("paper"), with(Some("paper"), None, None));
         assert_eq!(With::of("paper,a.b=1,c.d=[[2,3]]"), with(Some("paper"), None, Some("a.b=1,c.d=[[2,3]]")));

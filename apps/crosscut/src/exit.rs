@@ -1,4 +1,4 @@
-//! How the program ends.
+//! Exit codes.
 
 use std::fmt;
 use std::io;
@@ -6,19 +6,19 @@ use std::process::ExitCode;
 
 use crate::say::say;
 
-/// The outcome of a command, as its exit code tells it.
+/// The outcome of a command, one for each exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Everything was done.
+    /// Everything requested was done.
     Done,
-    /// It failed; what came before is saved.
+    /// The command failed; results up to the failure are saved.
     Failed,
-    /// Results are complete as far as the input allowed, but something was lost.
+    /// The results are as complete as the input allowed, but something was lost.
     SomethingLost,
-    /// Two recordings were compared, and they are not the same.
-    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // there are no recordings then
+    /// The two recordings that were compared differ.
+    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
     Different,
-    /// It was interrupted; what was made is saved.
+    /// The command was interrupted; results so far are saved.
     Interrupted,
 }
 
@@ -33,10 +33,10 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// 128 + SIGINT, as shells say it.
+/// 128 + SIGINT, as shells report it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// What was typed cannot be done: wrong usage or configuration (exit code 2).
+/// Wrong usage or configuration (exit code 2).
 #[derive(Debug)]
 pub(crate) struct UsageError(pub(crate) String);
 
@@ -48,14 +48,14 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
-/// What is said where a recording for the viewer is asked of a build that cannot make or read any.
+/// The error of commands that need the feature `rerun`, in a build without it.
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn without_rerun() -> anyhow::Error {
     UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
 }
 
-/// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had
-/// enough: that interrupts us, and needs no words.
+/// Reports the error that ended a command and returns the exit code. A reader that closes our output pipe (`| head`)
+/// interrupts the command; that is no error and prints nothing.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
     if causes.any(is_closed_pipe) {
@@ -65,7 +65,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if error.is::<UsageError>() { ExitCode::from(2) } else { Outcome::Failed.into() }
 }
 
-/// Whether nobody reads any more what is written.
+/// Whether the reader of the output closed the pipe.
 pub(crate) fn is_closed_pipe(error: &io::Error) -> bool {
     error.kind() == io::ErrorKind::BrokenPipe
 }

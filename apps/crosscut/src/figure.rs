@@ -1,42 +1,41 @@
-//! Figures as SVG: scans from above, each wall in its own colour, the ways on, and a title above each.
+//! Figures as SVG: scans seen from above, with a colour for each wall, the openings, and a title.
 
 use std::collections::BTreeSet;
 
+use crosscut_evaluate::chart::{INK, page};
 use crosscut_messages::Truth;
 use crosscut_report::openings::LOOKOUT_M;
 use crosscut_stage::{Beam, Frame, Revolution};
-use svg::Document;
 use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
 
-/// Okabe and Ito's colours, as in the recordings for the viewer; repeated when there are more walls.
+/// Colours of walls (Okabe and Ito), in the order of recordings for the viewer; repeated when there are more walls.
 const WALLS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#0072b2"];
-/// Returns of no wall.
+/// Colour of the returns of no wall.
 const NO_WALL: &str = "#8c8c8c";
-const INK: &str = "#333333";
 
-/// Half the side of a panel, in units of the figure: metres, unless returns lie farther off.
+/// Half the side of a panel, in units of the figure. A unit is a metre unless many returns lie farther away.
 const HALF_M: f64 = 16.0;
 const MARGIN_M: f64 = 1.0;
-/// So many of them are drawn within it, whatever single readings say.
+/// At least this share of the returns is drawn; outliers beyond may be outside the panel.
 const SHOWN_SHARE: f64 = 0.98;
 const TITLE_M: f64 = 3.0;
-/// A panel with its title, and what lies between panels.
+/// Size of a panel with its title and the space between panels.
 const WIDTH_M: f64 = 2.0 * HALF_M + 1.0;
 const HEIGHT_M: f64 = 2.0 * HALF_M + TITLE_M + 1.0;
 const PIXELS_PER_M: f64 = 6.0;
 
-/// One scan in a square of its own. The vehicle is in the middle, its nose up.
+/// One scan in a square. The vehicle is in the middle and faces up.
 pub(crate) struct Panel {
     title: String,
-    /// Forward and left.
+    /// Positions of the returns, forward and left of the vehicle.
     returns_m: Vec<[f64; 2]>,
     wall_of_return: Vec<Option<u32>>,
-    /// Bearing and width.
+    /// Bearing (rad) and width (m) of each opening.
     openings: Vec<[f64; 2]>,
 }
 
 impl Panel {
-    /// What is there.
+    /// Shows the true walls and openings.
     pub(crate) fn of_truth(title: String, revolution: &Revolution, truth: &Truth) -> Self {
         let mut wall_of_return = vec![None; revolution.len()];
         let beams = revolution.sweep.iter().flat_map(|sweep| &sweep.beams);
@@ -49,14 +48,14 @@ impl Panel {
         Self { title, returns_m: positions(revolution), wall_of_return, openings }
     }
 
-    /// What was answered.
+    /// Shows the walls and openings of a result.
     pub(crate) fn of_answer(title: String, frame: &Frame) -> Self {
         let openings = frame.junction.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m]).collect();
         let wall_of_return = frame.junction.wall_of_return.clone();
         Self { title, returns_m: positions(&frame.revolution), wall_of_return, openings }
     }
 
-    /// Drawn around its vehicle.
+    /// Draws the panel with its vehicle at the origin.
     fn drawn(&self) -> Group {
         let frame = Rectangle::new()
             .set("x", -HALF_M)
@@ -80,10 +79,10 @@ impl Panel {
         }
     }
 
-    /// Adds ways on, walls and the vehicle to a group, as far as this to each side.
+    /// Adds openings, walls and the vehicle to a group, up to `half_m` to each side.
     fn scene(&self, mut group: Group, half_m: f64) -> Group {
         for opening in &self.openings {
-            group = group.add(way_on(*opening));
+            group = group.add(opening_mark(*opening));
         }
         for path in self.walls(half_m) {
             group = group.add(path);
@@ -93,7 +92,7 @@ impl Panel {
         group.add(vehicle).add(nose)
     }
 
-    /// 1, or less where that would leave too many returns outside.
+    /// 1, or less where fewer than [`SHOWN_SHARE`] of the returns would be inside the panel.
     fn units_per_m(&self) -> f64 {
         let mut reach_m: Vec<f64> = self.returns_m.iter().map(|[x_m, y_m]| x_m.abs().max(y_m.abs())).collect();
         reach_m.sort_by(f64::total_cmp);
@@ -101,7 +100,7 @@ impl Panel {
         reach_m.get(last_shown).map_or(1.0, |reach_m| ((HALF_M - MARGIN_M) / reach_m).min(1.0))
     }
 
-    /// A path of dots for each wall, and one for the returns of no wall, as far as this to each side.
+    /// A path of dots for each wall and for the returns of no wall, up to `half_m` to each side.
     fn walls(&self, half_m: f64) -> impl Iterator<Item = Path> {
         let numbers: BTreeSet<Option<u32>> = self.wall_of_return.iter().copied().collect();
         let is_shown = move |[x_m, y_m]: &[f64; 2]| x_m.abs() < half_m && y_m.abs() < half_m;
@@ -120,8 +119,8 @@ fn positions(revolution: &Revolution) -> Vec<[f64; 2]> {
     revolution.points_m.iter().map(|point| [point.x, point.y]).collect()
 }
 
-/// A line along the bearing, and across it, where both are defined, one as long as the opening is wide.
-fn way_on([bearing_rad, width_m]: [f64; 2]) -> Group {
+/// A line along the bearing of an opening, and a bar across it, as wide as the opening, where the width is measured.
+fn opening_mark([bearing_rad, width_m]: [f64; 2]) -> Group {
     let dashed = Line::new().set("y1", -1.5).set("y2", -LOOKOUT_M).set("stroke-dasharray", "0.3 0.3");
     let across = Line::new()
         .set("x1", format!("{:.2}", -0.5 * width_m))
@@ -136,19 +135,15 @@ fn way_on([bearing_rad, width_m]: [f64; 2]) -> Group {
         .add(across)
 }
 
-/// Panels in rows of `columns`.
+/// Arranges panels in rows of `columns`.
 pub(crate) fn sheet(panels: &[Panel], columns: usize) -> String {
     let (width_m, height_m) = (columns as f64 * WIDTH_M, panels.len().div_ceil(columns) as f64 * HEIGHT_M);
-    let mut document = Document::new()
-        .set("viewBox", (0, 0, width_m, height_m))
+    let mut document = page(width_m, height_m, 0.7 * TITLE_M)
         .set("width", width_m * PIXELS_PER_M)
         .set("height", height_m * PIXELS_PER_M)
-        .set("font-family", "sans-serif")
-        .set("font-size", 0.7 * TITLE_M)
         .set("fill", "none")
         .set("stroke-linecap", "round")
-        .set("stroke-width", 0.5)
-        .add(Rectangle::new().set("width", width_m).set("height", height_m).set("fill", "white"));
+        .set("stroke-width", 0.5);
     for (place, panel) in panels.iter().enumerate() {
         let (row, column) = (place / columns, place % columns);
         let (x_m, y_m) = ((column as f64 + 0.5) * WIDTH_M, row as f64 * HEIGHT_M + TITLE_M + HALF_M);

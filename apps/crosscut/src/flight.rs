@@ -1,4 +1,4 @@
-//! The flight that a command goes through.
+//! The flight that a command reads.
 
 use crosscut_ingest::{ReadOptions, Recording, Sensor};
 use crosscut_pipeline::Config;
@@ -6,9 +6,9 @@ use crosscut_pipeline::Config;
 use crate::cli::FlightArgs;
 use crate::exit::UsageError;
 
-/// Opens its recordings, as the sensor's settings of `config` read them.
+/// Opens the recordings of a flight, read with the settings of the sensor in `config`.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
-    refuse_nothing(args.from, args.to)?;
+    refuse_empty_span(args.from, args.to)?;
     let options = ReadOptions {
         topic: args.topic.clone(),
         read_as: args.read_as,
@@ -19,10 +19,10 @@ pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recordi
     Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
 }
 
-/// Refuses a stretch of time that ends before it begins.
-pub(crate) fn refuse_nothing(from_s: Option<f64>, to_s: Option<f64>) -> Result<(), UsageError> {
+/// Refuses a span of time that ends before it begins.
+pub(crate) fn refuse_empty_span(from_s: Option<f64>, to_s: Option<f64>) -> Result<(), UsageError> {
     match (from_s, to_s) {
-        (Some(from), Some(to)) if from > to => Err(UsageError(format!("--from {from} lies after --to {to}"))),
+        (Some(from), Some(to)) if from > to => Err(UsageError(format!("--from {from} is after --to {to}"))),
         _ => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C.
+//! Handling of Ctrl-C.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,14 +8,14 @@ use crosscut_pipeline::StopFlag;
 use crate::exit::INTERRUPTED;
 use crate::say::say;
 
-/// Ctrl-C stops what sees to `stop`, and lets the rest drain; a second one quits.
+/// Makes Ctrl-C set `stop`, so that work in progress is finished. A second Ctrl-C quits at once.
 pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
-    let asked = AtomicBool::new(false);
+    let requested = AtomicBool::new(false);
     ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
+        if requested.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        say("stopping, with what is being worked on (again to quit at once, without it)");
+        say("stopping after the scans in progress (press Ctrl-C again to quit at once, without them)");
         stop.set();
     })
     .context("cannot listen for Ctrl-C")

@@ -1,14 +1,15 @@
-//! `crosscut`: how many walls, and so how many ways on, are here.
+//! `crosscut`: counts the walls in 2D lidar scans and finds the openings between them.
 //!
-//! One file or folder per command, in `commands`. Results go to files or standard output, words for people to standard error.
+//! Each command has a file or folder in `commands`. Results go to files or standard output, messages to standard error.
 
-// They panic when they cannot write: words are for `say`, and results are written with their error.
+// These macros panic when they cannot write. Messages go through `say`, and writing results returns its error.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod cli;
 mod commands;
 mod config;
 mod configurations;
+mod diagnostics;
 mod exit;
 mod figure;
 mod flight;

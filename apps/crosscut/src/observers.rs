@@ -1,43 +1,38 @@
-//! What is recorded for the Rerun viewer, and how it is looked at.
+//! The observers of a run: the recorder for the Rerun viewer.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crosscut_pipeline::Config;
 use crosscut_stage::Observer;
 
-use crate::cli::record::RecordArgs;
+use crate::cli::RunArgs;
+use crate::diagnostics::Diagnostics;
 
-/// Who sees the frames.
+/// The observers that receive each frame after its results are written.
 #[derive(Default)]
 pub(crate) struct Observers {
     pub(crate) list: Vec<Box<dyn Observer>>,
-    /// Viewers can still connect when the flight is over.
+    /// Whether viewers can connect after the run as well.
     pub(crate) served: bool,
-    /// Revolutions that the recorder has taken, if there is one.
+    /// Number of revolutions recorded so far, if there is a recorder.
     recorded: Option<Arc<AtomicU64>>,
 }
 
 impl Observers {
-    /// Whether there is a recorder, and of the whole flight nothing lay within what it was to record.
+    /// Whether there is a recorder and no revolution lay within what it was asked to record.
     pub(crate) fn recorded_nothing(&self) -> bool {
         self.recorded.as_ref().is_some_and(|recorded| recorded.load(Ordering::Relaxed) == 0)
     }
 }
 
-/// The recorder, if one is asked for. A recording or a view that cannot be had is lost, the rest is not.
+/// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
-pub(crate) fn observers(
-    args: &RecordArgs,
-    input: &Path,
-    config: &Config,
-    live: bool,
-    lost: &mut Vec<String>,
-) -> anyhow::Result<Observers> {
+pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
     use crosscut_ingest::{UPSIDE_DOWN, YAW_RAD};
     use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
 
+    let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {
         return Ok(Observers::default());
     }
@@ -46,8 +41,8 @@ pub(crate) fn observers(
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live,
-        name: input.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        live: run.rate.is_some(),
+        name: run.flight.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),
@@ -57,7 +52,7 @@ pub(crate) fn observers(
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
         && args.save.is_some()
     {
-        lost.push(error.to_string());
+        diagnostics.lost(error);
         recorder = Recorder::new(RecorderOptions { view: false, serve: None, ..options });
     }
     Ok(match recorder {
@@ -67,20 +62,15 @@ pub(crate) fn observers(
             Observers { list: vec![Box::new(recorder)], served, recorded }
         }
         Err(error) => {
-            lost.push(error.to_string());
+            diagnostics.lost(error);
             Observers::default()
         }
     })
 }
 
 #[cfg(not(feature = "rerun"))]
-pub(crate) fn observers(
-    args: &RecordArgs,
-    _: &Path,
-    _: &Config,
-    _: bool,
-    _: &mut Vec<String>,
-) -> anyhow::Result<Observers> {
+pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
+    let args = &run.record;
     if args.save.is_some() || args.view || args.serve.is_some() {
         return Err(crate::exit::without_rerun());
     }
@@ -88,7 +78,7 @@ pub(crate) fn observers(
 }
 
 #[cfg(feature = "rerun")]
-mod of_the_recorder {
+mod recorder_options {
     use crosscut_recorder::{Detail, Layout, Scope};
 
     use crate::cli::record::{DetailArg, LayoutArg, RecordArgs};

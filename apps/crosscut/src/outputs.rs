@@ -1,5 +1,5 @@
-//! Files that are written: none that is read, none twice, none that another run writes to, and each opened before the
-//! work begins.
+//! Output files. No output replaces an input, another output, or a file that another run writes to; each is opened
+//! before the work begins.
 
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,8 +10,8 @@ use anyhow::Context;
 
 use crate::exit::UsageError;
 
-/// A file that is none of those `read`, and that no other run writes to, or standard output for `-`. What is there
-/// already stays until something is written, and where nothing is, a new file goes again.
+/// Opens an output file, or standard output for `-`. Refuses one of the files `read` and a file that another run writes
+/// to. An existing file keeps its contents until the first write; a new file to which nothing is written is removed.
 pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout()));
@@ -23,32 +23,33 @@ pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Wr
     if !file.metadata().with_context(cannot)?.is_file() {
         return Ok(Box::new(file)); // a pipe or a device
     }
-    // Elsewhere a lock would keep readers out as well.
+    // On other systems a lock would exclude readers as well.
     if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
         anyhow::bail!("cannot write {}: another program is writing to it", path.display());
     }
-    Ok(Box::new(Replaced { file, new: is_new.then(|| path.to_owned()), written: 0, whole: 0 }))
+    Ok(Box::new(OutputFile { file, new: is_new.then(|| path.to_owned()), written: 0, flushed: 0 }))
 }
 
-/// A file that is emptied when it is first written to, and cut back to what was whole at the last flush when the disk
-/// is full.
-struct Replaced {
+/// A file that is emptied at the first write, and cut back to its length at the last flush when a write fails.
+struct OutputFile {
     file: File,
-    /// Its path, if there was none before.
+    /// The path of the file, if it is new.
     new: Option<PathBuf>,
+    /// Bytes written so far.
     written: u64,
-    whole: u64,
+    /// Bytes written at the last flush.
+    flushed: u64,
 }
 
-impl Drop for Replaced {
+impl Drop for OutputFile {
     fn drop(&mut self) {
         if let Some(path) = self.new.take_if(|_| self.written == 0) {
-            std::fs::remove_file(path).ok(); // an empty file is in nobody's way
+            std::fs::remove_file(path).ok(); // a file that stays is empty and does no harm
         }
     }
 }
 
-impl Write for Replaced {
+impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.written == 0 {
             self.file.set_len(0)?;
@@ -59,19 +60,19 @@ impl Write for Replaced {
                 Ok(count)
             }
             Err(error) => {
-                self.file.set_len(self.whole).ok(); // the first error says what is wrong
+                self.file.set_len(self.flushed).ok(); // the write's error is the one to report
                 Err(error)
             }
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.whole = self.written;
+        self.flushed = self.written;
         self.file.flush()
     }
 }
 
-/// Refuses an output that is one of the files `read`, or that another output is written to already.
+/// Refuses an output that is one of the files `read`, or the same file as another output.
 pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
     for (i, output) in outputs.iter().enumerate() {
         let is_read = read.iter().any(|read| is_same_file(read, output));
@@ -82,13 +83,13 @@ pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageErr
     Ok(())
 }
 
-/// Refuses a recording of which a later part (FLIGHT-2.rrd...) would be written over one of the `others`.
+/// Refuses a recording if one of its later parts (FLIGHT-2.rrd...) would replace one of the `others`.
 #[cfg(feature = "rerun")]
 pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
     use crosscut_recorder::part_number;
 
     let Some((folder, _)) = place(recording) else { return Ok(()) };
-    // Parts that are there already may be known by other names as well.
+    // An existing file with the name of a part may be a link to one of the others.
     let files = std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|file| file.file_name());
     let parts: Vec<_> =
         files.filter(|name| part_number(recording, name).is_some()).map(|name| folder.join(name)).collect();
@@ -110,7 +111,7 @@ pub(crate) fn refuse_parts<'a>(_: &Path, _: impl IntoIterator<Item = &'a Path>) 
     Ok(())
 }
 
-/// Whether both names lead to the same file, or would if it were made.
+/// Whether both paths name the same file, which need not exist.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     match (identity(a), identity(b)) {
         (Some(a), Some(b)) => a == b,
@@ -119,8 +120,8 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// What a file is, whatever its name: links of both kinds lead to it. It is not opened, as the crate `same-file` would:
-/// a pipe would keep us waiting for its other end.
+/// Identifies a file independent of its name, through links of both kinds. The file is not opened (as the crate
+/// `same-file` would): opening a pipe blocks until its other end is opened.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;
@@ -132,7 +133,7 @@ fn identity(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()
 }
 
-/// The folder, without links, and the name of a file that need not be there.
+/// The canonical folder and the name of a file that need not exist.
 fn place(path: &Path) -> Option<(PathBuf, &OsStr)> {
     let (folder, name) = parts(path)?;
     Some((folder.canonicalize().ok()?, name))

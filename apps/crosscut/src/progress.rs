@@ -1,10 +1,10 @@
-//! A progress bar, on a terminal only.
+//! The progress bar.
 
 use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Counts revolutions on standard error. Silent when that is not a terminal, or when asked to be.
+/// A bar that counts revolutions on standard error. Hidden if `quiet`, or if standard error is no terminal.
 pub(crate) fn bar(total: Option<u64>, quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

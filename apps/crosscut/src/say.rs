@@ -1,20 +1,15 @@
-//! Words for people.
+//! Messages on standard error.
 
 use std::fmt::Display;
 use std::io::Write;
 
-/// Of a flight in which nothing is seen.
-pub(crate) const NO_RETURN: &str =
-    "note: no scan has a return that can be used: nothing came back, or the notes of the results say why";
-
-/// Says a line on standard error. Nobody may be there to hear it (`2>&1 | head`, a full disk): that ends nothing and
-/// changes no exit code.
-pub(crate) fn say(words: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{}", printable(&words.to_string()));
+/// Prints a line on standard error. A failed write (`2>&1 | head`, a full disk) ends nothing and changes no exit code.
+pub(crate) fn say(message: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(&message.to_string()));
 }
 
-/// The text as a terminal may have it. A recording is not ours: its topics may be named with control characters, which
-/// would be obeyed.
+/// The text with control characters escaped. Names of topics come from the recording, and a terminal would obey control
+/// characters in them.
 pub(crate) fn printable(text: &str) -> String {
     let mut printable = String::with_capacity(text.len());
     for character in text.chars() {

@@ -1,4 +1,4 @@
-//! One configuration over one recording, against the truth in it.
+//! Scores one configuration on one recording against the truth in it.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -15,24 +15,24 @@ use indicatif::ProgressBar;
 
 use crate::wrong::Wrong;
 
-/// What came of it.
+/// The scores of one configuration on one recording.
 pub(crate) struct Scored {
-    /// Every revolution that has a truth.
+    /// Figures over every revolution that has a truth.
     pub(crate) evaluation: Evaluation,
-    /// Those that are wrong.
+    /// The wrong answers.
     pub(crate) wrong: Wrong,
     /// How the run ended.
     pub(crate) end: End,
-    /// What was lost or could not be compared.
+    /// Messages about what was lost or could not be compared.
     pub(crate) losses: Vec<String>,
 }
 
-/// The scans of a recording that is to be evaluated.
+/// Opens the scans of a recording.
 pub(crate) fn open(path: &Path, options: &ReadOptions, config: &Config) -> anyhow::Result<Recording> {
     Ok(Recording::open(&[path.to_owned()], options, Sensor::new(config.params("ingest")))?)
 }
 
-/// Streams the recording through the stages of `config`, and scores each result as it comes.
+/// Streams the recording through the stages of `config` and scores each result.
 pub(crate) fn score(
     path: &Path,
     options: &ReadOptions,
@@ -41,10 +41,9 @@ pub(crate) fn score(
     stop: &StopFlag,
     bar: &ProgressBar,
 ) -> anyhow::Result<Scored> {
-    // Results come in the order of the source, so a queue is enough to bring each together with its truth.
+    // Results leave in the order of the source, so a queue pairs each with its truth.
     let queue = Mutex::new(VecDeque::new());
-    let mut source =
-        WithTruth { recording: open(path, options, config)?, truths: Truths::open(path)?, of_results: &queue };
+    let mut source = WithTruth { recording: open(path, options, config)?, truths: Truths::open(path)?, queue: &queue };
     let (mut evaluation, mut wrong, mut not_compared) =
         (Evaluation::default(), Wrong::default(), NotCompared::default());
     let mut results = |frame: &Frame| {
@@ -54,7 +53,7 @@ pub(crate) fn score(
                 evaluation.add(&score);
                 wrong.take(frame, &truth, &score);
             }
-            Err(why) => not_compared.add(why),
+            Err(reason) => not_compared.add(reason),
         }
         bar.inc(1);
         Ok(())
@@ -63,7 +62,7 @@ pub(crate) fn score(
     let summary = stream(&mut source, config, registry, &mut results, &mut [], &options);
     let end = summary.context("a thread could not be started")?.end;
     let lost = source.recording.losses().iter().map(ToString::to_string);
-    Ok(Scored { evaluation, wrong, end, losses: lost.chain(not_compared.in_words(path)).collect() })
+    Ok(Scored { evaluation, wrong, end, losses: lost.chain(not_compared.messages(path)).collect() })
 }
 
 type TruthAt = Result<Option<Truth>, TruthError>;
@@ -72,7 +71,7 @@ type TruthAt = Result<Option<Truth>, TruthError>;
 struct WithTruth<'a> {
     recording: Recording,
     truths: Truths,
-    of_results: &'a Mutex<VecDeque<TruthAt>>,
+    queue: &'a Mutex<VecDeque<TruthAt>>,
 }
 
 impl Source for WithTruth<'_> {
@@ -80,38 +79,38 @@ impl Source for WithTruth<'_> {
         let more = self.recording.next(out, notes)?;
         if more {
             let truth = self.truths.at(self.recording.last_log_time_ns());
-            self.of_results.lock().unwrap_or_else(PoisonError::into_inner).push_back(truth);
+            self.queue.lock().unwrap_or_else(PoisonError::into_inner).push_back(truth);
         }
         Ok(more)
     }
 }
 
-/// Why a result was not compared: `None` if there is no truth, else what is wrong with it.
-type WhyNot = Option<String>;
+/// The reason that a result was not compared; `None` if there is no truth.
+type NoScore = Option<String>;
 
-fn compare(frame: &Frame, truth: TruthAt) -> Result<(Truth, Score), WhyNot> {
+fn compare(frame: &Frame, truth: TruthAt) -> Result<(Truth, Score), NoScore> {
     let truth = truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?.ok_or(None)?;
     let score = Score::of(&truth, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))?;
     Ok((truth, score))
 }
 
-/// Revolutions that could not be compared with their truth.
+/// Counts the revolutions that could not be compared with a truth.
 #[derive(Default)]
 struct NotCompared {
     without_truth: u64,
-    /// How many others, and why the first.
+    /// The number of others, and the reason of the first.
     others: Option<(u64, String)>,
 }
 
 impl NotCompared {
-    fn add(&mut self, why: WhyNot) {
-        match why {
+    fn add(&mut self, reason: NoScore) {
+        match reason {
             None => self.without_truth += 1,
-            Some(why) => self.others.get_or_insert((0, why)).0 += 1,
+            Some(reason) => self.others.get_or_insert((0, reason)).0 += 1,
         }
     }
 
-    fn in_words(self, path: &Path) -> Vec<String> {
+    fn messages(self, path: &Path) -> Vec<String> {
         let path = path.display();
         let mut losses = Vec::new();
         if self.without_truth > 0 {

@@ -1,4 +1,4 @@
-//! The table at the end of a run.
+//! The summary at the end of a run.
 
 use std::time::Duration;
 
@@ -6,10 +6,10 @@ use comfy_table::{CellAlignment, Table, presets};
 use crosscut_pipeline::Summary;
 use crosscut_stage::{Step, counted};
 
-/// Kinds of notes that are shown; all of them are in the results.
+/// The summary shows this many kinds of notes; the results hold all notes.
 const NOTES_SHOWN: usize = 5;
 
-/// Revolutions, counts, what was noted, and time per stage.
+/// Tables of counts, notes, and time per stage.
 pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
     let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
     let mut text = format!(
@@ -36,26 +36,22 @@ fn counts(summary: &Summary) -> Table {
     table
 }
 
-/// Of each kind of note the first, with its numbers.
+/// The most frequent kinds of notes, each with its first instance.
 fn notes(summary: &Summary) -> String {
     let kinds = summary.notes.by_frequency();
-    let mut table = plain(&["revolutions", "note, as it first was"]);
+    let mut table = plain(&["revolutions", "note (first of its kind)"]);
     table.column_mut(1).expect("two columns").set_cell_alignment(CellAlignment::Left);
     for kind in kinds.iter().take(NOTES_SHOWN) {
         table.add_row([kind.revolutions.to_string(), kind.first.clone()]);
     }
     let more = kinds.len().saturating_sub(NOTES_SHOWN) as u64;
-    if more > 0 {
-        format!("{table}\n and {} of notes more, in the results", counted(more, "kind"))
-    } else {
-        table.trim_fmt()
-    }
+    if more > 0 { format!("{table}\n and {} more in the results", counted(more, "kind")) } else { table.trim_fmt() }
 }
 
 fn times(summary: &Summary) -> Table {
     let mut table = plain(&["stage", "median ms", "p99 ms"]);
     let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
-    // From when the scan was there to when its results were written.
+    // From the arrival of the scan until its results are written.
     let latency = ("latency", summary.times.latency_median_and_p99_ns());
     for (name, times) in steps.into_iter().chain([latency]) {
         if let Some((median_ns, p99_ns)) = times {

@@ -1,32 +1,32 @@
-//! Tables as text: for a terminal, and as Markdown.
+//! Tables as text for a terminal and as Markdown.
 
 use comfy_table::{CellAlignment, TableStyle, presets};
 use crosscut_evaluate::tables::Table;
 
-/// For a terminal.
+/// Formats tables for a terminal.
 pub(crate) fn text(tables: &[Table]) -> String {
     let text = |table: &Table| {
         if table.rows.is_empty() {
             format!("{}: none\n\n", table.title)
         } else {
-            format!("{}\n{}\n\n", table.title, drawn(table, presets::NOTHING))
+            format!("{}\n{}\n\n", table.title, layout(table, presets::NOTHING))
         }
     };
     tables.iter().map(text).collect()
 }
 
-/// For a Markdown document.
+/// Formats tables as Markdown.
 pub(crate) fn markdown(tables: &[Table]) -> String {
     let escaped = |table: &Table| {
         let escape = |cells: &Vec<String>| cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
         Table { header: escape(&table.header), rows: table.rows.iter().map(escape).collect(), ..table.clone() }
     };
-    let drawn = |table| drawn(&escaped(table), presets::ASCII_MARKDOWN);
-    tables.iter().map(|table| format!("**{}**\n\n{}\n\n", table.title, drawn(table))).collect()
+    let markdown = |table| layout(&escaped(table), presets::ASCII_MARKDOWN);
+    tables.iter().map(|table| format!("**{}**\n\n{}\n\n", table.title, markdown(table))).collect()
 }
 
-/// Names to the left, numbers to the right.
-fn drawn(table: &Table, style: TableStyle) -> comfy_table::Table {
+/// Aligns names left and numbers right.
+fn layout(table: &Table, style: TableStyle) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
     drawn.load_style(style).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! What is answered wrong, listed and drawn: the truth, and beside it the answer.
+//! Wrong answers: a list of all, and drawings of the first, each beside the truth.
 
 use std::path::Path;
 
@@ -9,24 +9,24 @@ use crosscut_stage::{Frame, counted};
 
 use crate::figure::{Panel, sheet};
 
-/// So many scenes are drawn of one recording, the first.
+/// The first scenes up to this number are drawn of one recording.
 const MOST_SCENES: usize = 8;
-/// Two scenes in a row.
+/// Panels in a row of the drawing: two scenes, each with truth and answer.
 const COLUMNS: usize = 4;
 
-/// Of the list of all.
+/// Header of the list.
 const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place";
 
-/// The scenes of one recording that one configuration has wrong.
+/// The scenes of one recording that one configuration answers wrong.
 #[derive(Default)]
 pub(crate) struct Wrong {
     panels: Vec<Panel>,
-    /// All of them, as rows of [`COLUMN_NAMES`].
+    /// One row of [`COLUMN_NAMES`] for each scene.
     rows: Vec<String>,
 }
 
 impl Wrong {
-    /// Takes in a scene, if it is wrong.
+    /// Adds a scene if its answer is wrong.
     pub(crate) fn take(&mut self, frame: &Frame, truth: &Truth, score: &Score) {
         if score.right {
             return;
@@ -52,13 +52,13 @@ impl Wrong {
         self.panels.push(Panel::of_answer(format!("answer: {answer}"), frame));
     }
 
-    /// How many they are.
+    /// Number of wrong answers.
     pub(crate) fn count(&self) -> usize {
         self.rows.len()
     }
 
-    /// Writes `FAMILY-CONFIGURATION.svg`, with the first of them, and `.csv`, with all, into the folder; nothing if
-    /// all is right.
+    /// Writes `FAMILY-CONFIGURATION.svg` with the first wrong answers and `.csv` with all of them into the folder;
+    /// nothing if there are none.
     pub(crate) fn write(&self, folder: &Path, family: &str, configuration: &str) -> anyhow::Result<()> {
         if self.rows.is_empty() {
             return Ok(());

@@ -1,4 +1,4 @@
-//! One revolution: two answers for the same scan against each other.
+//! Two answers to the same scan, compared.
 
 use crosscut_messages::TruthOpening;
 use crosscut_report::ResultsLine;
@@ -8,26 +8,26 @@ use crate::openings::{self, OpeningsScore};
 use crate::score::is_island;
 use crate::{SAME_WALL_IOU, ScoreError};
 
-/// How far two answers for the same scan agree. Pairs are of the first and the second answer.
+/// The agreement of two answers to the same scan. Arrays have a value for the first and one for the second answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
-    /// The revolution.
+    /// Number of the revolution.
     pub seq: u64,
     /// The sensor's stamp.
     pub stamp_ns: u64,
-    /// Walls that were counted, islands left out.
+    /// Number of walls, without islands.
     pub junctions: [usize; 2],
-    /// What the eigenvalues said.
+    /// Number of zero eigenvalues.
     pub k: [usize; 2],
-    /// How sure each answer said it is.
+    /// Reported confidence.
     pub confidence: [f64; 2],
-    /// The counts are equal and the walls pair up, each two of them the same by [`SAME_WALL_IOU`].
+    /// Whether the counts are equal and all walls are paired, with an overlap of at least [`SAME_WALL_IOU`].
     pub same_walls: bool,
-    /// Returns, by either answer.
+    /// Returns by either answer.
     pub returns: usize,
-    /// Those labelled alike under the best matching of the walls.
-    pub returns_alike: usize,
-    /// The openings, the first answer's in the place of the true ones.
+    /// Returns with the same label, under the best matching of the walls.
+    pub same_returns: usize,
+    /// The openings, with those of the first answer as truth.
     pub openings: OpeningsScore,
 }
 
@@ -35,7 +35,7 @@ impl Agreement {
     /// Compares `second` with `first`.
     ///
     /// # Errors
-    /// When they are for different revolutions, or have labels for different numbers of beams.
+    /// If the answers are for different revolutions or have labels for different numbers of beams.
     pub fn of(first: &ResultsLine, second: &ResultsLine) -> Result<Self, ScoreError> {
         if first.seq != second.seq {
             return Err(ScoreError::Revolutions { first: first.seq, second: second.seq });
@@ -54,13 +54,13 @@ impl Agreement {
             confidence: [first.confidence, second.confidence],
             same_walls: first.junctions == second.junctions && same_walls(&table, first, second) == first.junctions,
             returns: table.beams,
-            returns_alike: table.beams_right(),
+            same_returns: table.beams_right(),
             openings: openings::score(&openings_of_first, &second.openings),
         })
     }
 }
 
-/// How many walls, islands left out, both answers have.
+/// Number of walls, without islands, that both answers have.
 fn same_walls(table: &Contingency, first: &ResultsLine, second: &ResultsLine) -> usize {
     let pairs = table.overlapping(SAME_WALL_IOU);
     pairs

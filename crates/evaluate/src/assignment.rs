@@ -1,10 +1,10 @@
-//! The best one-to-one matching of a weighted table, exactly.
+//! The exact best one-to-one matching of a table of weights.
 
-/// Pairs (row, column) in ascending rows, each row and each column in at most one of them, whose weights have the
-/// largest sum. Weights are finite and not negative; as many pairs are given as the shorter side has entries, those of
-/// weight 0 included.
+/// Returns the pairs (row, column) with the largest sum of weights, in ascending rows; each row and each column is in at
+/// most one pair. Weights are finite and not negative. There are as many pairs as the shorter side has entries, including
+/// pairs of weight 0.
 ///
-/// The Hungarian method by shortest augmenting paths: O(a²·b) for sides a <= b. Sums of whole numbers are exact.
+/// Hungarian method by shortest augmenting paths: O(a²·b) for sides a <= b. Sums of whole numbers are exact.
 pub(crate) fn best_matching(rows: usize, columns: usize, weight: impl Fn(usize, usize) -> f64) -> Vec<(usize, usize)> {
     let mut pairs = if rows <= columns {
         match_short_side(rows, columns, |row, column| -weight(row, column))
@@ -16,9 +16,9 @@ pub(crate) fn best_matching(rows: usize, columns: usize, weight: impl Fn(usize, 
     pairs
 }
 
-/// The cheapest matching that gives each of `a` rows one of `b` >= a columns.
+/// Returns the cheapest matching that gives each of `a` rows one of `b` >= a columns.
 ///
-/// Row and column 0 are not of the table: a row that looks for its column starts from column 0. The potentials `u`, `v`
+/// Row and column 0 are not in the table: the search for the column of a row starts from column 0. The potentials `u`, `v`
 /// keep every reduced cost c(i, j) - u_i - v_j at 0 or above, and at 0 on the pairs of the matching.
 fn match_short_side(a: usize, b: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<(usize, usize)> {
     let (mut u, mut v) = (vec![0.0; a + 1], vec![0.0; b + 1]);
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use proptest::prelude::{Strategy, prop, prop_assert, prop_assert_eq, proptest};
 
-    /// Every way to give the rows from `row` on a free column, or none.
+    /// The best sum over all ways to give each row from `row` on a free column or none.
     fn best_sum(table: &[Vec<f64>], row: usize, taken: &mut [bool]) -> f64 {
         if row == table.len() {
             return 0.0;
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_greedy_choice_is_given_up_for_the_better_sum() {
+    fn the_matching_is_not_greedy() {
         // Greedy takes 10, then 0; the best is 9 + 8.
         let table = [[10.0, 9.0], [8.0, 0.0]];
         assert_eq!(best_matching(2, 2, |i, j| table[i][j]), [(0, 1), (1, 0)]);

@@ -1,8 +1,8 @@
-//! Does a confidence mean what it says: reliability and ranking of answers by their confidence.
+//! Calibration of the confidence, and the ranking of answers by it.
 
 use serde::Serialize;
 
-use crate::Share;
+use crate::Proportion;
 
 /// Answers of at least this confidence are called sure.
 pub const SURE: f64 = 0.9;
@@ -10,36 +10,36 @@ pub const SURE: f64 = 0.9;
 /// Number of bins of the reliability table.
 pub const BINS: usize = 10;
 
-/// How confidence and truth go together.
+/// The relation of confidence and truth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Confidence {
     /// Answers in tenths of confidence: [0, 0.1), [0.1, 0.2), ..., [0.9, 1].
     pub reliability: Vec<ReliabilityBin>,
     /// Share of the answers that are sure.
-    pub sure: Share,
+    pub sure: Proportion,
     /// Share of the sure answers that are right.
-    pub sure_right: Share,
+    pub sure_right: Proportion,
     /// Probability that a right answer has a higher confidence than a wrong one, ties by half; `None` if all answers
     /// are right or all are wrong.
     pub auroc: Option<f64>,
 }
 
-/// The answers whose confidence lies in one tenth.
+/// The answers whose confidence is in one tenth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ReliabilityBin {
     /// Smallest confidence of the bin.
     pub from: f64,
     /// Mean confidence of its answers; `None` if it has none.
     pub mean_confidence: Option<f64>,
-    /// Share of its answers that are right: in a calibrated method near to the mean confidence.
-    pub right: Share,
+    /// Share of its answers that are right; near the mean confidence if the method is calibrated.
+    pub right: Proportion,
 }
 
 impl Confidence {
-    /// Of (confidence, whether the answer was right), in any order.
+    /// Evaluates pairs of confidence and whether the answer was right, in any order.
     pub(crate) fn of(answers: &[(f64, bool)]) -> Self {
-        let (mut sure, mut sure_right) = (Share::default(), Share::default());
-        let mut bins = [(0.0, Share::default()); BINS];
+        let (mut sure, mut sure_right) = (Proportion::default(), Proportion::default());
+        let mut bins = [(0.0, Proportion::default()); BINS];
         for &(confidence, right) in answers {
             sure.count(confidence >= SURE);
             if confidence >= SURE {
@@ -62,7 +62,7 @@ fn lower_edge(bin: usize) -> f64 {
     bin as f64 / BINS as f64
 }
 
-/// The last bin whose lower edge is not above; compared with the edges themselves, so that 0.3 is in [0.3, 0.4).
+/// The last bin whose lower edge is at most `confidence`. The comparison with the edges puts 0.3 into [0.3, 0.4).
 fn bin_of(confidence: f64) -> usize {
     (1..BINS).rev().find(|&bin| confidence >= lower_edge(bin)).unwrap_or(0)
 }
@@ -90,7 +90,7 @@ mod tests {
     use proptest::prelude::{any, prop, prop_assert, prop_assert_eq, proptest};
 
     #[test]
-    fn answers_fall_into_the_bin_whose_lower_edge_they_reach() {
+    fn answers_are_in_the_bin_whose_lower_edge_they_reach() {
         for bin in 0..BINS {
             assert_eq!(bin_of(lower_edge(bin)), bin);
             assert_eq!(bin_of(lower_edge(bin + 1).next_down()), bin);
@@ -99,11 +99,11 @@ mod tests {
     }
 
     #[test]
-    fn reliability_and_sureness_of_a_hand_counted_list() {
+    fn reliability_and_sure_answers_agree_with_a_hand_count() {
         let found = Confidence::of(&[(0.95, true), (0.9, false), (1.0, true), (0.35, false), (0.31, true)]);
-        assert_eq!((found.sure, found.sure_right), (Share { hits: 3, of: 5 }, Share { hits: 2, of: 3 }));
-        assert_eq!(found.reliability[9].right, Share { hits: 2, of: 3 });
-        assert_eq!(found.reliability[3].right, Share { hits: 1, of: 2 });
+        assert_eq!((found.sure, found.sure_right), (Proportion { hits: 3, of: 5 }, Proportion { hits: 2, of: 3 }));
+        assert_eq!(found.reliability[9].right, Proportion { hits: 2, of: 3 });
+        assert_eq!(found.reliability[3].right, Proportion { hits: 1, of: 2 });
         assert!((found.reliability[3].mean_confidence.expect("two answers") - 0.33).abs() < 1e-12);
         assert_eq!(found.reliability[0].mean_confidence, None);
         // Right 0.95, 1.0, 0.31 against wrong 0.9, 0.35: 2 + 2 + 0 of 6 pairs.

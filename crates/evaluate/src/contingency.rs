@@ -1,14 +1,14 @@
-//! The beams of one scan, counted by true wall and reported wall.
+//! The number of beams that each true wall shares with each reported wall.
 
 use crosscut_messages::Truth;
 use crosscut_stage::Frame;
 
 use crate::assignment::best_matching;
 
-/// Truth and results label alike, so that a result can stand in the place of the truth.
+// Truth and results use the same labels, so that a result can take the place of the truth.
 const _: () = assert!(Truth::NO_RETURN == Frame::NO_RETURN && Truth::NO_WALL == Frame::NO_WALL);
 
-/// How many beams each true wall shares with each reported one. Islands are walls here.
+/// The number of beams that each true wall shares with each reported one, in one scan. Islands count as walls.
 #[derive(Debug)]
 pub(crate) struct Contingency {
     /// Ids of the true walls that have beams, ascending.
@@ -21,14 +21,14 @@ pub(crate) struct Contingency {
     true_size: Vec<usize>,
     /// |R_b|.
     reported_size: Vec<usize>,
-    /// Beams with a return by the truth, and those that were put into a wall all the same.
+    /// Number of beams with a return by the truth, or with a wall by the result.
     pub(crate) beams: usize,
-    /// Returns of no true wall (dust) that were put into none.
+    /// Number of returns of no true wall (dust) that are in no reported wall.
     left_out: usize,
 }
 
 impl Contingency {
-    /// Of labels per beam, as many on both sides: walls at 0 and above, [`Truth::NO_RETURN`], or no wall.
+    /// Counts labels per beam, equally many on both sides: wall numbers from 0, [`Truth::NO_RETURN`], or no wall.
     pub(crate) fn of(truth: &[i32], reported: &[i32]) -> Self {
         let (true_walls, reported_walls) = (walls(truth), walls(reported));
         let (rows, columns) = (true_walls.len(), reported_walls.len());
@@ -59,8 +59,8 @@ impl Contingency {
         table
     }
 
-    /// Pairs of a true and a reported wall with |T ∩ R| / |T ∪ R| >= `least`. Above 1/2 no wall is in two of them,
-    /// because walls of one side share no beam.
+    /// Pairs of a true and a reported wall with |T ∩ R| / |T ∪ R| >= `least`. For `least` above 1/2 no wall is in two
+    /// pairs, because walls of one side share no beam.
     pub(crate) fn overlapping(&self, least: f64) -> impl Iterator<Item = (usize, usize)> {
         let iou = |a: usize, b: usize| {
             let shared = self.shared[a][b];
@@ -71,14 +71,13 @@ impl Contingency {
             .filter(move |&(a, b)| iou(a, b) >= least)
     }
 
-    /// Beams that are labelled right, under the one-to-one matching of walls that makes them the most.
+    /// Number of beams with the right label, under the one-to-one matching of walls that maximises it.
     pub(crate) fn beams_right(&self) -> usize {
         let pairs = best_matching(self.true_size.len(), self.reported_size.len(), |a, b| self.shared[a][b] as f64);
         self.left_out + pairs.iter().map(|&(a, b)| self.shared[a][b]).sum::<usize>()
     }
 
-    /// Adjusted Rand index (Hubert and Arabie 1985) over the beams of true walls. Those put into no wall are a group of
-    /// their own.
+    /// Adjusted Rand index (Hubert and Arabie 1985) over the beams of true walls. Beams in no reported wall are one group.
     pub(crate) fn adjusted_rand_index(&self) -> f64 {
         let pairs = |n: usize| (n * n.saturating_sub(1) / 2) as f64;
         let left_out = |a: usize| self.true_size[a] - self.shared[a].iter().sum::<usize>();
@@ -93,12 +92,12 @@ impl Contingency {
         let all = pairs(self.true_size.iter().sum());
         let expected = in_truth * in_report / all;
         let largest = 0.5 * (in_truth + in_report);
-        // Both sides one group, or both all singletons (also: no pair at all): they agree.
+        // Both sides agree if both are one group, or all singletons, or have no pair.
         if all == 0.0 || largest == expected { 1.0 } else { (together - expected) / (largest - expected) }
     }
 }
 
-/// The distinct labels at 0 and above, ascending.
+/// The distinct wall numbers, ascending.
 fn walls(labels: &[i32]) -> Vec<i32> {
     let mut ids = Vec::new();
     for &label in labels.iter().filter(|label| **label >= 0) {

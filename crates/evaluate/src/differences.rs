@@ -1,36 +1,36 @@
-//! A whole flight: where two configurations answer differently.
+//! The differences between two configurations over a flight.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::{Agreement, Share};
+use crate::{Agreement, Proportion};
 
-/// Agreements of consecutive revolutions, summed up.
+/// The sum of agreements of consecutive revolutions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Differences {
-    /// Revolutions that the first alone answered, and those that the second alone did; they are in no other figure.
+    /// Revolutions that only the first answered, and those that only the second answered. No other figure counts them.
     pub answered_by_one: [u64; 2],
     /// Share of the revolutions with the same count.
-    pub same_count: Share,
-    /// Share with the same number of zero eigenvalues.
-    pub same_k: Share,
-    /// Share with the same walls, returns and all.
-    pub same_walls: Share,
-    /// Share of the returns that are labelled alike.
-    pub returns_alike: Share,
+    pub same_count: Proportion,
+    /// Share of the revolutions with the same number of zero eigenvalues.
+    pub same_k: Proportion,
+    /// Share of the revolutions with the same walls.
+    pub same_walls: Proportion,
+    /// Share of the returns with the same label.
+    pub returns_alike: Proportion,
     /// Openings of the first answer that the second lacks, of all of the first.
-    pub openings_lacking: Share,
+    pub openings_lacking: Proportion,
     /// Openings of the second answer that the first lacks, of all of the second.
-    pub openings_more: Share,
-    /// Revolutions by the two counts.
+    pub openings_more: Proportion,
+    /// Number of revolutions by the two counts.
     #[serde(skip)]
     pub counts: BTreeMap<[usize; 2], u64>,
-    /// Where walls differ, in the order of the flight.
+    /// The stretches where walls differ, in the order of the flight.
     pub stretches: Vec<Stretch>,
-    /// The last revolution differed, so that a stretch may go on.
+    /// Whether the last revolution differed, so that the next one may extend its stretch.
     #[serde(skip)]
-    differing: bool,
+    is_differing: bool,
 }
 
 /// Consecutive revolutions with the same two counts and with walls that differ.
@@ -40,36 +40,36 @@ pub struct Stretch {
     pub seq: [u64; 2],
     /// Their stamps.
     pub stamp_ns: [u64; 2],
-    /// How many revolutions.
+    /// Number of revolutions.
     pub revolutions: u64,
-    /// What each configuration counts there. Equal counts: the walls are others.
+    /// The count of each configuration. If they are equal, the walls differ.
     pub junctions: [usize; 2],
-    /// The least confidence of each.
+    /// The least confidence of each configuration.
     pub confidence: [f64; 2],
 }
 
 impl Differences {
-    /// Takes in the next revolution of the flight.
+    /// Adds the next revolution of the flight.
     pub fn add(&mut self, agreement: &Agreement) {
         let [first, second] = agreement.junctions;
         self.same_count.count(first == second);
         self.same_k.count(agreement.k[0] == agreement.k[1]);
         self.same_walls.count(agreement.same_walls);
-        self.returns_alike.merge(Share { hits: agreement.returns_alike as u64, of: agreement.returns as u64 });
+        self.returns_alike.merge(Proportion { hits: agreement.same_returns as u64, of: agreement.returns as u64 });
         let openings = &agreement.openings;
-        let lacking = |of: usize| Share { hits: (of - openings.matched.len()) as u64, of: of as u64 };
-        self.openings_lacking.merge(lacking(openings.truth));
-        self.openings_more.merge(lacking(openings.reported));
+        let unmatched = |of: usize| Proportion { hits: (of - openings.matched.len()) as u64, of: of as u64 };
+        self.openings_lacking.merge(unmatched(openings.truth));
+        self.openings_more.merge(unmatched(openings.reported));
         *self.counts.entry(agreement.junctions).or_default() += 1;
         if !agreement.same_walls {
             self.extend_stretch(agreement);
         }
-        self.differing = !agreement.same_walls;
+        self.is_differing = !agreement.same_walls;
     }
 
     fn extend_stretch(&mut self, agreement: &Agreement) {
         match self.stretches.last_mut() {
-            Some(last) if self.differing && last.junctions == agreement.junctions => {
+            Some(last) if self.is_differing && last.junctions == agreement.junctions => {
                 last.seq[1] = agreement.seq;
                 last.stamp_ns[1] = agreement.stamp_ns;
                 last.revolutions += 1;

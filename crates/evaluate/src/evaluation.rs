@@ -1,47 +1,47 @@
-//! Many revolutions: what their scores amount to.
+//! The figures over many revolutions.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::{Confidence, Percentiles, Score, Share};
+use crate::{Confidence, Percentiles, Proportion, Score};
 
-/// Scores of any number of revolutions, collected in any order and from any source.
+/// Collected scores of any number of revolutions, in any order and from any source.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluation {
-    right: Share,
+    right: Proportion,
     /// Revolutions by (true, reported) number of walls.
     counts: BTreeMap<(usize, usize), u64>,
     returns: u64,
     returns_right: u64,
     rand_indices: Vec<f64>,
-    missed: Share,
-    false_alarms: Share,
+    missed: Proportion,
+    false_alarms: Proportion,
     bearing_errors_rad: Vec<f64>,
     width_errors: Vec<f64>,
     answers: Vec<(f64, bool)>,
 }
 
-/// The figures of an [`Evaluation`]. The crate's page defines each.
+/// The figures of an [`Evaluation`]. The crate's page defines each figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// Revolutions that were compared.
     pub revolutions: u64,
     /// Share of them that are right: count equal, every true wall matched.
-    pub right: Share,
-    /// Share whose count is equal.
-    pub right_count: Share,
-    /// Share whose reported count is too large.
-    pub over_count: Share,
-    /// Share whose reported count is too small.
-    pub under_count: Share,
-    /// The confusion matrix of the counts: its entries that are not 0, by true, then reported count.
+    pub right: Proportion,
+    /// Share with the right count.
+    pub right_count: Proportion,
+    /// Share with too large a count.
+    pub over_count: Proportion,
+    /// Share with too small a count.
+    pub under_count: Proportion,
+    /// The nonzero entries of the confusion matrix of the counts, by true, then reported count.
     pub confusion: Vec<Confusion>,
-    /// Labels of the returns.
+    /// Figures of the labels.
     pub labels: Labels,
-    /// Openings.
+    /// Figures of the openings.
     pub openings: Openings,
-    /// Confidence.
+    /// Figures of the confidence.
     pub confidence: Confidence,
 }
 
@@ -50,41 +50,41 @@ pub struct Figures {
 pub struct Confusion {
     /// True number of walls.
     pub truth: usize,
-    /// Reported number.
+    /// Reported number of walls.
     pub reported: usize,
-    /// How often.
+    /// Number of revolutions with these counts.
     pub revolutions: u64,
 }
 
-/// How well the returns are labelled.
+/// Figures of the labels of returns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Labels {
     /// Returns that were compared.
     pub returns: u64,
-    /// Those labelled right.
+    /// Returns with the right label.
     pub returns_right: u64,
-    /// Their share; `None` without returns.
+    /// Share of the returns with the right label; `None` without returns.
     pub share: Option<f64>,
-    /// Adjusted Rand index per revolution, of those with two walls and more.
+    /// Adjusted Rand index per revolution, over revolutions with at least two walls.
     pub adjusted_rand_index: Option<Percentiles>,
 }
 
-/// How well the openings are found.
+/// Figures of the openings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Openings {
     /// True openings that were not reported.
-    pub missed: Share,
+    pub missed: Proportion,
     /// Reported openings that are not there.
     #[serde(rename = "false")]
-    pub false_alarms: Share,
+    pub false_alarms: Proportion,
     /// Absolute error of the bearings of matched openings, rad.
     pub bearing_error_rad: Option<Percentiles>,
-    /// Absolute error of their widths, as a part of the true width.
+    /// Relative error of the widths of matched openings.
     pub width_error: Option<Percentiles>,
 }
 
 impl Evaluation {
-    /// Takes in one more revolution.
+    /// Adds a revolution.
     pub fn add(&mut self, score: &Score) {
         self.right.count(score.right);
         *self.counts.entry((score.true_walls, score.reported_walls)).or_default() += 1;
@@ -92,14 +92,15 @@ impl Evaluation {
         self.returns_right += score.returns_right as u64;
         self.rand_indices.extend(score.adjusted_rand_index);
         let (openings, matched) = (&score.openings, score.openings.matched.len());
-        self.missed.merge(Share { hits: (openings.truth - matched) as u64, of: openings.truth as u64 });
-        self.false_alarms.merge(Share { hits: (openings.reported - matched) as u64, of: openings.reported as u64 });
+        self.missed.merge(Proportion { hits: (openings.truth - matched) as u64, of: openings.truth as u64 });
+        self.false_alarms
+            .merge(Proportion { hits: (openings.reported - matched) as u64, of: openings.reported as u64 });
         self.bearing_errors_rad.extend(openings.matched.iter().map(|opening| opening.bearing_error_rad));
         self.width_errors.extend(openings.matched.iter().filter_map(|opening| opening.width_error));
         self.answers.push((score.confidence, score.right));
     }
 
-    /// Takes in all revolutions of `other`.
+    /// Adds all revolutions of `other`.
     pub fn merge(&mut self, other: &Self) {
         self.right.merge(other.right);
         for (&counts, &revolutions) in &other.counts {
@@ -115,14 +116,14 @@ impl Evaluation {
         self.answers.extend(&other.answers);
     }
 
-    /// How many revolutions were taken in.
+    /// Number of revolutions.
     pub fn revolutions(&self) -> u64 {
         self.right.of
     }
 
-    /// What it amounts to.
+    /// Computes the figures.
     pub fn figures(&self) -> Figures {
-        let counted = |is: fn(usize, usize) -> bool| Share {
+        let counted = |is: fn(usize, usize) -> bool| Proportion {
             hits: self.counts.iter().filter(|&(&(truth, reported), _)| is(truth, reported)).map(|(_, n)| n).sum(),
             of: self.right.of,
         };
@@ -138,7 +139,7 @@ impl Evaluation {
             labels: Labels {
                 returns: self.returns,
                 returns_right: self.returns_right,
-                share: Share { hits: self.returns_right, of: self.returns }.value(),
+                share: Proportion { hits: self.returns_right, of: self.returns }.value(),
                 adjusted_rand_index: Percentiles::of(&self.rand_indices),
             },
             openings: Openings {

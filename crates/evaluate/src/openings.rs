@@ -1,4 +1,4 @@
-//! Reported openings against true ones.
+//! The comparison of reported openings with true ones.
 
 use crosscut_messages::TruthOpening;
 use crosscut_report::OpeningLine;
@@ -6,21 +6,21 @@ use crosscut_stage::wrap_angle_rad;
 
 use crate::assignment::best_matching;
 
-/// Openings whose bearings differ by more are not the same, rad (15°).
+/// Openings match only if their bearings differ by at most this, rad (15°).
 pub const SAME_OPENING_RAD: f64 = std::f64::consts::PI / 12.0;
 
-/// The openings of one revolution, true and reported.
+/// The openings of one revolution: their numbers, and the matched ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OpeningsScore {
-    /// True openings.
+    /// Number of true openings.
     pub truth: usize,
-    /// Reported openings.
+    /// Number of reported openings.
     pub reported: usize,
-    /// Those that are the same.
+    /// The matched openings.
     pub matched: Vec<MatchedOpening>,
 }
 
-/// A true opening and the reported one that is the same.
+/// The errors of a reported opening that matches a true one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatchedOpening {
     /// Absolute difference of the bearings, rad.
@@ -29,10 +29,10 @@ pub struct MatchedOpening {
     pub width_error: Option<f64>,
 }
 
-/// Matches one-to-one: as many as possible, among those the matching with the smallest sum of bearing errors.
+/// Matches openings one-to-one: as many as possible, and then with the smallest sum of bearing errors.
 pub(crate) fn score(truth: &[TruthOpening], reported: &[OpeningLine]) -> OpeningsScore {
     let error_rad = |t: usize, r: usize| wrap_angle_rad(reported[r].bearing_rad - truth[t].bearing_rad).abs();
-    // All rewards for small errors together are less than 1, the weight of one more pair.
+    // The sum of all rewards for small errors is less than 1, the weight of one more pair.
     let pairs_at_most = truth.len().min(reported.len()) as f64;
     let weight = |t: usize, r: usize| {
         let closeness = 1.0 - error_rad(t, r) / SAME_OPENING_RAD;
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn bearings_are_compared_across_the_turn() {
+    fn bearings_are_compared_across_plus_minus_pi() {
         assert_eq!(errors_deg(&scored(&[179.0], &[-179.0])), [2.0]);
     }
 

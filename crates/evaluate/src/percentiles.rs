@@ -1,11 +1,11 @@
-//! Percentiles of what was measured.
+//! Percentiles of measured values.
 
 use serde::Serialize;
 
-/// The 5th, 50th and 95th percentile, each the smallest value that is not below so many percent (nearest rank).
+/// The 5th, 50th and 95th percentile by nearest rank.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Percentiles {
-    /// How many values there are.
+    /// Number of values.
     pub count: usize,
     /// 5th percentile.
     pub p05: f64,
@@ -16,7 +16,7 @@ pub struct Percentiles {
 }
 
 impl Percentiles {
-    /// Of values in any order; `None` of none.
+    /// Percentiles of values in any order; `None` without values.
     pub(crate) fn of(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn percentiles_are_values_that_occur_at_their_nearest_rank() {
+    fn percentiles_are_values_at_their_nearest_rank() {
         let hundred: Vec<_> = (1..=100).rev().map(f64::from).collect();
         assert_eq!(Percentiles::of(&hundred), Some(Percentiles { count: 100, p05: 5.0, p50: 50.0, p95: 95.0 }));
         assert_eq!(Percentiles::of(&[7.0]), Some(Percentiles { count: 1, p05: 7.0, p50: 7.0, p95: 7.0 }));

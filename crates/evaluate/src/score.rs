@@ -1,4 +1,4 @@
-//! One revolution: the reported line against the truth.
+//! The score of one revolution against its truth.
 
 use crosscut_messages::Truth;
 use crosscut_report::ResultsLine;
@@ -6,35 +6,35 @@ use crosscut_report::ResultsLine;
 use crate::contingency::Contingency;
 use crate::openings::{self, OpeningsScore};
 
-/// A reported wall is the true one if they overlap at least so much (intersection over union of their returns).
+/// Two walls are the same if the intersection over union of their returns is at least this.
 pub const SAME_WALL_IOU: f64 = 0.8;
 
-/// How good the answer for one revolution is.
+/// The comparison of the answer for one revolution with the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// True number of walls, islands left out.
+    /// True number of walls, without islands.
     pub true_walls: usize,
-    /// Reported number of junctions, islands left out.
+    /// Reported number of walls, without islands.
     pub reported_walls: usize,
-    /// The count is equal and every true wall is matched.
+    /// Whether the count is equal and every true wall is matched.
     pub right: bool,
-    /// Returns whose label is compared.
+    /// Number of returns whose label is compared.
     pub returns: usize,
-    /// Those that are labelled right under the best matching.
+    /// Number of those with the right label, under the best matching of walls.
     pub returns_right: usize,
     /// Adjusted Rand index over the returns of true walls; `None` below two walls.
     pub adjusted_rand_index: Option<f64>,
-    /// The openings.
+    /// Comparison of the openings.
     pub openings: OpeningsScore,
-    /// How sure the answer said it is.
+    /// Reported confidence.
     pub confidence: f64,
 }
 
-/// Why an answer cannot be compared.
+/// The reason that an answer cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    /// Truth (or another answer) and answer are not of the same scan.
+    /// Truth (or first answer) and answer have different numbers of beams, so they belong to different scans.
     #[error("revolution {seq}: {truth} labels against {reported}; they are not of the same scan")]
     Beams {
         /// The revolution.
@@ -44,12 +44,12 @@ pub enum ScoreError {
         /// Labels in the result.
         reported: usize,
     },
-    /// Two answers are for different scans.
+    /// The two answers are for different revolutions.
     #[error("an answer for revolution {first} against one for revolution {second}; they are not of the same scan")]
     Revolutions {
         /// The revolution of the first answer.
         first: u64,
-        /// That of the second.
+        /// The revolution of the second answer.
         second: u64,
     },
 }
@@ -58,7 +58,7 @@ impl Score {
     /// Compares the answer `line` with the `truth` of the same scan.
     ///
     /// # Errors
-    /// When they have labels for different numbers of beams.
+    /// If truth and answer have labels for different numbers of beams.
     pub fn of(truth: &Truth, line: &ResultsLine) -> Result<Self, ScoreError> {
         if truth.labels.len() != line.labels.len() {
             let (truth, reported) = (truth.labels.len(), line.labels.len());
@@ -79,13 +79,13 @@ impl Score {
         })
     }
 
-    /// The count is equal.
+    /// Whether the count is equal.
     pub fn right_count(&self) -> bool {
         self.true_walls == self.reported_walls
     }
 }
 
-/// Reported walls, islands left out, that are the same as a true one.
+/// Number of reported walls, without islands, that are the same as a true one.
 fn matched_walls(table: &Contingency, line: &ResultsLine) -> usize {
     table.overlapping(SAME_WALL_IOU).filter(|&(_, b)| !is_island(line, table.reported_walls[b])).count()
 }

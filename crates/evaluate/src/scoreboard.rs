@@ -1,8 +1,8 @@
-//! Families of scenes against configurations.
+//! Evaluations by family of scenes and configuration.
 
 use crate::{Evaluation, Score};
 
-/// An evaluation per family and configuration, and per configuration in all.
+/// An evaluation for each family and configuration.
 #[derive(Clone, Debug)]
 pub struct Scoreboard {
     configurations: Vec<String>,
@@ -19,24 +19,24 @@ pub struct Family {
 }
 
 impl Scoreboard {
-    /// Of these configurations, with no family yet.
+    /// A scoreboard of these configurations, without families.
     pub fn new(configurations: Vec<String>) -> Self {
         Self { configurations, families: Vec::new() }
     }
 
-    /// Takes in one more revolution of `family` as the configuration of this index answered it. Families keep the order
-    /// in which they first come.
+    /// Adds a revolution of `family`, scored for the configuration of this index. Families keep the order in which they
+    /// are first added.
     ///
     /// # Panics
-    /// When there is no such configuration.
+    /// If there is no such configuration.
     pub fn add(&mut self, family: &str, configuration: usize, score: &Score) {
         self.evaluation(family, configuration).add(score);
     }
 
-    /// Takes in a whole evaluation of `family` by the configuration of this index.
+    /// Adds an evaluation of `family` for the configuration of this index.
     ///
     /// # Panics
-    /// When there is no such configuration.
+    /// If there is no such configuration.
     pub fn merge(&mut self, family: &str, configuration: usize, evaluation: &Evaluation) {
         self.evaluation(family, configuration).merge(evaluation);
     }
@@ -51,7 +51,7 @@ impl Scoreboard {
         &self.families
     }
 
-    /// All families together, revolution by revolution: a family counts by its size.
+    /// The sum over all families for each configuration. Every revolution has the same weight.
     pub fn all(&self) -> Vec<Evaluation> {
         let mut all = vec![Evaluation::default(); self.configurations.len()];
         for family in &self.families {

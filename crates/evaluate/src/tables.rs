@@ -1,12 +1,12 @@
-//! A scoreboard as tables of text: the same for a terminal and for Markdown.
+//! Tables of a scoreboard, independent of their format.
 
 use crate::confidence::BINS;
-use crate::{Evaluation, Figures, Percentiles, Scoreboard, Share};
+use crate::{Evaluation, Figures, Percentiles, Proportion, Scoreboard};
 
-/// A table, still without a form.
+/// A table of text, without a format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// What it shows, and in which unit.
+    /// Title, with the unit.
     pub title: String,
     /// Names of the columns.
     pub header: Vec<String>,
@@ -14,11 +14,11 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-/// Share of right and of right counts: a row per family, a column per configuration.
+/// Shares of right answers and of right counts: a row per family, a column per configuration.
 pub fn overview(scoreboard: &Scoreboard) -> Vec<Table> {
     let right = |figures: &Figures| match figures.right.interval95() {
         Some([low, high]) => format!("{} [{}, {}]", share(figures.right), percent(Some(low)), percent(Some(high))),
-        None => NOTHING.to_owned(),
+        None => NO_VALUE.to_owned(),
     };
     vec![
         by_family(scoreboard, "right: count equal and every wall matched, % [95 % interval]", right),
@@ -26,7 +26,7 @@ pub fn overview(scoreboard: &Scoreboard) -> Vec<Table> {
     ]
 }
 
-/// Everything else: a row per family and configuration, then confusion and reliability per configuration in all.
+/// All other figures: tables with a row per family and configuration, then confusion and reliability per configuration.
 pub fn details(scoreboard: &Scoreboard) -> Vec<Table> {
     let mut tables = vec![
         by_family_and_configuration(scoreboard, "counts, % of the revolutions", &["right", "over", "under"], |f| {
@@ -75,10 +75,10 @@ pub fn details(scoreboard: &Scoreboard) -> Vec<Table> {
     tables
 }
 
-const NOTHING: &str = "-";
+const NO_VALUE: &str = "-";
 const ALL: &str = "all";
 
-/// A row per family and one for all.
+/// The figures of each family, and of all families together.
 fn families(scoreboard: &Scoreboard) -> impl Iterator<Item = (&str, Vec<Figures>)> {
     let figures = |evaluations: &[Evaluation]| evaluations.iter().map(Evaluation::figures).collect::<Vec<_>>();
     let each = scoreboard.families().iter().map(move |family| (family.name.as_str(), figures(&family.evaluations)));
@@ -110,7 +110,7 @@ fn by_family_and_configuration(
     Table { title: title.to_owned(), header: header.collect(), rows }
 }
 
-/// Reported counts far beyond the true ones stand in one column.
+/// Confusion of counts; reported counts far above the true ones share a column.
 fn confusion(configuration: &str, figures: &Figures) -> Table {
     let mut truths: Vec<usize> = figures.confusion.iter().map(|entry| entry.truth).collect();
     truths.dedup();
@@ -125,7 +125,7 @@ fn confusion(configuration: &str, figures: &Figures) -> Table {
         [truth.to_string()].into_iter().chain(cells).collect()
     });
     Table {
-        title: format!("{configuration}: true walls (rows) and reported walls (columns), revolutions in all"),
+        title: format!("{configuration}: true walls (rows) and reported walls (columns), revolutions of all families"),
         header: ["true".to_owned()].into_iter().chain(header).collect(),
         rows: rows.collect(),
     }
@@ -141,13 +141,13 @@ fn reliability(configuration: &str, figures: &Figures) -> Table {
         ]
     });
     Table {
-        title: format!("{configuration}: confidence against what is right, in all"),
+        title: format!("{configuration}: confidence against the share of right answers, all families"),
         header: ["confidence", "answers", "mean confidence", "right %"].map(str::to_owned).to_vec(),
         rows: rows.collect(),
     }
 }
 
-fn share(share: Share) -> String {
+fn share(share: Proportion) -> String {
     percent(share.value())
 }
 
@@ -156,5 +156,5 @@ fn percent(part: Option<f64>) -> String {
 }
 
 fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| NOTHING.to_owned(), |value| format!("{value:.decimals$}"))
+    value.map_or_else(|| NO_VALUE.to_owned(), |value| format!("{value:.decimals$}"))
 }

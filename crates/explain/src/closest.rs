@@ -1,14 +1,14 @@
-//! Where two walls come closest to each other.
+//! The closest returns of two different walls.
 
 use crosscut_stage::Frame;
 
-/// Beyond so many returns the search, which is O(n²), is left out.
-const SEARCHED: usize = 2048;
+/// Scans with more returns are not searched, because the search is O(n²).
+const MOST_RETURNS: usize = 2048;
 
-/// The two returns of different walls that lie closest, and their walls.
+/// The two closest returns of different walls, after their walls.
 pub(crate) fn pair(frame: &Frame) -> Option<([u32; 2], [usize; 2])> {
     let (points, wall_of) = (&frame.revolution.points_m, &frame.junction.wall_of_return);
-    if points.len() > SEARCHED {
+    if points.len() > MOST_RETURNS {
         return None;
     }
     let mut closest: Option<(f64, [u32; 2], [usize; 2])> = None;

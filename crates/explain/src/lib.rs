@@ -1,30 +1,30 @@
-//! Why the count of a revolution is what it is.
+//! Explains the count of a revolution.
 //!
-//! In: a finished [`Frame`](crosscut_stage::Frame). Out: the links of W that decide its count ([`Explanation`]), the
-//! same in words ([`Explanation::to_markdown`]), and which revolutions of a flight are worth a look ([`Watch`]).
+//! In: a finished [`Frame`](crosscut_stage::Frame). Out: the edges of W that decide its count ([`Explanation`]), their
+//! description in words ([`Explanation::to_markdown`]), and the revolutions of a flight to look at first ([`Watch`]).
 //!
-//! A wall is held together by its **weakest link**: the smallest weight on its maximum spanning tree (its bottleneck);
-//! without it the wall falls into two sides A and B. It is kept apart from the others by its **strongest link** to a
-//! return of another wall. What either does to the eigenvalues is told by the Rayleigh quotient of L on the vector that
-//! is constant on each side,
+//! The **weakest edge** of a wall is the smallest weight on its maximum spanning tree (the bottleneck): without it the wall
+//! breaks into two sides A and B. The **strongest edge** of a wall to a return of another wall nearly joins the two. The
+//! effect of either on the eigenvalues is estimated by the Rayleigh quotient of L on the vector that is constant on each
+//! side,
 //!
 //! ```text
 //! q(A, B) = cut(A, B) (1 / vol A + 1 / vol B),   cut(A, B) = Σ W_ij over i in A, j in B,   vol A = Σ D_ii over i in A
 //! ```
 //!
-//! an upper bound of the eigenvalue of that split, and for weights that differ by decades a close one. An eigenvalue is
-//! put down to a link only where the two agree within a decade.
+//! an upper bound of the eigenvalue of that split, and a close one for weights that differ by decades. An eigenvalue is
+//! attributed to an edge only where the two agree within a decade.
 //!
 //! Cost: O(n²) for a dense W, O(e log e) for a sparse one with e entries.
 
 mod bottleneck;
 mod change;
 mod closest;
-mod links;
+mod edges;
 mod watch;
 mod words;
 
 pub use change::Change;
-pub use links::{Explanation, Link, WallLinks};
+pub use edges::{Edge, Explanation, WallEdges};
 pub use watch::{Event, Watch};
 pub use words::inequality;

@@ -1,29 +1,30 @@
-//! Which revolutions of a flight are worth a look.
+//! The revolutions of a flight to look at first.
 
 use std::fmt;
 
 use crosscut_stage::{Frame, Place, counted};
 
-/// A margin below this is low, and has to rise above [`RECOVERED_DECADES`] before it is told again.
+/// A margin below this is low.
 const LOW_DECADES: f64 = 0.5;
+/// A low margin is reported again only after the margin was above this.
 const RECOVERED_DECADES: f64 = 1.0;
 
-/// Why a revolution is worth a look.
+/// The reason to look at a revolution.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
-    /// Another count, or another place, than at the revolution before.
+    /// Count or place differ from those of the previous revolution.
     Changed {
         /// Junctions before and now.
         junctions: [usize; 2],
         /// Place before and now.
         place: [Place; 2],
     },
-    /// τ could hardly be moved without another k.
+    /// A small change of τ would give another k.
     LowMargin {
-        /// How far, in decades.
+        /// The margin, in decades.
         decades: f64,
-        /// k as it is.
+        /// The k that was reported.
         k: usize,
     },
 }
@@ -44,7 +45,7 @@ impl fmt::Display for Event {
     }
 }
 
-/// Compares each revolution with the one before.
+/// Compares each revolution with the previous one.
 #[derive(Debug, Default)]
 pub struct Watch {
     before: Option<(usize, Place)>,
@@ -52,7 +53,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// What is worth a look at the next revolution of the flight.
+    /// The reasons to look at the next revolution of the flight.
     pub fn events(&mut self, frame: &Frame) -> Vec<Event> {
         let mut events = Vec::new();
         let (junctions, place) = (frame.junction.junctions, frame.junction.place);

@@ -1,16 +1,17 @@
-//! The explanation in words.
+//! The explanation as text.
 
 use crosscut_stage::{Beam, Frame, Spectrum, Verdict, counted};
 
-use crate::{Change, Explanation, Link, WallLinks};
+use crate::{Change, Edge, Explanation, WallEdges};
 
-/// Walls that are told of, and verdicts; more would not be read.
-const TOLD: usize = 12;
-const TOLD_VERDICTS: usize = 5;
+/// The text has a line for at most this many walls.
+const MOST_WALLS: usize = 12;
+/// The text has a line for at most this many verdicts.
+const MOST_VERDICTS: usize = 5;
 
 impl Explanation {
-    /// A page of Markdown: what k follows from, the links that decide it, what would change it, what was left out.
-    /// `color_of` says what colour a wall is drawn in.
+    /// The explanation as Markdown: the inequality that gives k, changes that would give another k, verdicts, the edges of
+    /// each wall, and what was left out. `color_of` names the colour in which a wall is drawn.
     pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
@@ -46,7 +47,7 @@ impl Words<'_> {
         text
     }
 
-    /// What k follows from, and the margin.
+    /// The inequality that gives k, and the margin.
     fn inequality(&self) -> String {
         let spectrum = &self.frame.spectrum;
         let margin = spectrum.margin_decades.map(|decades| format!(": a margin of {decades:.1} decades"));
@@ -61,56 +62,56 @@ impl Words<'_> {
         if let Some(sigma) = change.sigma_per_m2 {
             text += &format!(", or σ about {sigma:.2} per m²");
         }
-        match (change.walls.as_slice(), change.link) {
-            ([wall], Some(link)) => text += &format!(": {} would break at {}", self.wall(*wall), self.link(link)),
-            ([a, b], Some(link)) => {
-                text += &format!(": {} and {} would be one by {}", self.wall(*a), self.wall(*b), self.link(link));
+        match (change.walls.as_slice(), change.edge) {
+            ([wall], Some(edge)) => text += &format!(": {} would break at {}", self.wall(*wall), self.edge(edge)),
+            ([a, b], Some(edge)) => {
+                text += &format!(": {} and {} would be joined by {}", self.wall(*a), self.wall(*b), self.edge(edge));
             }
-            _ => text += "; no single link stands for it",
+            _ => text += "; no single edge explains it",
         }
         text + "."
     }
 
-    /// The most doubtful verdicts of an affinity that decides where walls end.
+    /// The verdicts closest to the threshold, of an affinity that decides where walls end.
     fn verdicts(&self) -> Option<String> {
         let doubt = |verdict: &Verdict| verdict.room_ratio.ln().abs();
         let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
         verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
         let line = |verdict: &Verdict| {
             let what = match (verdict.is_way, verdict.room_ratio >= 1.0) {
-                (true, _) => "a way on",
-                (false, false) => "the wall goes on",
-                (false, true) => "the wall goes on all the same, as it was joined piece by piece",
+                (true, _) => "an opening",
+                (false, false) => "the wall continues",
+                (false, true) => "the wall continues nevertheless, because its pieces were joined one by one",
             };
             let between = self.between(verdict.returns.map(|i| i as usize));
             let Verdict { room_ratio, reason, .. } = verdict;
-            format!("- **{room_ratio:.2}** times the room that a way on needs ({reason}): {what} ({between})")
+            format!("- **{room_ratio:.2}** times the room that an opening needs ({reason}): {what} ({between})")
         };
-        let lines: Vec<String> = verdicts.iter().take(TOLD_VERDICTS).map(line).collect();
-        let title = "Where walls were taken to end or to go on, the most doubtful first:";
+        let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
+        let title = "Verdicts where walls may end, the closest to the threshold first:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
-    /// A line for each wall: what holds it together, and what ties it to another.
+    /// A line for each wall with its weakest and its strongest edge.
     fn walls(&self, explanation: &Explanation) -> Option<String> {
         let walls = &explanation.walls;
-        let mut lines: Vec<String> = walls.iter().take(TOLD).map(|wall| self.links_of(wall)).collect();
-        if walls.len() > TOLD {
-            lines.push(format!("- and {} more", walls.len() - TOLD));
+        let mut lines: Vec<String> = walls.iter().take(MOST_WALLS).map(|wall| self.edges_of(wall)).collect();
+        if walls.len() > MOST_WALLS {
+            lines.push(format!("- and {} more", walls.len() - MOST_WALLS));
         }
-        let title = "What holds each wall together, and what ties it to another:";
+        let title = "The edges of each wall:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
-    fn links_of(&self, wall: &WallLinks) -> String {
+    fn edges_of(&self, wall: &WallEdges) -> String {
         let inside = match wall.weakest {
-            Some(link) => format!("weakest link inside {}", self.link(link)),
-            None if wall.pieces > 1 => format!("{} parts without a link", wall.pieces),
-            None => "no link inside".to_owned(),
+            Some(edge) => format!("weakest edge inside {}", self.edge(edge)),
+            None if wall.parts > 1 => format!("{} parts without an edge between them", wall.parts),
+            None => "no edge inside".to_owned(),
         };
         let outside = match wall.strongest {
-            Some((to, link)) => format!("strongest to another {}, to {}", self.link(link), self.wall(to)),
-            None => "no link to another".to_owned(),
+            Some((to, edge)) => format!("strongest edge to another wall {}, to {}", self.edge(edge), self.wall(to)),
+            None => "no edge to another wall".to_owned(),
         };
         let returns = self.frame.junction.wall_of_return.iter().filter(|of| **of == Some(wall.wall)).count();
         let returns = counted(returns as u64, "return");
@@ -119,7 +120,7 @@ impl Words<'_> {
 
     fn closest(&self, [a, b]: [u32; 2], returns: [usize; 2]) -> String {
         let (a, b, between) = (self.wall(a), self.wall(b), self.between(returns));
-        format!("W has no link between walls. The closest two are {a} and {b}: {between}.")
+        format!("W has no edge between walls. The closest two are {a} and {b}: {between}.")
     }
 
     fn left_out(&self) -> String {
@@ -131,7 +132,7 @@ impl Words<'_> {
             let unknown = sweep.beams.iter().filter(|beam| **beam == Beam::Unknown).count();
             let nothing = sweep.beams.iter().filter(|beam| **beam == Beam::NoReturn).count();
             lines.push(format!(
-                "Of {}, {nothing} saw nothing in range, {unknown} are unknown.",
+                "Of {}, {nothing} have no return in range and {unknown} are unknown.",
                 counted(sweep.len() as u64, "beam")
             ));
         }
@@ -143,11 +144,11 @@ impl Words<'_> {
         format!("{wall} ({})", (self.color_of)(wall))
     }
 
-    fn link(&self, link: Link) -> String {
-        format!("{} ({})", power(link.weight), self.between(link.returns))
+    fn edge(&self, edge: Edge) -> String {
+        format!("{} ({})", power(edge.weight), self.between(edge.returns))
     }
 
-    /// "beams 12, 301: 3.46 m"; returns where there are no beams.
+    /// Formats "beams 12, 301: 3.46 m"; numbers of returns if there are no beams.
     fn between(&self, returns: [usize; 2]) -> String {
         let revolution = &self.frame.revolution;
         let [a, b] = returns.map(|i| revolution.points_m[i]);
@@ -164,7 +165,7 @@ impl Words<'_> {
     }
 }
 
-/// The inequality that k follows from: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".
+/// The inequality that gives k: "λ3 7.4e-9 < τ 1.0e-7 ≤ λ4 2.5e-5".
 pub fn inequality(spectrum: &Spectrum) -> String {
     let (k, values) = (spectrum.k, &spectrum.eigenvalues);
     let below = k.checked_sub(1).and_then(|last| Some(format!("λ{k} {} < ", power(*values.get(last)?))));
@@ -173,7 +174,7 @@ pub fn inequality(spectrum: &Spectrum) -> String {
     format!("{below}τ {}{above}", power(spectrum.tolerance))
 }
 
-/// A value by its power of ten: 1.2e-8; 0.31.
+/// Formats a value as 1.2e-8, or 0.31 if it is near 1.
 fn power(value: f64) -> String {
     if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
 }
@@ -183,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_inequality_names_the_eigenvalues_on_both_sides_where_there_are_any() {
+    fn the_inequality_names_the_eigenvalues_on_both_sides() {
         let inequality = |eigenvalues: &[f64], k| {
             inequality(&Spectrum { eigenvalues: eigenvalues.to_vec(), tolerance: 1e-7, k, ..Spectrum::default() })
         };

@@ -1,6 +1,6 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
-use crosscut_explain::{Event, Explanation, Link, Watch};
+use crosscut_explain::{Edge, Event, Explanation, Watch};
 use crosscut_stage::{Beam, Frame, Place, Point, Sweep, Verdict, Weights};
 use faer::Mat;
 
@@ -22,7 +22,7 @@ fn set_degrees(frame: &mut Frame) {
     frame.affinity.degrees = degrees;
 }
 
-/// The same W by its entries above `least`.
+/// The frame with W in sparse form, by its entries above `least`.
 fn sparse(frame: &Frame, least: f64) -> Frame {
     let Weights::Dense(w) = &frame.affinity.weights else { panic!("dense") };
     let mut other = frame.clone();
@@ -37,7 +37,7 @@ fn sparse(frame: &Frame, least: f64) -> Frame {
     other
 }
 
-/// Eigenvalues as the stage would have them, computed by faer.
+/// Eigenvalues of L, computed by faer.
 fn with_spectrum(mut frame: Frame, tolerance: f64) -> Frame {
     let (n, degrees) = (frame.affinity.weights.n(), frame.affinity.degrees.clone());
     let mut laplacian = Mat::<f64>::identity(n, n);
@@ -52,18 +52,18 @@ fn with_spectrum(mut frame: Frame, tolerance: f64) -> Frame {
 const PLACES_M: [f64; 7] = [0.0, 1.0, 2.0, 3.5, 6.5, 7.5, 8.6];
 const WALLS: [Option<u32>; 7] = [Some(0), Some(0), Some(0), Some(0), Some(1), Some(1), Some(1)];
 
-fn sorted(link: Option<Link>) -> Option<[usize; 2]> {
-    link.map(|link| [link.returns[0].min(link.returns[1]), link.returns[0].max(link.returns[1])])
+fn sorted(edge: Option<Edge>) -> Option<[usize; 2]> {
+    edge.map(|edge| [edge.returns[0].min(edge.returns[1]), edge.returns[0].max(edge.returns[1])])
 }
 
 #[test]
-fn the_weakest_link_is_the_bottleneck_of_the_wall_and_not_its_smallest_weight() {
+fn the_weakest_edge_is_the_bottleneck_and_not_the_smallest_weight() {
     let dense = gaussian(&PLACES_M, &WALLS, 1.5);
     for frame in [dense.clone(), sparse(&dense, 1e-4)] {
         let explanation = Explanation::of(&frame);
         assert_eq!(sorted(explanation.walls[0].weakest), Some([2, 3]), "the gap, not the ends at 0 and 3.5 m");
-        assert_eq!(explanation.walls[0].weakest.map(|link| link.weight), Some((-1.5f64 * 2.25).exp()));
-        assert_eq!(explanation.walls[0].pieces, 1);
+        assert_eq!(explanation.walls[0].weakest.map(|edge| edge.weight), Some((-1.5f64 * 2.25).exp()));
+        assert_eq!(explanation.walls[0].parts, 1);
     }
 }
 
@@ -72,37 +72,37 @@ fn dense_and_sparse_w_are_explained_alike() {
     let dense = gaussian(&PLACES_M, &WALLS, 0.3);
     let [a, b] = [Explanation::of(&dense), Explanation::of(&sparse(&dense, 0.0))];
     for (a, b) in a.walls.iter().zip(&b.walls) {
-        assert_eq!((sorted(a.weakest), a.pieces), (sorted(b.weakest), b.pieces));
+        assert_eq!((sorted(a.weakest), a.parts), (sorted(b.weakest), b.parts));
         assert_eq!(sorted(a.strongest.map(|s| s.1)), sorted(b.strongest.map(|s| s.1)));
         assert!((a.breaks_at - b.breaks_at).abs() < 1e-12 && (a.parts_at - b.parts_at).abs() < 1e-12);
     }
 }
 
 #[test]
-fn the_strongest_link_between_walls_ties_the_two_nearest_returns() {
+fn the_strongest_edge_between_walls_joins_the_two_nearest_returns() {
     let explanation = Explanation::of(&gaussian(&PLACES_M, &WALLS, 1.5));
-    let (walls, link) = explanation.strongest().unwrap();
-    assert_eq!(sorted(Some(link)), Some([3, 4]));
+    let (walls, edge) = explanation.strongest().unwrap();
+    assert_eq!(sorted(Some(edge)), Some([3, 4]));
     assert!(walls == [0, 1] || walls == [1, 0]);
-    assert_eq!(link.weight, (-1.5f64 * 9.0).exp());
-    assert_eq!(explanation.closest, None, "told only where W has no link");
+    assert_eq!(edge.weight, (-1.5f64 * 9.0).exp());
+    assert_eq!(explanation.closest, None, "given only where W has no edge");
 }
 
 #[test]
-fn rayleigh_quotients_name_the_links_that_the_eigenvalues_on_both_sides_of_the_tolerance_stand_for() {
+fn eigenvalues_beside_the_tolerance_are_attributed_to_their_edges() {
     let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
     assert_eq!(frame.spectrum.k, 2);
     let explanation = Explanation::of(&frame);
     let fewer = explanation.changes.iter().find(|change| change.k == 1).unwrap();
-    assert_eq!((sorted(fewer.link), fewer.walls.len()), (Some([3, 4]), 2));
+    assert_eq!((sorted(fewer.edge), fewer.walls.len()), (Some([3, 4]), 2));
     assert_eq!(fewer.eigenvalue, frame.spectrum.eigenvalues[1]);
     let more = explanation.changes.iter().find(|change| change.k == 3).unwrap();
-    assert_eq!((sorted(more.link), more.walls.as_slice()), (Some([2, 3]), &[0][..]));
+    assert_eq!((sorted(more.edge), more.walls.as_slice()), (Some([2, 3]), &[0][..]));
     assert!(explanation.changes[0].decades <= explanation.changes[1].decades, "the nearer first");
 }
 
 #[test]
-fn the_scale_that_is_named_changes_the_count() {
+fn the_sigma_that_is_named_changes_the_count() {
     let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
     for change in Explanation::of(&frame).changes {
         let sigma = change.sigma_per_m2.unwrap();
@@ -113,16 +113,16 @@ fn the_scale_that_is_named_changes_the_count() {
 }
 
 #[test]
-fn no_scale_is_named_that_is_so_far_away_that_other_links_decide_by_then() {
+fn no_distant_sigma_is_named() {
     let frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-5);
     let changes = Explanation::of(&frame).changes;
-    assert!(changes.iter().all(|change| change.link.is_some()), "{changes:?}");
+    assert!(changes.iter().all(|change| change.edge.is_some()), "{changes:?}");
     let named: Vec<(usize, bool)> = changes.iter().map(|change| (change.k, change.sigma_per_m2.is_some())).collect();
     assert_eq!(named, [(1, true), (3, false)], "to break a wall would take a σ of 5.2 per m²: {changes:?}");
 }
 
 #[test]
-fn no_scale_is_named_for_a_w_that_is_no_gaussian_of_the_distance() {
+fn no_sigma_is_named_for_weights_that_are_not_gaussian() {
     let mut frame = gaussian(&PLACES_M, &WALLS, 1.5);
     let w = frame.affinity.weights.make_dense(7);
     *w = Mat::from_fn(7, 7, |i, j| 0.1f64.powi(i32::from(i.abs_diff(j) as u16)));
@@ -133,7 +133,7 @@ fn no_scale_is_named_for_a_w_that_is_no_gaussian_of_the_distance() {
 }
 
 #[test]
-fn a_zero_of_rounding_is_undone_by_no_tolerance() {
+fn no_tolerance_undoes_a_zero_of_rounding() {
     let apart = sparse(&gaussian(&PLACES_M, &WALLS, 1.5), 1e-3);
     let mut frame = with_spectrum(apart, 1e-4);
     frame.spectrum.eigenvalues[1] = 1e-16;
@@ -141,7 +141,7 @@ fn a_zero_of_rounding_is_undone_by_no_tolerance() {
 }
 
 #[test]
-fn walls_without_any_link_between_them_are_told_by_where_they_come_closest() {
+fn walls_without_edges_between_them_name_their_closest_returns() {
     let frame = sparse(&gaussian(&PLACES_M, &WALLS, 1.5), 1e-3);
     let explanation = Explanation::of(&frame);
     assert_eq!(explanation.strongest(), None);
@@ -149,7 +149,7 @@ fn walls_without_any_link_between_them_are_told_by_where_they_come_closest() {
 }
 
 #[test]
-fn a_wall_that_w_does_not_hold_together_is_told_to_lie_in_pieces() {
+fn a_wall_that_w_splits_is_reported_in_parts() {
     let dense = gaussian(&PLACES_M, &[Some(0); 7], 1.5);
     let mut cut = dense.clone();
     let w = cut.affinity.weights.make_dense(7);
@@ -157,14 +157,14 @@ fn a_wall_that_w_does_not_hold_together_is_told_to_lie_in_pieces() {
     set_degrees(&mut cut);
     for frame in [cut, sparse(&dense, 1e-3)] {
         let explanation = Explanation::of(&frame);
-        assert_eq!((explanation.walls[0].pieces, explanation.walls[0].weakest), (2, None));
+        assert_eq!((explanation.walls[0].parts, explanation.walls[0].weakest), (2, None));
         let text = explanation.to_markdown(&frame, &|_| "blue");
-        assert!(text.contains("2 parts without a link"), "{text}");
+        assert!(text.contains("2 parts without an edge"), "{text}");
     }
 }
 
 #[test]
-fn the_words_name_beams_distances_weights_and_what_was_dropped() {
+fn the_text_names_beams_distances_weights_and_notes() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
     let mut beams: Vec<Beam> = (0..7).map(Beam::Return).collect();
     beams.insert(3, Beam::NoReturn);
@@ -178,14 +178,14 @@ fn the_words_name_beams_distances_weights_and_what_was_dropped() {
         "beams 2, 4: 1.50 m",
         "0 (blue)**, 4 returns: ",
         "- 3 beams masked",
-        "1 saw nothing",
+        "1 have no return",
     ] {
         assert!(text.contains(expected), "{expected} is missing:\n{text}");
     }
 }
 
 #[test]
-fn parts_that_do_not_fit_and_empty_frames_are_explained_without_a_panic() {
+fn empty_and_inconsistent_frames_are_explained_without_a_panic() {
     let empty = Frame::default();
     assert!(Explanation::of(&empty).to_markdown(&empty, &|_| "").starts_with("## k = 0"));
     let mut torn = gaussian(&PLACES_M, &WALLS, 1.5);
@@ -196,7 +196,7 @@ fn parts_that_do_not_fit_and_empty_frames_are_explained_without_a_panic() {
 }
 
 #[test]
-fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
+fn a_changed_count_and_a_new_low_margin_are_reported_once() {
     let frame = |junctions: usize, margin: f64| {
         let mut frame = Frame::default();
         (frame.junction.junctions, frame.junction.place) = (junctions, Place::Tee);
@@ -205,29 +205,29 @@ fn a_changed_count_is_told_once_and_a_low_margin_when_it_becomes_low() {
     };
     let mut watch = Watch::default();
     let flight = [(3, 2.0), (3, 0.4), (3, 0.2), (4, 0.7), (4, 0.3), (4, 1.5), (4, 0.1)];
-    let told: Vec<Vec<String>> = flight
+    let reported: Vec<Vec<String>> = flight
         .map(|(junctions, margin)| watch.events(&frame(junctions, margin)).iter().map(Event::to_string).collect())
         .to_vec();
-    assert_eq!(told[1], ["low margin: k = 0 holds by 0.40 decades"]);
-    assert_eq!(told[3], ["3 → 4 walls (tee)"]);
-    assert_eq!(told[6], ["low margin: k = 0 holds by 0.10 decades"]);
-    assert!([0, 2, 4, 5].iter().all(|&i| told[i].is_empty()), "{told:?}");
+    assert_eq!(reported[1], ["low margin: k = 0 holds by 0.40 decades"]);
+    assert_eq!(reported[3], ["3 → 4 walls (tee)"]);
+    assert_eq!(reported[6], ["low margin: k = 0 holds by 0.10 decades"]);
+    assert!([0, 2, 4, 5].iter().all(|&i| reported[i].is_empty()), "{reported:?}");
 }
 
 #[test]
-fn the_most_doubtful_verdicts_are_told_first_and_in_words() {
+fn verdicts_closest_to_the_threshold_come_first() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
     let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio, reason: "width" };
     frame.affinity.verdicts =
         vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");
-    let told: Vec<_> = text.lines().filter(|line| line.contains("times the room")).collect();
+    let reported: Vec<_> = text.lines().filter(|line| line.contains("times the room")).collect();
     assert_eq!(
-        told,
+        reported,
         [
-            "- **1.10** times the room that a way on needs (width): a way on (returns 3, 4: 3.00 m)",
-            "- **0.80** times the room that a way on needs (width): the wall goes on (returns 2, 3: 1.50 m)",
-            "- **0.01** times the room that a way on needs (width): the wall goes on (returns 0, 1: 1.00 m)",
+            "- **1.10** times the room that an opening needs (width): an opening (returns 3, 4: 3.00 m)",
+            "- **0.80** times the room that an opening needs (width): the wall continues (returns 2, 3: 1.50 m)",
+            "- **0.01** times the room that an opening needs (width): the wall continues (returns 0, 1: 1.00 m)",
         ]
     );
 }

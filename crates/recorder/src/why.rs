@@ -1,6 +1,6 @@
 //! Why the count is what it is: in words, drawn on the scan, and which revolutions are worth a look.
 
-use crosscut_explain::{Change, Event, Explanation, Link, Watch};
+use crosscut_explain::{Change, Edge, Event, Explanation, Watch};
 use crosscut_stage::{Frame, Point, Revolution, Weights};
 use rerun::{
     AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, TextDocument, TextLog,
@@ -68,7 +68,7 @@ fn log_decisive_links(
     let (lines, colors): (Vec<_>, Vec<_>) =
         links.map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
     let (at, labels): (Vec<_>, Vec<_>) =
-        explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.link?))).unzip();
+        explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.edge?))).unzip();
     let at = readable(at, reach_m);
     let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - EDGE_BELOW_M]);
     rec.log("scan/links/edges", &LineStrips3D::new(lines.iter().map(below)))?;
@@ -82,7 +82,7 @@ fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
 }
 
 /// In the middle of the link: "k = 4 if broken: 3e-5".
-fn mark(revolution: &Revolution, change: &Change, link: Link) -> (Point, String) {
+fn mark(revolution: &Revolution, change: &Change, link: Edge) -> (Point, String) {
     let [a, b] = link.returns.map(|i| revolution.points_m[i]);
     let what = if change.walls.len() == 1 { "broken" } else { "joined" };
     (nalgebra::center(&a, &b), format!("k = {} if {what}: {:.0e}", change.k, link.weight))

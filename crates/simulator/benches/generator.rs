@@ -1,6 +1,5 @@
-//! How fast scenes are made, on one core: `cargo bench -p crosscut-simulator`. One line per family of places and per
-//! flight: its rate in the median of several passes over the same scenes. Mines, lidar and truth are made anew in every
-//! pass.
+//! Scenes per second on one core: `cargo bench -p crosscut-simulator`. Each line has the rate of a family of places or of
+//! a flight, as the median of several passes over the same scenes. Every pass makes mines, scans and truth again.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,7 +11,7 @@ const PASSES: usize = 7;
 
 fn main() {
     println!("{:<16}{:>16}", "", "revolutions/s");
-    // The families of flights leave out most scans of each; the flights themselves are below.
+    // Families of flights are left out, because they skip most scans. The flights themselves follow.
     for suite in suites().iter().filter(|suite| !suite.name.starts_with("flight_")) {
         print_median(suite.name, || suite.scenes(Split::Dev).take(SCENES).count());
     }

@@ -1,4 +1,4 @@
-//! What a lidar of many rings sees: a cloud.
+//! The cloud of a lidar of many rings.
 
 use crosscut_messages::Truth;
 
@@ -8,29 +8,29 @@ use crate::noise::Generator;
 use crate::pose::{Motion, Pose};
 use crate::reading::Reading;
 
-/// The rings of a 3D lidar that stands upright in the middle between floor and roof.
+/// The rings of an upright 3D lidar halfway between floor and roof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rings {
-    /// Number of rings, evenly spaced from `lowest_rad` to -`lowest_rad`; of an odd number the middle one is level.
+    /// Number of rings, evenly spaced from `lowest_rad` to -`lowest_rad`. If it is odd, the middle ring is level.
     pub rings: usize,
     /// Elevation of the lowest ring, negative.
     pub lowest_rad: f64,
-    /// Beams of a ring.
+    /// Number of beams of a ring.
     pub beams: usize,
 }
 
-/// Points without beams, in the body frame, z = 0 the height of the lidar.
+/// Points without beams, in the body frame; z = 0 is the height of the lidar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cloud {
     /// The returns, ring by ring.
     pub points_m: Vec<nalgebra::Point3<f64>>,
-    /// What the level ring shows, by the beams of the family's 2D lidar.
+    /// The truth of the level view by the 2D lidar of the family.
     pub truth: Truth,
 }
 
 impl Rings {
-    /// All rings of one look, with the errors of `lidar`. Walls are upright, floor and roof are level.
-    pub(crate) fn look(
+    /// The points of all rings, with the errors of `lidar`. Walls are upright, floor and roof are level.
+    pub(crate) fn points_m(
         &self,
         lidar: &Lidar,
         mine: &Mine,
@@ -59,8 +59,8 @@ impl Rings {
     }
 }
 
-/// What a beam meets that goes up or down, from what the level beam of the same bearing meets: the wall at the same
-/// place, unless floor or roof are nearer.
+/// The echo of a beam that goes up or down, derived from the level beam of the same bearing: the wall at the same place,
+/// unless floor or roof is nearer.
 fn tilted(level: Echo, floor_range_m: f64, cos: f64, range_max_m: f64) -> Echo {
     match level {
         Echo::Rock { range_m, segment, incidence_sine } if range_m / cos < floor_range_m.min(range_max_m) => {
@@ -76,7 +76,7 @@ mod tests {
     use crate::{Rings, Split, suites};
 
     #[test]
-    fn a_cloud_keeps_within_the_tunnel_and_its_level_ring_sees_the_walls_of_the_scan_of_the_same_place() {
+    fn the_level_ring_of_a_cloud_agrees_with_the_2d_scan() {
         let suite = suites().iter().find(|suite| suite.name == "clean6").expect("there is one");
         let rings = Rings { rings: 9, lowest_rad: -0.4, beams: 360 };
         let clouds = suite.clouds(Split::Dev, rings).expect("places");

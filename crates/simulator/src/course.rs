@@ -1,4 +1,4 @@
-//! Shapes of tunnels: centrelines that bend and sway, and widths that vary along them.
+//! Shapes of tunnels: curved centrelines, and widths that vary along them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,10 +7,10 @@ use rand::RngExt;
 use crate::network::{Point, left_of, unit};
 use crate::noise::Generator;
 
-/// Distance between the points of a centreline, about.
+/// Largest distance between points of a centreline, metres.
 const STEP_M: f64 = 0.5;
 
-/// A centreline from a place in a direction, turning by `bend_rad_per_m`.
+/// A centreline from a place in a direction, with curvature `bend_rad_per_m`.
 pub(crate) fn bent(from_m: Point, heading_rad: f64, length_m: f64, bend_rad_per_m: f64) -> Vec<Point> {
     let steps = (length_m / STEP_M).ceil().max(1.0) as usize;
     let step_m = length_m / steps as f64;
@@ -22,7 +22,7 @@ pub(crate) fn bent(from_m: Point, heading_rad: f64, length_m: f64, bend_rad_per_
     line
 }
 
-/// A centreline between two places that strays from the straight line by `sway_m` half-way, and back: sin²(πs).
+/// A centreline between two places that deviates from the straight line by `sway_m`·sin²(πs) at share s of its length.
 pub(crate) fn swaying(from_m: Point, to_m: Point, sway_m: f64) -> Vec<Point> {
     let along = to_m - from_m;
     let steps = (along.norm() / STEP_M).ceil().max(2.0) as usize;
@@ -33,8 +33,8 @@ pub(crate) fn swaying(from_m: Point, to_m: Point, sway_m: f64) -> Vec<Point> {
         .collect()
 }
 
-/// Half widths along a centreline of `points` points: `half_width_m`, swelling and shrinking by the share `variation`
-/// over about 10 m.
+/// Half widths along a centreline of `points` points: `half_width_m` with a sinusoidal `variation` (a share) whose
+/// wavelength is about 10 m.
 pub(crate) fn half_widths(points: usize, half_width_m: f64, variation: f64, rng: &mut Generator) -> Vec<f64> {
     let (phase_rad, wave_m) = (rng.random_range(0.0..TAU), rng.random_range(7.0..13.0));
     let swell = |point: usize| variation * (TAU * point as f64 * STEP_M / wave_m + phase_rad).sin();

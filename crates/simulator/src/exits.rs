@@ -1,13 +1,13 @@
-//! Where the centrelines of a mine leave sight: walking them outward from the sensor.
+//! The places where the centrelines of a mine leave the visible region, found by walking outward from the sensor.
 
 use crate::network::{Point, Vector};
 use crate::skeleton::Skeleton;
 use crate::surface::Surface;
 
-/// A centreline that comes back in sight within this distance has not left it; a bump or a pillar hid it.
+/// A centreline that becomes visible again within this distance has not left the visible region: a bump hid it.
 const HIDDEN_M: f64 = 3.0;
 
-/// The visible region: all that one place sees up to a range, in all directions.
+/// The visible region: all places visible from one place up to a range, in all directions.
 pub(crate) struct Sight<'a> {
     pub(crate) surface: &'a Surface,
     pub(crate) from_m: Point,
@@ -17,23 +17,23 @@ pub(crate) struct Sight<'a> {
 /// A place where a centreline leaves the visible region.
 #[derive(Clone, Debug)]
 pub(crate) struct Exit {
-    /// Points of the skeleton, all visible, from the one nearest to the sensor to the last before the exit.
+    /// Visible points of the skeleton, from the one nearest to the sensor to the last one before the exit.
     pub(crate) path: Vec<usize>,
-    /// The last place of the centreline that is seen.
+    /// The last visible place of the centreline.
     pub(crate) at_m: Point,
     /// Direction of the centreline there, outward.
     pub(crate) outward: Vector,
     /// Half the nominal width there.
     pub(crate) half_width_m: f64,
-    /// Length of the edge of the visible region that is crossed, if it is the shadow of a corner; infinite if it is
-    /// the end of the range.
+    /// Length of the edge of the visible region at the exit, if the edge is the shadow of a corner; infinite if it is the
+    /// end of the range.
     pub(crate) shadow_m: f64,
 }
 
 impl Sight<'_> {
-    /// Whether a place of a centreline is visible. Pillars hide none: what is seen to their left and right tells how
-    /// the tunnel goes on behind them.
-    fn follows_to(&self, point_m: Point) -> bool {
+    /// Whether a place of a centreline is visible past pillars. A pillar hides no opening, because the view to its left
+    /// and right shows how the tunnel continues behind it.
+    fn sees_past_pillars(&self, point_m: Point) -> bool {
         let towards = point_m - self.from_m;
         let distance_m = towards.norm();
         distance_m <= self.range_m
@@ -46,7 +46,7 @@ impl Sight<'_> {
         (point_m - self.from_m).norm() <= self.range_m && self.surface.sees(self.from_m, point_m)
     }
 
-    /// Length of the shadow line through a place at the very edge of the visible region.
+    /// Length of the shadow line through a place on the edge of the visible region.
     fn shadow_m(&self, at_m: Point) -> f64 {
         let towards = at_m - self.from_m;
         if towards.norm() > self.range_m - 1e-3 {
@@ -60,7 +60,7 @@ impl Sight<'_> {
     }
 }
 
-/// All exits, each the first on its way out.
+/// All exits; each is the first on its path outward.
 pub(crate) fn exits(skeleton: &Skeleton, sight: &Sight<'_>) -> Vec<Exit> {
     let Some(start) = nearest_in_sight(skeleton, sight) else { return Vec::new() };
     let n = skeleton.points.len();
@@ -72,13 +72,13 @@ pub(crate) fn exits(skeleton: &Skeleton, sight: &Sight<'_>) -> Vec<Exit> {
             if walk.came_from[next] != usize::MAX {
                 continue;
             }
-            if walk.follows_to(next) {
+            if walk.continues_to(next) {
                 walk.came_from[next] = at;
                 to_visit.push(next);
                 continue;
             }
-            let (left, returns) = walk.beyond(at, next);
-            if left {
+            let (leaves, returns) = walk.beyond(at, next);
+            if leaves {
                 walk.add_exit(at, next);
             }
             for back in returns {
@@ -95,7 +95,7 @@ fn nearest_in_sight(skeleton: &Skeleton, sight: &Sight<'_>) -> Option<usize> {
     let mut nearest_m = f64::INFINITY;
     for (index, point) in skeleton.points.iter().enumerate() {
         let distance_m = (point.position_m - sight.from_m).norm();
-        if distance_m < nearest_m && sight.follows_to(point.position_m) {
+        if distance_m < nearest_m && sight.sees_past_pillars(point.position_m) {
             (nearest, nearest_m) = (Some(index), distance_m);
         }
     }
@@ -105,28 +105,29 @@ fn nearest_in_sight(skeleton: &Skeleton, sight: &Sight<'_>) -> Option<usize> {
 struct Walk<'a> {
     skeleton: &'a Skeleton,
     sight: &'a Sight<'a>,
-    /// The visible point before each visited one; `usize::MAX` for those not visited.
+    /// The visible point before each visited point; `usize::MAX` for points not visited.
     came_from: Vec<usize>,
     exits: Vec<Exit>,
 }
 
 impl Walk<'_> {
-    /// Whether a point is visible. The end of a dead end never is: whether it is closed hangs on its face alone.
-    fn follows_to(&self, point: usize) -> bool {
+    /// Whether the walk can continue to a point. It never continues to the end of a dead end: whether that is closed
+    /// depends on the visibility of its face alone.
+    fn continues_to(&self, point: usize) -> bool {
         let point = &self.skeleton.points[point];
-        point.face_m.is_none() && self.sight.follows_to(point.position_m)
+        point.face_m.is_none() && self.sight.sees_past_pillars(point.position_m)
     }
 
-    /// Follows the centrelines that go out of sight from `at` to `next`: whether one of them leaves, and the points at
-    /// which others come back in sight.
+    /// Follows the centrelines that become invisible from `at` to `next`. Returns whether one of them leaves the visible
+    /// region, and the points at which others become visible again.
     fn beyond(&self, at: usize, next: usize) -> (bool, Vec<usize>) {
-        let (mut left, mut returns) = (false, Vec::new());
+        let (mut leaves, mut returns) = (false, Vec::new());
         let mut hidden = vec![next];
         let mut to_follow = vec![(next, self.skeleton.distance_m(at, next))];
         while let Some((point, walked_m)) = to_follow.pop() {
             if let Some(face_m) = self.skeleton.points[point].face_m {
-                // A dead end whose face is seen is closed; one beyond sight is a way on.
-                left |= !face_m.iter().any(|&place_m| self.sight.sees(place_m));
+                // A dead end whose face is visible is closed; otherwise it is an opening.
+                leaves |= !face_m.iter().any(|&place_m| self.sight.sees(place_m));
                 continue;
             }
             for &after in &self.skeleton.points[point].neighbours {
@@ -134,30 +135,34 @@ impl Walk<'_> {
                     continue;
                 }
                 let walked_m = walked_m + self.skeleton.distance_m(point, after);
-                if self.follows_to(after) {
-                    left |= walked_m >= HIDDEN_M;
+                if self.continues_to(after) {
+                    leaves |= walked_m >= HIDDEN_M;
                     if walked_m < HIDDEN_M && self.came_from[after] == usize::MAX && !returns.contains(&after) {
                         returns.push(after);
                     }
                 } else if walked_m >= HIDDEN_M + self.sight.range_m {
-                    left = true;
+                    leaves = true;
                 } else {
                     hidden.push(after);
                     to_follow.push((after, walked_m));
                 }
             }
         }
-        (left, returns)
+        (leaves, returns)
     }
 
     fn add_exit(&mut self, at: usize, next: usize) {
         let (from, to) = (&self.skeleton.points[at], &self.skeleton.points[next]);
         let edge_m = to.position_m - from.position_m;
-        // Bisection: `seen` is in sight, `unseen` is not.
+        // Bisection: `seen` is visible, `unseen` is not.
         let (mut seen, mut unseen) = (0.0, 1.0);
         while unseen - seen > 1e-7 {
             let middle = 0.5 * (seen + unseen);
-            if self.sight.follows_to(from.position_m + edge_m * middle) { seen = middle } else { unseen = middle }
+            if self.sight.sees_past_pillars(from.position_m + edge_m * middle) {
+                seen = middle;
+            } else {
+                unseen = middle;
+            }
         }
         let mut path = vec![at];
         while let Some(&last) = path.last()

@@ -1,18 +1,18 @@
-//! A grid over the segments of a surface, so that a ray looks at the few that are near it.
+//! A grid over the segments of a surface. It limits the search of a ray to the segments near it.
 
 use crate::network::{Point, Vector};
-use crate::surface::Segment;
+use crate::segment::Segment;
 
-/// Side of a cell, metres: a few segments each, and a few dozen cells along a ray.
+/// Side of a cell, metres. A cell has a few segments, and a ray crosses a few dozen cells.
 const CELL_M: f64 = 0.5;
 
-/// Which segments touch which cell.
+/// The segments near each cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     origin_m: Point,
     columns: usize,
     rows: usize,
-    /// Cell c holds `members[start[c]..start[c + 1]]`.
+    /// The segments near cell c are `members[start[c]..start[c + 1]]`.
     start: Vec<u32>,
     members: Vec<u32>,
 }
@@ -28,7 +28,7 @@ impl Grid {
         let columns = ((high.x - low.x) / CELL_M) as usize + 1;
         let rows = ((high.y - low.y) / CELL_M) as usize + 1;
         let mut grid = Self { origin_m: low, columns, rows, start: vec![0; columns * rows + 1], members: Vec::new() };
-        // A counting sort: how many are in each cell, where each cell begins, then the members in place.
+        // Counting sort: count the members of each cell, sum the counts to starts, then place the members.
         for segment in segments {
             grid.cells_under(segment).for_each(|cell| grid.start[cell + 1] += 1);
         }
@@ -46,8 +46,8 @@ impl Grid {
         grid
     }
 
-    /// Calls `visit(members, leave_m)` for the cells along a ray until it says `false`; the ray leaves the cell at
-    /// `leave_m`. A ray from outside starts where it enters.
+    /// Calls `visit(members, leave_m)` for each cell along a ray until it returns `false`. The ray leaves the cell at
+    /// `leave_m`. A ray from outside starts where it enters the grid.
     pub(crate) fn walk(
         &self,
         from_m: Point,
@@ -60,7 +60,7 @@ impl Grid {
         let mut column = (at.x.max(0.0) as usize).min(self.columns - 1) as isize;
         let mut row = (at.y.max(0.0) as usize).min(self.rows - 1) as isize;
         let offset = (from_m - self.origin_m) / CELL_M;
-        // Distance along the ray to the next line of the grid in x and in y, and from line to line.
+        // Distance along the ray to the next line of the grid, and between lines, in x and in y.
         let lines = |offset: f64, cell: isize, slope: f64| {
             let line = cell + isize::from(slope > 0.0);
             if slope == 0.0 {
@@ -91,7 +91,7 @@ impl Grid {
         }
     }
 
-    /// Cells under the bounding box of a segment.
+    /// The cells that the bounding box of a segment touches.
     fn cells_under(&self, segment: &Segment) -> impl Iterator<Item = usize> + use<> {
         let cell = |point: Point| {
             let at = (point - self.origin_m) / CELL_M;
@@ -102,7 +102,7 @@ impl Grid {
         (low.1..=high.1).flat_map(move |row| (low.0..=high.0).map(move |column| row * columns + column))
     }
 
-    /// Where a ray first touches the grid: 0 from inside, `None` if it misses.
+    /// Distance at which a ray enters the grid: 0 from inside, `None` if it misses the grid.
     fn enters_at(&self, from_m: Point, direction: Vector, limit_m: f64) -> Option<f64> {
         let size = Vector::new(self.columns as f64, self.rows as f64) * CELL_M;
         let (mut enter_m, mut leave_m) = (0.0_f64, limit_m);

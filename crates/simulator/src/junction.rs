@@ -1,4 +1,4 @@
-//! Single places: a few branches that meet, and a lidar near where they do.
+//! Single places: a few branches that meet, and a lidar near the point where they meet.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,37 +11,37 @@ use crate::mine::Mine;
 use crate::network::{Disc, Network, Point, left_of, unit};
 use crate::noise::{Generator, generator};
 use crate::pose::{Motion, Pose};
-use crate::scene::{FIRST_STAMP_NS, Scene, Sweep};
+use crate::scene::{FIRST_STAMP_NS, Scene, View};
 use crate::surface::{Surface, Texture};
 
 /// Branches are at least this far apart.
 const APART_RAD: f64 = 54.0 * PI / 180.0;
 /// The lidar is at least this far from the rock.
 const CLEARANCE_M: f64 = 0.25;
-/// Each wall and pillar is met by at least this many beams: fewer are no line, and nobody could name them.
+/// At least this many beams meet each wall and pillar: fewer do not make a line that could be recognised.
 const BEAMS_OF_WALL: usize = 3;
-/// Between a pillar and what is beside it there is at least this much room: a vehicle can pass.
+/// A pillar is at least this far from walls, other pillars and the lidar, so that a vehicle can pass.
 const PASSAGE_M: f64 = 0.8;
-/// Of so many places that are drawn, one is fit to be seen: most often it is the first.
+/// At most this many places are drawn to find a suitable one; usually the first is suitable.
 const MOST_DRAWS: usize = 10_000;
 
 /// A family of places, each with 1 to 5 branches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Places {
-    /// Narrowest and widest branch.
+    /// Width of the narrowest and of the widest branch.
     pub width_m: [f64; 2],
-    /// The lidar is between these shares of the width away from where the branches meet.
+    /// Least and largest distance of the lidar from the point where the branches meet, as a share of the width.
     pub off_centre: [f64; 2],
-    /// Standard deviation and length of the bumps.
+    /// Standard deviation and correlation length of the bumps.
     pub bumps_m: [f64; 2],
-    /// Fewest and most pillars.
+    /// Least and largest number of pillars.
     pub pillars: [usize; 2],
-    /// The lidar; its noise is drawn anew for every place, from 1 to 2 cm.
+    /// The lidar. Its noise is drawn for each place, from 1 to 2 cm.
     pub lidar: Lidar,
 }
 
 impl Places {
-    /// 3-6 m wide, bumps of 6 cm, no pillar, nothing lost.
+    /// 3-6 m wide, bumps of 6 cm, no pillars, no lost beams.
     pub const CLEAN: Self = Self {
         width_m: [3.0, 6.0],
         off_centre: [0.0, 0.25],
@@ -50,38 +50,42 @@ impl Places {
         lidar: Lidar::CLEAN,
     };
 
-    /// The scan and truth of one place with this many branches; the same for the same seed. There is room for 5 at
-    /// most.
+    /// The scan and truth of one place with this many branches, at most 5. The same seed gives the same scene.
     ///
     /// # Panics
-    /// With more branches, or when no place is fit to be seen: too narrow for the lidar, or for the pillars.
+    /// With more than 5 branches, or if no suitable place is found because it is too narrow for the lidar or the pillars.
     pub fn scene(&self, branches: usize, seed: u64, stamp_ns: u64) -> Scene {
-        self.look(branches, seed, |mine, _, sweep, rng| sweep.scene(mine, stamp_ns, rng))
+        self.suitable_place(branches, seed, |mine, _, view, rng| view.scene(mine, stamp_ns, rng))
     }
 
-    /// What a lidar of `rings` sees of the same place, and the truth of the level scan.
+    /// The cloud of a lidar of `rings` at the place of [`Places::scene`], with the truth of the level scan.
     ///
     /// # Panics
     /// As [`Places::scene`].
     pub fn cloud(&self, branches: usize, seed: u64, rings: Rings) -> Cloud {
-        self.look(branches, seed, |mine, pose, sweep, rng| {
-            let truth = sweep.scene(mine, FIRST_STAMP_NS, rng).truth;
-            Cloud { points_m: rings.look(sweep.lidar, mine, pose, rng), truth }
+        self.suitable_place(branches, seed, |mine, pose, view, rng| {
+            let truth = view.scene(mine, FIRST_STAMP_NS, rng).truth;
+            Cloud { points_m: rings.points_m(view.lidar, mine, pose, rng), truth }
         })
     }
 
-    /// Draws places until one is fit to be seen: with room for the lidar and its pillars, and no mere scrap of a wall.
-    fn look<T>(&self, branches: usize, seed: u64, see: impl FnOnce(&Mine, Pose, &Sweep, &mut Generator) -> T) -> T {
+    /// Draws places until one has room for the lidar and its pillars and no wall of too few beams, and observes it.
+    fn suitable_place<T>(
+        &self,
+        branches: usize,
+        seed: u64,
+        observe: impl FnOnce(&Mine, Pose, &View, &mut Generator) -> T,
+    ) -> T {
         let mut rng = generator(seed, "place");
         let lidar = Lidar { noise_sd_m: rng.random_range(0.01..0.02), ..self.lidar };
         for _ in 0..MOST_DRAWS {
             let Some((mine, pose)) = self.place(branches, &mut rng) else { continue };
-            let sweep = Sweep::of(&mine, &lidar, &Motion::still(pose));
-            if sweep.scenery.fewest_beams() >= BEAMS_OF_WALL {
-                return see(&mine, pose, &sweep, &mut rng);
+            let view = View::of(&mine, &lidar, &Motion::still(pose));
+            if view.scenery.fewest_beams() >= BEAMS_OF_WALL {
+                return observe(&mine, pose, &view, &mut rng);
             }
         }
-        panic!("none of {MOST_DRAWS} places of {branches} branches is fit to be seen: {self:?}");
+        panic!("none of {MOST_DRAWS} places of {branches} branches is suitable: {self:?}");
     }
 
     fn place(&self, branches: usize, rng: &mut Generator) -> Option<(Mine, Pose)> {
@@ -95,7 +99,7 @@ impl Places {
             network.add_branch(centre, line, widths);
         }
         if branches == 1 {
-            // Away from its one branch, a dead end goes on a little.
+            // A dead end continues a little beyond the point opposite its branch.
             let width_m = self.width_m(rng);
             let away_rad = bearings_rad[0] + PI + rng.random_range(-0.5..0.5);
             let line = bent(Point::origin(), away_rad, width_m * rng.random_range(0.6..1.6), 0.0);

@@ -1,8 +1,8 @@
 //! Mines with known truth, a lidar, and flights.
 //!
-//! In goes the name of a scenario or of a suite, and a seed. Out come [`Scene`]s: one `LaserScan`, the [`Truth`] of its
-//! noise-free view, and on a flight the odometry; [`write_mcap`] makes a recording of them. Everything is in metres,
-//! radians and seconds; the same seed always makes the same bytes.
+//! In: the name of a scenario or of a suite, and a seed. Out: [`Scene`]s, each with a `LaserScan`, the [`Truth`] of its
+//! noise-free view and, on a flight, the odometry. [`write_mcap`] writes them to a recording. Units are metres, radians
+//! and seconds; the same seed always gives the same bytes.
 //!
 //! ```text
 //! Network --union, bumps--> Surface --cast--> view (echo per beam) --loss, noise, dust--> readings --> LaserScan
@@ -12,18 +12,19 @@
 //!
 //! - [`network`]: a mine is a graph of tunnels with a centreline and a width along it, chambers, alcoves, pillars.
 //!   Free space is the union of the swept tunnels.
-//! - [`surface`]: its outline in steps of 10 cm, displaced along the normal by Gaussian noise of standard deviation σ
-//!   and correlation exp(-s²/2ℓ²) along the wall. A grid of 0.5 m makes a ray look at a few segments only.
+//! - [`surface`]: the outline of free space in segments of 10 cm, displaced along the normal by Gaussian noise of
+//!   standard deviation σ and correlation exp(-s²/2ℓ²) along the wall. A grid of 0.5 m limits the search of a ray.
 //! - [`lidar`]: beams, field of view, range, noise, quantisation; loss at random, with range (∝ r²), at grazing
-//!   incidence, on wet rock and in patches; dust; tilt (floor and roof); the skew of a sweep on the move.
-//! - [`truth`]: openings and walls by the definitions of the vocabulary; see there.
-//! - [`vehicle`]: follows a route by pure pursuit, disturbed in course, yaw, roll and pitch; its odometry drifts.
+//!   incidence, on wet rock and in patches; dust; tilt (floor and roof); the distortion of a sweep while the vehicle moves.
+//! - [`truth`]: openings and walls by the definitions of the vocabulary, stated there.
+//! - [`vehicle`]: follows a route by pure pursuit, with disturbances of course, yaw, roll and pitch, and drifting
+//!   odometry.
 //! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for
 //!   reports.
 //!
-//! A place can also be seen by a lidar of many rings, as a [`Cloud`] without beams: [`Suite::clouds`].
+//! [`Suite::clouds`] gives the places of a suite as seen by a lidar of many rings: [`Cloud`]s without beams.
 //!
-//! To add a scenario or a suite, add a line to its list, and the function that it names.
+//! To add a scenario or a suite, add an entry to its list, and the function that the entry names.
 //!
 //! ```
 //! use crosscut_simulator::{Split, scenarios, suites};
@@ -55,6 +56,7 @@ pub mod reading;
 mod recording;
 mod scenario;
 mod scene;
+mod segment;
 mod skeleton;
 mod suite;
 pub mod surface;

@@ -1,4 +1,4 @@
-//! The lidar: what each beam of a sweep would see without noise. What it reports: [`reading`](crate::reading).
+//! The lidar, and the noise-free echo of each beam. [`reading`](crate::reading) has what the lidar reports of it.
 
 use std::f64::consts::TAU;
 
@@ -6,30 +6,30 @@ use crate::network::{Point, Vector, unit};
 use crate::pose::{Motion, Pose};
 use crate::surface::Surface;
 
-/// A 2D lidar that turns anticlockwise, and the ways in which it errs. Probabilities are per beam.
+/// A 2D lidar that turns anticlockwise, with its errors. Probabilities are per beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lidar {
     /// Number of beams.
     pub beams: usize,
-    /// Field of view, centred on the nose. 2π is a full turn: then the last beam is the neighbour of the first.
+    /// Field of view, centred straight ahead. At 2π the last beam is the neighbour of the first.
     pub field_of_view_rad: f64,
-    /// Nearer than this nothing is measured.
+    /// The smallest range that is measured.
     pub range_min_m: f64,
-    /// Farther than this nothing is measured.
+    /// The largest range that is measured.
     pub range_max_m: f64,
-    /// Time that a sweep takes. A vehicle that moves meanwhile skews it.
+    /// Duration of a sweep. Motion of the vehicle during it distorts the scan.
     pub sweep_s: f64,
     /// Standard deviation of the range noise.
     pub noise_sd_m: f64,
-    /// Ranges are whole multiples of this; 0 for none.
+    /// Ranges are rounded to multiples of this; 0 for no rounding.
     pub quantum_m: f64,
-    /// Lost at random.
+    /// Probability that a beam is lost.
     pub loss: f64,
-    /// Lost at the end of the range; grows with the square of the range.
+    /// Additional probability of loss at the largest range; it grows with the square of the range.
     pub loss_at_range_max: f64,
-    /// Lost where the beam runs along the surface; falls to 0 at 20° of incidence, linearly in the sine.
+    /// Additional probability of loss at grazing incidence; it falls linearly in the sine to 0 at 20°.
     pub loss_at_grazing: f64,
-    /// Lost on wet rock.
+    /// Additional probability of loss on wet rock.
     pub loss_on_wet: f64,
     /// Share of the beams lost in patches of neighbouring beams.
     pub patch_share: f64,
@@ -37,17 +37,17 @@ pub struct Lidar {
     pub patch_beams: [usize; 2],
     /// Share of the beams that return from dust.
     pub dust: f64,
-    /// Dust is seen up to here, and never behind the wall.
+    /// Largest range of dust, which is never behind the wall.
     pub dust_range_m: f64,
-    /// One of the two beams at an edge, where the range jumps, meets both sides of it and reports a range in between
-    /// (a mixed pixel).
+    /// Probability that one of the two beams at an edge, where the range jumps, reports a range in between (a mixed
+    /// pixel).
     pub mixed_at_edges: f64,
-    /// One of the two is lost.
+    /// Probability that one of the two beams at an edge is lost.
     pub loss_at_edges: f64,
 }
 
 impl Lidar {
-    /// 360 beams all around, 15 m, 1.5 cm noise in steps of a millimetre, nothing lost.
+    /// 360 beams over a full turn, 15 m range, noise of 1.5 cm, ranges in steps of 1 mm, no lost beams.
     pub const CLEAN: Self = Self {
         beams: 360,
         field_of_view_rad: TAU,
@@ -69,7 +69,7 @@ impl Lidar {
     };
 }
 
-/// What a beam meets.
+/// The noise-free echo of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Echo {
     /// Nothing within range.
@@ -101,7 +101,7 @@ impl Echo {
 }
 
 impl Lidar {
-    /// Whether the sweep closes on itself.
+    /// Whether the field of view is a full turn.
     pub fn full_turn(&self) -> bool {
         self.field_of_view_rad >= TAU - 1e-9
     }
@@ -116,15 +116,15 @@ impl Lidar {
         beam * self.step_rad() - 0.5 * self.field_of_view_rad
     }
 
-    /// Where the lidar is when it fires a beam.
+    /// Pose of the lidar when it fires a beam.
     pub fn pose_at(&self, motion: &Motion, beam: f64) -> Pose {
         motion.at(beam * self.step_rad() / TAU)
     }
 
-    /// The beam that points at a place, as a fraction; less than 0 or more than the last if it is outside the view.
+    /// The beam that points at a place, as a fractional number; below 0 or above the last if outside the view.
     pub fn beam_towards(&self, motion: &Motion, point_m: Point) -> f64 {
-        // Where the lidar is depends on the beam, and the beam on where it is: a few rounds settle that, because the
-        // lidar turns much faster than the vehicle.
+        // The pose depends on the beam and the beam on the pose. A few iterations converge, because the lidar turns much
+        // faster than the vehicle.
         let mut beam = 0.5 * self.beams as f64;
         for _ in 0..5 {
             let pose = self.pose_at(motion, beam);
@@ -135,17 +135,17 @@ impl Lidar {
         beam
     }
 
-    /// What every beam meets: the noise-free view.
+    /// The noise-free echo of every beam.
     pub fn view(&self, surface: &Surface, height_m: f64, motion: &Motion) -> Vec<Echo> {
         (0..self.beams)
             .map(|beam| self.echo(surface, height_m, &self.pose_at(motion, beam as f64), self.bearing_rad(beam as f64)))
             .collect()
     }
 
-    /// What a beam meets that leaves `pose` towards `bearing_rad`.
+    /// The echo of a beam from `pose` towards `bearing_rad`.
     fn echo(&self, surface: &Surface, height_m: f64, pose: &Pose, bearing_rad: f64) -> Echo {
         let direction: Vector = unit(pose.heading_rad + bearing_rad);
-        // Small angles: the beam dips by the tilt of the sensor in its own direction.
+        // For small angles the beam dips by the tilt of the sensor in the direction of the beam.
         let dip_rad = pose.pitch_rad * bearing_rad.cos() - pose.roll_rad * bearing_rad.sin();
         let level = dip_rad.cos();
         let floor_range_m = 0.5 * height_m / dip_rad.sin().abs();
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_beam_towards_a_place_is_the_one_that_meets_it_on_the_move() {
+    fn the_beam_towards_a_place_meets_it_while_moving() {
         let motion = Motion {
             start: Pose::level(Point::new(0.0, 0.3), 0.2),
             end: Pose { heading_rad: 0.35, ..Pose::level(Point::new(0.2, 0.4), 0.0) },

@@ -1,4 +1,4 @@
-//! A mine that can be looked at.
+//! A mine: tunnels, rock and centrelines.
 
 use crate::network::Network;
 use crate::skeleton::Skeleton;
@@ -19,12 +19,12 @@ impl Mine {
         Self { network, surface, skeleton }
     }
 
-    /// Its tunnels.
+    /// The tunnels.
     pub fn network(&self) -> &Network {
         &self.network
     }
 
-    /// Its rock.
+    /// The surface of the rock.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }

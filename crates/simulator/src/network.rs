@@ -10,24 +10,24 @@ pub type Vector = Vector2<f64>;
 /// Free space of a mine: the union of its tunnels, chambers and alcoves, less its pillars.
 #[derive(Clone, Debug)]
 pub struct Network {
-    /// Where tunnels meet or end.
+    /// The places where tunnels meet or end.
     pub nodes: Vec<Node>,
     /// Every tunnel runs from one node to another. A node that only one tunnel touches is a dead end.
     pub tunnels: Vec<Tunnel>,
-    /// Round pockets off a wall that are too shallow to be a way on.
+    /// Round pockets in a wall that are too shallow to be an opening.
     pub alcoves: Vec<Disc>,
-    /// Rock that stands free; each is an island.
+    /// Free-standing rock; each pillar is an island.
     pub pillars: Vec<Disc>,
-    /// Floor to roof, metres. The lidar is carried half-way up.
+    /// Height from floor to roof, metres. The lidar is at half of it.
     pub height_m: f64,
 }
 
 /// A place where tunnels meet, or where one ends.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// Where it is.
+    /// Position of the node.
     pub position_m: Point,
-    /// Radius of the chamber here; 0 for none. Where tunnels meet, their corner is rounded in any case.
+    /// Radius of the chamber at the node; 0 for none. Corners where tunnels meet are always rounded.
     pub chamber_radius_m: f64,
 }
 
@@ -38,16 +38,16 @@ pub struct Tunnel {
     pub ends: [usize; 2],
     /// The centreline, at least two points.
     pub centreline_m: Vec<Point>,
-    /// Half the width, one entry per point of the centreline.
+    /// Half the width at each point of the centreline.
     pub half_widths_m: Vec<f64>,
 }
 
 /// A disc of free space or of rock.
 #[derive(Clone, Copy, Debug)]
 pub struct Disc {
-    /// Its centre.
+    /// Centre of the disc.
     pub centre_m: Point,
-    /// Its radius.
+    /// Radius of the disc.
     pub radius_m: f64,
 }
 
@@ -57,24 +57,24 @@ impl Network {
         Self { nodes: Vec::new(), tunnels: Vec::new(), alcoves: Vec::new(), pillars: Vec::new(), height_m }
     }
 
-    /// Adds a node and gives its number.
+    /// Adds a node and returns its number.
     pub fn add_node(&mut self, position_m: Point) -> usize {
         self.nodes.push(Node { position_m, chamber_radius_m: 0.0 });
         self.nodes.len() - 1
     }
 
-    /// Adds a tunnel from node `from` to node `to`, which must be where the centreline begins and ends.
+    /// Adds a tunnel from node `from` to node `to`, the ends of its centreline, and returns its number.
     ///
     /// # Panics
-    /// When the centreline is shorter than two points, has another number of widths, or misses its nodes by more than
-    /// a millimetre.
+    /// If the centreline has fewer than two points, another number of widths, or ends farther than a millimetre from its
+    /// nodes.
     pub fn add_tunnel(&mut self, from: usize, to: usize, centreline_m: Vec<Point>, half_widths_m: Vec<f64>) -> usize {
         let (Some(first), Some(last)) = (centreline_m.first(), centreline_m.last()) else {
             panic!("a tunnel needs a centreline");
         };
         assert!(
             centreline_m.len() >= 2 && centreline_m.len() == half_widths_m.len(),
-            "one width per point, two at least"
+            "a tunnel needs at least two points, with one width each"
         );
         assert!((first - self.nodes[from].position_m).norm() < 1e-3, "the tunnel does not begin at node {from}");
         assert!((last - self.nodes[to].position_m).norm() < 1e-3, "the tunnel does not end at node {to}");
@@ -82,19 +82,19 @@ impl Network {
         self.tunnels.len() - 1
     }
 
-    /// Adds a tunnel that starts at node `from` and ends at a node of its own, whose number is given.
+    /// Adds a tunnel from node `from` to a new node, and returns the number of the new node.
     pub fn add_branch(&mut self, from: usize, centreline_m: Vec<Point>, half_widths_m: Vec<f64>) -> usize {
         let to = self.add_node(*centreline_m.last().expect("a tunnel needs a centreline"));
         self.add_tunnel(from, to, centreline_m, half_widths_m);
         to
     }
 
-    /// How many tunnel ends touch a node.
+    /// Number of tunnel ends at a node.
     pub fn degree(&self, node: usize) -> usize {
         self.tunnels.iter().flat_map(|tunnel| tunnel.ends).filter(|&end| end == node).count()
     }
 
-    /// Half the width of the widest tunnel that touches a node.
+    /// Half the width of the widest tunnel at a node.
     pub fn half_width_at_m(&self, node: usize) -> f64 {
         self.tunnels
             .iter()
@@ -107,10 +107,10 @@ impl Network {
             .fold(0.0, f64::max)
     }
 
-    /// The way along the centrelines through `nodes`, each joined to the next by a tunnel.
+    /// The points of the centrelines along `nodes`, each joined to the next by a tunnel.
     ///
     /// # Panics
-    /// When two consecutive nodes are not joined.
+    /// If two consecutive nodes are not joined.
     pub fn route_m(&self, nodes: &[usize]) -> Vec<Point> {
         let mut route_m = Vec::new();
         for pair in nodes.windows(2) {
@@ -126,8 +126,8 @@ impl Network {
         route_m
     }
 
-    /// Whether a tunnel from node `from` would keep `apart_m` of rock to every other. To those that meet it at `from`
-    /// it needs that only farther than four half widths away.
+    /// Whether a tunnel from node `from` would have `apart_m` of rock to every other tunnel. For tunnels that meet it at
+    /// `from` this is required only beyond four half widths.
     pub(crate) fn has_room_for(&self, from: usize, centreline_m: &[Point], half_width_m: f64, apart_m: f64) -> bool {
         let far = |point: &Point| (point - self.nodes[from].position_m).norm() > 4.0 * half_width_m;
         self.tunnels.iter().all(|tunnel| {
@@ -152,7 +152,7 @@ pub(crate) fn tangent(line: &[Point], i: usize) -> Vector {
     (line[(i + 1).min(line.len() - 1)] - line[i.saturating_sub(1)]).normalize()
 }
 
-/// The same direction turned left by a quarter.
+/// The direction turned left by 90°.
 pub(crate) fn left_of(direction: Vector) -> Vector {
     Vector::new(-direction.y, direction.x)
 }

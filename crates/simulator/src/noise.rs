@@ -1,15 +1,15 @@
-//! Named generators, and noise that is correlated along a wall or along time.
+//! Named random generators, and noise that is correlated along a wall or in time.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
-/// The one generator used here; its name is part of the promise that a seed always gives the same bytes.
+/// The only generator of this crate: a fixed algorithm, because a seed must always give the same bytes.
 pub(crate) type Generator = rand_pcg::Pcg64;
 
-/// The generator of `seed` for one `purpose`. Each purpose has its own, so that drawing more in one place leaves the
-/// others as they were.
+/// The generator of `seed` for one `purpose`. Each purpose has its own, so that more draws for one do not change the
+/// others.
 pub(crate) fn generator(seed: u64, purpose: &str) -> Generator {
-    // FNV-1a: a fixed hash, unlike those of the standard library.
+    // FNV-1a, because the standard library does not guarantee its hashes.
     let hash = purpose
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
@@ -23,7 +23,7 @@ pub(crate) fn normal(rng: &mut Generator) -> f64 {
 
 /// `n` values of unit variance around a closed chain of spacing `step_m`; correlation exp(-s²/2ℓ²) at distance s.
 ///
-/// White noise convolved with exp(-s²/ℓ²), whose autocorrelation is the one wanted, divided by the kernel's norm.
+/// White noise is convolved with exp(-s²/ℓ²), whose autocorrelation is exp(-s²/2ℓ²), and divided by the kernel's norm.
 pub(crate) fn around_closed_chain(n: usize, step_m: f64, length_m: f64, rng: &mut Generator) -> Vec<f64> {
     if n == 0 {
         return Vec::new();
@@ -36,7 +36,7 @@ pub(crate) fn around_closed_chain(n: usize, step_m: f64, length_m: f64, rng: &mu
         })
         .collect();
     let norm = kernel.iter().map(|k| k * k).sum::<f64>().sqrt();
-    // The chain closes: the last values of the white noise are its first ones again.
+    // The chain is closed, so the white noise is repeated beyond its end.
     let white: Vec<f64> = (0..n).map(|_| normal(rng)).collect();
     let unrolled: Vec<f64> = (0..n + 2 * reach).map(|i| white[i % n]).collect();
     (0..n).map(|i| kernel.iter().zip(&unrolled[i..]).map(|(k, w)| k * w).sum::<f64>() / norm).collect()
@@ -56,7 +56,7 @@ impl Drifting {
         Self { sd, time_s, value: 0.0 }
     }
 
-    /// Its value `dt_s` later.
+    /// Advances by `dt_s` and returns the value.
     pub(crate) fn step(&mut self, dt_s: f64, rng: &mut Generator) -> f64 {
         let keep = (-dt_s / self.time_s).exp();
         self.value = keep * self.value + self.sd * (1.0 - keep * keep).sqrt() * normal(rng);
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bumps_have_unit_variance_and_the_stated_correlation_and_close_on_themselves() {
+    fn bumps_have_the_stated_correlation_and_close() {
         let (n, step_m, length_m) = (200_000, 0.1, 1.0);
         let noise = around_closed_chain(n, step_m, length_m, &mut generator(1, "test"));
         let correlation = |lag: usize| (0..n).map(|i| noise[i] * noise[(i + lag) % n]).sum::<f64>() / n as f64;
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn purposes_and_neighbouring_seeds_have_generators_of_their_own() {
+    fn purposes_and_seeds_have_separate_generators() {
         let first = |seed, purpose| generator(seed, purpose).random::<u64>();
         assert_eq!(first(1, "walls"), first(1, "walls"));
         assert_ne!(first(1, "walls"), first(2, "walls"));

@@ -7,7 +7,7 @@ use i_overlay::float::simplify::SimplifyShape;
 
 use crate::network::{Network, Point, Tunnel, left_of, unit};
 
-/// Where rock begins, as closed contours: the rim of the mine, and the blocks of rock between its tunnels.
+/// The border of the rock as closed contours: the rim of the mine, and the blocks between its tunnels.
 pub(crate) fn rock(network: &Network) -> Vec<Vec<Point>> {
     let joints = (0..network.nodes.len()).filter_map(|node| {
         let chamber_m = network.nodes[node].chamber_radius_m;
@@ -16,7 +16,7 @@ pub(crate) fn rock(network: &Network) -> Vec<Vec<Point>> {
         (radius_m > 0.0).then(|| circle(network.nodes[node].position_m, radius_m))
     });
     let alcoves = network.alcoves.iter().map(|alcove| circle(alcove.centre_m, alcove.radius_m));
-    // All contours turn left, so that where they overlap, windings add up and never cancel.
+    // All contours turn left, so that windings add where contours overlap.
     let pieces: Vec<Vec<[f64; 2]>> = network
         .tunnels
         .iter()
@@ -29,7 +29,7 @@ pub(crate) fn rock(network: &Network) -> Vec<Vec<Point>> {
     shapes.into_iter().flatten().map(|contour| contour.iter().map(|&[x, y]| Point::new(x, y)).collect()).collect()
 }
 
-/// The outline of one tunnel, cut off square at both ends.
+/// The outline of one tunnel, with square ends.
 fn swept(tunnel: &Tunnel) -> Vec<Point> {
     let side =
         |i: usize, sign: f64| tunnel.centreline_m[i] + left_of(tunnel.tangent(i)) * (sign * tunnel.half_widths_m[i]);
@@ -37,9 +37,9 @@ fn swept(tunnel: &Tunnel) -> Vec<Point> {
     (0..n).map(|i| side(i, -1.0)).chain((0..n).rev().map(|i| side(i, 1.0))).collect()
 }
 
-/// A circle as a contour whose edges stay within 5 mm of it.
+/// A circle as a contour whose edges are within 5 mm of it.
 pub(crate) fn circle(centre_m: Point, radius_m: f64) -> Vec<Point> {
-    // An edge of one n-th of the turn lies r·(1 - cos(π/n)) ≈ r·π²/2n² inside the circle.
+    // An edge of one n-th of the circle is at most r·(1 - cos(π/n)) ≈ r·π²/2n² inside it.
     let corners = (PI * (radius_m / 0.01).sqrt()).ceil().max(8.0) as usize;
     (0..corners).map(|i| centre_m + unit(TAU * i as f64 / corners as f64) * radius_m).collect()
 }
@@ -64,14 +64,14 @@ mod tests {
     }
 
     #[test]
-    fn tunnels_that_cross_become_one_outline_without_counting_their_overlap_twice() {
+    fn crossing_tunnels_become_one_outline() {
         let contours = rock(&cross(20.0));
         assert_eq!(contours.len(), 1);
         assert!((area_m2(&contours[0]).abs() - (2.0 * 40.0 * 4.0 - 16.0)).abs() < 1e-3);
     }
 
     #[test]
-    fn rock_between_tunnels_is_a_contour_of_its_own() {
+    fn rock_between_tunnels_is_a_separate_contour() {
         let mut network = Network::new(4.0);
         let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0), (0.0, 20.0)].map(|(x, y)| Point::new(x, y));
         let nodes = corners.map(|corner| network.add_node(corner));

@@ -1,26 +1,26 @@
-//! Where the lidar is, and how it moves during a sweep.
+//! The pose of the lidar, and its motion during a sweep.
 
 use crate::network::Point;
 
-/// Where the lidar is and how it is turned.
+/// Position and orientation of the lidar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Its place in the plane of the mine.
+    /// Position in the plane of the mine.
     pub position_m: Point,
-    /// Where its nose points, anticlockwise from the x axis of the mine.
+    /// Heading, anticlockwise from the x axis of the mine.
     pub heading_rad: f64,
-    /// Right side down.
+    /// Roll, positive with the right side down.
     pub roll_rad: f64,
-    /// Nose down.
+    /// Pitch, positive with the nose down.
     pub pitch_rad: f64,
 }
 
-/// The poses at the first beam of a sweep and one sweep later; linear in between.
+/// The poses at the first beam of a sweep and one sweep later, with linear interpolation in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// At the first beam.
+    /// Pose at the first beam.
     pub start: Pose,
-    /// When the first beam comes round again.
+    /// Pose one sweep later.
     pub end: Pose,
 }
 
@@ -32,7 +32,7 @@ impl Pose {
 }
 
 impl Motion {
-    /// Standing still.
+    /// The motion of a lidar at rest.
     pub fn still(pose: Pose) -> Self {
         Self { start: pose, end: pose }
     }

@@ -1,4 +1,4 @@
-//! Procedural mines, each seed another one, and flights through them.
+//! Procedural mines, a different one for each seed, and flights through them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -39,13 +39,13 @@ pub(crate) fn mine(seed: u64) -> Flight {
 
 fn fly(network: Network, route: &[usize], texture: Texture, lidar: Lidar, seed: u64) -> Flight {
     let surface = Surface::new(&network, &texture, seed);
-    // Off the face of the dead end, if it starts at one.
+    // The flight starts away from the face if the route begins at a dead end.
     let route_m: Vec<Point> = network.route_m(route).into_iter().skip(4).collect();
     let vehicle = Vehicle::new(Handling::default(), route_m, lidar.sweep_s, seed);
     Flight::new(Mine::new(network, surface), lidar, vehicle, seed)
 }
 
-/// A long drive with junctions every 14 to 24 m; short branches end in sight, long ones do not.
+/// A long drive with junctions every 14 to 24 m. The ends of short branches are visible, those of long ones are not.
 fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     const HALF_WIDTH_M: f64 = 1.75;
     let mut network = Network::new(3.0);
@@ -54,7 +54,7 @@ fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     for _ in 0..7 {
         let from = route[route.len() - 1];
         let length_m = rng.random_range(14.0..24.0);
-        // The drive winds, but keeps its main direction, so that it never meets itself.
+        // The drive is curved but keeps its main direction, so that it never crosses itself.
         let bend_rad_per_m = (rng.random_range(-0.5..0.5) - 0.5 * heading_rad) / length_m;
         let line = bent(network.nodes[from].position_m, heading_rad, length_m, bend_rad_per_m);
         heading_rad += bend_rad_per_m * length_m;
@@ -63,7 +63,7 @@ fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     }
     let mut side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
     for &node in &route[1..route.len() - 1] {
-        // Left and right in turn; at some places both.
+        // Branches alternate between left and right; some nodes have both.
         let sides = if rng.random_bool(0.25) { vec![side, -side] } else { vec![side] };
         for side in sides {
             add_spur(&mut network, node, HALF_WIDTH_M, |rng| side * rng.random_range(0.9..2.2), rng);
@@ -103,7 +103,7 @@ fn rooms(rng: &mut Generator) -> (Network, Vec<usize>) {
     (network, route)
 }
 
-/// Edges of a square grid: the rim, and most of the inner ones; every node keeps at least two.
+/// Edges of a square grid: all on the rim, and most of the inner ones. Every node has at least two.
 fn grid_edges(side: usize, rng: &mut Generator) -> Vec<(usize, usize)> {
     let across = (0..side).flat_map(|row| (1..side).map(move |column| (row * side + column - 1, row * side + column)));
     let up = (1..side).flat_map(|row| (0..side).map(move |column| ((row - 1) * side + column, row * side + column)));
@@ -119,7 +119,7 @@ fn grid_edges(side: usize, rng: &mut Generator) -> Vec<(usize, usize)> {
     edges
 }
 
-/// A walk over `steps` tunnels that never turns back and prefers tunnels that it has not used.
+/// A walk over `steps` tunnels that never turns back and prefers unused tunnels.
 fn wander(network: &Network, steps: usize, rng: &mut Generator) -> Vec<usize> {
     let mut route = vec![rng.random_range(0..network.nodes.len())];
     let mut uses = vec![0; network.tunnels.len()];
@@ -141,8 +141,7 @@ fn wander(network: &Network, steps: usize, rng: &mut Generator) -> Vec<usize> {
     route
 }
 
-/// Adds a dead-end tunnel off a node, in the direction of the first tunnel there turned by `turn_rad`, if a few draws
-/// find room for it.
+/// Adds a dead end at a node, in the direction of the node's first tunnel turned by `turn_rad`, if a few draws find room.
 fn add_spur(
     network: &mut Network,
     node: usize,
@@ -157,8 +156,8 @@ fn add_spur(
         let length_m = rng.random_range(6.0..30.0);
         let line = bent(from_m, heading_rad, length_m, rng.random_range(-0.015..0.015));
         let apart = |way: &f64| crosscut_stage::wrap_angle_rad(heading_rad - way).abs() > 0.85;
-        // At distance d two tunnels that part at 0.85 rad are 2·d·sin(0.425) apart: clear of each other from d = 4
-        // half widths on.
+        // Two tunnels 0.85 rad apart have a distance of 2·d·sin(0.425) at distance d: they are separate from d = 4 half
+        // widths.
         if ways.iter().all(apart) && network.has_room_for(node, &line, half_width_m, 1.5) {
             let widths = half_widths(line.len(), half_width_m, 0.08, rng);
             network.add_branch(node, line, widths);
@@ -167,7 +166,7 @@ fn add_spur(
     }
 }
 
-/// Directions in which tunnels leave a node; the first is that of the first tunnel.
+/// Directions of the tunnels at a node, in the order of the tunnels.
 fn headings_rad(network: &Network, node: usize) -> Vec<f64> {
     let mut headings = Vec::new();
     for tunnel in &network.tunnels {
@@ -195,7 +194,7 @@ fn add_pillars(network: &mut Network, count: usize, rng: &mut Generator) {
         let Some((tunnel, at)) = mid_tunnel(network, 4.0, rng) else { continue };
         let tunnel = &network.tunnels[tunnel];
         let radius_m = rng.random_range(0.25..0.45);
-        // As far from the wall as from a vehicle on the centreline.
+        // The pillar is equally far from the wall and from a vehicle on the centreline.
         let side_m = (0.5 * tunnel.half_widths_m[at] + 0.1) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
         let centre_m = tunnel.centreline_m[at] + left_of(tunnel.tangent(at)) * side_m;
         if network.pillars.iter().all(|other| (other.centre_m - centre_m).norm() > 4.0) {
@@ -205,7 +204,7 @@ fn add_pillars(network: &mut Network, count: usize, rng: &mut Generator) {
     for node in 0..network.nodes.len() {
         let radius_m = network.nodes[node].chamber_radius_m;
         if radius_m > 0.0 {
-            // In the middle of the widest gap between the tunnels that leave it.
+            // The pillar is in the middle of the widest gap between the tunnels of the chamber.
             let mut ways = headings_rad(network, node);
             ways.sort_by(f64::total_cmp);
             let gap = |i: usize| (ways[(i + 1) % ways.len()] - ways[i]).rem_euclid(TAU);
@@ -244,7 +243,7 @@ mod tests {
         }
     }
 
-    /// Rock between two tunnels, but for the points that are within 5 half widths of a node that they share.
+    /// Fails unless there is rock between two tunnels beyond 5 half widths of the nodes that they share.
     fn assert_apart(network: &Network, pair: [&Tunnel; 2], seed: u64) {
         let shared: Vec<Point> = pair[0]
             .ends

@@ -1,4 +1,4 @@
-//! What a lidar reports of what its beams meet: noise, lost beams, dust, mixed returns.
+//! The readings of a lidar: echoes with noise, lost beams, dust and mixed returns.
 
 use rand::RngExt;
 
@@ -6,28 +6,29 @@ use crate::lidar::{Echo, Lidar};
 use crate::noise::{Generator, normal};
 use crate::surface::Surface;
 
-/// Where the range changes by so much from beam to beam, and by so many times what it does on either side, it jumps.
+/// At an edge the range changes by more than this from one beam to the next.
 const JUMP_M: f64 = 0.3;
-const JUMP_TIMES: f64 = 2.5;
+/// At an edge the range changes by more than this many times the change on either side.
+const JUMP_FACTOR: f64 = 2.5;
 
-/// What a beam reports.
+/// The reading of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
     /// No return.
     Nothing,
-    /// The range to what the beam meets.
+    /// The range to the echo.
     Echo(f64),
-    /// The range to dust before it.
+    /// The range to dust in front of the echo.
     Dust(f64),
-    /// A range between those to both sides of an edge.
+    /// A range between the two sides of an edge.
     Mixed(f64),
 }
 
 impl Lidar {
-    /// What the lidar reports of a view, its errors drawn from `rng`.
+    /// The readings of a view, with errors drawn from `rng`.
     pub(crate) fn read(&self, surface: &Surface, view: &[Echo], rng: &mut Generator) -> Vec<Reading> {
         let mut readings: Vec<Reading> = view.iter().map(|echo| self.read_one(surface, echo, rng)).collect();
-        // Without, nothing is drawn for them, and scenes are those that they always were.
+        // Nothing is drawn if both are 0, so that scenes without these errors do not depend on them.
         if self.mixed_at_edges > 0.0 || self.loss_at_edges > 0.0 {
             self.blur_edges(view, &mut readings, rng);
         }
@@ -79,7 +80,7 @@ impl Lidar {
         }
     }
 
-    /// The beams of which the next meets something far behind or in front of what they meet.
+    /// The beams whose next beam meets something far behind or in front.
     fn edges(&self, view: &[Echo]) -> Vec<usize> {
         let n = view.len();
         let step_m = |beam: usize| {
@@ -88,14 +89,14 @@ impl Lidar {
         };
         let is_edge = |&beam: &usize| {
             let beside_m = [(beam + n - 1) % n, (beam + 1) % n].map(step_m);
-            // Nothing within range is no side of an edge, and what is beside it tells nothing.
+            // Beams without an echo are no side of an edge and give no change to compare with.
             let known = beside_m.into_iter().filter(|step_m| step_m.is_finite()).fold(0.0, f64::max);
-            step_m(beam).is_finite() && step_m(beam) > JUMP_M.max(JUMP_TIMES * known)
+            step_m(beam).is_finite() && step_m(beam) > JUMP_M.max(JUMP_FACTOR * known)
         };
         (0..n).filter(is_edge).collect()
     }
 
-    /// Loses runs of neighbouring beams until the wanted share is lost in patches.
+    /// Loses runs of neighbouring beams until the given share is lost in patches.
     fn lose_patches(&self, readings: &mut [Reading], rng: &mut Generator) {
         let n = readings.len();
         let wanted = (self.patch_share.clamp(0.0, 1.0) * n as f64).round() as usize;
@@ -104,7 +105,7 @@ impl Lidar {
         while count < wanted {
             let start = rng.random_range(0..n);
             let length = rng.random_range(self.patch_beams[0]..=self.patch_beams[1]).max(1);
-            // Past the last beam the patch goes on at the first, if they are neighbours.
+            // A patch continues at the first beam if that is the neighbour of the last one.
             let end = if self.full_turn() { start + length } else { (start + length).min(n) };
             for beam in (start..end).map(|beam| beam % n) {
                 count += usize::from(!std::mem::replace(&mut lost[beam], true));
@@ -122,7 +123,7 @@ mod tests {
     use crate::pose::{Motion, Pose};
     use crate::surface::Texture;
 
-    /// Along a tunnel 4 m wide; wet all over, if asked.
+    /// A tunnel 4 m wide.
     fn tunnel(wet_share: f64) -> Surface {
         let mut network = Network::new(4.0);
         let start = network.add_node(Point::new(-30.0, 0.0));
@@ -145,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_the_stated_size_and_ranges_are_whole_quanta() {
+    fn noise_has_the_stated_size_and_ranges_are_rounded() {
         let lidar = Lidar { noise_sd_m: 0.02, quantum_m: 0.005, ..Lidar::CLEAN };
         let (_, readings) = sweeps(&lidar, &tunnel(0.0));
         // Beam 270 looks at the wall 2 m to the left.
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_of_loss_strikes_where_it_should() {
+    fn each_kind_of_loss_has_the_stated_probability() {
         // Beam 270 meets the wall head on 2 m away, beam 190 at 10° of incidence 11.5 m away.
         let losses = |lidar: Lidar, wet_share: f64| {
             let (_, readings) = sweeps(&lidar, &tunnel(wet_share));
@@ -182,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn patches_take_the_stated_share_in_runs_of_the_stated_length() {
+    fn patches_have_the_stated_share_and_length() {
         let lidar = Lidar { patch_share: 0.15, patch_beams: [4, 4], ..Lidar::CLEAN };
         let (view, readings) = sweeps(&lidar, &tunnel(0.0));
         let hit: Vec<usize> = (0..360).filter(|&beam| view[beam] != Echo::Nothing).collect();
@@ -216,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_are_where_one_wall_hides_another_and_not_along_a_wall_and_mixed_returns_lie_between_them() {
+    fn mixed_returns_lie_between_both_sides_of_an_edge() {
         // A branch to the left: its corners, at (2, 2) and (-2, 2), hide parts of its walls.
         let mut network = Network::new(4.0);
         let junction = network.add_node(Point::origin());

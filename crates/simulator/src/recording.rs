@@ -1,4 +1,4 @@
-//! Scenes as an MCAP file that any ROS 2 tool reads, plus truth.
+//! Scenes as an MCAP recording of ROS 2 messages, with truth.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -17,12 +17,12 @@ use crate::scene::Scene;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The file could not be made.
-    #[error("cannot make the recording {}", path.display())]
+    /// The file could not be created.
+    #[error("cannot create the recording {}", path.display())]
     Create {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
     /// The file could not be written to its end.
@@ -30,17 +30,17 @@ pub enum RecordingError {
     Write {
         /// The file.
         path: PathBuf,
-        /// How many scenes were written before.
+        /// Number of scenes written before.
         message: u32,
-        /// Why.
+        /// The cause.
         source: mcap::McapError,
     },
 }
 
-/// Writes scenes to `path` as they come, and gives their number. The same scenes make the same bytes.
+/// Writes scenes to `path` one by one, and returns their number. The same scenes give the same bytes.
 ///
 /// # Errors
-/// When the file cannot be made or written.
+/// If the file cannot be created or written.
 pub fn write_mcap(path: &Path, scenes: impl Iterator<Item = Scene>) -> Result<u32, RecordingError> {
     let file = File::create(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
     let mut written = 0;
@@ -57,7 +57,7 @@ fn write_all(
     scenes: impl Iterator<Item = Scene>,
     written: &mut u32,
 ) -> Result<(), mcap::McapError> {
-    // Everything that could differ between two runs is fixed: texts, and no compression threads.
+    // Fixed texts and compression without threads keep the bytes the same in every run.
     let mut mcap = mcap::WriteOptions::new()
         .profile("ros2")
         .library("crosscut-simulator")

@@ -10,12 +10,12 @@ use crate::scene::Flight;
 use crate::surface::{Surface, Texture};
 use crate::vehicle::{Handling, Vehicle};
 
-/// A flight that can be asked for by name.
+/// A flight with a name.
 #[derive(Clone, Copy, Debug)]
 pub struct Scenario {
-    /// Its name.
+    /// Name of the scenario.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// Description in one line.
     pub doc: &'static str,
     /// Starts the flight of a seed.
     pub fly: fn(seed: u64) -> Flight,

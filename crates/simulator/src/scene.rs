@@ -1,4 +1,4 @@
-//! One scan with its truth, and where scans come from: single places, or a flight.
+//! A scan with its truth, and flights as sequences of them.
 
 use crosscut_messages::{
     Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
@@ -10,9 +10,9 @@ use crate::noise::{Generator, generator};
 use crate::pose::Motion;
 use crate::reading::Reading;
 use crate::truth::Scenery;
-use crate::vehicle::{Belief, Vehicle};
+use crate::vehicle::{OdometryState, Vehicle};
 
-/// Stamp of the first scan of every recording; what a seed makes does not depend on the day.
+/// Stamp of the first scan of every recording. It is fixed, so that a seed gives the same bytes on any day.
 pub(crate) const FIRST_STAMP_NS: u64 = 1_700_000_000_000_000_000;
 
 /// One scan, its truth, and on a flight the odometry.
@@ -22,37 +22,37 @@ pub struct Scene {
     pub stamp_ns: u64,
     /// The scan.
     pub scan: LaserScan,
-    /// What its noise-free view shows.
+    /// The truth of the noise-free view.
     pub truth: Truth,
-    /// Odometry at the first beam, on a flight.
+    /// Odometry at the first beam, if the scene belongs to a flight.
     pub odometry: Option<Odometry>,
 }
 
-/// What the lidar meets in one sweep, before it errs.
-pub(crate) struct Sweep<'a> {
+/// The noise-free view of one sweep.
+pub(crate) struct View<'a> {
     pub(crate) lidar: &'a Lidar,
-    moves: bool,
-    view: Vec<Echo>,
+    is_moving: bool,
+    echoes: Vec<Echo>,
     pub(crate) scenery: Scenery,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> View<'a> {
     pub(crate) fn of(mine: &Mine, lidar: &'a Lidar, motion: &Motion) -> Self {
-        let view = lidar.view(mine.surface(), mine.network().height_m, motion);
-        let scenery = mine.scenery(lidar, motion, &view);
-        Self { lidar, moves: motion.start != motion.end, view, scenery }
+        let echoes = lidar.view(mine.surface(), mine.network().height_m, motion);
+        let scenery = mine.scenery(lidar, motion, &echoes);
+        Self { lidar, is_moving: motion.start != motion.end, echoes, scenery }
     }
 
-    /// The scan, its errors drawn from `rng`, and the truth.
+    /// The scan, with errors drawn from `rng`, and its truth.
     pub(crate) fn scene(&self, mine: &Mine, stamp_ns: u64, rng: &mut Generator) -> Scene {
-        let readings = self.lidar.read(mine.surface(), &self.view, rng);
-        let scan = message(self.lidar, &readings, stamp_ns, self.moves);
+        let readings = self.lidar.read(mine.surface(), &self.echoes, rng);
+        let scan = message(self.lidar, &readings, stamp_ns, self.is_moving);
         Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None }
     }
 }
 
 impl Scene {
-    /// The same scene at another time.
+    /// The scene at another time.
     pub(crate) fn restamped(mut self, stamp_ns: u64) -> Self {
         self.stamp_ns = stamp_ns;
         self.scan.header.stamp = Time::from_ns(stamp_ns);
@@ -62,7 +62,7 @@ impl Scene {
         self
     }
 
-    /// The transforms that go with the odometry: the vehicle in the odometry's frame, the lidar on the vehicle.
+    /// The transforms of the odometry: the vehicle in the odometry's frame, and the lidar on the vehicle.
     pub fn transforms(&self) -> Option<TfMessage> {
         let odometry = self.odometry.as_ref()?;
         let pose = odometry.pose.pose;
@@ -80,14 +80,14 @@ impl Scene {
     }
 }
 
-fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, moves: bool) -> LaserScan {
+fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, is_moving: bool) -> LaserScan {
     let beam_s = lidar.step_rad() / std::f64::consts::TAU * lidar.sweep_s;
     LaserScan {
         header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".into() },
         angle_min: lidar.bearing_rad(0.0) as f32,
         angle_max: lidar.bearing_rad((lidar.beams - 1) as f64) as f32,
         angle_increment: lidar.step_rad() as f32,
-        time_increment: if moves { beam_s as f32 } else { 0.0 },
+        time_increment: if is_moving { beam_s as f32 } else { 0.0 },
         scan_time: lidar.sweep_s as f32,
         range_min: lidar.range_min_m as f32,
         range_max: lidar.range_max_m as f32,
@@ -113,12 +113,12 @@ pub struct Flight {
 }
 
 impl Flight {
-    /// A flight of `vehicle` through `mine`; the errors of the lidar are drawn from `seed`.
+    /// A flight of `vehicle` through `mine`, with errors of the lidar drawn from `seed`.
     pub fn new(mine: Mine, lidar: Lidar, vehicle: Vehicle, seed: u64) -> Self {
         Self { mine, lidar, vehicle, stamp_ns: FIRST_STAMP_NS, rng: generator(seed, "lidar") }
     }
 
-    /// Where it flies.
+    /// The mine that the flight is in.
     pub fn mine(&self) -> &Mine {
         &self.mine
     }
@@ -128,24 +128,24 @@ impl Iterator for Flight {
     type Item = Scene;
 
     fn next(&mut self) -> Option<Scene> {
-        let (motion, belief) = self.vehicle.next()?;
-        let sweep = Sweep::of(&self.mine, &self.lidar, &motion);
-        let mut scene = sweep.scene(&self.mine, self.stamp_ns, &mut self.rng);
-        scene.odometry = Some(odometry(&belief, self.stamp_ns));
+        let (motion, state) = self.vehicle.next()?;
+        let view = View::of(&self.mine, &self.lidar, &motion);
+        let mut scene = view.scene(&self.mine, self.stamp_ns, &mut self.rng);
+        scene.odometry = Some(odometry(&state, self.stamp_ns));
         self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
         Some(scene)
     }
 }
 
-fn odometry(belief: &Belief, stamp_ns: u64) -> Odometry {
+fn odometry(state: &OdometryState, stamp_ns: u64) -> Odometry {
     let mut message = Odometry {
         header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "odom".into() },
         child_frame_id: "base_link".into(),
         ..Odometry::default()
     };
-    message.pose.pose.position = Vector3 { x: belief.position_m.x, y: belief.position_m.y, z: 0.0 };
-    message.pose.pose.orientation = Quaternion::from_yaw_rad(belief.heading_rad);
-    message.twist.twist.linear = Vector3 { x: belief.velocity_m_s.x, y: belief.velocity_m_s.y, z: 0.0 };
-    message.twist.twist.angular = Vector3 { x: 0.0, y: 0.0, z: belief.turn_rate_rad_s };
+    message.pose.pose.position = Vector3 { x: state.position_m.x, y: state.position_m.y, z: 0.0 };
+    message.pose.pose.orientation = Quaternion::from_yaw_rad(state.heading_rad);
+    message.twist.twist.linear = Vector3 { x: state.velocity_m_s.x, y: state.velocity_m_s.y, z: 0.0 };
+    message.twist.twist.angular = Vector3 { x: 0.0, y: 0.0, z: state.turn_rate_rad_s };
     message
 }

@@ -17,15 +17,15 @@ pub(crate) struct Skeleton {
 pub(crate) struct SkeletonPoint {
     pub(crate) position_m: Point,
     pub(crate) half_width_m: f64,
-    /// Indices of the points next to it.
+    /// Indices of the neighbouring points.
     pub(crate) neighbours: Vec<usize>,
-    /// At a dead end: three places across the face that closes it, just before the rock.
+    /// At a dead end, three places across its face, just before the rock.
     pub(crate) face_m: Option<[Point; 3]>,
 }
 
 impl Skeleton {
     pub(crate) fn new(network: &Network, surface: &Surface) -> Self {
-        // The nodes come first, under their own numbers.
+        // The first points are the nodes, with the same numbers.
         let points = (0..network.nodes.len())
             .map(|node| SkeletonPoint {
                 position_m: network.nodes[node].position_m,
@@ -75,7 +75,7 @@ impl Skeleton {
     }
 }
 
-/// Three places across the face that closes a tunnel at `end_m`, 5 cm before the rock.
+/// Three places across the face at the end of a tunnel, 5 cm before the rock.
 fn face_m(surface: &Surface, end_m: Point, half_width_m: f64, outward: Vector) -> [Point; 3] {
     [-0.7, 0.0, 0.7].map(|share| {
         let before_m = end_m - outward * 2.0 + left_of(outward) * (share * half_width_m);

@@ -6,26 +6,26 @@ use crate::lidar::Lidar;
 use crate::presets;
 use crate::scene::{FIRST_STAMP_NS, Flight, Scene};
 
-/// Scenes in every family.
+/// Number of scenes in every family.
 pub const SCENES: usize = 600;
-/// Of a flight, every fifth scan is taken: half a second apart.
+/// Families of flights have every fifth scan: half a second apart.
 const FLIGHT_STRIDE: usize = 5;
 
-/// Which seeds the scenes are drawn from. What is developed on one is reported on the other.
+/// The seeds of the scenes: parameters are chosen on one split, and results reported on the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// For development.
     Dev,
-    /// For reports, never to be looked at while developing.
+    /// For reports; never looked at during development.
     Report,
 }
 
 /// A family of scenes.
 #[derive(Clone, Copy, Debug)]
 pub struct Suite {
-    /// Its name.
+    /// Name of the family.
     pub name: &'static str,
-    /// What is in it, in one line.
+    /// Description in one line.
     pub doc: &'static str,
     scenes: Scenes,
 }
@@ -46,7 +46,7 @@ impl Split {
 }
 
 impl Suite {
-    /// Its [`SCENES`] scenes, made one by one; the same at every call.
+    /// The [`SCENES`] scenes, made one by one; the same at every call.
     pub fn scenes(&self, split: Split) -> Box<dyn Iterator<Item = Scene> + Send> {
         match self.scenes {
             Scenes::Places(places) => {
@@ -66,7 +66,7 @@ impl Suite {
         }
     }
 
-    /// The places of its scenes, each seen by a lidar of `rings`; `None` for flights.
+    /// The places of the scenes as clouds of a lidar of `rings`; `None` for flights.
     pub fn clouds(&self, split: Split, rings: Rings) -> Option<impl Iterator<Item = Cloud>> {
         let Scenes::Places(places) = self.scenes else { return None };
         let (places, first_seed) = (places(), self.first_seed(split));
@@ -74,7 +74,7 @@ impl Suite {
         Some((0..SCENES).map(move |index| places.cloud(1 + index % 5, seed(index), rings)))
     }
 
-    /// Families of scenes share none: each has seeds of its own. Flights fly mines of their own by the split's seeds.
+    /// Each family of places has its own seeds, so that families share no scene.
     fn first_seed(&self, split: Split) -> u64 {
         let family = self.name.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(131) + u64::from(byte));
         (family << 32).wrapping_add(split.first_seed())
@@ -134,5 +134,5 @@ pub fn suites() -> &'static [Suite] {
     SUITES
 }
 
-/// What the families have in common unless they say otherwise.
+/// The values that families have in common.
 const CLEAN: Places = Places::CLEAN;

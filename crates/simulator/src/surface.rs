@@ -1,4 +1,4 @@
-//! The rough surface of the rock as short segments, and casting rays at it.
+//! The rough surface of the rock as short segments, and ray casting.
 
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1};
@@ -7,18 +7,19 @@ use crate::grid::Grid;
 use crate::network::{Network, Point, Vector, left_of};
 use crate::noise::{Generator, around_closed_chain, generator};
 use crate::outline;
+pub use crate::segment::Segment;
 
-/// Length of a segment, metres.
+/// Largest length of a segment, metres.
 const STEP_M: f64 = 0.1;
 
-/// What the rock looks like.
+/// Roughness and wetness of the rock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texture {
-    /// Standard deviation of the bumps, along the normal.
+    /// Standard deviation of the bumps along the normal.
     pub bump_sd_m: f64,
     /// Length over which bumps are correlated: exp(-s²/2ℓ²) at distance s along the wall.
     pub bump_length_m: f64,
-    /// Share of the walls that is wet, in patches.
+    /// Share of the surface that is wet, in patches.
     pub wet_share: f64,
     /// Mean length of a wet patch along the wall.
     pub wet_length_m: f64,
@@ -36,30 +37,17 @@ pub struct Surface {
     grid: Grid,
 }
 
-/// A straight piece of the surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment {
-    /// Where it begins.
-    pub from_m: Point,
-    /// Where it ends.
-    pub to_m: Point,
-    /// The pillar that it belongs to; `None` for the rock around the mine.
-    pub pillar: Option<u32>,
-    /// Whether the rock is wet here.
-    pub wet: bool,
-}
-
-/// Where a ray meets the surface.
+/// The place where a ray meets the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance from the origin of the ray.
     pub range_m: f64,
-    /// Index of the segment that it meets.
+    /// Index of the segment.
     pub segment: usize,
 }
 
 impl Surface {
-    /// The surface of a mine, its bumps and wet patches drawn from `seed`.
+    /// The surface of a mine, with bumps and wet patches drawn from `seed`.
     pub fn new(network: &Network, texture: &Texture, seed: u64) -> Self {
         let mut rng = generator(seed, "surface");
         let mut segments = Vec::new();
@@ -67,7 +55,7 @@ impl Surface {
             append(&contour, None, texture, &mut rng, &mut segments);
         }
         for (pillar, disc) in network.pillars.iter().enumerate() {
-            // The bumps of a pillar stay small beside it.
+            // The bumps of a pillar are small relative to its radius.
             let bump_sd_m = texture.bump_sd_m.min(0.1 * disc.radius_m);
             let bump_length_m = texture.bump_length_m.min(0.5 * disc.radius_m);
             let texture = Texture { bump_sd_m, bump_length_m, ..*texture };
@@ -88,7 +76,7 @@ impl Surface {
         self.cast_at(origin_m, direction, limit_m, |_| true)
     }
 
-    /// The same, as if there were no pillars.
+    /// The nearest surface along a ray, as [`Surface::cast`], that is no pillar.
     pub fn cast_past_pillars(&self, origin_m: Point, direction: Vector, limit_m: f64) -> Option<Hit> {
         self.cast_at(origin_m, direction, limit_m, |segment| segment.pillar.is_none())
     }
@@ -109,7 +97,7 @@ impl Surface {
         origin_m: Point,
         direction: Vector,
         limit_m: f64,
-        solid: impl Fn(&Segment) -> bool,
+        is_solid: impl Fn(&Segment) -> bool,
     ) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         self.grid.walk(origin_m, direction, limit_m, |cell, leave_m| {
@@ -118,43 +106,19 @@ impl Surface {
                 let reach_m = nearest.map_or(limit_m, |hit| hit.range_m);
                 if let Some(range_m) = segment.meets(origin_m, direction)
                     && range_m <= reach_m
-                    && solid(segment)
+                    && is_solid(segment)
                 {
                     nearest = Some(Hit { range_m, segment: index as usize });
                 }
             }
-            // A segment may reach into cells farther on: a hit counts once the ray has come to it.
+            // A segment may be met in a later cell. The hit is final once the ray has left its cell.
             nearest.is_none_or(|hit| hit.range_m > leave_m)
         });
         nearest
     }
 }
 
-impl Segment {
-    /// Sine of the angle between a ray and the segment: 1 head on, 0 along it.
-    pub fn incidence_sine(&self, direction: Vector) -> f64 {
-        let along = self.to_m - self.from_m;
-        (direction.perp(&along) / along.norm()).abs()
-    }
-
-    /// How far along a ray the segment is met.
-    fn meets(&self, origin_m: Point, direction: Vector) -> Option<f64> {
-        let along = self.to_m - self.from_m;
-        let offset = self.from_m - origin_m;
-        let cross = direction.perp(&along);
-        // origin + t·direction = from + s·along, solved by crossing with one and the other direction.
-        let (t, s) = (offset.perp(&along) / cross, offset.perp(&direction) / cross);
-        (t >= 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
-    }
-
-    fn distance_m(&self, point_m: Point) -> f64 {
-        let along = self.to_m - self.from_m;
-        let s = ((point_m - self.from_m).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-        (point_m - (self.from_m + along * s)).norm()
-    }
-}
-
-/// Adds one closed contour, cut into steps and displaced along its normal.
+/// Adds one closed contour, cut into segments and displaced along its normal.
 fn append(contour: &[Point], pillar: Option<u32>, texture: &Texture, rng: &mut Generator, segments: &mut Vec<Segment>) {
     let (mut chain, step_m) = resampled(contour, STEP_M);
     let n = chain.len();
@@ -172,7 +136,7 @@ fn append(contour: &[Point], pillar: Option<u32>, texture: &Texture, rng: &mut G
     segments.extend((0..n).map(|i| Segment { from_m: chain[i], to_m: chain[(i + 1) % n], pillar, wet: wet[i] }));
 }
 
-/// A closed contour with points at equal distances of about `step_m`, and that distance.
+/// Returns a closed contour resampled at equal distances of at most `step_m`, and the distance.
 fn resampled(contour: &[Point], step_m: f64) -> (Vec<Point>, f64) {
     let edge = |i: usize| (contour[i], contour[(i + 1) % contour.len()]);
     let perimeter_m: f64 = (0..contour.len()).map(|i| (edge(i).1 - edge(i).0).norm()).sum();
@@ -191,7 +155,7 @@ fn resampled(contour: &[Point], step_m: f64) -> (Vec<Point>, f64) {
     (points, step_m)
 }
 
-/// Which of `n` steps along a wall are wet: dry and wet stretches in turn, of exponential length.
+/// Draws which of `n` segments along a wall are wet: dry and wet stretches alternate, with exponential lengths.
 fn wet_patches(n: usize, step_m: f64, texture: &Texture, rng: &mut Generator) -> Vec<bool> {
     if texture.wet_share <= 0.0 {
         return vec![false; n];
@@ -229,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_through_the_grid_meets_what_it_meets_without_a_grid() {
+    fn casting_with_and_without_the_grid_agrees() {
         let surface = Surface::new(&winding(), &Texture { bump_sd_m: 0.2, bump_length_m: 0.7, ..Texture::SMOOTH }, 1);
         let mut rng = generator(9, "rays");
         for _ in 0..3000 {
@@ -244,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_along_the_lines_of_the_grid_and_straight_up_are_cast_too() {
+    fn rays_along_the_grid_lines_hit_the_walls() {
         let mut network = Network::new(4.0);
         let start = network.add_node(Point::origin());
         network.add_branch(start, vec![Point::origin(), Point::new(10.0, 0.0)], vec![2.0; 2]);
@@ -258,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn the_outline_has_no_gap_and_steps_of_at_most_ten_centimetres() {
+    fn the_outline_is_closed_and_segments_are_short() {
         let surface = Surface::new(&winding(), &Texture::SMOOTH, 1);
         let mut starts: Vec<(u64, u64)> = surface.segments.iter().map(|s| bits(s.from_m)).collect();
         let mut ends: Vec<(u64, u64)> = surface.segments.iter().map(|s| bits(s.to_m)).collect();
@@ -273,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn bumps_and_wet_patches_come_in_the_stated_amounts() {
+    fn bumps_and_wet_patches_have_the_stated_amounts() {
         let mut network = Network::new(4.0);
         let start = network.add_node(Point::origin());
         network.add_branch(start, vec![Point::origin(), Point::new(4000.0, 0.0)], vec![2.0; 2]);

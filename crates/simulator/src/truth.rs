@@ -1,23 +1,21 @@
-//! What the noise-free view shows: walls and openings, by the definitions of the vocabulary.
+//! Walls and openings of the noise-free view, by the definitions of the vocabulary.
 //!
-//! *An opening* is a place where a centreline of the network leaves the visible region, behind the shadow of a corner
-//! or at the end of the range, on a walk outward from the sensor; each way out counts once, where it first leaves.
-//! - A centreline that comes back in sight within 3 m has not left it: a bump hid it. Pillars hide none.
-//! - A dead end whose face is seen is closed. One whose face lies beyond sight is an opening: whether a tunnel goes on
-//!   behind an edge is known from the network, how far it goes is not looked at.
-//! - The edge that is crossed, and the branch there, are at least 0.6 m wide: a vehicle passes.
-//! - Ways that leave with no wall seen between them are one opening.
+//! *An opening* is a place where a centreline of the network leaves the visible region on a walk outward from the sensor,
+//! behind the shadow of a corner or at the end of the range. Each centreline counts once, where it first leaves.
+//! - A centreline that becomes visible again within 3 m has not left: a bump hid it. Pillars hide no centreline.
+//! - A dead end whose face is visible is closed. Otherwise it is an opening, whatever the length of the tunnel beyond.
+//! - The edge of the visible region and the branch there are at least 0.6 m wide, so that a vehicle can pass.
+//! - Centrelines that leave without a visible wall between them are one opening.
 //! - Outside the field of view nothing is known. A centreline that leaves there at the end of the range is an opening
 //!   if at least 0.6 m of the same edge is in view.
-//! - Bearing and width are those of the branch, the part of the way that leads to this opening alone: where it is 8 m
-//!   from the sensor, or at its last visible place if that is nearer or the branch begins farther away. The width is
-//!   measured from wall to wall across the branch, as if there were no pillars.
+//! - Bearing and width are those of the branch, the part of the centreline that leads only to this opening, at 8 m from
+//!   the sensor; or at its last visible place, if that is nearer or the branch begins farther away. The width is measured
+//!   from wall to wall across the branch, ignoring pillars.
 //!
-//! *A wall* is what the beams between two consecutive openings meet, *an island* is a pillar. Both are numbered
-//! together, by their smallest beam that meets them. Counts and numbers are those of the noise-free view: a wall all of
-//! whose beams are lost still counts, though no label names it. Floor and roof, seen by a tilted sensor, are no wall.
-//! During a sweep on the move, visibility is judged from where the sensor is half-way, bearings from where it is when
-//! it looks there.
+//! *A wall* is what the beams between two consecutive openings hit, *an island* is a pillar. Both are numbered together,
+//! by their smallest beam. Counts and numbers are those of the noise-free view: a wall whose beams are all lost counts,
+//! although no label names it. Floor and roof, seen by a tilted sensor, are no wall. While the sensor moves, visibility is
+//! computed for its position halfway through the sweep, and bearings for its position at that beam.
 
 use crosscut_messages::{Truth, TruthOpening};
 
@@ -28,7 +26,7 @@ use crate::network::{Point, Vector, left_of, unit};
 use crate::pose::Motion;
 use crate::reading::Reading;
 
-/// An opening lets a disc of this width through.
+/// A disc of this width can cross an opening.
 const VEHICLE_WIDTH_M: f64 = 0.6;
 /// Bearing and width of an opening are those of its branch at this distance from the sensor.
 const BRANCH_AT_M: f64 = 8.0;
@@ -36,24 +34,24 @@ const BRANCH_AT_M: f64 = 8.0;
 /// Walls and openings of one view, before any beam is lost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenery {
-    /// Number of walls, pillars left out.
+    /// Number of walls, without pillars.
     pub walls: u32,
     /// Number of pillars in view.
     pub islands: u32,
-    /// The ways on, by bearing ascending.
+    /// The openings, by ascending bearing.
     pub openings: Vec<TruthOpening>,
-    /// Wall of each beam that meets a wall or a pillar.
+    /// The wall or pillar that each beam hits, if any.
     pub wall_of_beam: Vec<Option<u32>>,
 }
 
-/// Openings whose cuts have no wall between them: one opening.
+/// An opening between two walls, with its exits: those without a wall between them.
 struct Cut {
     beam: f64,
     exits: Vec<Exit>,
 }
 
 impl Mine {
-    /// Walls and openings of the noise-free `view` that `lidar` has on the way of `motion`.
+    /// Walls and openings of the noise-free `view` of `lidar` during `motion`.
     pub fn scenery(&self, lidar: &Lidar, motion: &Motion, view: &[Echo]) -> Scenery {
         let from_m = motion.at(0.5 * lidar.field_of_view_rad / std::f64::consts::TAU).position_m;
         let sight = Sight { surface: self.surface(), from_m, range_m: lidar.range_max_m };
@@ -81,7 +79,7 @@ impl Mine {
             && self.clear_width_m(exit.at_m, exit.outward, exit.half_width_m) >= VEHICLE_WIDTH_M
     }
 
-    /// Wall to wall, across a branch of direction `along`. Where a side lies open, to another tunnel or a chamber,
+    /// Width from wall to wall across a branch of direction `along`. On a side that is open to another tunnel or a chamber,
     /// half the nominal width counts.
     fn clear_width_m(&self, at_m: Point, along: Vector, half_width_m: f64) -> f64 {
         let open_from_m = 1.5 * half_width_m + 0.5;
@@ -93,15 +91,15 @@ impl Mine {
             .sum()
     }
 
-    /// The beam, as a fraction, that points at an exit. An exit outside the field of view counts if beams that see
-    /// nothing reach from it into the view, wide enough for the vehicle: then it is cut in the middle of those.
+    /// The beam, as a fractional number, that points at an exit. For an exit outside the field of view it is the middle of
+    /// the beams without echo that reach from the exit into the view, if they are wide enough for the vehicle.
     fn cut_beam(&self, lidar: &Lidar, motion: &Motion, view: &[Echo], exit: &Exit) -> Option<f64> {
         let beam = lidar.beam_towards(motion, exit.at_m);
         let last = (view.len() - 1) as f64;
         if lidar.full_turn() || (0.0..=last).contains(&beam) {
             return Some(beam);
         }
-        let nothing_at = |beam: f64| {
+        let has_no_echo = |beam: f64| {
             let pose = lidar.pose_at(motion, beam);
             let direction = unit(pose.heading_rad + lidar.bearing_rad(beam));
             self.surface().cast_past_pillars(pose.position_m, direction, lidar.range_max_m).is_none()
@@ -109,17 +107,17 @@ impl Mine {
         let outside = if beam < 0.0 { -beam } else { beam - last };
         let inward = if beam < 0.0 { 1.0 } else { -1.0 };
         let edge = if beam < 0.0 { 0.0 } else { last };
-        if exit.shadow_m.is_finite() || !(0..outside as usize).all(|step| nothing_at(edge - inward * step as f64)) {
+        if exit.shadow_m.is_finite() || !(0..outside as usize).all(|step| has_no_echo(edge - inward * step as f64)) {
             return None;
         }
-        let seen = (0..view.len()).take_while(|&step| nothing_at(edge + inward * step as f64)).count() as f64;
+        let seen = (0..view.len()).take_while(|&step| has_no_echo(edge + inward * step as f64)).count() as f64;
         let width_m = 2.0 * lidar.range_max_m * (0.5 * (seen - 1.0).max(0.0) * lidar.step_rad()).sin();
         (width_m >= VEHICLE_WIDTH_M).then_some(edge + inward * 0.5 * seen)
     }
 
     /// Numbers the walls between the cuts, and the pillars, by their smallest beam.
     fn walls(&self, cuts: &[Cut], full_turn: bool, view: &[Echo]) -> (u32, u32, Vec<Option<u32>>) {
-        // What has been numbered so far: walls by the cut after which they come, and pillars.
+        // Numbers given so far: to walls, by the cut before them, and to pillars.
         let (mut between, mut pillars) = (vec![None; cuts.len() + 1], Vec::<(u32, u32)>::new());
         let mut known = 0;
         let mut number = || {
@@ -143,7 +141,7 @@ impl Mine {
                 },
                 None => {
                     let before = cuts.partition_point(|cut| cut.beam <= beam as f64);
-                    // All around, what comes after the last cut is what comes before the first.
+                    // In a full turn the wall after the last cut is the one before the first.
                     let before = if full_turn && before == cuts.len() { 0 } else { before };
                     *between[before].get_or_insert_with(&mut number)
                 }
@@ -153,13 +151,13 @@ impl Mine {
         (between.iter().flatten().count() as u32, pillars.len() as u32, wall_of_beam)
     }
 
-    /// Bearing and width of the branch behind cut `own`.
+    /// Bearing and width of the branch of cut `own`.
     fn opening(&self, lidar: &Lidar, motion: &Motion, from_m: Point, cuts: &[Cut], own: usize) -> TruthOpening {
         let exit = &cuts[own].exits[0];
         let shared = |point: &usize| {
             cuts.iter().enumerate().any(|(cut, other)| cut != own && other.exits.iter().any(|e| e.path.contains(point)))
         };
-        // The branch is the part of the way out that leads nowhere else.
+        // The branch is the part of the path that leads to no other cut.
         let first = exit.path.iter().position(|point| !shared(point)).unwrap_or(exit.path.len());
         let branch = exit.path[first..].iter().map(|&point| {
             let point = &self.skeleton().points[point];
@@ -200,7 +198,7 @@ fn merge(cuts: &mut Vec<Cut>, beams: usize, full_turn: bool, on_wall: impl Fn(us
             _ => merged.push(cut),
         }
     }
-    // All around, the last and the first are neighbours too.
+    // In a full turn the last cut and the first are neighbours.
     if full_turn && merged.len() > 1 && !any_wall(merged[merged.len() - 1].beam, merged[0].beam + beams as f64) {
         let last = merged.pop().map(|cut| cut.exits).unwrap_or_default();
         merged[0].exits.extend(last);
@@ -209,14 +207,14 @@ fn merge(cuts: &mut Vec<Cut>, beams: usize, full_turn: bool, on_wall: impl Fn(us
 }
 
 impl Scenery {
-    /// Number of beams that meet the wall or pillar that fewest meet.
+    /// Number of beams of the wall or pillar with the fewest beams.
     pub(crate) fn fewest_beams(&self) -> usize {
         let mut beams = vec![0; (self.walls + self.islands) as usize];
         self.wall_of_beam.iter().flatten().for_each(|&wall| beams[wall as usize] += 1);
         beams.into_iter().min().unwrap_or(0)
     }
 
-    /// The truth of what the lidar reported of this view.
+    /// The truth of a scan with these readings of the view.
     pub fn truth(&self, readings: &[Reading]) -> Truth {
         let labels = self.wall_of_beam.iter().zip(readings).map(|(wall, reading)| match (reading, wall) {
             (Reading::Nothing, _) => Truth::NO_RETURN,

@@ -1,4 +1,4 @@
-//! A vehicle that follows a route through a mine, disturbed on its way, and odometry that drifts.
+//! A vehicle that follows a route through a mine, with disturbances, and odometry that drifts.
 
 use crate::network::{Point, Vector, left_of, unit};
 use crate::noise::{Drifting, Generator, generator, normal};
@@ -7,29 +7,29 @@ use crate::pose::{Motion, Pose};
 /// Steps of the motion within one sweep.
 const STEPS_PER_SWEEP: usize = 10;
 
-/// How the vehicle flies, and how it errs. Disturbances wander with the given standard deviation and time.
+/// Motion and errors of the vehicle. Disturbances are correlated in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Handling {
     /// Speed over ground.
     pub speed_m_s: f64,
-    /// Fastest turn.
+    /// Largest turn rate.
     pub turn_rate_max_rad_s: f64,
-    /// It heads for the point of the route this far ahead.
+    /// Distance to the point of the route that the vehicle heads for.
     pub look_ahead_m: f64,
     /// Standard deviation of the offset to the side of the route.
     pub offset_sd_m: f64,
-    /// Standard deviation of the heading beside the way flown.
+    /// Standard deviation of the heading relative to the course.
     pub yaw_sd_rad: f64,
     /// Standard deviation of roll and of pitch.
     pub tilt_sd_rad: f64,
-    /// Standard deviation of the odometry's error in speed, as a share of it: one draw per flight.
+    /// Standard deviation of the odometry's relative error in speed, drawn once per flight.
     pub odometry_scale_sd: f64,
-    /// Standard deviation of the odometry's error in turn rate: one draw per flight.
+    /// Standard deviation of the odometry's error in turn rate, drawn once per flight.
     pub odometry_turn_sd_rad_s: f64,
 }
 
 impl Default for Handling {
-    /// 1.5 m/s, tilted by 1.5° (one standard deviation), odometry off by 2 % and 0.2° a second.
+    /// 1.5 m/s, a tilt of 1.5° (standard deviation), and odometry with errors of 2 % and 0.2°/s.
     fn default() -> Self {
         Self {
             speed_m_s: 1.5,
@@ -44,13 +44,12 @@ impl Default for Handling {
     }
 }
 
-/// Where the odometry believes the vehicle to be, starting at the origin, and how fast it moved since the
-/// sweep before.
+/// Pose of the vehicle by its odometry, which starts at the origin, and velocity since the previous sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Belief {
-    /// Place in the odometry's own frame.
+pub struct OdometryState {
+    /// Position in the odometry's frame.
     pub position_m: Vector,
-    /// Heading in the odometry's own frame.
+    /// Heading in the odometry's frame.
     pub heading_rad: f64,
     /// Velocity in the body frame.
     pub velocity_m_s: Vector,
@@ -58,7 +57,7 @@ pub struct Belief {
     pub turn_rate_rad_s: f64,
 }
 
-/// A vehicle on its way: an iterator over sweeps, until the end of the route is near.
+/// A vehicle in motion: an iterator over sweeps that ends near the end of the route.
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     handling: Handling,
@@ -66,11 +65,11 @@ pub struct Vehicle {
     sweep_s: f64,
     /// Index of the last point of the route that was passed.
     passed: usize,
-    /// Where it is and which way it flies; its nose strays from that by the yaw disturbance.
     position_m: Point,
+    /// Direction of motion. The heading differs from it by the yaw disturbance.
     course_rad: f64,
     pose: Pose,
-    belief: Belief,
+    odometry: OdometryState,
     offset: Drifting,
     yaw: Drifting,
     roll: Drifting,
@@ -81,7 +80,7 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// At the start of a route, facing along it. Points of the route should be closer together than the look-ahead.
+    /// A vehicle at the start of a route, facing along it. Points of the route are closer together than the look-ahead.
     pub fn new(handling: Handling, route_m: Vec<Point>, sweep_s: f64, seed: u64) -> Self {
         let mut rng = generator(seed, "vehicle");
         let position_m = route_m.first().copied().unwrap_or_else(Point::origin);
@@ -91,7 +90,7 @@ impl Vehicle {
             position_m,
             course_rad,
             pose: Pose::level(position_m, course_rad),
-            belief: Belief::default(),
+            odometry: OdometryState::default(),
             offset: Drifting::new(handling.offset_sd_m, 3.0),
             yaw: Drifting::new(handling.yaw_sd_rad, 1.0),
             roll: Drifting::new(handling.tilt_sd_rad, 0.5),
@@ -123,7 +122,7 @@ impl Vehicle {
         };
     }
 
-    /// The point of the route that lies the look-ahead in front, displaced to the side by the disturbance.
+    /// The point of the route at the look-ahead distance, displaced sideways by the disturbance.
     fn target_m(&mut self, dt_s: f64) -> Point {
         while self.passed + 1 < self.route_m.len()
             && (self.route_m[self.passed] - self.position_m).norm() < self.handling.look_ahead_m
@@ -135,32 +134,32 @@ impl Vehicle {
         self.position_m + ahead + left_of(ahead.try_normalize(1e-9).unwrap_or_default()) * offset_m
     }
 
-    /// What the odometry makes of the `dt_s` from `before` to now.
-    fn believe(&mut self, before: &Pose, dt_s: f64) {
+    /// Updates the odometry by the motion from `before` to now, during `dt_s`.
+    fn update_odometry(&mut self, before: &Pose, dt_s: f64) {
         let moved = nalgebra::Rotation2::new(-before.heading_rad) * (self.pose.position_m - before.position_m);
         let turned_rad = self.pose.heading_rad - before.heading_rad;
-        let belief = &mut self.belief;
-        belief.velocity_m_s = moved * self.scale / dt_s;
-        belief.turn_rate_rad_s = turned_rad / dt_s + self.turn_bias_rad_s;
-        belief.position_m += nalgebra::Rotation2::new(belief.heading_rad) * belief.velocity_m_s * dt_s;
-        belief.heading_rad += belief.turn_rate_rad_s * dt_s;
+        let odometry = &mut self.odometry;
+        odometry.velocity_m_s = moved * self.scale / dt_s;
+        odometry.turn_rate_rad_s = turned_rad / dt_s + self.turn_bias_rad_s;
+        odometry.position_m += nalgebra::Rotation2::new(odometry.heading_rad) * odometry.velocity_m_s * dt_s;
+        odometry.heading_rad += odometry.turn_rate_rad_s * dt_s;
     }
 }
 
 impl Iterator for Vehicle {
     /// The motion during a sweep, and the odometry at its first beam.
-    type Item = (Motion, Belief);
+    type Item = (Motion, OdometryState);
 
     fn next(&mut self) -> Option<Self::Item> {
         let end_m = *self.route_m.last()?;
         if self.passed + 1 == self.route_m.len() && (end_m - self.position_m).norm() < self.handling.look_ahead_m {
             return None;
         }
-        let (start, belief) = (self.pose, self.belief);
+        let (start, odometry) = (self.pose, self.odometry);
         for _ in 0..STEPS_PER_SWEEP {
             self.step(self.sweep_s / STEPS_PER_SWEEP as f64);
         }
-        self.believe(&start, self.sweep_s);
-        Some((Motion { start, end: self.pose }, belief))
+        self.update_odometry(&start, self.sweep_s);
+        Some((Motion { start, end: self.pose }, odometry))
     }
 }

@@ -1,4 +1,4 @@
-//! How the time of preset `default` grows with the number of points, in one thread.
+//! Generator of a figure of the docs: how the time of preset `default` grows with the number of points, in one thread.
 //!
 //! `cargo run --release --no-default-features --example growth [-- FIGURE.svg]`
 //!
@@ -16,14 +16,15 @@ use crosscut_simulator::{Places, Rings, lidar::Lidar};
 use crosscut_stage::{Frame, Revolution};
 use plot::Curve;
 
-/// Seeds of no suite.
+/// A seed that no suite uses.
 const FIRST_SEED: u64 = 77_000;
 const BRANCHES: [usize; 3] = [2, 3, 4];
-/// Each place is worked on, again and again, for so long.
+/// Each place is processed repeatedly for this long.
 const LEAST_MS: f64 = 300.0;
 const PLACES: Places = Places { width_m: [4.0, 5.0], ..Places::CLEAN };
 
-/// What is timed: its name, and the revolution of a place of about n points with its true count.
+/// A kind of scan that is timed: its name, its sizes, and a function that returns the revolution of a place with about n
+/// points and its true count.
 type Kind = (&'static str, &'static [usize], fn(branches: usize, n: usize) -> (Revolution, u32));
 
 const KINDS: [Kind; 3] = [
@@ -56,20 +57,20 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The sweeps, and those of the clouds that have more points than any sweep.
+/// The sweeps, and the clouds that have more points than any sweep.
 fn one_line(sweeps: &Curve, clouds: &Curve) -> Curve {
     let most = sweeps.points.iter().fold(0.0f64, |most, &[points, _]| most.max(points));
     let beyond = clouds.points.iter().filter(|&&[points, _]| points > most);
     Curve { name: "one line", points: sweeps.points.iter().chain(beyond).copied().collect() }
 }
 
-/// What was measured at one size.
+/// The measurement at one size.
 struct Measured {
     /// Mean number of points.
     points: f64,
-    /// Processor time of a revolution, which others on the machine hardly touch.
+    /// Processor time of a revolution, which depends little on other programs on the machine.
     ms: f64,
-    /// How many places have the right count.
+    /// Number of places with the right count.
     right: usize,
 }
 
@@ -117,14 +118,14 @@ fn cloud(branches: usize, rings: Rings) -> (Revolution, u32) {
     (Revolution { points_m: cloud.points_m, ..Revolution::default() }, cloud.truth.walls)
 }
 
-/// How long this thread has been on a processor.
+/// Processor time of this thread.
 fn processor_ms() -> anyhow::Result<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").context("needs Linux")?;
     let ns: f64 = text.split_whitespace().next().context("an empty schedstat")?.parse()?;
     Ok(ns / 1e6)
 }
 
-/// The most memory that this process ever had resident.
+/// Largest resident memory of this process.
 fn peak_memory_mb() -> anyhow::Result<u64> {
     let status = std::fs::read_to_string("/proc/self/status").context("needs Linux")?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).context("no VmHWM")?;

@@ -1,16 +1,15 @@
-//! One setting from 1.2 m to 8 m wide, from 180 to 4096 beams, from 5 to 100 m range, from 180° to 360° of view: how
-//! often preset `default` is right in each, and how much room its zero rule has.
+//! Generator of a page of the docs: how often preset `default` is right in places from 1.2 m to 8 m wide, with 180 to
+//! 4096 beams, 5 to 100 m range and 180° to 360° of view, and how far its eigenvalues are from the zero tolerance.
 //!
 //! `cargo run --release -p crosscut --no-default-features --example robustness -- target/docs/robustness` writes a page and
 //! its figure.
 
-mod chart;
+mod eigenvalues;
 mod mixture;
 
 use std::path::Path;
 
 use anyhow::Context;
-use chart::{Chart, Column, figure};
 use crosscut_evaluate::{Evaluation, Score};
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Engine, Preset, Settings};
@@ -18,12 +17,13 @@ use crosscut_report::ResultsLine;
 use crosscut_simulator::lidar::Lidar;
 use crosscut_simulator::{Places, Scene};
 use crosscut_stage::Frame;
+use eigenvalues::{Column, Panel, figure};
 
 const WIDTHS_M: [f64; 7] = [1.2, 1.6, 2.4, 3.5, 5.0, 6.5, 8.0];
 const BEAMS: [usize; 5] = [180, 360, 720, 1440, 4096];
 const RANGES_M: [f64; 7] = [5.0, 8.0, 15.0, 25.0, 40.0, 60.0, 100.0];
 const VIEWS_DEG: [f64; 5] = [180.0, 225.0, 270.0, 315.0, 360.0];
-/// At how many of the edges one beam of the two is mixed, and at how many one is lost.
+/// Shares of the edges at which one of the two beams is mixed, and at which one is lost.
 const EDGES: [(&str, f64, f64); 5] = [
     ("as they are", 0.0, 0.0),
     ("half mixed", 0.5, 0.0),
@@ -31,11 +31,11 @@ const EDGES: [(&str, f64, f64); 5] = [
     ("half lost", 0.0, 0.5),
     ("all lost", 0.0, 1.0),
 ];
-/// Wider places have pillars then.
+/// Places wider than this have pillars in the table of edges.
 const ROOM_FOR_PILLARS_M: f64 = 4.0;
-/// Limited views have so many beams in each degree.
+/// Limited views have this many beams in each degree.
 const BEAMS_PER_DEG: f64 = 1.0;
-/// Scenes in each cell, as many with each number of branches from 1 to 5.
+/// Scenes in each cell, equally many with each number of branches from 1 to 5.
 const SCENES: u64 = 100;
 /// Above all seeds of the suites.
 const FIRST_SEED: u64 = 1 << 62;
@@ -89,7 +89,7 @@ with a look at scenes of this kind, and that one beam says nothing only of a nar
 these and at the first table.
 ";
 
-/// What came of the scenes of one cell of a table.
+/// The answers to the scenes of one cell of a table.
 struct Cell {
     right: u64,
     /// λ_k and λ_k+1 of each scene that has one.
@@ -140,19 +140,19 @@ impl Method {
     }
 }
 
-/// Of about this width.
+/// Places of approximately this width.
 fn places(width_m: f64, lidar: Lidar) -> Places {
     Places { width_m: [0.95 * width_m, 1.05 * width_m], bumps_m: [0.05, 0.8], lidar, ..Places::CLEAN }
 }
 
-/// The same with pillars where there is room for them.
+/// Places of approximately this width, with pillars where there is room for them.
 fn places_with_pillars(width_m: f64, lidar: Lidar) -> Places {
     let pillars = if width_m > ROOM_FOR_PILLARS_M { [1, 2] } else { [0, 0] };
     Places { pillars, ..places(width_m, lidar) }
 }
 
 fn main() -> anyhow::Result<()> {
-    let folder = std::env::args().nth(1).context("say a folder to write to")?;
+    let folder = std::env::args().nth(1).context("name a folder to write to")?;
     let mut method = Method::new()?;
     let by_beams = method.rows(&BEAMS, |beams, width_m| places(width_m, Lidar { beams, ..Lidar::CLEAN }))?;
     let by_range =
@@ -183,17 +183,17 @@ fn main() -> anyhow::Result<()> {
     let against_beams = BEAMS.iter().zip(&by_beams).map(|(beams, cells)| dots(beams.to_string(), &cells[column]));
     let against_width = WIDTHS_M.iter().zip(&by_beams[row]).map(|(width_m, cell)| dots(width_m.to_string(), cell));
     let tolerance = by_beams[row][column].tolerance;
-    let charts = [
-        Chart { title: "eigenvalue against beams, 3.5 m wide", columns: against_beams.collect(), tolerance },
-        Chart { title: "eigenvalue against width (m), 360 beams", columns: against_width.collect(), tolerance },
+    let panels = [
+        Panel { title: "eigenvalue against beams, 3.5 m wide", columns: against_beams.collect(), tolerance },
+        Panel { title: "eigenvalue against width (m), 360 beams", columns: against_width.collect(), tolerance },
     ];
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     std::fs::write(folder.join("robustness.md"), page).context("robustness.md cannot be written")?;
-    std::fs::write(folder.join("eigenvalues.svg"), figure(&charts)).context("eigenvalues.svg cannot be written")
+    std::fs::write(folder.join("eigenvalues.svg"), figure(&panels)).context("eigenvalues.svg cannot be written")
 }
 
-/// What comes of the mixture, in Markdown.
+/// The figures of the mixture, in Markdown.
 fn of_mixture(method: &mut Method) -> anyhow::Result<String> {
     let mut evaluation = Evaluation::default();
     for index in 0..MIXED {

@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The command line: every command with its options.
 
 pub(crate) mod record;
 
@@ -12,7 +12,7 @@ use crosscut_messages::ScanType;
 
 use record::{LayoutArg, RecordArgs};
 
-/// How many walls, and so how many ways on, are here: spectral junction detection on 2D lidar revolutions.
+/// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
 #[derive(Debug, Parser)]
 #[command(name = "crosscut", version, max_term_width = 110, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
@@ -21,32 +21,32 @@ pub(crate) struct Cli {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 failed, what came before is saved; 2 wrong usage or configuration; 3 done, but something was \
-lost (damaged input, incomplete recording); 130 interrupted, what was made is saved.";
+Exit codes: 0 done; 1 failed, results up to the failure are saved; 2 wrong usage or configuration; 3 done, but \
+something was lost (damaged input, incomplete recording); 130 interrupted, results so far are saved.";
 
-/// Where viewers connect if no address is given: on this machine alone.
+/// The default address of --serve. Only viewers on this machine can connect to it.
 const SERVED_AT: &str = "127.0.0.1:9877";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Count the walls of every revolution in a recorded flight.
+    /// Count the walls in every scan of a recorded flight, and find the openings.
     Run(RunArgs),
-    /// Show what `run --save` recorded.
+    /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
-    /// Make a flight through a mine whose truth is known.
+    /// Simulate a flight through a mine, or scenes for evaluation, with the true answers.
     Simulate(SimulateArgs),
-    /// Compare the results of one configuration or several with the truth in recordings.
+    /// Compare the results of one or more configurations with the truth in recordings.
     Evaluate(EvaluateArgs),
-    /// Show where two configurations or more answer differently, stage by stage or setting by setting; needs no truth.
+    /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
-    /// Repeat the paper's evaluation on scenes of its kind: figures, and the zero tolerance against what is right.
+    /// Repeat the paper's evaluation on simulated scenes: figures, and the share of right answers by zero tolerance.
     Paper(PaperArgs),
-    /// Show what is in a recording.
+    /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
-    /// List, export or compare what is in recordings made with --save.
+    /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
-    /// Show every setting with its value, unit, range and where it comes from. The output is a configuration file.
+    /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
 }
 
@@ -56,102 +56,101 @@ pub(crate) struct RunArgs {
     pub(crate) flight: FlightArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
-    /// Write one JSON object per scan message; `-` is standard output.
+    /// Write one JSON object per scan; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
-    /// Draw count, margin and confidence over time, and list beside it, as FILE.md, the revolutions whose count is not
-    /// that of most around them, with what is different there.
-    #[arg(long, value_name = "FILE.svg", value_parser = PathBufValueParser::new().try_map(an_svg))]
+    /// Draw count, margin and confidence over time. FILE.md beside it lists the scans whose count differs from most of
+    /// their neighbours, with the difference.
+    #[arg(long, value_name = "FILE.svg", value_parser = PathBufValueParser::new().try_map(svg_path))]
     pub(crate) over_time: Option<PathBuf>,
-    /// No progress, no summary.
+    /// Show no progress bar and no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Play at this multiple of the sensor's pace (1 = as it was recorded); pauses of more than 10 s are left out.
+    /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
 }
 
-/// A recorded flight, or a part of it.
+/// Selects a recorded flight, or a part of it.
 #[derive(Debug, Args)]
 pub(crate) struct FlightArgs {
-    /// MCAP recordings, or folders of them: the parts of one flight, in this order.
+    /// MCAP recordings or folders of them: the parts of one flight, in this order.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// Scan topic; found by itself when there is only one.
+    /// Topic of the scans; may be omitted when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
-    /// What the messages of that topic are, where the recording does not say or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in json or protobuf those of Foxglove.
+    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
-    /// Start this many seconds after the first scan. When no scan is left the command fails (exit code 1).
+    /// Start this many seconds after the first scan. If no scan is left, the command fails (exit code 1).
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
     /// Stop this many seconds after the first scan.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
-    /// Take every N-th scan.
+    /// Process every N-th scan only.
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
-    /// The recording that `run --save` made; its other parts (FLIGHT-2.rrd...) come with it.
+    /// Recording made with `run --save`; its further parts (FLIGHT-2.rrd...) are shown as well.
     #[arg(required = true, value_name = "FLIGHT.rrd")]
     pub(crate) flight: Vec<PathBuf>,
-    /// Which page the viewer opens with. [default: with --beside or --with their own page, else the one that the
-    /// recording was made for]
+    /// Page that the viewer opens with. [default: the page of --beside or --with if one of them is given, else the page
+    /// that the recording was made for]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
-    /// Another recording, side by side with the first.
+    /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
     pub(crate) beside: Option<PathBuf>,
-    /// The flight's MCAP recording, to see its point clouds, cameras and transforms together with ours. May be given
-    /// again.
+    /// MCAP recording of the flight, to show its point clouds, cameras and transforms as well. May be repeated.
     #[arg(long, value_name = "FLIGHT.mcap", conflicts_with = "beside")]
     pub(crate) with: Vec<PathBuf>,
-    /// Do not open the viewer: let viewers connect, until Ctrl-C. Port 0 takes a free one.
+    /// Let viewers connect until Ctrl-C instead of opening one. Port 0 selects a free port.
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
-    /// Settings to start from: paper, default, or a baseline: threshold, breakpoint, dbscan.
+    /// Settings to start from: paper, default, or one of the baselines threshold, breakpoint, dbscan.
     #[arg(long, default_value = "default")]
     pub(crate) preset: String,
-    /// A file of settings (TOML), over the preset; or a recording made with --save, for the settings it was made with.
+    /// Settings that override the preset: a TOML file, or a recording made with `run --save` to use its settings.
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
     pub(crate) config: Option<PathBuf>,
-    /// A single setting, over the file: vehicle.width_m=0.8. May be given again.
+    /// Single setting that overrides the file, such as vehicle.width_m=0.8. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
-    /// The scenario, one flight; --list shows them.
+    /// Scenario of the flight; --list shows them.
     #[arg(conflicts_with = "suite")]
     pub(crate) scenario: Option<String>,
-    /// A family of scenes for evaluation instead of a flight; `all` for every family.
+    /// Family of scenes for evaluation, instead of a flight; `all` for every family.
     #[arg(long, value_name = "NAME")]
     pub(crate) suite: Option<String>,
-    /// Which scenes of the suite: choose parameters on dev, report on report.
+    /// Scenes of the suite: parameters are chosen on dev, results are reported on report.
     #[arg(long, value_enum, default_value = "dev", requires = "suite", conflicts_with = "scenario")]
     pub(crate) split: SplitArg,
-    /// Where to write: FLIGHT.mcap for a scenario, a folder for suites.
-    #[arg(long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(no_rrd))]
+    /// Output: FLIGHT.mcap for a scenario, a folder for suites.
+    #[arg(long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: Option<PathBuf>,
-    /// The same seed gives the same bytes.
+    /// Seed of the random numbers; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
     pub(crate) seed: u64,
-    /// Show the scenarios and suites.
+    /// List the scenarios and suites.
     #[arg(long)]
     pub(crate) list: bool,
-    /// No progress, and no word of what was written.
+    /// Show no progress bar and no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -166,39 +165,39 @@ pub(crate) enum SplitArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// MCAP recordings with /truth, or folders of them; each file is a family of scenes, named after it;
-    /// no two of one name.
+    /// MCAP recordings with /truth, or folders of them. Each file is a family of scenes and gives it its name, so no
+    /// two files may have the same name.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// A configuration to evaluate: a preset, or a file of settings (or a recording made with --save) over the preset
-    /// `default` or over another (`paper,FILE.toml`), and single settings over that: `paper,affinity.sigma_per_m2=3`.
-    /// May be given again, to see them side by side.
+    /// Configuration to evaluate: a preset, a file of settings (TOML, or a recording made with `run --save`) over the
+    /// preset `default` or over another one (`paper,FILE.toml`), and single settings over either
+    /// (`paper,affinity.sigma_per_m2=3`). Repeat it to see configurations side by side.
     #[arg(long, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
-    /// A single setting, over every configuration. May be given again.
+    /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Scan topic; found by itself when there is only one.
+    /// Topic of the scans; may be omitted when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
-    /// What the messages of that topic are, where the recording does not say or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in json or protobuf those of Foxglove.
+    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
-    /// Show counts, labels, openings and confidence as well.
+    /// Show tables of counts, labels, openings and confidence as well.
     #[arg(long)]
     pub(crate) details: bool,
-    /// Write every figure as JSON; `-` is standard output.
+    /// Write all figures as JSON; `-` is standard output.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
     /// Write the tables as Markdown; `-` is standard output.
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
-    /// Draw the first scenes of each recording that are answered wrong, truth beside answer, and list all of them:
+    /// Draw the first wrong answers of each recording beside the truth, and list all wrong ones, in
     /// DIR/RECORDING-CONFIGURATION.svg and .csv.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
-    /// No progress, no tables on the terminal.
+    /// Show no progress bar and no tables.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -207,44 +206,44 @@ pub(crate) struct EvaluateArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) flight: FlightArgs,
-    /// A configuration: a preset, or a file of settings (or a recording made with --save) over the preset
-    /// `default` or over another (`paper,FILE.toml`), and single settings over that: `paper,affinity.sigma_per_m2=3`.
-    /// Given twice or more; the first is what the others are compared with.
+    /// Configuration, given at least twice: a preset, a file of settings (TOML, or a recording made with `run --save`)
+    /// over the preset `default` or over another one (`paper,FILE.toml`), and single settings over either
+    /// (`paper,affinity.sigma_per_m2=3`). The others are compared with the first.
     #[arg(long, required = true, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
     pub(crate) with: Vec<String>,
-    /// A single setting, over every configuration. May be given again.
+    /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Show every stretch of the flight where the walls differ, not the longest ones only.
+    /// List every stretch of the flight where the walls differ, not only the longest ones.
     #[arg(long)]
     pub(crate) all: bool,
-    /// Write every figure and every stretch as JSON; `-` is standard output.
+    /// Write all figures and stretches as JSON; `-` is standard output.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
-    /// No progress, no tables on the terminal.
+    /// Show no progress bar and no tables.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
-    /// The folder to write paper.md and its figures into.
+    /// Folder for paper.md and its figures.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// How many scenes of each family the table of tolerances counts.
+    /// Number of scenes of each family in the table of tolerances.
     #[arg(long, value_name = "N", default_value_t = crosscut_simulator::SCENES, value_parser = one_or_more)]
     pub(crate) scenes: usize,
-    /// No progress.
+    /// Show no progress bar.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// MCAP recordings, or folders of them.
+    /// MCAP recordings or folders of them.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// What the messages of topics without a schema are, such as LaserScan.
+    /// Type of the messages on topics without a schema, such as LaserScan.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
     #[command(flatten)]
@@ -253,64 +252,64 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum RrdCommand {
-    /// Show entities, components, revolutions and sizes of a recording.
+    /// List the entities of a recording with their components, revolutions and sizes.
     Ls(RrdLsArgs),
-    /// Write values of an entity to a file: arrays for NumPy, CSV, Parquet, or JSON lines.
+    /// Export the values of an entity: as NumPy array, CSV, Parquet or JSON lines.
     Get(RrdGetArgs),
-    /// Compare two recordings row by row: which revolution and step differ first. Exit codes as of diff(1): 0 the same,
-    /// 1 different, 2 trouble; 3 the same as far as a damaged recording goes.
+    /// Compare two recordings row by row and name the first revolution and stage that differ. Exit codes as of diff(1):
+    /// 0 equal, 1 different, 2 failed; and 3 equal as far as a damaged recording can be read.
     Diff(RrdDiffArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RrdLsArgs {
-    /// A recording.
+    /// Recording made with `run --save`.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// Show every component, also those that say how it is drawn.
+    /// List every component, including those that control the drawing.
     #[arg(long)]
     pub(crate) components: bool,
-    /// Show the configuration that it was made with as well.
+    /// Print the configuration that the recording was made with.
     #[arg(long)]
     pub(crate) config: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RrdGetArgs {
-    /// A recording.
+    /// Recording made with `run --save`.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// What to take, as `rrd ls` names it: /spectral/eigenvalues; /affinity/W is a picture unless made anew with --exact.
+    /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it.
     pub(crate) entity: String,
-    /// Which component of it; the one with the numbers if not given.
+    /// Component of the entity. [default: the one that holds its numbers]
     #[arg(long, value_name = "NAME", conflicts_with = "exact")]
     pub(crate) component: Option<String>,
-    /// One revolution, by its number; all if not given.
+    /// Number of a single revolution. [default: all]
     #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
     pub(crate) revolution: Option<i64>,
-    /// From this many seconds after the first revolution recorded.
+    /// Start this many seconds after the first recorded revolution.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
-    /// To this many seconds after the first revolution recorded.
+    /// Stop this many seconds after the first recorded revolution.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
-    /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
+    /// Recompute W, L, U and all that follows in full precision from the recorded ranges and configuration.
     #[arg(long)]
     pub(crate) exact: bool,
-    /// Where to write: .npy, .csv, .parquet or .jsonl; words also as they are, as .md or with `-` to standard output.
+    /// Output: .npy, .csv, .parquet or .jsonl; for text also .md, or `-` for standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RrdDiffArgs {
-    /// A recording.
+    /// Recording made with `run --save`.
     #[arg(value_name = "A.rrd")]
     pub(crate) first: PathBuf,
-    /// Another recording of the same flight.
+    /// Second recording of the same flight.
     #[arg(value_name = "B.rrd")]
     pub(crate) second: PathBuf,
-    /// Numbers that differ by this much at most are the same.
+    /// Largest difference of two numbers that count as equal.
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,
 }
@@ -323,19 +322,19 @@ fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|s: &f64| s.is_finite() && *s >= 0.0).ok_or_else(|| "seconds, 0 or more".to_owned())
 }
 
-fn an_svg(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if ends_in(&path, "svg") { Ok(path) } else { Err("pictures are written as SVG: FILE.svg") }
+fn svg_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if has_extension(&path, "svg") { Ok(path) } else { Err("the picture is an SVG file: FILE.svg") }
 }
 
-fn no_rrd(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if ends_in(&path, "rrd") {
-        return Err("what is simulated is an MCAP recording, none for the Rerun viewer: FLIGHT.mcap");
+fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if has_extension(&path, "rrd") {
+        return Err("simulate writes an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
 }
 
-fn ends_in(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|of_path| of_path.eq_ignore_ascii_case(ending))
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -356,7 +355,7 @@ mod tests {
     use clap::CommandFactory;
 
     #[test]
-    fn the_command_line_is_free_of_contradictions() {
+    fn the_command_line_has_no_contradictory_options() {
         super::Cli::command().debug_assert();
     }
 }

@@ -1,4 +1,4 @@
-//! The options of what is recorded for the Rerun viewer.
+//! The options of the recording for the Rerun viewer.
 
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
@@ -8,49 +8,49 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{ArgGroup, Args, ValueEnum};
 
-use super::{SERVED_AT, ends_in};
+use super::{SERVED_AT, has_extension};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]
 #[command(group = ArgGroup::new("recorded").args(["save", "view", "serve"]).multiple(true))]
 pub(crate) struct RecordArgs {
-    /// Save a recording of every stage for the Rerun viewer.
-    #[arg(long, value_name = "FLIGHT.rrd", value_parser = PathBufValueParser::new().try_map(a_file))]
+    /// Save a recording of all stages for the Rerun viewer.
+    #[arg(long, value_name = "FLIGHT.rrd", value_parser = PathBufValueParser::new().try_map(rrd_path))]
     pub(crate) save: Option<PathBuf>,
-    /// Show every stage live in the Rerun viewer.
+    /// Show all stages live in the Rerun viewer.
     #[arg(long)]
     pub(crate) view: bool,
-    /// Let viewers connect while the flight runs, and afterwards until Ctrl-C. Late ones see what came, up to 1 GiB.
-    /// Port 0 takes a free one.
+    /// Let viewers connect during the run, and afterwards until Ctrl-C. A viewer that connects late receives the last
+    /// 1 GiB. Port 0 selects a free port.
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, require_equals = true, default_missing_value = SERVED_AT)]
     pub(crate) serve: Option<SocketAddr>,
-    /// Which page the viewer opens with; the others are a click away.
+    /// Page that the viewer opens with; the others are one click away.
     #[arg(long, value_enum, default_value = "stages", requires = "recorded")]
     pub(crate) layout: LayoutArg,
-    /// How much is recorded of each revolution.
+    /// Amount of data recorded of each revolution.
     #[arg(long, value_enum, default_value = "default", requires = "recorded")]
     pub(crate) record: DetailArg,
-    /// Record W and U exactly at every N-th revolution recorded. [default: 300, with --record full 1, with light never]
+    /// Record exact W and U at every N-th recorded revolution. [default: 300; 1 with --record full; never with light]
     #[arg(long, value_name = "N", requires = "recorded")]
     pub(crate) record_every: Option<NonZeroU64>,
-    /// Record these revolutions alone (`seq`, both included): 100..200, 100.. or ..200.
+    /// Record only these revolutions (`seq`, both ends included): 100..200, 100.. or ..200.
     #[arg(long, value_name = "A..B", value_parser = range::<u64>, requires = "recorded")]
     pub(crate) record_revolutions: Option<Span<u64>>,
-    /// Record this time alone, in seconds after the first revolution of the run: 12.5..20, 12.5.. or ..20.
+    /// Record only this time, in seconds after the first revolution of the run: 12.5..20, 12.5.. or ..20.
     #[arg(long, value_name = "A..B", value_parser = range::<f64>, requires = "recorded")]
     pub(crate) record_seconds: Option<Span<f64>>,
-    /// End a file after N revolutions and go on in FLIGHT-2.rrd, FLIGHT-3.rrd...
+    /// Start a new file, FLIGHT-2.rrd, FLIGHT-3.rrd..., after every N revolutions.
     #[arg(long, value_name = "N", default_value = "6000", requires = "save")]
     pub(crate) record_part: NonZeroU64,
 }
 
-/// A recording is written in parts, each ended by an index: a pipe takes none.
-fn a_file(path: PathBuf) -> Result<PathBuf, &'static str> {
+/// Refuses a pipe: a recording is written in parts, each with an index at its end.
+fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if path == Path::new("-") {
         return Err("a recording is a file, not standard output: FLIGHT.rrd");
     }
-    if ends_in(&path, "mcap") {
-        return Err("what is saved is for the Rerun viewer, no MCAP recording: FLIGHT.rrd");
+    if has_extension(&path, "mcap") {
+        return Err("--save writes a recording for the Rerun viewer, not an MCAP recording: FLIGHT.rrd");
     }
     Ok(path)
 }
@@ -58,28 +58,28 @@ fn a_file(path: PathBuf) -> Result<PathBuf, &'static str> {
 /// Pages of a recording.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum LayoutArg {
-    /// The flight: counts, places, margin, and the revolutions worth a look.
+    /// The whole flight: counts, places, margin, and the revolutions to look at first.
     Overview,
     /// One revolution, stage by stage.
     Stages,
-    /// Time: what each stage took, and whether it keeps up with the sensor.
+    /// Time of each stage, and whether the stages keep up with the sensor.
     Speed,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum DetailArg {
-    /// No matrix; ranges, eigenvalues, labels, answer, explanation and times.
+    /// Ranges, eigenvalues, labels, results, explanation and times; no matrix.
     Light,
-    /// W and L as pictures and U of every revolution; exact W and U of some.
+    /// In addition U, and W and L as pictures, of every revolution; exact W and U of some.
     Default,
-    /// Exact W and U of every revolution as well.
+    /// In addition exact W and U of every revolution.
     Full,
 }
 
-/// From and to, both included.
+/// A range that includes both ends.
 pub(crate) type Span<T> = RangeInclusive<T>;
 
-/// A number that may stand at either end of a [`Span`].
+/// A number type that a [`Span`] can have.
 pub(crate) trait Bound: std::str::FromStr + PartialOrd + Copy {
     const FIRST: Self;
     const LAST: Self;
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_may_be_open_at_either_end_and_is_never_backwards() {
+    fn a_span_may_be_open_but_never_backwards() {
         assert_eq!(range::<u64>("100..200"), Ok(100..=200));
         assert_eq!(range::<u64>("100.."), Ok(100..=u64::MAX));
         assert_eq!(range::<f64>("..20.5"), Ok(0.0..=20.5));

@@ -1,4 +1,4 @@
-//! `crosscut evaluate`: configurations side by side, against the truth in recordings.
+//! `crosscut evaluate`: compares configurations with the truth in recordings.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -12,13 +12,14 @@ use serde_json::json;
 
 use crate::cli::EvaluateArgs;
 use crate::configurations::{self, Configuration};
+use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::say;
 use crate::scoring::{self, Scored};
 use crate::{outputs, progress, typeset};
 
-/// Runs every configuration over every recording, and compares the results with the truth.
+/// Runs every configuration on every recording and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let default = ["default".to_owned()];
@@ -28,9 +29,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
     refuse_equal("families", input.iter().map(|path| family_of(path)))?;
     refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
     let read: Vec<_> = input.iter().cloned().chain(configurations::files(with)).collect();
-    say_what_changes_the_scans(&columns);
-    let mut problems = Problems::default();
-    let (recordings, revolutions) = with_truth(input, args, &columns, &mut problems)?;
+    let mut diagnostics = Diagnostics::default();
+    note_changed_scans(&columns, &mut diagnostics);
+    let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
     let mut outputs = Outputs::open(args, &read)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
@@ -42,45 +43,38 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
             if stop.is_set() {
-                problems.interrupt(path, &column.name);
+                interrupt(path, &column.name, &mut diagnostics);
                 break 'all;
             }
             let scored = scoring::score(path, &options, &column.config, &registry, &stop, &bar)?;
-            problems.note(path, &column.name, &scored);
+            bar.suspend(|| report(path, &column.name, &scored, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {
-                if let Err(error) = scored.wrong.write(folder, &family, &column.name) {
-                    problems.not_written(&error);
-                }
+                let drawn = scored.wrong.write(folder, &family, &column.name);
+                diagnostics.lost_all(drawn.err().map(|error| format!("{error:#}")));
                 wrong += scored.wrong.count();
             }
         }
     }
     bar.finish_and_clear();
 
-    if let Some(place) = problems.interrupted.clone() {
-        problems.say(format!("interrupted {place}: the figures are of what was compared before that"));
+    if args.draw_wrong.is_some() && wrong == 0 && !diagnostics.ended_early() {
+        say("every answer is right, so nothing is drawn");
     }
-    for problem in &problems.sentences {
-        say(problem);
-    }
-    if args.draw_wrong.is_some() && wrong == 0 && !problems.failed && problems.interrupted.is_none() {
-        say("nothing is wrong, so nothing is drawn");
-    }
-    outputs.write(&scoreboard, &columns, &problems.sentences)?;
-    Ok(problems.outcome())
+    outputs.write(&scoreboard, &columns, diagnostics.problems())?;
+    Ok(diagnostics.outcome())
 }
 
 fn read_options(args: &EvaluateArgs) -> ReadOptions {
     ReadOptions { topic: args.topic.clone(), read_as: args.read_as, ..ReadOptions::default() }
 }
 
-/// The family that a recording is.
+/// The name of a recording's family.
 fn family_of(recording: &Path) -> String {
     recording.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Two of the same name could not be told apart in the tables, and pictures of one would replace those of the other.
+/// Refuses two equal names: tables could not distinguish them, and pictures of one would replace those of the other.
 fn refuse_equal(what: &str, names: impl Iterator<Item = String>) -> Result<(), UsageError> {
     let mut known = BTreeSet::new();
     for name in names {
@@ -91,13 +85,13 @@ fn refuse_equal(what: &str, names: impl Iterator<Item = String>) -> Result<(), U
     Ok(())
 }
 
-/// The recordings that can be evaluated, and how many revolutions there are to go through, if that is known. Of several
-/// one that cannot be read, or has no truth, is left out, and the others count.
+/// Returns the recordings that can be evaluated, and the number of revolutions to process if it is known. A recording
+/// that cannot be read or has no truth is left out, unless no other is left.
 fn with_truth(
     recordings: Vec<PathBuf>,
     args: &EvaluateArgs,
     columns: &[Configuration],
-    problems: &mut Problems,
+    diagnostics: &mut Diagnostics,
 ) -> anyhow::Result<(Vec<PathBuf>, Option<u64>)> {
     let options = read_options(args);
     let messages_in = |path: &Path| {
@@ -112,7 +106,7 @@ fn with_truth(
                 kept.push(path);
             }
             Err(error) => {
-                problems.leave_out(&error);
+                diagnostics.error(format_args!("left out: {error:#}"));
                 refused.get_or_insert(error);
             }
         }
@@ -123,92 +117,45 @@ fn with_truth(
     }
 }
 
-/// A truth is of the scans as they were recorded, in the body frame of the sensor as it is mounted.
-fn say_what_changes_the_scans(columns: &[Configuration]) {
+/// Notes settings of ingest: the truth belongs to the scans as they were recorded, in the body frame of the sensor.
+fn note_changed_scans(columns: &[Configuration], diagnostics: &mut Diagnostics) {
     for Configuration { name, config } in columns {
         let changed = config.changed("ingest");
         if !changed.is_empty() {
             let changed = changed.join(", ");
-            say(format_args!(
-                "note: {name} sets {changed}: where the truth is not of such scans, the figures say nothing"
-            ));
+            diagnostics.note(format_args!("{name} sets {changed}; the truth may not hold for scans read that way"));
         }
     }
 }
 
-/// What went wrong, each once, however many configurations met it.
-#[derive(Default)]
-struct Problems {
-    sentences: Vec<String>,
-    failed: bool,
-    /// Where something was left to do.
-    interrupted: Option<String>,
-}
-
-impl Problems {
-    fn note(&mut self, path: &Path, configuration: &str, scored: &Scored) {
-        for loss in &scored.losses {
-            self.say(format!("lost: {loss}"));
+/// Reports the losses of one configuration on one recording, and why it ended early.
+fn report(path: &Path, configuration: &str, scored: &Scored, diagnostics: &mut Diagnostics) {
+    diagnostics.lost_all(&scored.losses);
+    let compared = scored.evaluation.revolutions();
+    let file = path.display();
+    match &scored.end {
+        End::Failed(failure) => diagnostics
+            .error(format_args!("{configuration}: {failure}; the {compared} revolutions before it count, in {file}")),
+        End::Complete if compared == 0 => {
+            diagnostics.error(format_args!("no scan could be compared with its truth, in {file}"));
         }
-        let compared = scored.evaluation.revolutions();
-        let file = path.display();
-        match &scored.end {
-            End::Failed(failure) => {
-                self.failed = true;
-                self.say(format!("error: {configuration}: {failure}; the {compared} before it count, in {file}"));
-            }
-            End::Complete if compared == 0 => {
-                self.failed = true;
-                self.say(format!("error: no scan could be compared with its truth, in {file}"));
-            }
-            // Nothing is written here: it is a defect of the scoring, which must not pass for a shorter flight.
-            End::ResultsLost(error) => {
-                self.failed = true;
-                self.say(format!(
-                    "error: {configuration}: a result cannot be scored: {error}; the {compared} before it count, in {file}"
-                ));
-            }
-            End::Interrupted => self.interrupt(path, configuration),
-            End::Complete => {}
-        }
-    }
-
-    /// From here on something was left to do. Configurations side by side are of equally many revolutions before it.
-    fn interrupt(&mut self, path: &Path, configuration: &str) {
-        self.interrupted.get_or_insert_with(|| format!("at {configuration}, in {}", path.display()));
-    }
-
-    /// A recording that cannot be evaluated.
-    fn leave_out(&mut self, error: &anyhow::Error) {
-        self.failed = true;
-        self.say(format!("error: left out: {error:#}"));
-    }
-
-    /// A picture that cannot be written; the figures do not depend on it.
-    fn not_written(&mut self, error: &anyhow::Error) {
-        self.say(format!("lost: {error:#}"));
-    }
-
-    fn say(&mut self, sentence: String) {
-        if !self.sentences.contains(&sentence) {
-            self.sentences.push(sentence);
-        }
-    }
-
-    fn outcome(&self) -> Outcome {
-        if self.failed {
-            Outcome::Failed
-        } else if self.interrupted.is_some() {
-            Outcome::Interrupted
-        } else if !self.sentences.is_empty() {
-            Outcome::SomethingLost
-        } else {
-            Outcome::Done
-        }
+        // No file is written here, so this is a defect of the scoring. It must not pass for a shorter flight.
+        End::ResultsLost(error) => diagnostics.error(format_args!(
+            "{configuration}: a result cannot be scored: {error}; the {compared} revolutions before it count, in {file}"
+        )),
+        End::Interrupted => interrupt(path, configuration, diagnostics),
+        End::Complete => {}
     }
 }
 
-/// Where the outcome goes; opened before the work begins.
+/// Reports where the evaluation stopped. Every configuration was compared on the same revolutions before that.
+fn interrupt(path: &Path, configuration: &str, diagnostics: &mut Diagnostics) {
+    let file = path.display();
+    diagnostics
+        .interrupted(format_args!("at {configuration}, in {file}: the figures cover what was compared before that"));
+}
+
+/// The output files, opened before the work begins.
 struct Outputs<'a> {
     args: &'a EvaluateArgs,
     json: Option<Box<dyn Write + Send>>,
@@ -218,7 +165,7 @@ struct Outputs<'a> {
 impl<'a> Outputs<'a> {
     fn open(args: &'a EvaluateArgs, read: &[PathBuf]) -> anyhow::Result<Self> {
         if args.json.is_some() && args.json == args.markdown {
-            return Err(UsageError("--json and --markdown name the same place".to_owned()).into());
+            return Err(UsageError("--json and --markdown name the same file".to_owned()).into());
         }
         let outputs: Vec<_> = args.json.iter().chain(&args.markdown).map(PathBuf::as_path).collect();
         outputs::refuse(&outputs, read)?;
@@ -231,7 +178,7 @@ impl<'a> Outputs<'a> {
     }
 
     fn write(&mut self, scoreboard: &Scoreboard, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
-        let failed = "the outcome cannot be written";
+        let failed = "the figures cannot be written";
         let mut shown = tables::overview(scoreboard);
         if self.args.details {
             shown.extend(tables::details(scoreboard));
@@ -252,7 +199,7 @@ impl<'a> Outputs<'a> {
     }
 }
 
-/// Every figure, by family and configuration, with the `settings` of each configuration in full and what went wrong.
+/// All figures by family and configuration, the complete `settings` of each configuration, and the problems.
 fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> String {
     let names = scoreboard.configurations();
     let configurations: Vec<_> =
@@ -280,21 +227,23 @@ mod tests {
     use super::*;
 
     fn outcome_of(end: End) -> (Outcome, Vec<String>) {
-        let mut problems = Problems::default();
+        let mut diagnostics = Diagnostics::default();
         let scored = Scored { evaluation: Evaluation::default(), wrong: Default::default(), end, losses: Vec::new() };
-        problems.note(Path::new("tee.mcap"), "paper", &scored);
-        (problems.outcome(), problems.sentences)
+        report(Path::new("tee.mcap"), "paper", &scored, &mut diagnostics);
+        (diagnostics.outcome(), diagnostics.problems().to_vec())
     }
 
     #[test]
-    fn figures_that_a_defect_cut_short_do_not_count_as_complete() {
-        let (outcome, sentences) = outcome_of(End::ResultsLost(std::io::Error::other("it panicked: no wall 3")));
+    fn a_result_that_cannot_be_scored_fails_the_evaluation() {
+        let (outcome, problems) = outcome_of(End::ResultsLost(std::io::Error::other("it panicked: no wall 3")));
         assert_eq!(outcome, Outcome::Failed);
-        assert!(sentences[0].contains("paper") && sentences[0].contains("no wall 3"), "{sentences:?}");
+        assert!(problems[0].contains("paper") && problems[0].contains("no wall 3"), "{problems:?}");
     }
 
     #[test]
-    fn an_evaluation_is_interrupted_only_if_something_was_left_to_do() {
-        assert_eq!(outcome_of(End::Interrupted), (Outcome::Interrupted, Vec::new()));
+    fn an_interrupted_evaluation_states_where_it_stopped() {
+        let (outcome, problems) = outcome_of(End::Interrupted);
+        assert_eq!(outcome, Outcome::Interrupted);
+        assert!(problems[0].contains("paper") && problems[0].contains("tee.mcap"), "{problems:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! `crosscut info`: what is in a recording, and what ingest makes of its scans.
+//! `crosscut info`: the contents of a recording, and how ingest reads its first scan.
 
 use std::io::Write;
 
@@ -10,52 +10,38 @@ use crosscut_stage::counted;
 
 use crate::cli::InfoArgs;
 use crate::config;
+use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
-use crate::say::{printable, say};
+use crate::say::printable;
 
-/// Prints the description of every recording, whatever is wrong with another; what is damaged makes the exit code 3.
+/// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
-    let (mut lost, mut failed, mut between) = (false, false, "");
+    let (mut diagnostics, mut described) = (Diagnostics::default(), 0);
     let Parts { files, missing } = parts_in(&args.input)?;
     for part in &files {
-        let description = match describe(part, &sensor, args.read_as) {
-            Ok(description) => description,
-            Err(error) if files.len() == 1 => return Err(error.into()),
-            Err(error) => {
-                if let Some(loss) = error.as_loss(args.input.contains(part)) {
-                    lost = true;
-                    say(format_args!("lost: {loss}"));
-                } else {
-                    failed = true;
-                    say(format_args!("error: {:#}", anyhow::Error::new(error)));
-                }
-                continue;
+        match describe(part, &sensor, args.read_as) {
+            Ok(description) => {
+                let between = if described > 0 { "\n" } else { "" };
+                let text = format!("{between}{}", text(&description));
+                std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;
+                diagnostics.lost_all(&description.losses);
+                described += 1;
             }
-        };
-        let text = format!("{between}{}", text(&description));
-        std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;
-        for loss in &description.losses {
-            say(format_args!("lost: {loss}"));
-            lost = true;
+            Err(error) if files.len() == 1 => return Err(error.into()),
+            Err(error) => match error.as_loss(args.input.contains(part)) {
+                Some(loss) => diagnostics.lost(loss),
+                None => diagnostics.error(format_args!("{:#}", anyhow::Error::new(error))),
+            },
         }
-        between = "\n";
     }
-    for loss in missing {
-        say(format_args!("lost: {loss}"));
-        lost = true;
-    }
-    let none = between.is_empty(); // not one could be described
-    Ok(match (failed || none, lost) {
-        (true, _) => Outcome::Failed,
-        (false, true) => Outcome::SomethingLost,
-        (false, false) => Outcome::Done,
-    })
+    diagnostics.lost_all(missing);
+    Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
 }
 
 fn text(recording: &Description) -> String {
-    let or = |text: &str, otherwise: &str| if text.is_empty() { otherwise.to_owned() } else { text.to_owned() };
+    let or = |text: &str, default: &str| if text.is_empty() { default.to_owned() } else { text.to_owned() };
     let mut lines = vec![
         format!("{}, {}", recording.path.display(), size(recording.bytes)),
         format!(
@@ -74,7 +60,7 @@ fn text(recording: &Description) -> String {
     }
     for topic in &recording.topics {
         if topic.first_scan.is_none() && topic.info.has_scans() && topic.info.messages != Some(0) {
-            lines.push(format!("\nno scan of {} that is asked for can be read", topic.info.name));
+            lines.push(format!("\nno selected scan on {} can be read", topic.info.name));
         }
         if let Some(scan) = &topic.first_scan {
             lines.push(String::new());

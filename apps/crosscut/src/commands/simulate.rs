@@ -1,4 +1,4 @@
-//! `crosscut simulate`: flights and suites of scenes with known truth.
+//! `crosscut simulate`: flights, and suites of scenes, with truth.
 
 use std::io::Write;
 use std::path::Path;
@@ -14,22 +14,22 @@ use crate::interrupt::stop_on_interrupt;
 use crate::progress;
 use crate::say::say;
 
-/// Writes the flight of a scenario, or a suite, or lists both.
+/// Writes a flight or suites, or lists what there is.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let out = args.out.as_deref();
     if out == Some(Path::new("-")) {
-        return Err(UsageError("an MCAP is written to a file, not to standard output".to_owned()).into());
+        return Err(UsageError("simulate writes to a file, not to standard output".to_owned()).into());
     }
     match (&args.scenario, &args.suite, out) {
         _ if args.list => list(),
         (Some(scenario), None, Some(out)) => flight(scenario, args, out, &stop),
         (None, Some(suite), Some(out)) => suite_into(suite, args, out, &stop),
         (Some(_), _, None) | (_, Some(_), None) => {
-            Err(UsageError("--out is missing: the file to write, or the folder of a suite".to_owned()).into())
+            Err(UsageError("--out is missing: a file for a scenario, a folder for a suite".to_owned()).into())
         }
-        _ => Err(UsageError("which scenario, or --suite NAME? --list shows them".to_owned()).into()),
+        _ => Err(UsageError("name a scenario or --suite NAME; --list shows them".to_owned()).into()),
     }
 }
 
@@ -79,10 +79,10 @@ fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -
     Ok(Outcome::Done)
 }
 
-/// Stands for every suite.
+/// Selects every suite.
 const ALL: &str = "all";
 
-/// Writes a whole file, of fewer scenes when asked to stop.
+/// Writes a complete file, with fewer scenes if `stop` is set.
 fn write(
     path: &Path,
     scenes: impl Iterator<Item = Scene>,

@@ -1,9 +1,10 @@
-//! `crosscut view`: what `run --save` recorded, in the viewer.
+//! `crosscut view`: shows recordings made by `run --save` in the viewer.
 
 use crosscut_pipeline::StopFlag;
 use crosscut_recorder::{Served, Show};
 
 use crate::cli::ViewArgs;
+use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
 use crate::say::say;
@@ -24,15 +25,14 @@ pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
             show.served(address, say_where, || stop.is_set())?
         }
     };
-    for damage in &damages {
-        say(format_args!("lost: {damage}"));
-    }
-    Ok(if damages.is_empty() { Outcome::Done } else { Outcome::SomethingLost })
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.lost_all(&damages);
+    Ok(diagnostics.outcome())
 }
 
-/// Says where viewers can connect.
+/// Prints the addresses at which viewers can connect.
 pub(crate) fn say_where(served: &Served) {
-    say(format_args!("serving; to see it: rerun --connect {}", served.url));
+    say(format_args!("serving; to view it: rerun --connect {}", served.url));
     if let Some(page) = &served.web_url {
         say(format_args!("or in a browser: {page}"));
     }

@@ -1,4 +1,4 @@
-//! A flight over time: how many walls, how sure, and where the count is not that of the revolutions around it.
+//! A flight over time: count, margin and confidence, and the revolutions whose count differs from their neighbours.
 
 mod page;
 mod picture;
@@ -15,39 +15,39 @@ use crosscut_stage::Frame;
 use crate::outputs;
 use reason::WallArc;
 
-/// The picture and the list, and what is kept of every revolution for them.
+/// The picture and the list, with the values kept of every revolution for them.
 pub(crate) struct OverTime {
     title: String,
     picture: Box<dyn Write + Send>,
     list: Box<dyn Write + Send>,
     vehicle_width_m: f64,
-    /// When the first revolution was recorded, seconds after the first scan of the flight.
+    /// Time of the first revolution in seconds after the first scan of the flight.
     starts_at_s: f64,
     moments: Vec<Moment>,
 }
 
-/// One revolution.
+/// The values of one revolution.
 struct Moment {
     seq: u64,
     stamp_ns: u64,
     junctions: usize,
     margin: Option<f64>,
     confidence: f64,
-    /// None without walls, or without beams.
+    /// `None` without walls or without beams.
     grounds: Option<Grounds>,
     walls: Vec<WallArc>,
     limited_view: bool,
 }
 
 impl OverTime {
-    /// Opens both files; they are none of those `read`.
+    /// Opens both files. Neither may be one of those `read`.
     pub(crate) fn create(svg: &Path, read: &[PathBuf], vehicle_width_m: f64) -> anyhow::Result<Self> {
         let title = svg.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let [picture, list] = [svg, &list_beside(svg)].map(|path| outputs::create(path, read));
         Ok(Self { title, picture: picture?, list: list?, vehicle_width_m, starts_at_s: 0.0, moments: Vec::new() })
     }
 
-    /// Takes in the next revolution of the flight.
+    /// Adds the next revolution of the flight.
     pub(crate) fn take(&mut self, frame: &Frame) {
         self.moments.push(Moment {
             seq: frame.revolution.seq,
@@ -66,8 +66,8 @@ impl OverTime {
         });
     }
 
-    /// Draws the picture and writes the list of flips; nothing without revolutions. The first was recorded `starts_at_s`
-    /// after the first scan of the flight.
+    /// Writes the picture and the list of flips; nothing if there are no revolutions. The first revolution was recorded
+    /// `starts_at_s` after the first scan of the flight.
     pub(crate) fn write(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
         self.starts_at_s = starts_at_s;
         if self.moments.is_empty() {
@@ -80,12 +80,12 @@ impl OverTime {
         self.list.write_all(list.as_bytes()).context("the list of the flight over time")
     }
 
-    /// Seconds after the first scan of the flight.
+    /// Time of a revolution in seconds after the first scan of the flight.
     fn seconds(&self, moment: &Moment) -> f64 {
         self.starts_at_s + (moment.stamp_ns as f64 - self.moments[0].stamp_ns as f64) / 1e9
     }
 
-    /// What a flip has that the nearest revolution with the count around it has not, or the other way round.
+    /// How the walls of a flip differ from those of the nearest revolution with the count around it.
     fn reason(&self, flip: &Flip) -> String {
         let near = (1..=AROUND).flat_map(|apart| [flip.at.checked_sub(apart), Some(flip.at + apart)]);
         let moments = near.flatten().filter_map(|at| self.moments.get(at));
@@ -95,7 +95,7 @@ impl OverTime {
     }
 }
 
-/// Where the list goes whose picture is at `svg`.
+/// The path of the list that belongs to the picture at `svg`.
 pub(crate) fn list_beside(svg: &Path) -> PathBuf {
     svg.with_extension("md")
 }

@@ -1,4 +1,4 @@
-//! The revolutions that differ from those around them, as Markdown.
+//! The list of revolutions whose count differs from their neighbours, as Markdown.
 
 use std::fmt::Write;
 
@@ -7,20 +7,21 @@ use crosscut_evaluate::{AROUND, Flip};
 use super::OverTime;
 
 const LIST: &str = "
-Clear is how far the walls at a way on leave each other's line, the least of all ways on, and how far a wall leaves its own at
-a gap that the vehicle would fit into, the most of all gaps: the verdicts that could most easily be the other.
+The two columns of clearance belong to the verdicts closest to the threshold. *Opening clear*: how far the walls at an opening
+leave each other's line, the least of all openings. *Gap clear*: how far a wall leaves its own line at a gap that the vehicle
+would fit into, the most of all gaps.
 
-| revolution | s | walls | around it | margin | confidence | way on clear, m | gap clear, m | what is different |
+| revolution | s | walls | around it | margin | confidence | opening clear, m | gap clear, m | difference |
 |---|---|---|---|---|---|---|---|---|
 ";
 
-/// How many flips there are, and a line for each.
+/// The share of flips, and a row for each.
 pub(super) fn markdown(title: &str, flight: &OverTime, flips: &[Flip]) -> String {
     let revolutions = flight.moments.len();
     let percent = 100.0 * flips.len() as f64 / revolutions.max(1) as f64;
     let mut page = format!(
-        "# {title}\n\n{} of {revolutions} revolutions ({percent:.1} %) have another count than most of the {AROUND} before and \
-         after them.\n",
+        "# {title}\n\nThe count of {} of {revolutions} revolutions ({percent:.1} %) differs from that of most of the {AROUND} before \
+         and after them.\n",
         flips.len()
     );
     if !flips.is_empty() {
@@ -32,7 +33,7 @@ pub(super) fn markdown(title: &str, flight: &OverTime, flips: &[Flip]) -> String
             Some(value) if value.is_finite() => format!("{value:.decimals$}"),
             _ => "-".to_owned(),
         };
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             page,
             "| {} | {:.1} | {} | {} | {} | {:.2} | {} | {} | {} |",

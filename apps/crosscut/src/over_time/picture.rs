@@ -1,30 +1,30 @@
 //! The flight as a picture: a lane for the count, one for the margin, one for the confidence.
 
 use crosscut_evaluate::Flip;
-use svg::Document;
-use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text, Title};
+use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, page, text};
+use svg::node::element::{Circle, Title};
 
 use super::{Moment, OverTime};
 
-const INK: &str = "#333333";
-const FAINT: &str = "#dddddd";
-const FLIP: &str = "#d55e00";
+/// Colour of the dots at flips.
+const FLIP: &str = COLOURS[3];
 
-/// Pixels. More revolutions than there are columns share them.
-const COLUMNS: usize = 1000;
-const LEFT: f64 = 80.0;
-const TOP: f64 = 20.0;
-const LANE: f64 = 90.0;
-const BETWEEN: f64 = 14.0;
-const BELOW: f64 = 24.0;
-const RIGHT: f64 = 20.0;
-/// Margins are drawn up to so many decades.
+const LEFT_PX: f64 = 80.0;
+/// Width of a lane. Where there are more revolutions than pixels, several share a column.
+const LANE_COLUMNS: usize = 1000;
+const RIGHT_PX: f64 = LEFT_PX + LANE_COLUMNS as f64;
+const TOP_PX: f64 = 20.0;
+const LANE_PX: f64 = 90.0;
+const BETWEEN_PX: f64 = 14.0;
+/// Space for the ticks and at the right end.
+const MARGIN_PX: f64 = 24.0;
+/// Margins above this many decades are drawn at the top.
 const MARGIN_DECADES: f64 = 5.0;
-/// The revolutions at which there is a tick are so many times a power of ten apart.
+/// The distance between ticks is one of these times a power of ten.
 const TICK_STEPS: [usize; 3] = [1, 2, 5];
 const MOST_TICKS: usize = 12;
 
-/// What one lane shows, from 0 to `top`.
+/// A value of each revolution, drawn from 0 to `top`.
 struct Lane {
     name: &'static str,
     top: f64,
@@ -34,97 +34,64 @@ struct Lane {
 
 pub(super) fn svg(flight: &OverTime, flips: &[Flip]) -> String {
     let lanes = lanes(&flight.moments);
-    let bottom = TOP + lanes.len() as f64 * (LANE + BETWEEN) - BETWEEN;
-    let (width, height) = (LEFT + COLUMNS as f64 + RIGHT, bottom + BELOW);
-    let mut document = Document::new()
-        .set("viewBox", (0, 0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .set("font-family", "sans-serif")
-        .set("font-size", 12)
-        .set("fill", INK)
-        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"));
-    let n = flight.moments.len();
-    for at in ticks(n) {
-        let x = x_of(at, n);
-        let line = Line::new().set("x1", x).set("x2", x).set("y1", TOP).set("y2", bottom).set("stroke", FAINT);
-        let seq = flight.moments[at].seq;
-        document = document
-            .add(line)
-            .add(Text::new(seq.to_string()).set("x", x).set("y", bottom + 16.0).set("text-anchor", "middle"));
-    }
-    document = document.add(Text::new("revolution").set("x", 4).set("y", bottom + 16.0));
+    let height_px = TOP_PX + lanes.len() as f64 * (LANE_PX + BETWEEN_PX) - BETWEEN_PX + MARGIN_PX;
+    let mut picture = page(RIGHT_PX + MARGIN_PX, height_px, 12.0);
     for (place, lane) in lanes.iter().enumerate() {
-        let y = TOP + place as f64 * (LANE + BETWEEN);
-        document = document.add(drawn(lane).set("transform", format!("translate(0 {y})")));
+        let mut chart = chart(lane, TOP_PX + place as f64 * (LANE_PX + BETWEEN_PX));
+        for at in ticks(flight.moments.len()) {
+            let label = flight.moments[at].seq.to_string();
+            chart.x_tick(at as f64, if place + 1 == lanes.len() { &label } else { "" });
+        }
+        chart.line(steps(&lane.values), lane.colour, 1.0);
+        if place == 0 {
+            flips.iter().for_each(|flip| mark(&mut chart, flight, flip));
+        }
+        picture = picture.add(chart);
     }
-    for flip in flips {
-        document = document.add(dot(flight, flip, &lanes[0]));
-    }
-    document.to_string() + "\n"
+    picture.add(text("revolution", [4.0, height_px - 6.0], "start")).to_string() + "\n"
 }
 
 fn lanes(moments: &[Moment]) -> [Lane; 3] {
     let values = |of: fn(&Moment) -> f64| moments.iter().map(of).collect::<Vec<f64>>();
     let walls = values(|moment| moment.junctions as f64);
     let most = walls.iter().copied().fold(1.0, f64::max);
-    let margins = values(|moment| moment.margin.unwrap_or(0.0).clamp(0.0, MARGIN_DECADES));
+    let margins = values(|moment| moment.margin.unwrap_or(0.0));
     [
         Lane { name: "walls", top: most + 0.5, colour: INK, values: walls },
-        Lane { name: "margin", top: MARGIN_DECADES, colour: "#0072b2", values: margins },
-        Lane { name: "confidence", top: 1.0, colour: "#009e73", values: values(|moment| moment.confidence) },
+        Lane { name: "margin", top: MARGIN_DECADES, colour: COLOURS[0], values: margins },
+        Lane { name: "confidence", top: 1.0, colour: COLOURS[2], values: values(|moment| moment.confidence) },
     ]
 }
 
-/// Where a revolution begins.
-fn x_of(at: usize, n: usize) -> f64 {
-    LEFT + (at as f64 / n.max(1) as f64) * COLUMNS as f64
-}
-
-fn y_of(lane: &Lane, value: f64) -> f64 {
-    LANE * (1.0 - value / lane.top)
-}
-
-/// Steps; where revolutions share a column, from the least of them to the most.
-fn drawn(lane: &Lane) -> Group {
-    let n = lane.values.len();
-    let mut path = String::new();
-    let together = n.div_ceil(COLUMNS).max(1);
-    for (column, values) in lane.values.chunks(together).enumerate() {
-        let first = column * together;
-        let least = y_of(lane, values.iter().copied().fold(f64::INFINITY, f64::min));
-        let most = y_of(lane, values.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-        let from = if path.is_empty() { 'M' } else { 'L' };
-        path += &format!("{from}{:.1} {least:.1}V{most:.1}H{:.1}", x_of(first, n), x_of(first + values.len(), n));
+/// The axes of a lane, with its name and a tick at every whole number.
+fn chart(lane: &Lane, top_px: f64) -> Chart {
+    let bottom_px = top_px + LANE_PX;
+    let x = Axis::linear([0.0, lane.values.len() as f64], [LEFT_PX, RIGHT_PX]);
+    let mut chart = Chart::new(x, Axis::linear([0.0, lane.top], [bottom_px, top_px]));
+    chart.add(text(lane.name, [4.0, 0.5 * (top_px + bottom_px) + 4.0], "start"));
+    for value in 0..=lane.top as usize {
+        chart.y_tick(value as f64, &value.to_string());
     }
-    let frame = Rectangle::new()
-        .set("x", LEFT)
-        .set("width", COLUMNS)
-        .set("height", LANE)
-        .set("fill", "none")
-        .set("stroke", FAINT);
-    let mut group = Group::new().add(frame).add(Text::new(lane.name).set("x", 4).set("y", 0.5 * LANE + 4.0));
-    for value in (0..=lane.top as usize).map(|value| value as f64) {
-        let label = Text::new(value.to_string())
-            .set("x", LEFT - 6.0)
-            .set("y", y_of(lane, value) + 4.0)
-            .set("text-anchor", "end");
-        group = group.add(label);
-    }
-    group.add(Path::new().set("d", path).set("fill", "none").set("stroke", lane.colour))
+    chart
 }
 
-/// On the count of a flip, with the reason for those who point at it.
-fn dot(flight: &OverTime, flip: &Flip, walls: &Lane) -> Circle {
-    let moment = &flight.moments[flip.at];
-    let n = flight.moments.len();
-    let why = format!("{}: {} walls, {} around it; {}", moment.seq, flip.junctions, flip.around, flight.reason(flip));
-    Circle::new()
-        .set("cx", format!("{:.1}", 0.5 * (x_of(flip.at, n) + x_of(flip.at + 1, n))))
-        .set("cy", format!("{:.1}", TOP + y_of(walls, flip.junctions as f64)))
-        .set("r", 3)
-        .set("fill", FLIP)
-        .add(Title::new(why))
+/// The corners of a line that is level over each revolution. Where revolutions share a column, it spans their values.
+fn steps(values: &[f64]) -> impl Iterator<Item = [f64; 2]> {
+    let together = values.len().div_ceil(LANE_COLUMNS).max(1);
+    values.chunks(together).enumerate().flat_map(move |(column, values)| {
+        let (from, to) = (column * together, column * together + values.len());
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [[from as f64, least], [from as f64, most], [to as f64, most]]
+    })
+}
+
+/// A dot on the count of a flip. Its reason appears when one points at it.
+fn mark(walls: &mut Chart, flight: &OverTime, flip: &Flip) {
+    let seq = flight.moments[flip.at].seq;
+    let reason = format!("{seq}: {} walls, {} around it; {}", flip.junctions, flip.around, flight.reason(flip));
+    let [x_px, y_px] = walls.px([flip.at as f64 + 0.5, flip.junctions as f64]);
+    walls.add(Circle::new().set("cx", x_px).set("cy", y_px).set("r", 3).set("fill", FLIP).add(Title::new(reason)));
 }
 
 /// Revolutions at round distances from the first.

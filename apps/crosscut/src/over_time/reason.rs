@@ -1,4 +1,4 @@
-//! What a revolution has that those around it have not, or the other way round.
+//! The difference between the walls of a revolution and those of its neighbours.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,14 +12,14 @@ pub(super) struct WallArc {
     pub(super) bearing_rad: [f64; 2],
 }
 
-/// The walls of an answer that count.
+/// The walls of an answer that are no islands.
 pub(super) fn arcs(answer: &Junction) -> Vec<WallArc> {
     let walls = answer.walls.iter().filter(|wall| !wall.island);
     walls.map(|wall| WallArc { returns: wall.returns, bearing_rad: wall.bearing_rad }).collect()
 }
 
-/// Why one revolution has another count than one near it whose count is that of most around it: each wall of the answer
-/// with more walls is looked for in the other, in its own direction. One is not there, or two are one.
+/// Explains why a revolution has another count than a neighbour with the usual count. Each wall of the answer with more
+/// walls is looked up in the other answer by its direction: either one has no counterpart, or two share one.
 pub(super) fn of_flip(walls: &[WallArc], around: &[WallArc], limited_view: bool) -> String {
     let is_more = walls.len() > around.len();
     let (more, fewer) = if is_more { (walls, around) } else { (around, walls) };
@@ -46,7 +46,7 @@ pub(super) fn of_flip(walls: &[WallArc], around: &[WallArc], limited_view: bool)
     }
 }
 
-/// The wall that shares most directions with `wall`, if any shares some.
+/// The wall whose arc overlaps that of `wall` most, if any does.
 fn most_overlapping(wall: &WallArc, others: &[WallArc]) -> Option<usize> {
     let overlaps = others.iter().enumerate().map(|(at, other)| (overlap_rad(wall, other), at));
     overlaps.filter(|(overlap_rad, _)| *overlap_rad > 0.0).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
@@ -55,9 +55,9 @@ fn most_overlapping(wall: &WallArc, others: &[WallArc]) -> Option<usize> {
 fn overlap_rad(a: &WallArc, b: &WallArc) -> f64 {
     let length_rad = |arc: &WallArc| (arc.bearing_rad[1] - arc.bearing_rad[0]).rem_euclid(TAU);
     let from_rad = (b.bearing_rad[0] - a.bearing_rad[0]).rem_euclid(TAU);
-    // b begins `from_rad` after a does, and so ends a turn earlier too.
-    let within = |from_rad: f64| (length_rad(a).min(from_rad + length_rad(b)) - from_rad.max(0.0)).max(0.0);
-    within(from_rad) + within(from_rad - TAU)
+    // b begins `from_rad` after a, which is also `TAU - from_rad` before it.
+    let overlap_from = |from_rad: f64| (length_rad(a).min(from_rad + length_rad(b)) - from_rad.max(0.0)).max(0.0);
+    overlap_from(from_rad) + overlap_from(from_rad - TAU)
 }
 
 /// The angle between two walls, the shorter way round.
@@ -66,14 +66,14 @@ fn gap_rad([a, b]: [&WallArc; 2]) -> f64 {
     from_to(a, b).min(from_to(b, a))
 }
 
-/// Whether no other wall lies farther from straight ahead on its side.
+/// Whether no other wall is farther from straight ahead on its side.
 fn is_outermost(at: usize, walls: &[WallArc]) -> bool {
     let middles_rad = || walls.iter().map(|wall| middle_rad(wall.bearing_rad));
     let own_rad = middle_rad(walls[at].bearing_rad);
     middles_rad().all(|other_rad| other_rad >= own_rad) || middles_rad().all(|other_rad| other_rad <= own_rad)
 }
 
-/// Half-way from one bearing anticlockwise to the other.
+/// The bearing halfway from one bearing anticlockwise to the other.
 fn middle_rad([from, to]: [f64; 2]) -> f64 {
     wrap_angle_rad(from + 0.5 * (to - from).rem_euclid(2.0 * PI))
 }
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_that_is_missing_is_told_from_two_that_are_one() {
+    fn a_missing_wall_is_distinguished_from_two_joined_ones() {
         let around = [wall(80, -100.0, -20.0), wall(60, 10.0, 70.0), wall(9, 100.0, 108.0)];
         let missing = of_flip(&around[..2], &around, true);
         assert_eq!(missing, "no wall at +104°, where those around it have 9 returns, at the end of the view");
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_behind_the_sensor_overlap_across_the_turn() {
+    fn arcs_behind_the_sensor_overlap_across_plus_minus_pi() {
         let behind = wall(50, 150.0, -150.0);
         assert!((overlap_rad(&behind, &wall(5, -175.0, -170.0)).to_degrees() - 5.0).abs() < 1e-9);
         assert!((overlap_rad(&wall(5, 170.0, 175.0), &behind).to_degrees() - 5.0).abs() < 1e-9);

@@ -150,7 +150,7 @@ fn links(frame: &Frame) -> Vec<Vec<Vec<f64>>> {
 
 /// The counts that there would be if a link were another.
 fn decisive(frame: &Frame) -> Vec<usize> {
-    Explanation::of(frame).changes.iter().filter(|change| change.link.is_some()).map(|change| change.k).collect()
+    Explanation::of(frame).changes.iter().filter(|change| change.edge.is_some()).map(|change| change.k).collect()
 }
 
 /// Whether points are the first three columns of `rows`, with the scale that brings the farthest row of U to 1.

@@ -1,4 +1,4 @@
-//! `crosscut compare`: what a stage or a setting changes on a flight, without a truth.
+//! `crosscut compare`: the effect of a stage or setting on a flight, without truth.
 
 mod shown;
 
@@ -18,27 +18,27 @@ use indicatif::ProgressBar;
 
 use crate::cli::CompareArgs;
 use crate::configurations::{self, Configuration};
+use crate::diagnostics::{Diagnostics, NO_RETURN};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::{NO_RETURN, say};
 use crate::{flight, outputs, progress, typeset};
 
-/// Answers that a configuration may be ahead of the slowest.
+/// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
 
-/// What a configuration answers, by ascending `seq`; `None` when the flight is over. A channel that closes before that
-/// is of one that stopped early.
+/// The answers of a configuration by ascending `seq`, then `None` at the end of the flight. The channel closes without
+/// `None` if the configuration stopped early.
 type Answers = Peekable<IntoIter<Option<ResultsLine>>>;
 
-/// What came of it.
+/// The outcome of a comparison.
 struct Compared {
-    /// Of every configuration but the first, against the first.
+    /// Differences of every configuration but the first from the first.
     differences: Vec<Differences>,
-    /// Of every configuration.
+    /// Summaries of every configuration.
     summaries: Vec<Summary>,
-    /// Of the first scan that was compared.
+    /// Stamp of the first scan that was compared.
     first_stamp_ns: u64,
-    /// Whether any scan has one.
+    /// Whether any scan has a return.
     any_return: bool,
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let configurations = configurations::named(&args.with, &args.set, &registry)?;
     if configurations.len() < 2 {
-        let usage = "--with names one configuration; name the other as well: --with default --with paper";
+        let usage = "compare needs at least two configurations: --with default --with paper";
         return Err(UsageError(usage.to_owned()).into());
     }
     let recordings = configurations.iter().map(|of| flight::open(&args.flight, &of.config));
@@ -62,28 +62,24 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let compared = side_by_side(&configurations, &mut recordings, &registry, &stop, &bar)?;
     bar.finish_and_clear();
 
-    let (problems, outcome) = problems(&configurations, &recordings, &compared.summaries);
-    for problem in &problems {
-        say(problem);
-    }
-    if !compared.any_return && compared.summaries.iter().any(|summary| summary.revolutions > 0) {
-        say(NO_RETURN);
-    }
-    let failed = "the outcome cannot be written";
+    let mut diagnostics = Diagnostics::default();
+    report(&configurations, &recordings[0], &compared, &mut diagnostics);
+    let failed = "the comparison cannot be written";
     if let Some(out) = &mut json {
-        let document = shown::json(&configurations, &compared, &problems);
+        let document = shown::json(&configurations, &compared, diagnostics.problems());
         out.write_all(document.as_bytes()).context(failed)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        // A setting may leave out the scans that another begins with (`ingest.frame_id`).
+        // Configurations may begin with different scans (`ingest.frame_id`).
         let starts_at_s = recordings.iter().filter_map(Recording::starts_at_s).reduce(f64::min).unwrap_or(0.0);
         let tables = shown::tables(&configurations, &compared, starts_at_s, args.all);
         io::stdout().write_all(typeset::text(&tables).as_bytes()).context(failed)?;
     }
-    Ok(outcome)
+    Ok(diagnostics.outcome())
 }
 
-/// Each configuration streams the flight on its own; answers for the same scan meet here. Where one stops, all do.
+/// Streams the flight through every configuration in threads of their own, and compares answers to the same scan. Where
+/// one configuration stops, all stop.
 fn side_by_side(
     configurations: &[Configuration],
     recordings: &mut [Recording],
@@ -94,20 +90,20 @@ fn side_by_side(
     std::thread::scope(|scope| {
         let (mut answers, mut streams) = (Vec::new(), Vec::new());
         for (Configuration { name, config }, recording) in configurations.iter().zip(recordings) {
-            let (answer, of_configuration) = bounded(AHEAD);
+            let (answer, answers_of_one) = bounded(AHEAD);
             let options = StreamOptions { rate: None, stop: stop.clone() };
             let run = move || {
                 let mut results = |frame: &Frame| answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other);
                 let summary = stream(recording, config, registry, &mut results, &mut [], &options)?;
                 if matches!(summary.end, End::Complete) {
-                    answer.send(None).ok(); // nobody waits for it where another one stopped
+                    answer.send(None).ok(); // the receiver is gone if another configuration stopped
                 }
                 Ok(summary)
             };
             streams.push(Builder::new().name(format!("compare {name}")).spawn_scoped(scope, run)?);
-            answers.push(of_configuration.into_iter().peekable());
+            answers.push(answers_of_one.into_iter().peekable());
         }
-        let (differences, first_stamp_ns, any_return) = meet(answers, bar)?;
+        let (differences, first_stamp_ns, any_return) = pair(answers, bar)?;
         let joined = |stream: ScopedJoinHandle<'_, io::Result<Summary>>| stream.join().expect("streams catch panics");
         let summaries = streams.into_iter().map(joined).collect::<io::Result<_>>();
         let summaries = summaries.context("a thread could not be started")?;
@@ -115,10 +111,9 @@ fn side_by_side(
     })
 }
 
-/// The differences of every configuration from the first, the stamp of the first scan, and whether any has a return.
-///
-/// A setting may leave scans out (`ingest.frame_id`), so answers meet by `seq`.
-fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64, bool)> {
+/// Returns the differences of every configuration from the first, the stamp of the first scan, and whether any scan has
+/// a return. Answers are paired by `seq`, because a setting may leave out scans (`ingest.frame_id`).
+fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64, bool)> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
     let (mut first_stamp_ns, mut any_return) = (None, false);
     while let Some(seq) = next_seq(&mut answers) {
@@ -140,49 +135,42 @@ fn meet(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Dif
     Ok((differences, first_stamp_ns.unwrap_or(0), any_return))
 }
 
-/// The next revolution that any of them answered; none if the flight is over, or one of them stopped early.
+/// The next revolution that any configuration answered; `None` at the end of the flight, or if one stopped early.
 fn next_seq(answers: &mut [Answers]) -> Option<u64> {
     let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|line| line.seq)));
     next.collect::<Option<Vec<_>>>()?.into_iter().flatten().min()
 }
 
-/// What went wrong, and how the command ends for it.
-fn problems(
-    configurations: &[Configuration],
-    recordings: &[Recording],
-    summaries: &[Summary],
-) -> (Vec<String>, Outcome) {
-    let mut problems: Vec<_> = recordings[0].losses().iter().map(|loss| format!("lost: {loss}")).collect();
-    let mut outcome = if problems.is_empty() { Outcome::Done } else { Outcome::SomethingLost };
-    let reordered = recordings[0].reordered();
-    if reordered > 0 {
-        let scans = counted(reordered, "scan");
-        problems.push(format!(
-            "note: time goes back at {scans}; times mean little if these are not the parts of one flight, in order"
+/// Reports what is missing from the comparison, and why it ended early. Every configuration reads the same recording.
+fn report(configurations: &[Configuration], recording: &Recording, compared: &Compared, diagnostics: &mut Diagnostics) {
+    let named = || configurations.iter().map(|of| &of.name).zip(&compared.summaries);
+    diagnostics.lost_all(recording.losses());
+    if recording.reordered() > 0 {
+        let scans = counted(recording.reordered(), "scan");
+        diagnostics.note(format_args!(
+            "time goes back at {scans}; times mean little if these are not the parts of one flight, in order"
         ));
     }
-    if summaries.iter().any(|summary| matches!(summary.end, End::Interrupted)) {
-        outcome = Outcome::Interrupted;
-        problems.push("interrupted: the figures are of the revolutions before that".to_owned());
+    if named().any(|(_, summary)| matches!(summary.end, End::Interrupted)) {
+        diagnostics.interrupted("by Ctrl-C: the figures cover the revolutions before that");
     }
-    for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
+    for (name, summary) in named() {
         if let End::Failed(failure) = &summary.end {
-            problems.push(format!("error: {name}: {failure}; the revolutions before it are compared"));
-            outcome = Outcome::Failed;
+            diagnostics.error(format_args!("{name}: {failure}; the revolutions before it are compared"));
         }
     }
-    if matches!(outcome, Outcome::Failed | Outcome::Interrupted) {
-        return (problems, outcome); // the others were told to stop by `ResultsLost`
-    }
-    for (Configuration { name, .. }, summary) in configurations.iter().zip(summaries) {
-        if let End::ResultsLost(error) = &summary.end {
-            problems.push(format!("error: {name}: its answers cannot be compared: {error}"));
-            outcome = Outcome::Failed;
+    // Where one configuration stops, the others end with `ResultsLost`: that is no failure of theirs.
+    if !diagnostics.ended_early() {
+        for (name, summary) in named() {
+            if let End::ResultsLost(error) = &summary.end {
+                diagnostics.error(format_args!("{name}: its answers cannot be compared: {error}"));
+            }
+        }
+        if named().all(|(_, summary)| summary.revolutions == 0) {
+            diagnostics.error("no scan could be read");
         }
     }
-    if summaries.iter().all(|summary| summary.revolutions == 0) {
-        problems.push("error: no scan could be read".to_owned());
-        outcome = Outcome::Failed;
+    if !compared.any_return && named().any(|(_, summary)| summary.revolutions > 0) {
+        diagnostics.note(NO_RETURN);
     }
-    (problems, outcome)
 }

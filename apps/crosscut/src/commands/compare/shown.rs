@@ -1,20 +1,20 @@
-//! What is shown of a comparison: tables for people, JSON for programs.
+//! A comparison as tables and as JSON.
 
 use std::collections::BTreeMap;
 
 use crosscut_evaluate::tables::Table;
-use crosscut_evaluate::{Differences, Share, Stretch};
+use crosscut_evaluate::{Differences, Proportion, Stretch};
 use crosscut_stage::Step;
 use serde_json::json;
 
 use super::Compared;
 use crate::configurations::Configuration;
 
-/// The longest stretches that are shown unless all are asked for.
+/// This many of the longest stretches are shown by default.
 const STRETCHES: usize = 15;
 
-/// Settings, agreement, counts, times, and where the walls differ. Times on the flight are seconds after its first
-/// scan; the first one compared is at `starts_at_s`.
+/// Tables of settings, agreement, counts, times, and stretches where the walls differ. Times in the flight are seconds
+/// after its first scan; the first scan that was compared is at `starts_at_s`.
 pub(super) fn tables(configurations: &[Configuration], compared: &Compared, starts_at_s: f64, all: bool) -> Vec<Table> {
     let first = &configurations[0].name;
     let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);
@@ -26,7 +26,7 @@ pub(super) fn tables(configurations: &[Configuration], compared: &Compared, star
     tables
 }
 
-/// Settings that are not the same wherever they are; those of one kind only stay unsaid, as the kind says it.
+/// Settings that two configurations have with different values. A setting that only one kind has follows from the kind.
 fn settings(configurations: &[Configuration]) -> Table {
     let mut values: BTreeMap<String, Vec<Option<String>>> = BTreeMap::new();
     for (place, configuration) in configurations.iter().enumerate() {
@@ -48,13 +48,13 @@ fn settings(configurations: &[Configuration]) -> Table {
 fn agreement<'a>(first: &str, others: impl Iterator<Item = (&'a str, &'a Differences)>) -> Table {
     let columns = [
         "revolutions",
-        "by one alone",
+        "by one only",
         "same count",
         "same k",
         "same walls",
-        "returns alike",
-        "openings lacking",
-        "openings more",
+        "same returns",
+        "openings missing",
+        "openings added",
     ];
     let row = |(other, of): (&str, &Differences)| {
         let shares = [of.same_count, of.same_k, of.same_walls, of.returns_alike, of.openings_lacking, of.openings_more];
@@ -137,7 +137,7 @@ fn stretches(
     }
 }
 
-/// Every figure and every stretch, with the settings of each configuration in full and what went wrong.
+/// All figures and stretches, the complete settings of each configuration, and the problems.
 pub(super) fn json(configurations: &[Configuration], compared: &Compared, problems: &[String]) -> String {
     let named = |of: &Configuration| json!({"name": of.name, "settings": of.config.to_string()});
     let comparison = |(other, differences): (&Configuration, &Differences)| {
@@ -159,6 +159,6 @@ fn header(first: &str, configurations: &[Configuration]) -> Vec<String> {
     [first.to_owned()].into_iter().chain(configurations.iter().map(|of| of.name.clone())).collect()
 }
 
-fn percent(share: Share) -> String {
+fn percent(share: Proportion) -> String {
     share.value().map_or_else(|| "-".to_owned(), |share| format!("{:.1}", 100.0 * share))
 }

@@ -1,4 +1,4 @@
-//! What a preset answers to one scene.
+//! The answer of a preset to a scene, as a panel of a figure.
 
 use crosscut_evaluate::Score;
 use crosscut_ingest::Sensor;
@@ -11,7 +11,7 @@ use crate::cli::ConfigArgs;
 use crate::config;
 use crate::figure::Panel;
 
-/// A preset, ready to answer.
+/// A preset that answers scenes.
 pub(crate) struct Answers {
     sensor: Sensor,
     engine: Engine,
@@ -24,7 +24,7 @@ impl Answers {
         Ok(Self { sensor: Sensor::new(config.params("ingest")), engine: Engine::new(&config, registry) })
     }
 
-    /// The answer, the count above it.
+    /// Draws the answer, with the count above it.
     pub(crate) fn panel(&mut self, scene: &Scene) -> anyhow::Result<Panel> {
         let mut frame = Frame::default();
         self.sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
@@ -40,7 +40,7 @@ impl Answers {
     }
 }
 
-/// The truth under a title of its own.
+/// Draws the truth of a scene under a title.
 pub(crate) fn truth_panel(title: String, scene: &Scene) -> Panel {
     let sensor = Sensor::default();
     let mut frame = Frame::default();

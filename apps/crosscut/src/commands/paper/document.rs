@@ -1,10 +1,10 @@
-//! The page that shows the figures and the table.
+//! The page with the figures and the tables.
 
-use crosscut_evaluate::Share;
+use crosscut_evaluate::Proportion;
 use crosscut_evaluate::tables::Table;
 
 use super::figures::Figure;
-use super::tolerance::{EXPONENTS, Family};
+use super::tolerance::{EXPONENTS, ToleranceShares};
 use crate::typeset::markdown;
 
 const OPENING: &str = "\
@@ -30,14 +30,14 @@ so each scene is clustered once, with the true number, and the verdict holds at 
 an approximation.
 ";
 
-/// All of it, in Markdown.
-pub(crate) fn document(figures: &[Figure], families: &[Family], tolerance_of_preset: f64) -> String {
+/// The page, as Markdown.
+pub(crate) fn document(figures: &[Figure], families: &[ToleranceShares], tolerance_of_preset: f64) -> String {
     let mut text = OPENING.to_owned();
     for figure in figures {
         text += &format!("\n![{}]({})\n\n{}\n", figure.file(), figure.file(), figure.caption);
     }
-    let all = together(families);
-    let rows: Vec<&Family> = families.iter().chain([&all]).collect();
+    let all = sum_of(families);
+    let rows: Vec<&ToleranceShares> = families.iter().chain([&all]).collect();
     let scenes = all.right[0].of;
     text += &format!("\n{TOLERANCE}\n");
     text += &markdown(&[
@@ -56,24 +56,24 @@ pub(crate) fn document(figures: &[Figure], families: &[Family], tolerance_of_pre
     text
 }
 
-/// All families as one.
-fn together(families: &[Family]) -> Family {
-    let sum = |of: fn(&Family) -> &[Share; EXPONENTS.len()]| {
-        let mut sums = [Share::default(); EXPONENTS.len()];
+/// The sum of all families.
+fn sum_of(families: &[ToleranceShares]) -> ToleranceShares {
+    let sum = |of: fn(&ToleranceShares) -> &[Proportion; EXPONENTS.len()]| {
+        let mut sums = [Proportion::default(); EXPONENTS.len()];
         for family in families {
             sums.iter_mut().zip(of(family)).for_each(|(sum, share)| sum.merge(*share));
         }
         sums
     };
-    Family { name: "all", right_count: sum(|family| &family.right_count), right: sum(|family| &family.right) }
+    ToleranceShares { name: "all", right_count: sum(|family| &family.right_count), right: sum(|family| &family.right) }
 }
 
-fn table(rows: &[&Family], title: &str, of: fn(&Family) -> &[Share; EXPONENTS.len()]) -> Table {
+fn table(rows: &[&ToleranceShares], title: &str, of: fn(&ToleranceShares) -> &[Proportion; EXPONENTS.len()]) -> Table {
     let header = ["family".to_owned()].into_iter().chain(EXPONENTS.map(|exponent| format!("1e{exponent}")));
-    let row = |family: &&Family| {
+    let row = |family: &&ToleranceShares| {
         let shares = of(family);
         let best = shares.iter().map(|share| share.hits).max();
-        let cell = |share: &Share| {
+        let cell = |share: &Proportion| {
             let percent = share.value().map_or_else(|| "-".to_owned(), |share| format!("{:.0}", 100.0 * share));
             if Some(share.hits) == best { format!("**{percent}**") } else { percent }
         };

@@ -1,4 +1,4 @@
-//! The figures: which scenes they show, and what they say about them. No scene is picked by hand.
+//! The figures and their captions. Rules select the scenes; none is picked by hand.
 
 use anyhow::Context;
 use crosscut_messages::{Truth, TruthOpening};
@@ -9,13 +9,13 @@ use crosscut_stage::wrap_angle_rad;
 use super::answers::{Answers, truth_panel};
 use crate::figure::{Panel, sheet};
 
-/// Ways on of a plain place are so far apart, as in the suites.
+/// Openings of a plain place are at least this far apart, as in the suites.
 const APART_RAD: f64 = 54.0 * std::f64::consts::PI / 180.0;
 
 /// Seeds of the flights through each mine.
 const FLIGHTS: std::ops::RangeInclusive<u64> = 1..=4;
 
-/// Panels with what belongs under them.
+/// Panels with their caption.
 pub(crate) struct Figure {
     name: &'static str,
     pub(crate) caption: String,
@@ -60,7 +60,7 @@ fn random(registry: &Registry) -> anyhow::Result<Figure> {
     Ok(Figure { name: "random", caption: caption.to_owned(), columns: 5, panels })
 }
 
-/// Places of a flight that show so many walls: a row for the truth, and one for each preset.
+/// Places of a flight that show these numbers of walls: a row for the truth, and one for each preset.
 fn places(name: &'static str, walls: &[u32], what: &str, registry: &Registry) -> anyhow::Result<Figure> {
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let fly = scenario.with_context(|| format!("no scenario {name}"))?.fly;
@@ -84,14 +84,14 @@ fn places(name: &'static str, walls: &[u32], what: &str, registry: &Registry) ->
     Ok(Figure { name, caption, columns: walls.len(), panels })
 }
 
-/// For each number of walls, the middle of the longest run of scans that show so many plainly, no run twice.
+/// For each number of walls, the middle of the longest run of plain scans with that number; no run is used twice.
 fn amid_longest_runs<'a>(flights: &'a [Vec<Scene>], walls: &[u32]) -> Option<Vec<&'a Scene>> {
     let view = |scene: &Scene| is_plain(&scene.truth).then_some(scene.truth.walls);
     let mut runs: Vec<&[Scene]> =
         flights.iter().flat_map(|flight| flight.chunk_by(|a, b| view(a) == view(b))).collect();
     let longest_of = |walls: &u32| {
         let showing = runs.iter().enumerate().filter(|(_, run)| view(&run[0]) == Some(*walls));
-        // The first of equals.
+        // Of equally long runs the first is taken.
         let (at, _) = showing.rev().max_by_key(|(_, run)| run.len())?;
         let run = runs.remove(at);
         Some(&run[run.len() / 2])
@@ -99,14 +99,14 @@ fn amid_longest_runs<'a>(flights: &'a [Vec<Scene>], walls: &[u32]) -> Option<Vec
     walls.iter().map(longest_of).collect()
 }
 
-/// No pillar, and no branch far off of which there is but a glimpse, almost in line with another.
+/// Whether a scan has no pillar and no two openings almost in line, as a distant branch would give.
 fn is_plain(truth: &Truth) -> bool {
     let apart = |a: &TruthOpening, b: &TruthOpening| wrap_angle_rad(a.bearing_rad - b.bearing_rad).abs() >= APART_RAD;
     let ways = &truth.openings;
     truth.islands == 0 && ways.iter().enumerate().all(|(i, a)| ways[..i].iter().all(|b| apart(a, b)))
 }
 
-/// One scene of every family, as it is.
+/// One scene of every family with its truth.
 fn families() -> anyhow::Result<Figure> {
     let first = |suite: &Suite| {
         let scene = suite.scenes(Split::Dev).find(|scene| scene.truth.walls == 3);

@@ -1,4 +1,4 @@
-//! `crosscut paper`: the evaluation of the paper, on scenes of its kind.
+//! `crosscut paper`: repeats the evaluation of the paper on simulated scenes.
 
 mod answers;
 mod document;
@@ -17,7 +17,7 @@ use crate::interrupt::stop_on_interrupt;
 use crate::progress;
 use crate::say::say;
 
-/// Writes the figures, the table, and a page that shows them all. The same program always writes the same bytes.
+/// Writes the figures, the tables, and a page that shows them. The same program always writes the same bytes.
 pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
     let registry = Registry::standard();
     let tolerance_of_preset = Config::preset(Preset::Paper, &registry)?.params("spectral").get(ZERO_TOLERANCE);
@@ -33,7 +33,7 @@ pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let Some(families) = families else {
         say(format_args!(
-            "interrupted: the figures are in {}; paper.md is not written, its tables need every scene",
+            "interrupted: the figures are in {}; paper.md is not written because its tables need every scene",
             args.out.display()
         ));
         return Ok(Outcome::Interrupted);

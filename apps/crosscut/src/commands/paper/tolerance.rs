@@ -1,11 +1,11 @@
-//! The zero tolerance against what is right, from one eigendecomposition per scene.
+//! The share of right answers by zero tolerance, from one eigendecomposition per scene.
 //!
-//! With all n eigenvalues and eigenvectors at hand, k at a tolerance τ is the number of eigenvalues below it. An answer
-//! can be right only if k is the true number of walls, and U is then the same whichever τ gave that k. So the returns
-//! of a scene are clustered once, for that k, and the verdict holds at every such τ. Nothing is approximated: the
-//! counts are those of the preset `paper` with `spectral.zero_tolerance` set to τ.
+//! k at a tolerance τ is the number of eigenvalues below τ. An answer can be right only if k is the true number of walls,
+//! and U then does not depend on which τ gave that k. So the returns of a scene are clustered once, for that k, and the
+//! verdict holds at every such τ. This is exact: the counts are those of the preset `paper` with
+//! `spectral.zero_tolerance` set to τ.
 
-use crosscut_evaluate::{Score, Share};
+use crosscut_evaluate::{Proportion, Score};
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Registry, StopFlag};
 use crosscut_report::{Reporter, ResultsLine};
@@ -19,27 +19,27 @@ use crate::config;
 /// The tolerances are the powers of ten with these exponents.
 pub(crate) const EXPONENTS: [i32; 16] = [-16, -15, -14, -13, -12, -11, -10, -9, -8, -7, -6, -5, -4, -3, -2, -1];
 
-/// What is right at each tolerance.
+/// The shares of right answers of one family at each tolerance.
 #[derive(Clone)]
-pub(crate) struct Family {
+pub(crate) struct ToleranceShares {
     pub(crate) name: &'static str,
-    pub(crate) right_count: [Share; EXPONENTS.len()],
-    pub(crate) right: [Share; EXPONENTS.len()],
+    pub(crate) right_count: [Proportion; EXPONENTS.len()],
+    pub(crate) right: [Proportion; EXPONENTS.len()],
 }
 
-/// Every family over its first `scenes` development scenes, the paper's tolerance being a choice made there. `None` if
-/// asked to stop before the last.
+/// Counts the first `scenes` development scenes of every family, on which the tolerance of the preset was chosen. `None`
+/// if `stop` is set before the last.
 pub(crate) fn families(
     scenes: usize,
     registry: &Registry,
     stop: &StopFlag,
     bar: &ProgressBar,
-) -> anyhow::Result<Option<Vec<Family>>> {
+) -> anyhow::Result<Option<Vec<ToleranceShares>>> {
     let mut method = Method::new(registry)?;
-    let nothing = [Share::default(); EXPONENTS.len()];
+    let nothing = [Proportion::default(); EXPONENTS.len()];
     let mut families = Vec::new();
     for suite in suites() {
-        let mut family = Family { name: suite.name, right_count: nothing, right: nothing };
+        let mut family = ToleranceShares { name: suite.name, right_count: nothing, right: nothing };
         for scene in suite.scenes(Split::Dev).take(scenes) {
             if stop.is_set() {
                 return Ok(None);
@@ -109,9 +109,8 @@ mod tests {
 
     use super::*;
 
-    /// The whole method, run anew at every tolerance.
     #[test]
-    fn one_decomposition_gives_what_a_run_at_every_tolerance_gives() {
+    fn one_decomposition_agrees_with_a_run_at_every_tolerance() {
         let registry = Registry::standard();
         let mut method = Method::new(&registry).expect("a preset");
         let (mut right, mut wrong) = (0, 0);

@@ -1,4 +1,4 @@
-//! Truth on scenes whose walls and openings can be computed by hand: smooth walls, a lidar without errors.
+//! Truth of scenes whose walls and openings can be computed by hand: smooth walls, and a lidar without errors.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -11,7 +11,7 @@ use crosscut_simulator::{Mine, Places};
 use crosscut_stage::wrap_angle_rad;
 use proptest::prelude::{Strategy, prop_assert, prop_assert_eq, proptest};
 
-/// Half the width of every tunnel here, unless said.
+/// Half the width of the tunnels.
 const HALF_M: f64 = 2.0;
 
 fn at(x: f64, y: f64) -> Point {
@@ -72,14 +72,14 @@ fn a_straight_tunnel_has_two_walls_numbered_from_the_first_beam() {
 }
 
 #[test]
-fn the_bearing_of_an_opening_is_that_of_the_centreline_8_m_away_whatever_the_sensor_s_own_place() {
+fn the_bearing_of_an_opening_is_that_of_the_centreline_at_8_m() {
     let scenery = scenery(straight(), at(0.0, 1.0), 0.0);
     let bearing_deg = -(1.0_f64 / 8.0).asin().to_degrees();
     assert_scenery(&scenery, 2, 0, &[(-180.0 - bearing_deg, 4.0), (bearing_deg, 4.0)]);
 }
 
 #[test]
-fn a_tee_ahead_opens_left_and_right_where_the_corners_hide_its_branches() {
+fn a_tee_opens_where_corners_hide_its_branches() {
     let tee = star(at(10.0, 0.0), &[at(-20.0, 0.0), at(10.0, 30.0), at(10.0, -30.0)], HALF_M);
     let scenery = scenery(tee, at(0.0, 0.0), 0.0);
     // The line of sight past the corner (8, 2) meets the branch's centreline x = 10 at y = 2.5, farther than 8 m.
@@ -102,7 +102,7 @@ fn a_dead_end_is_one_wall_with_one_opening() {
 }
 
 #[test]
-fn a_room_without_a_way_out_is_closed() {
+fn a_room_without_exits_is_closed() {
     assert_scenery(&scenery(star(at(5.0, 0.0), &[at(-5.0, 0.0)], HALF_M), at(0.0, 0.0), 0.3), 1, 0, &[]);
 }
 
@@ -128,7 +128,7 @@ fn a_bend_opens_where_its_inner_corner_hides_the_centreline() {
 }
 
 #[test]
-fn a_dead_end_branch_is_an_opening_only_while_its_face_lies_beyond_sight() {
+fn a_dead_end_is_an_opening_until_its_face_is_visible() {
     let side = || {
         let mut network = star(at(0.0, 0.0), &[at(-30.0, 0.0), at(30.0, 0.0)], HALF_M);
         network.add_branch(0, vec![at(0.0, 0.0), at(0.0, 9.0)], vec![1.5; 2]);
@@ -150,7 +150,7 @@ fn a_shallow_alcove_is_part_of_its_wall() {
 }
 
 #[test]
-fn a_pillar_is_an_island_and_hides_no_way_on_even_in_the_middle_of_the_tunnel() {
+fn a_pillar_is_an_island_and_hides_no_opening() {
     for (y, bearing_deg) in [(0.0, 0.0), (0.7, 0.7_f64.atan2(5.0).to_degrees())] {
         let mut network = straight();
         network.pillars.push(Disc { centre_m: at(5.0, y), radius_m: 0.5 });
@@ -166,7 +166,7 @@ fn a_pillar_is_an_island_and_hides_no_way_on_even_in_the_middle_of_the_tunnel() 
 }
 
 #[test]
-fn walls_that_join_only_outside_the_view_are_separate_and_nothing_outside_it_is_an_opening() {
+fn outside_the_view_walls_do_not_join_and_nothing_opens() {
     let lidar = Lidar { beams: 181, field_of_view_rad: PI, ..Lidar::CLEAN };
     let (ahead, _) = look(straight(), &lidar, at(0.0, 0.0), 0.0);
     assert_scenery(&ahead, 2, 0, &[(0.0, 4.0)]);
@@ -176,7 +176,7 @@ fn walls_that_join_only_outside_the_view_are_separate_and_nothing_outside_it_is_
 }
 
 #[test]
-fn an_opening_at_the_edge_of_the_view_counts_if_a_vehicle_fits_through_what_is_seen_of_it() {
+fn an_opening_at_the_edge_of_the_view_must_fit_the_vehicle() {
     let lidar = Lidar { beams: 181, field_of_view_rad: PI, ..Lidar::CLEAN };
     let openings = |heading_deg: f64| {
         let (scenery, _) = look(straight(), &lidar, at(0.0, 0.0), heading_deg.to_radians());
@@ -192,7 +192,7 @@ fn an_opening_at_the_edge_of_the_view_counts_if_a_vehicle_fits_through_what_is_s
 }
 
 #[test]
-fn a_centreline_that_comes_back_in_sight_soon_has_not_left() {
+fn a_centreline_visible_again_soon_has_not_left() {
     // A tunnel 2 m wide that swings aside by `swing_m` over 8 m, and back.
     let swinging = |swing_m: f64| {
         let line: Vec<Point> = (0..=100)
@@ -215,7 +215,7 @@ fn a_centreline_that_comes_back_in_sight_soon_has_not_left() {
 }
 
 #[test]
-fn ways_that_leave_through_one_edge_are_one_opening() {
+fn centrelines_that_leave_through_one_edge_are_one_opening() {
     // Two branches part 14 m ahead, at ±30°; the rock between them begins beyond the range.
     let fork = star(at(14.0, 0.0), &[at(-30.0, 0.0), at(31.0, 10.0), at(31.0, -10.0)], HALF_M);
     assert_scenery(&scenery(fork, at(0.0, 0.0), 0.0), 2, 0, &[(0.0, 4.0), (180.0, 4.0)]);
@@ -229,7 +229,7 @@ fn a_crack_is_no_opening() {
 }
 
 #[test]
-fn a_tilted_sensor_sees_the_floor_which_is_no_wall() {
+fn the_floor_seen_by_a_tilted_sensor_is_no_wall() {
     let surface = Surface::new(&straight(), &Texture::SMOOTH, 0);
     let mine = Mine::new(straight(), surface);
     let pose = Pose { pitch_rad: 0.2, ..Pose::level(at(0.0, 0.0), 0.0) };
@@ -243,7 +243,7 @@ fn a_tilted_sensor_sees_the_floor_which_is_no_wall() {
 }
 
 #[test]
-fn on_the_move_an_opening_is_where_the_beams_of_the_sweep_see_it() {
+fn while_moving_an_opening_is_where_its_beam_sees_it() {
     let surface = Surface::new(&straight(), &Texture::SMOOTH, 0);
     let mine = Mine::new(straight(), surface);
     // The nose turns left by 0.1 rad during the sweep; the beam that looks ahead comes half-way, 0.05 rad in.
@@ -268,7 +268,7 @@ fn junctions() -> impl Strategy<Value = (Vec<Point>, Point)> {
 
 proptest! {
     #[test]
-    fn turning_the_sensor_turns_the_openings_and_shifts_the_beams((ends, place) in junctions(), beams in 1_usize..360) {
+    fn turning_the_sensor_turns_the_openings((ends, place) in junctions(), beams in 1_usize..360) {
         let still = scenery(star(at(0.0, 0.0), &ends, 1.8), place, 0.0);
         let turned = scenery(star(at(0.0, 0.0), &ends, 1.8), place, (beams as f64).to_radians());
         prop_assert_eq!((still.walls, still.openings.len()), (turned.walls, turned.openings.len()));
@@ -302,7 +302,7 @@ proptest! {
 }
 
 #[test]
-#[should_panic(expected = "fit to be seen")]
-fn places_too_narrow_for_their_pillars_are_refused_and_not_drawn_for_ever() {
+#[should_panic(expected = "is suitable")]
+fn places_too_narrow_for_their_pillars_are_refused() {
     Places { width_m: [1.0, 1.5], pillars: [1, 1], ..Places::CLEAN }.scene(3, 1, 0);
 }

@@ -1,15 +1,15 @@
-//! Truths and answers for tests, made from labels.
+//! Truths and answers made from labels.
 
 use crosscut_messages::Truth;
 use crosscut_report::{ResultsLine, WallLine};
 
-/// The truth of these labels, whose first `islands` walls are islands.
+/// A truth with these labels; its first `islands` walls are islands.
 pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
     let walls = labels.iter().max().map_or(0, |&last| (last + 1).max(0) as u32);
     Truth { walls: walls - islands, islands, openings: Vec::new(), labels: labels.to_vec() }
 }
 
-/// The answer of these labels, with the walls in `islands` reported as such.
+/// An answer with these labels; the walls in `islands` are reported as islands.
 pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
     let mut ids: Vec<i32> = labels.iter().copied().filter(|&label| label >= 0).collect();
     ids.sort_unstable();

@@ -1,6 +1,4 @@
-//! The score of one revolution, by hand and against brute force.
-
-mod scans;
+//! The score of one revolution, compared with hand counts and brute force.
 
 use crosscut_evaluate::{Score, ScoreError};
 use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, proptest};
@@ -8,11 +6,11 @@ use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, 
 use crate::scans::{answer, truth};
 
 fn score(true_labels: &[i32], reported: &[i32]) -> Score {
-    Score::of(&truth(true_labels, 0), &answer(reported, &[])).expect("as many labels")
+    Score::of(&truth(true_labels, 0), &answer(reported, &[])).expect("equally many labels")
 }
 
 #[test]
-fn a_wall_is_matched_from_an_overlap_of_four_fifths_on() {
+fn a_wall_is_matched_from_an_overlap_of_four_fifths() {
     // Wall 0 has 4 of 5 beams: IoU 0.8 exactly. Wall 1 has all 5.
     let four_fifths = score(&[0, 0, 0, 0, 0, 1, 1, 1, 1, 1], &[0, 0, 0, 0, -2, 1, 1, 1, 1, 1]);
     assert!(four_fifths.right && four_fifths.right_count());
@@ -24,13 +22,13 @@ fn a_wall_is_matched_from_an_overlap_of_four_fifths_on() {
 }
 
 #[test]
-fn a_beam_without_return_that_is_put_into_a_wall_enlarges_the_union() {
+fn a_beam_without_return_in_a_wall_enlarges_the_union() {
     assert!(score(&[0, 0, 0, 0, -1], &[0, 0, 0, 0, 0]).right, "4 of 5");
     assert!(!score(&[0, 0, 0, -1], &[0, 0, 0, 0]).right, "3 of 4");
 }
 
 #[test]
-fn the_count_alone_is_not_right() {
+fn an_equal_count_with_other_walls_is_wrong() {
     // Two walls on both sides, cut elsewhere.
     let score = score(&[0, 0, 0, 1, 1, 1], &[0, 1, 1, 1, 1, 1]);
     assert!(score.right_count() && !score.right);
@@ -38,14 +36,14 @@ fn the_count_alone_is_not_right() {
 }
 
 #[test]
-fn the_walls_alone_are_not_right_when_one_more_is_reported() {
+fn matched_walls_with_another_count_are_wrong() {
     let score = score(&[0, 0, 0, 0, 0, 0], &[0, 0, 0, 0, 0, 1]);
     assert!(!score.right && !score.right_count());
     assert_eq!((score.true_walls, score.reported_walls, score.returns_right), (1, 2, 5));
 }
 
 #[test]
-fn islands_need_not_be_found_but_must_not_be_counted_as_walls() {
+fn islands_may_be_missed_but_not_counted_as_walls() {
     // Island 0, walls 1 and 2.
     let truth = truth(&[0, 1, 1, 1, 1, 1, 2, 2, 2, 2], 1);
     let right = |labels: &[i32], islands: &[u32]| Score::of(&truth, &answer(labels, islands)).expect("10 labels").right;
@@ -56,7 +54,7 @@ fn islands_need_not_be_found_but_must_not_be_counted_as_walls() {
 }
 
 #[test]
-fn a_wall_whose_returns_were_all_lost_cannot_be_matched() {
+fn a_wall_without_returns_cannot_be_matched() {
     let lost = crosscut_messages::Truth { walls: 2, ..truth(&[0, 0, -1, -1], 0) };
     assert!(!Score::of(&lost, &answer(&[0, 0, -1, -1], &[])).expect("4 labels").right);
     let invented = answer(&[0, 0, 1, 1], &[]);
@@ -64,7 +62,7 @@ fn a_wall_whose_returns_were_all_lost_cannot_be_matched() {
 }
 
 #[test]
-fn each_kind_of_wrong_label_counts_as_wrong_and_dust_left_out_as_right() {
+fn three_kinds_of_labels_are_wrong_and_dust_in_no_wall_right() {
     //                   wall     left out  dust kept  dust out  dust dropped  nothing  phantom
     let truth =
         [0, 0, 0, 0, /**/ 0, /*  */ -2, /*  */ -2, /* */ -2, /*     */ -1, /**/ -1];
@@ -75,14 +73,14 @@ fn each_kind_of_wrong_label_counts_as_wrong_and_dust_left_out_as_right() {
 }
 
 #[test]
-fn an_empty_scan_that_is_reported_empty_is_right() {
+fn an_empty_scan_reported_empty_is_right() {
     let score = score(&[], &[]);
     assert!(score.right);
     assert_eq!((score.returns, score.adjusted_rand_index), (0, None));
 }
 
 #[test]
-fn adjusted_rand_indices_are_those_of_scikit_learn() {
+fn adjusted_rand_indices_agree_with_scikit_learn() {
     // sklearn.metrics.adjusted_rand_score(truth, reported)
     let known: [(&[i32], &[i32], f64); 4] = [
         (&[0, 0, 1, 1], &[0, 0, 1, 2], 0.571_428_571_428_571_4),
@@ -97,7 +95,7 @@ fn adjusted_rand_indices_are_those_of_scikit_learn() {
 }
 
 #[test]
-fn the_rand_index_is_for_two_walls_and_more() {
+fn the_rand_index_needs_two_walls() {
     assert_eq!(score(&[0, 0, 0], &[0, 0, 1]).adjusted_rand_index, None);
     let with_island = Score::of(&truth(&[0, 0, 1], 1), &answer(&[0, 0, 1], &[])).expect("3 labels");
     assert_eq!(with_island.adjusted_rand_index, None, "one wall and an island");
@@ -106,7 +104,7 @@ fn the_rand_index_is_for_two_walls_and_more() {
 }
 
 #[test]
-fn labels_of_another_number_of_beams_are_an_error_and_not_a_wrong_answer() {
+fn labels_of_another_number_of_beams_are_an_error() {
     let error = Score::of(&truth(&[0, 0], 0), &answer(&[0], &[])).expect_err("2 against 1");
     assert_eq!(error, ScoreError::Beams { seq: 0, truth: 2, reported: 1 });
 }
@@ -147,8 +145,8 @@ proptest! {
             ..truth.clone()
         };
         let other: Vec<_> = reported.iter().map(|&r| if r < 0 { r } else { reported_ids[r as usize] }).collect();
-        let one = Score::of(&truth, &answer(&reported, &[])).expect("as many labels");
-        let two = Score::of(&renumbered, &answer(&other, &[])).expect("as many labels");
+        let one = Score::of(&truth, &answer(&reported, &[])).expect("equally many labels");
+        let two = Score::of(&renumbered, &answer(&other, &[])).expect("equally many labels");
         match (one.adjusted_rand_index, two.adjusted_rand_index) {
             (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-12),
             (a, b) => prop_assert_eq!(a, b),
@@ -171,7 +169,7 @@ proptest! {
     }
 
     #[test]
-    fn the_rand_index_is_that_of_counted_pairs((true_labels, reported) in labels()) {
+    fn the_rand_index_agrees_with_counted_pairs((true_labels, reported) in labels()) {
         if let Some(found) = score(&true_labels, &reported).adjusted_rand_index {
             prop_assert!((found - rand_index_by_pairs(&true_labels, &reported)).abs() < 1e-9);
         }
@@ -182,7 +180,7 @@ proptest! {
         (true_labels, reported) in labels(), island in any::<bool>()
     ) {
         let islands: &[u32] = if island { &[0] } else { &[] };
-        let score = Score::of(&truth(&true_labels, 0), &answer(&reported, islands)).expect("as many labels");
+        let score = Score::of(&truth(&true_labels, 0), &answer(&reported, islands)).expect("equally many labels");
         prop_assert!(score.returns_right <= score.returns && score.returns <= true_labels.len());
         prop_assert!(!score.right || score.right_count());
     }

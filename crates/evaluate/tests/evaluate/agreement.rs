@@ -1,38 +1,36 @@
-//! Two answers against each other, by hand.
+//! Agreement of two answers.
 
-mod scans;
-
-use crosscut_evaluate::{Agreement, Differences, Score, Share, Stretch};
+use crosscut_evaluate::{Agreement, Differences, Proportion, Score, Stretch};
 use crosscut_report::{OpeningLine, ResultsLine};
 
 use crate::scans::{answer, truth};
 
 fn agreement(seq: u64, first: &[i32], second: &[i32]) -> Agreement {
     let at = |labels| ResultsLine { seq, stamp_ns: 100 * seq, ..answer(labels, &[]) };
-    Agreement::of(&at(first), &at(second)).expect("as many labels")
+    Agreement::of(&at(first), &at(second)).expect("equally many labels")
 }
 
 #[test]
-fn an_answer_in_the_place_of_the_truth_gives_the_same_measures() {
+fn agreement_equals_the_score_with_one_answer_as_truth() {
     let labels = [[0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 1, 1], [0, 0, 1, 1, 2, -2], [0, -1, 1, 1, 1, 1]];
     for first in &labels {
         for second in &labels {
             let agreement = agreement(0, first, second);
-            let score = Score::of(&truth(first, 0), &answer(second, &[])).expect("as many labels");
+            let score = Score::of(&truth(first, 0), &answer(second, &[])).expect("equally many labels");
             assert_eq!(
                 (agreement.same_walls, agreement.junctions),
                 (score.right, [score.true_walls, score.reported_walls])
             );
-            assert_eq!((agreement.returns_alike, agreement.returns), (score.returns_right, score.returns));
+            assert_eq!((agreement.same_returns, agreement.returns), (score.returns_right, score.returns));
         }
     }
 }
 
 #[test]
-fn a_pillar_of_one_answer_is_never_a_wall_of_the_other() {
+fn a_pillar_of_one_answer_matches_no_wall() {
     let same = |first: &[u32], second: &[u32]| {
         let labels = [0, 0, 1, 1, 2, 2];
-        Agreement::of(&answer(&labels, first), &answer(&labels, second)).expect("as many labels").same_walls
+        Agreement::of(&answer(&labels, first), &answer(&labels, second)).expect("equally many labels").same_walls
     };
     assert!(same(&[], &[]) && same(&[2], &[2]));
     assert!(!same(&[2], &[1]), "two walls each, but not the same two");
@@ -40,7 +38,7 @@ fn a_pillar_of_one_answer_is_never_a_wall_of_the_other() {
 }
 
 #[test]
-fn openings_are_lacking_or_more_as_the_first_answer_sees_it() {
+fn openings_are_missing_or_added_relative_to_the_first_answer() {
     let with = |bearings_rad: &[f64]| {
         let opening = |&bearing_rad: &f64| OpeningLine {
             bearing_rad,
@@ -52,13 +50,13 @@ fn openings_are_lacking_or_more_as_the_first_answer_sees_it() {
         ResultsLine { openings: bearings_rad.iter().map(opening).collect(), ..answer(&[0, 0], &[]) }
     };
     let mut differences = Differences::default();
-    differences.add(&Agreement::of(&with(&[0.0, 1.0, 2.0]), &with(&[0.1, 3.0])).expect("as many labels"));
-    assert_eq!(differences.openings_lacking, Share { hits: 2, of: 3 });
-    assert_eq!(differences.openings_more, Share { hits: 1, of: 2 });
+    differences.add(&Agreement::of(&with(&[0.0, 1.0, 2.0]), &with(&[0.1, 3.0])).expect("equally many labels"));
+    assert_eq!(differences.openings_lacking, Proportion { hits: 2, of: 3 });
+    assert_eq!(differences.openings_more, Proportion { hits: 1, of: 2 });
 }
 
 #[test]
-fn a_stretch_ends_where_the_answers_agree_or_differ_otherwise() {
+fn a_stretch_ends_where_the_answers_or_counts_change() {
     let (one, two, three) = ([0, 0, 0, 0], [0, 0, 1, 1], [0, 1, 2, 2]);
     let other_two = [0, 1, 1, 1];
     let flight = [(one, one), (one, two), (one, two), (one, three), (one, one), (one, three), (two, other_two)];
@@ -75,7 +73,10 @@ fn a_stretch_ends_where_the_answers_agree_or_differ_otherwise() {
     };
     let expected = [stretch(1, 2, [1, 2]), stretch(3, 3, [1, 3]), stretch(5, 5, [1, 3]), stretch(6, 6, [2, 2])];
     assert_eq!(differences.stretches, expected);
-    assert_eq!((differences.same_count, differences.same_walls), (Share { hits: 3, of: 7 }, Share { hits: 2, of: 7 }));
+    assert_eq!(
+        (differences.same_count, differences.same_walls),
+        (Proportion { hits: 3, of: 7 }, Proportion { hits: 2, of: 7 })
+    );
 }
 
 #[test]

@@ -1,21 +1,21 @@
-//! A whole flight: counts that differ from those around them.
+//! Revolutions of a flight whose count differs from their neighbours.
 
-/// So many revolutions before and after are around a revolution.
+/// A revolution has this many neighbours before it and after it.
 pub const AROUND: usize = 5;
 
-/// A revolution with another count than most around it have.
+/// A revolution whose count differs from that of most of its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Flip {
-    /// Its place in the flight.
+    /// Its index in the flight.
     pub at: usize,
     /// Its count.
     pub junctions: usize,
-    /// The count of more than half of those around it.
+    /// The count of more than half of its neighbours.
     pub around: usize,
 }
 
-/// The revolutions whose count differs from the one that more than half of the [`AROUND`] before and after have; fewer
-/// at the ends of the flight. Where none has that many, nothing differs from it.
+/// Returns the revolutions whose count differs from the count of more than half of their neighbours: [`AROUND`] before
+/// and after, fewer at the ends of the flight. Where no count has that majority, there is no flip.
 pub fn flips(junctions: &[usize]) -> Vec<Flip> {
     let flip = |at: usize| {
         let around = &junctions[at.saturating_sub(AROUND)..(at + AROUND + 1).min(junctions.len())];
@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_count_that_most_around_it_do_not_have_is_a_flip_and_a_lasting_change_is_none() {
+    fn a_single_deviation_is_a_flip_and_a_lasting_change_is_none() {
         let flight = [2, 2, 2, 3, 2, 2, 2, 2, 4, 4, 4, 4, 4, 4];
         assert_eq!(flips(&flight), [Flip { at: 3, junctions: 3, around: 2 }]);
         assert_eq!(flips(&[1, 2, 2]), [Flip { at: 0, junctions: 1, around: 2 }], "at the start");
@@ -41,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_count_has_more_than_half_nothing_flips() {
+    fn without_a_majority_there_is_no_flip() {
         assert!(flips(&[1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3]).is_empty());
     }
 }

@@ -1,8 +1,6 @@
-//! Sums over revolutions, families and configurations, and the tables made of them.
+//! Figures over revolutions, families and configurations, and their tables.
 
-mod scans;
-
-use crosscut_evaluate::{Confusion, Evaluation, Score, Scoreboard, Share, tables};
+use crosscut_evaluate::{Confusion, Evaluation, Proportion, Score, Scoreboard, tables};
 use crosscut_messages::TruthOpening;
 use crosscut_report::OpeningLine;
 
@@ -10,7 +8,7 @@ use crate::scans::{answer, truth};
 
 fn score(true_labels: &[i32], reported: &[i32], confidence: f64) -> Score {
     let answer = crosscut_report::ResultsLine { confidence, ..answer(reported, &[]) };
-    Score::of(&truth(true_labels, 0), &answer).expect("as many labels")
+    Score::of(&truth(true_labels, 0), &answer).expect("equally many labels")
 }
 
 /// Right; counted right with wrong walls; one wall too many; one too few.
@@ -32,24 +30,27 @@ fn evaluation(scores: &[Score]) -> Evaluation {
 }
 
 #[test]
-fn four_revolutions_counted_by_hand() {
+fn figures_of_four_revolutions_agree_with_a_hand_count() {
     let figures = evaluation(&four()).figures();
-    assert_eq!((figures.revolutions, figures.right), (4, Share { hits: 1, of: 4 }));
-    assert_eq!(figures.right_count, Share { hits: 2, of: 4 });
-    assert_eq!((figures.over_count, figures.under_count), (Share { hits: 1, of: 4 }, Share { hits: 1, of: 4 }));
+    assert_eq!((figures.revolutions, figures.right), (4, Proportion { hits: 1, of: 4 }));
+    assert_eq!(figures.right_count, Proportion { hits: 2, of: 4 });
+    assert_eq!(
+        (figures.over_count, figures.under_count),
+        (Proportion { hits: 1, of: 4 }, Proportion { hits: 1, of: 4 })
+    );
     let confusion = |reported, revolutions| Confusion { truth: 2, reported, revolutions };
     assert_eq!(figures.confusion, [confusion(1, 1), confusion(2, 2), confusion(3, 1)]);
     assert_eq!((figures.labels.returns_right, figures.labels.returns), (4 + 3 + 3 + 2, 16));
     let index = figures.labels.adjusted_rand_index.expect("two walls");
     // By hand: 1; 0 for one of four beams moved; 4/7 for one split off; 0 for all in one.
     assert_eq!((index.count, index.p05, index.p95), (4, 0.0, 1.0));
-    assert_eq!(figures.confidence.sure_right, Share { hits: 1, of: 2 });
+    assert_eq!(figures.confidence.sure_right, Proportion { hits: 1, of: 2 });
     // The right answer (0.95) ties with one wrong one and is above two.
     assert!((figures.confidence.auroc.expect("both kinds") - 2.5 / 3.0).abs() < 1e-12);
 }
 
 #[test]
-fn openings_are_summed_over_revolutions_and_not_averaged() {
+fn openings_are_summed_over_revolutions() {
     let opening = |bearing_rad| TruthOpening { bearing_rad, width_m: 4.0 };
     let line = |bearing_rad, width_m| OpeningLine {
         bearing_rad,
@@ -66,17 +67,20 @@ fn openings_are_summed_over_revolutions_and_not_averaged() {
     for (openings, lines) in revolutions {
         let truth = crosscut_messages::Truth { openings, ..truth(&[0], 0) };
         let answer = crosscut_report::ResultsLine { openings: lines, ..answer(&[0], &[]) };
-        sum.add(&Score::of(&truth, &answer).expect("as many labels"));
+        sum.add(&Score::of(&truth, &answer).expect("equally many labels"));
     }
     let openings = sum.figures().openings;
-    assert_eq!((openings.missed, openings.false_alarms), (Share { hits: 2, of: 4 }, Share { hits: 1, of: 3 }));
+    assert_eq!(
+        (openings.missed, openings.false_alarms),
+        (Proportion { hits: 2, of: 4 }, Proportion { hits: 1, of: 3 })
+    );
     let (bearing, width) = (openings.bearing_error_rad.expect("matched"), openings.width_error.expect("matched"));
     assert!((bearing.p50 - 0.05).abs() < 1e-12 && (bearing.p95 - 0.1).abs() < 1e-12);
     assert_eq!((width.p50, width.p95), (0.0, 0.25));
 }
 
 #[test]
-fn merged_parts_are_the_whole() {
+fn merged_evaluations_equal_one_over_all() {
     let (first, second) = (evaluation(&four()[..1]), evaluation(&four()[1..]));
     let mut merged = first;
     merged.merge(&second);
@@ -94,10 +98,10 @@ fn scoreboard() -> Scoreboard {
 }
 
 #[test]
-fn all_families_together_count_revolution_by_revolution() {
+fn the_sum_of_families_weights_revolutions_equally() {
     let all = scoreboard().all();
-    assert_eq!(all[0].figures().right, Share { hits: 1, of: 5 });
-    assert_eq!(all[1].figures().right, Share { hits: 4, of: 4 });
+    assert_eq!(all[0].figures().right, Proportion { hits: 1, of: 5 });
+    assert_eq!(all[1].figures().right, Proportion { hits: 4, of: 4 });
 }
 
 #[test]
@@ -119,7 +123,7 @@ fn every_row_of_every_table_is_as_long_as_its_header() {
 }
 
 #[test]
-fn counts_far_beyond_the_truth_share_a_column_of_the_confusion_table() {
+fn counts_far_above_the_truth_share_a_column() {
     let mut scoreboard = Scoreboard::new(vec!["paper".into()]);
     scoreboard.add("clean6", 0, &score(&[0; 12], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], 0.5));
     scoreboard.add("clean6", 0, &score(&[0; 5], &[0, 1, 2, 3, 4], 0.5));
@@ -131,7 +135,7 @@ fn counts_far_beyond_the_truth_share_a_column_of_the_confusion_table() {
 }
 
 #[test]
-fn figures_in_json_name_shares_with_their_interval_and_nothing_as_null() {
+fn shares_in_json_have_intervals_and_missing_values_are_null() {
     let json = serde_json::to_value(evaluation(&[]).figures()).expect("JSON");
     assert_eq!(json["right"], serde_json::json!({"hits": 0, "of": 0, "share": null, "interval95": null}));
     assert_eq!(json["openings"]["false"]["of"], 0);

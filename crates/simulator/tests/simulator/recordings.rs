@@ -1,4 +1,4 @@
-//! Suites, flights and the recordings made of them.
+//! Suites, flights and their recordings.
 
 use crosscut_messages::{LaserScan, Message, Odometry, TfMessage, Truth};
 use crosscut_simulator::{SCENES, Scene, Split, scenarios, suites, write_mcap};
@@ -14,7 +14,7 @@ fn share(scenes: &[Scene], label: i32) -> f64 {
 }
 
 #[test]
-fn every_suite_has_its_scenes_with_a_truth_that_fits_its_scan() {
+fn every_scene_has_a_truth_that_fits_its_scan() {
     for suite in suites() {
         let mut count = 0;
         for scene in suite.scenes(Split::Dev) {
@@ -42,7 +42,7 @@ fn single_places_have_one_to_five_branches_equally_often() {
 }
 
 #[test]
-fn families_are_what_their_names_say() {
+fn families_have_the_stated_loss_dust_and_beams() {
     let clean = scenes("clean6", Split::Dev);
     assert_eq!(share(&clean, Truth::NO_WALL), 0.0);
     let lost = |suite: &str, reference: &[Scene]| {
@@ -60,7 +60,7 @@ fn families_are_what_their_names_say() {
 }
 
 #[test]
-fn development_and_report_share_no_scene_and_each_comes_out_the_same_twice() {
+fn splits_share_no_scene_and_are_reproducible() {
     for suite in ["clean6", "flight_tunnel"] {
         let dev = scenes(suite, Split::Dev);
         assert!(dev == scenes(suite, Split::Dev), "{suite}");
@@ -70,7 +70,7 @@ fn development_and_report_share_no_scene_and_each_comes_out_the_same_twice() {
 }
 
 #[test]
-fn flights_keep_clear_of_the_rock_and_meet_many_kinds_of_places() {
+fn flights_avoid_the_rock_and_visit_many_places() {
     for scenario in scenarios() {
         let mut kinds = std::collections::BTreeSet::new();
         for seed in 0..4 {
@@ -109,7 +109,7 @@ fn odometry_drifts_but_not_far() {
 }
 
 #[test]
-fn the_same_seed_makes_the_same_bytes_and_the_recording_reads_back() {
+fn a_recording_reads_back_and_is_reproducible() {
     let folder = tempfile::tempdir().expect("a folder");
     let tee = scenarios().iter().find(|scenario| scenario.name == "tee").expect("there is one");
     let record = |name: &str, seed| {
@@ -147,9 +147,9 @@ fn the_same_seed_makes_the_same_bytes_and_the_recording_reads_back() {
 }
 
 #[test]
-fn a_file_that_cannot_be_made_is_named() {
+fn a_file_that_cannot_be_created_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("no/such/folder.mcap");
     let error = write_mcap(&path, std::iter::empty()).expect_err("there is no such folder").to_string();
-    assert!(error.contains("cannot make the recording") && error.contains("folder.mcap"), "{error}");
+    assert!(error.contains("cannot create the recording") && error.contains("folder.mcap"), "{error}");
 }

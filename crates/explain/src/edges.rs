@@ -1,4 +1,4 @@
-//! The links that decide a count.
+//! The edges that decide a count.
 
 use crosscut_stage::{Frame, Weights};
 
@@ -8,58 +8,58 @@ use crate::closest;
 
 /// A weight of W between two returns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
-    /// Which returns, by their index; the lower one need not come first.
+pub struct Edge {
+    /// Indices of the two returns, in either order.
     pub returns: [usize; 2],
     /// W_ij.
     pub weight: f64,
 }
 
-/// What holds one wall together, and what ties it to the others.
+/// The edge that holds one wall together, and the edge that nearly joins it to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WallLinks {
+pub struct WallEdges {
     /// The wall's number.
     pub wall: u32,
-    /// The bottleneck of its maximum spanning tree; `None` if it has one return, or falls apart.
-    pub weakest: Option<Link>,
-    /// Parts of the wall that no weight joins: 1 for a wall that W holds together.
-    pub pieces: usize,
-    /// q of the two sides of the weakest link: about the eigenvalue that breaking the wall there stands for.
+    /// The bottleneck of its maximum spanning tree; `None` if it has one return, or several parts.
+    pub weakest: Option<Edge>,
+    /// Number of parts of the wall between which W has no edge; normally 1.
+    pub parts: usize,
+    /// q of the two sides of the weakest edge: approximately the eigenvalue of breaking the wall there.
     pub breaks_at: f64,
-    /// The strongest link to another wall, and which; `None` if W has none.
-    pub strongest: Option<(u32, Link)>,
-    /// q of this wall and all other walls: about the eigenvalue that keeping it apart stands for.
+    /// The strongest edge to another wall, after the number of that wall; `None` if W has none.
+    pub strongest: Option<(u32, Edge)>,
+    /// q of this wall and all other walls: approximately the eigenvalue of keeping it apart.
     pub parts_at: f64,
 }
 
-/// Why the count of one revolution is what it is.
+/// The explanation of the count of one revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// Each wall, by its number.
-    pub walls: Vec<WallLinks>,
-    /// What would change the count, the least change first.
+    /// The edges of each wall, by its number.
+    pub walls: Vec<WallEdges>,
+    /// Changes that would give another count, the smallest first.
     pub changes: Vec<Change>,
-    /// Where W has no link between walls: the two returns of different walls that lie closest, and their walls.
+    /// If W has no edge between walls: the two closest returns of different walls, after their walls.
     pub closest: Option<([u32; 2], [usize; 2])>,
 }
 
 impl Explanation {
-    /// Of a frame whose stages all ran.
+    /// Explains a frame whose stages have all run.
     pub fn of(frame: &Frame) -> Self {
         let walls = walls_of(frame);
         let weights = &frame.affinity.weights;
         let bottlenecks = Bottlenecks::of(weights, &walls);
-        let walls = Sums::of(frame, &walls, &bottlenecks.first_side).into_links(bottlenecks);
+        let walls = Sums::of(frame, &walls, &bottlenecks.first_side).into_edges(bottlenecks);
         let changes = change::changes(frame, &walls);
         let apart = walls.len() > 1 && walls.iter().all(|wall| wall.strongest.is_none());
         let closest = apart.then(|| closest::pair(frame)).flatten();
         Self { walls, changes, closest }
     }
 
-    /// The strongest link between two walls, and which walls.
-    pub fn strongest(&self) -> Option<([u32; 2], Link)> {
-        let links = self.walls.iter().filter_map(|wall| wall.strongest.map(|(to, link)| ([wall.wall, to], link)));
-        links.max_by(|a, b| a.1.weight.total_cmp(&b.1.weight))
+    /// The strongest edge between two walls, after the numbers of these walls.
+    pub fn strongest(&self) -> Option<([u32; 2], Edge)> {
+        let edges = self.walls.iter().filter_map(|wall| wall.strongest.map(|(to, edge)| ([wall.wall, to], edge)));
+        edges.max_by(|a, b| a.1.weight.total_cmp(&b.1.weight))
     }
 }
 
@@ -81,13 +81,13 @@ fn walls_of(frame: &Frame) -> Vec<Vec<usize>> {
 
 /// Cuts and volumes, by wall.
 struct Sums {
-    /// Across the weakest link.
+    /// Sum of the weights across the weakest edge.
     inner_cut: Vec<f64>,
-    /// D of the returns on the first side of the weakest link, and on the other.
+    /// Sum of the degrees on the other side of the weakest edge, and on the first.
     side_volumes: Vec<[f64; 2]>,
-    /// To all other walls.
+    /// Sum of the weights to all other walls.
     outer_cut: Vec<f64>,
-    strongest: Vec<Option<(u32, Link)>>,
+    strongest: Vec<Option<(u32, Edge)>>,
 }
 
 impl Sums {
@@ -111,15 +111,15 @@ impl Sums {
         sums
     }
 
-    /// Each pair of returns comes twice, once for either return.
+    /// Adds every weight. Each pair of returns occurs twice, once for either return.
     fn add_weights(&mut self, weights: &Weights, wall_of: &[Option<u32>], first_side: &[bool]) {
         weights.for_each(|i, j, weight| {
             let (Some(own), Some(other)) = (wall_of[i], wall_of[j]) else { return };
             let wall = own as usize;
             if own != other {
                 self.outer_cut[wall] += weight;
-                if weight > self.strongest[wall].map_or(0.0, |(_, link)| link.weight) {
-                    self.strongest[wall] = Some((other, Link { returns: [i, j], weight }));
+                if weight > self.strongest[wall].map_or(0.0, |(_, edge)| edge.weight) {
+                    self.strongest[wall] = Some((other, Edge { returns: [i, j], weight }));
                 }
             } else if first_side[i] && !first_side[j] {
                 self.inner_cut[wall] += weight;
@@ -127,15 +127,15 @@ impl Sums {
         });
     }
 
-    fn into_links(self, bottlenecks: Bottlenecks) -> Vec<WallLinks> {
+    fn into_edges(self, bottlenecks: Bottlenecks) -> Vec<WallEdges> {
         let all: f64 = self.side_volumes.iter().flatten().sum();
-        let walls = bottlenecks.links.into_iter().zip(bottlenecks.pieces).enumerate();
-        let of_wall = |(wall, (weakest, pieces)): (usize, (Option<Link>, usize))| {
+        let walls = bottlenecks.edges.into_iter().zip(bottlenecks.parts).enumerate();
+        let of_wall = |(wall, (weakest, parts)): (usize, (Option<Edge>, usize))| {
             let [one, other] = self.side_volumes[wall];
-            WallLinks {
+            WallEdges {
                 wall: u32::try_from(wall).unwrap_or(u32::MAX),
                 weakest,
-                pieces,
+                parts,
                 breaks_at: quotient(self.inner_cut[wall], one, other),
                 strongest: self.strongest[wall],
                 parts_at: quotient(self.outer_cut[wall], one + other, all - one - other),

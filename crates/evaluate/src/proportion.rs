@@ -1,38 +1,38 @@
-//! How many of how many, and how sure that is.
+//! A number of hits among a number of cases, with its confidence interval.
 
 use serde::{Serialize, Serializer, ser::SerializeStruct};
 
 /// The normal quantile of a two-sided 95 % interval.
 const Z95: f64 = 1.959_963_984_540_054;
 
-/// `hits` of `of`. In JSON: `hits`, `of`, `share` and the 95 % interval (null when there is nothing to count).
+/// `hits` of `of` cases. In JSON: `hits`, `of`, `share` and `interval95` (both null without cases).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Share {
-    /// How many did.
+pub struct Proportion {
+    /// Number of hits.
     pub hits: u64,
-    /// How many could.
+    /// Number of cases.
     pub of: u64,
 }
 
-impl Share {
-    /// Counts one more.
+impl Proportion {
+    /// Counts one more case.
     pub fn count(&mut self, hit: bool) {
         self.hits += u64::from(hit);
         self.of += 1;
     }
 
-    /// Counts all that `other` counted.
+    /// Adds the cases of `other`.
     pub fn merge(&mut self, other: Self) {
         self.hits += other.hits;
         self.of += other.of;
     }
 
-    /// p = hits / of; `None` of nothing.
+    /// p = hits / of; `None` without cases.
     pub fn value(&self) -> Option<f64> {
         (self.of > 0).then(|| self.hits as f64 / self.of as f64)
     }
 
-    /// The 95 % interval of Wilson's score, within [0, 1]; `None` of nothing.
+    /// The 95 % interval of Wilson's score, within [0, 1]; `None` without cases.
     ///
     /// ```text
     /// (p + z²/2n ± z·sqrt(p(1-p)/n + z²/4n²)) / (1 + z²/n),   z = 1.96
@@ -46,9 +46,9 @@ impl Share {
     }
 }
 
-impl Serialize for Share {
+impl Serialize for Proportion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Share", 4)?;
+        let mut fields = serializer.serialize_struct("Proportion", 4)?;
         fields.serialize_field("hits", &self.hits)?;
         fields.serialize_field("of", &self.of)?;
         fields.serialize_field("share", &self.value())?;
@@ -62,11 +62,11 @@ mod tests {
     use super::*;
 
     fn interval(hits: u64, of: u64) -> [f64; 2] {
-        Share { hits, of }.interval95().expect("something was counted")
+        Proportion { hits, of }.interval95().expect("something was counted")
     }
 
     #[test]
-    fn wilson_intervals_are_those_of_scipy() {
+    fn wilson_intervals_agree_with_scipy() {
         // scipy.stats.binomtest(hits, of).proportion_ci(method="wilson")
         let known = [
             (0, 10, [0.0, 0.277_532_799_862_889]),
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_of_nothing_is_no_share() {
-        assert_eq!((Share::default().value(), Share::default().interval95()), (None, None));
+    fn without_cases_there_is_no_share() {
+        assert_eq!((Proportion::default().value(), Proportion::default().interval95()), (None, None));
     }
 }
