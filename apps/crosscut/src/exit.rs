@@ -48,10 +48,11 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
-/// What is said where a recording for the viewer is asked of a build that cannot make or read any.
+/// The error of a build without Rerun where a recording is to be made, read or shown.
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn without_rerun() -> anyhow::Error {
-    UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
+    let text = "this crosscut was built without recordings; `cargo install --locked --path apps/crosscut` brings them";
+    UsageError(text.to_owned()).into()
 }
 
 /// Says what ended a command, and gives the exit code. Whoever closes the pipe that we write to (`| head`) has had

@@ -85,7 +85,7 @@ pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageErr
 /// Refuses a recording of which a later part (FLIGHT-2.rrd...) would be written over one of the `others`.
 #[cfg(feature = "rerun")]
 pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
-    use crosscut_recorder::part_number;
+    use crosscut_rrd::parts::part_number;
 
     let Some((folder, _)) = place(recording) else { return Ok(()) };
     // Parts that are there already may be known by other names as well.

@@ -253,12 +253,12 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum RrdCommand {
-    /// Show entities, components, revolutions and sizes of a recording.
+    /// Show entities, components, revolutions and sizes of the recordings in a file.
     Ls(RrdLsArgs),
     /// Write values of an entity to a file: arrays for NumPy, CSV, Parquet, or JSON lines.
     Get(RrdGetArgs),
     /// Compare two recordings row by row: which revolution and step differ first. Exit codes as of diff(1): 0 the same,
-    /// 1 different, 2 trouble; 3 the same as far as a damaged recording goes.
+    /// 1 different, 2 trouble; 3 if the readable rows of a damaged recording are the same.
     Diff(RrdDiffArgs),
 }
 
@@ -267,7 +267,7 @@ pub(crate) struct RrdLsArgs {
     /// A recording.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// Show every component, also those that say how it is drawn.
+    /// Show every component, also those that only set how it is drawn.
     #[arg(long)]
     pub(crate) components: bool,
     /// Show the configuration that it was made with as well.
@@ -280,9 +280,12 @@ pub(crate) struct RrdGetArgs {
     /// A recording.
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) recording: PathBuf,
-    /// What to take, as `rrd ls` names it: /spectral/eigenvalues; /affinity/W is a picture unless made anew with --exact.
+    /// The entity, as `rrd ls` names it: /spectral/eigenvalues; /affinity/W is a picture unless recomputed with --exact.
     pub(crate) entity: String,
-    /// Which component of it; the one with the numbers if not given.
+    /// The identifier of the recording, in a file that holds several.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) id: Option<String>,
+    /// A component of the entity; the one with the numbers if not given.
     #[arg(long, value_name = "NAME", conflicts_with = "exact")]
     pub(crate) component: Option<String>,
     /// One revolution, by its number; all if not given.
@@ -297,7 +300,7 @@ pub(crate) struct RrdGetArgs {
     /// Recompute W, L, U and what follows from them in full precision, from the recorded ranges and configuration.
     #[arg(long)]
     pub(crate) exact: bool,
-    /// Where to write: .npy, .csv, .parquet or .jsonl; words also as they are, as .md or with `-` to standard output.
+    /// Where to write: .npy, .csv, .parquet or .jsonl; texts also as .md, or with `-` to standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -310,7 +313,10 @@ pub(crate) struct RrdDiffArgs {
     /// Another recording of the same flight.
     #[arg(value_name = "B.rrd")]
     pub(crate) second: PathBuf,
-    /// Numbers that differ by this much at most are the same.
+    /// The identifier of the recording, in a file that holds several; once for each such file.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) ids: Vec<String>,
+    /// Numbers that differ by this much at most are equal.
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,
 }
