@@ -70,3 +70,13 @@ fn output_names_of_another_format_are_refused() {
     let said = run(["simulate", "tee", "--out", "flight.rrd"]).expect_code(2).stderr;
     assert!(said.contains("FLIGHT.mcap"), "{said}");
 }
+
+#[cfg(not(feature = "rerun"))]
+#[test]
+fn a_build_without_recordings_names_the_line_that_brings_them() {
+    let flight = shipped_flight().display().to_string();
+    for asked in [&["run", &flight, "--save", "tee.rrd"][..], &["run", &flight, "--view"], &["view", "tee.rrd"]] {
+        let refused = run(asked).expect_code(2).stderr;
+        assert!(refused.contains("`cargo install --locked --path apps/crosscut`"), "{refused}");
+    }
+}

@@ -160,6 +160,7 @@ fn static_entities_are_exported_once_without_a_revolution() {
     let extent = text("extent.csv", "/layout/extent", &["--revolution", "16"]);
     assert!(extent.starts_with("revolution,stamp_ns,") && extent.lines().nth(1).is_some_and(|l| l.starts_with(",,0,")));
     get(&flight, "/config", &folder.path().join("config.npy"), &[]).expect_code(2);
+    get(&flight, "/config", &folder.path().join("config.parquet"), &[]).expect_code(0);
 }
 
 #[test]
@@ -176,7 +177,7 @@ fn what_cannot_be_exported_is_said_with_what_can() {
     let light = folder.path().join("light.rrd");
     let arguments = ["run", "--quiet", "--to", "0.5", "--record", "light", "--save"].map(std::ffi::OsString::from);
     run(arguments.into_iter().chain([light.clone().into(), shipped_flight().into()])).expect_code(0);
-    says(get(&light, "/affinity/W", &out, &[]).expect_code(2), "--exact makes it anew");
+    says(get(&light, "/affinity/W", &out, &[]).expect_code(2), "--exact recomputes it");
 }
 
 #[test]
@@ -190,12 +191,12 @@ fn a_matrix_too_large_to_draw_exports_no_zeros() {
     let w = |more: &[&str]| get(&flight, "/affinity/W", &out, more);
     let refused = w(&["--revolution", "1"]).expect_code(2).stderr;
     assert!(refused.contains("more than 1024") && refused.contains("--exact") && !out.exists(), "{refused}");
-    assert!(w(&[]).expect_code(0).stderr.contains("not drawn of 1 revolution"));
+    assert!(w(&[]).expect_code(0).stderr.contains("no picture of 1 revolution"));
     w(&["--revolution", "1", "--exact"]).expect_code(0);
     // The Laplacian of returns without edges is 0, and is drawn.
     let alone = recorded(&flight, &["--set", "affinity.sigma_per_m2=1e6"]).len();
     let zeros = get(&flight, "/spectral/L", &out, &[]).expect_code(0).stderr;
-    assert!(alone > 0 && !zeros.contains("not drawn"), "{zeros}");
+    assert!(alone > 0 && !zeros.contains("no picture"), "{zeros}");
 }
 
 #[test]
@@ -228,6 +229,52 @@ fn a_truncated_recording_is_read_with_code_3() {
     get(Path::new(cut), "/scan/ranges", &out, &[]).expect_code(3);
     assert!(std::fs::read_to_string(out).expect("exported").lines().count() > 360);
     rrd(&["diff", flight, cut]).expect_code(3);
+}
+
+/// The messages of a recording: between the header of the file (12 bytes) and its end. Each has a header of two u64,
+/// kind and length; kind 0 is the end.
+fn messages(recording: &Path) -> Vec<u8> {
+    let bytes = std::fs::read(recording).expect("recorded");
+    let word = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes"));
+    let mut end = 12;
+    while word(end) != 0 {
+        end += 16 + word(end + 8) as usize;
+    }
+    bytes[12..end].to_vec()
+}
+
+#[test]
+fn a_file_with_several_recordings_asks_which_one_is_meant() {
+    let (folder, flight, _) = folder();
+    let [other, merged, out] = ["other.rrd", "merged.rrd", "junctions.csv"].map(|name| folder.path().join(name));
+    recorded(&other, &["--set", "affinity.sigma_per_m2=1.25", "--to", "3"]);
+    let header = std::fs::read(&flight).expect("recorded")[..12].to_vec();
+    std::fs::write(&merged, [header, messages(&flight), messages(&other), vec![0; 16]].concat()).expect("written");
+    let merged_name = merged.to_str().expect("UTF-8");
+
+    let asked = get(&merged, "/report/junctions", &out, &[]).expect_code(2).stderr;
+    assert!(asked.contains("--recording ID") && !out.exists(), "{asked}");
+    let listed = rrd(&["ls", merged_name]).expect_code(0).stdout;
+    let ids: Vec<&str> = listed.lines().filter_map(|line| line.strip_prefix("recording   ")).collect();
+    assert!(ids.len() == 2 && ids.iter().all(|id| asked.contains(id)), "{asked}{listed}");
+    let rows = ids.iter().map(|id| {
+        get(&merged, "/report/junctions", &out, &["--recording", id]).expect_code(0);
+        std::fs::read_to_string(&out).expect("exported").lines().count() - 1
+    });
+    assert_eq!(rows.collect::<Vec<_>>(), [18, 4]);
+    get(&merged, "/report/junctions", &out, &["--recording", "nobody"]).expect_code(2);
+
+    let diff = |files: [&Path; 2], chosen: &[&str]| {
+        let options = chosen.iter().flat_map(|id| ["--recording", id]);
+        let files = files.map(|path| path.to_str().expect("UTF-8"));
+        rrd(&["diff"].into_iter().chain(files).chain(options).collect::<Vec<_>>())
+    };
+    assert!(diff([&merged, &flight], &[]).expect_code(2).stderr.contains("--recording ID"));
+    assert!(diff([&flight, &merged], &[ids[0]]).expect_code(0).stdout.starts_with("the same"));
+    diff([&merged, &merged], &ids).expect_code(1);
+    diff([&flight, &other], &[ids[0]]).expect_code(2);
+    let asked = run(["run", &shipped_flight().display().to_string(), "--config", merged_name]).expect_code(2).stderr;
+    assert!(asked.contains("several recordings"), "{asked}");
 }
 
 /// Paths of the shipped flight in three parts.

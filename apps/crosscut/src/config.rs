@@ -58,7 +58,7 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
 
 #[cfg(feature = "rerun")]
 fn settings_in_recording(path: &Path) -> Result<String, UsageError> {
-    let recording = crosscut_recorder::Recording::open(path).map_err(usage)?;
+    let recording = crosscut_rrd::Recording::open(path).map_err(usage)?;
     recording.config_toml().ok_or_else(|| usage(format!("the recording has no /config: {}", path.display())))
 }
 

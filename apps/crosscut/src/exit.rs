@@ -51,7 +51,8 @@ impl std::error::Error for UsageError {}
 /// The error of commands that need the feature `rerun`, in a build without it.
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn without_rerun() -> anyhow::Error {
-    UsageError("this crosscut was built without the feature `rerun`".to_owned()).into()
+    let text = "this crosscut was built without recordings; `cargo install --locked --path apps/crosscut` brings them";
+    UsageError(text.to_owned()).into()
 }
 
 /// Reports the error that ended a command and returns the exit code. A reader that closes our output pipe (`| head`)

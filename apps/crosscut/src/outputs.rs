@@ -86,7 +86,7 @@ pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageErr
 /// Refuses a recording if one of its later parts (FLIGHT-2.rrd...) would replace one of the `others`.
 #[cfg(feature = "rerun")]
 pub(crate) fn refuse_parts<'a>(recording: &Path, others: impl IntoIterator<Item = &'a Path>) -> Result<(), UsageError> {
-    use crosscut_recorder::part_number;
+    use crosscut_rrd::parts::part_number;
 
     let Some((folder, _)) = place(recording) else { return Ok(()) };
     // An existing file with the name of a part may be a link to one of the others.

@@ -1,6 +1,6 @@
 //! Tables as text for a terminal and as Markdown.
 
-use comfy_table::{CellAlignment, TableStyle, presets};
+use comfy_table::{CellAlignment, presets};
 use crosscut_evaluate::tables::Table;
 
 /// Formats tables for a terminal.
@@ -26,9 +26,9 @@ pub(crate) fn markdown(tables: &[Table]) -> String {
 }
 
 /// Aligns names left and numbers right.
-fn layout(table: &Table, style: TableStyle) -> comfy_table::Table {
+fn layout(table: &Table, preset: &str) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
-    drawn.load_style(style).set_header(&table.header).add_rows(&table.rows);
+    drawn.load_preset(preset).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
         let is_name = matches!(table.header[place].as_str(), "family" | "configuration" | "setting" | "stage");
         column.set_cell_alignment(if is_name { CellAlignment::Left } else { CellAlignment::Right });

@@ -1,8 +1,8 @@
 //! Frames to Rerun recordings.
 //!
 //! [`Recorder`] is an observer: it sees every finished [`Frame`](crosscut_stage::Frame), in order, and writes all of it
-//! to an .rrd file that the Rerun viewer opens with a layout, or to a viewer at once, or to both. No other crate knows
-//! of Rerun.
+//! to an .rrd file that the Rerun viewer opens with a layout, or to a viewer at once, or to both. `crosscut-rrd` reads
+//! these files.
 //!
 //! Timelines: `revolution` (the message's index) and `stamp` (the sensor's time). No wall clock.
 //!
@@ -74,11 +74,9 @@ mod partition;
 mod parts;
 mod polyline;
 mod profile;
-mod reading;
 mod recorder;
 mod report;
 mod scan;
-pub mod schema;
 mod scope;
 mod serving;
 mod showing;
@@ -89,14 +87,10 @@ mod tracks;
 mod viewer;
 mod why;
 
+pub use crosscut_rrd::schema;
 pub use layout::Layout;
 pub use mounting::Mounting;
 pub use options::{RecorderError, RecorderOptions};
-pub use parts::part_number;
-pub use reading::{
-    Array, Component, Damage, Difference, Differences, Entity, Numbers, ReadError, Recording, Row, Rows, Value,
-    differences, is_picture,
-};
 pub use recorder::Recorder;
 pub use scope::{Detail, Scope};
 pub use serving::Served;

@@ -130,12 +130,6 @@ fn level(decades: f32) -> u8 {
     (decades + DECADES).clamp(0.0, DECADES).round() as u8 // NaN casts to 0
 }
 
-/// What a level stands for in a picture whose brightest level stands for 1; level 0 for nothing or 1e-16 at most.
-pub(crate) fn value_of_level(level: u8, brightest: f64) -> f64 {
-    let decades = f64::from(DECADES) * (f64::from(level) / brightest - 1.0);
-    if level == 0 { 0.0 } else { 10f64.powf(decades) }
-}
-
 /// A square grey picture as PNG.
 fn png(levels: &[u8], side: usize) -> Vec<u8> {
     let mut png = Vec::with_capacity(levels.len() / 4);

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use crosscut_explain::Watch;
+use crosscut_rrd::parts::part_path;
 use crosscut_stage::{Frame, Observer, ObserverError};
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
@@ -20,7 +21,7 @@ use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
 use crate::notes::Notes;
 use crate::options::{RecorderError, RecorderOptions};
-use crate::parts::{self, part_path};
+use crate::parts;
 use crate::scan::BeamGeometry;
 use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};

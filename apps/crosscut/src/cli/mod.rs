@@ -252,12 +252,12 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum RrdCommand {
-    /// List the entities of a recording with their components, revolutions and sizes.
+    /// List the entities of the recordings in a file with their components, revolutions and sizes.
     Ls(RrdLsArgs),
     /// Export the values of an entity: as NumPy array, CSV, Parquet or JSON lines.
     Get(RrdGetArgs),
     /// Compare two recordings row by row and name the first revolution and stage that differ. Exit codes as of diff(1):
-    /// 0 equal, 1 different, 2 failed; and 3 equal as far as a damaged recording can be read.
+    /// 0 equal, 1 different, 2 failed; and 3 if the readable rows of a damaged recording are equal.
     Diff(RrdDiffArgs),
 }
 
@@ -281,6 +281,9 @@ pub(crate) struct RrdGetArgs {
     pub(crate) recording: PathBuf,
     /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it.
     pub(crate) entity: String,
+    /// Identifier of the recording, in a file that holds several.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) id: Option<String>,
     /// Component of the entity. [default: the one that holds its numbers]
     #[arg(long, value_name = "NAME", conflicts_with = "exact")]
     pub(crate) component: Option<String>,
@@ -309,6 +312,9 @@ pub(crate) struct RrdDiffArgs {
     /// Second recording of the same flight.
     #[arg(value_name = "B.rrd")]
     pub(crate) second: PathBuf,
+    /// Identifier of the recording, in a file that holds several; once for each such file.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) ids: Vec<String>,
     /// Largest difference of two numbers that count as equal.
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,

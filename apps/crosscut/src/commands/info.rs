@@ -84,7 +84,7 @@ fn index(recording: &Description) -> String {
 
 fn topics(topics: &[TopicDescription]) -> String {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["topic", "type", "encoding", "messages", "Hz"]);
+    table.load_preset(presets::NOTHING).set_header(["topic", "type", "encoding", "messages", "Hz"]);
     for topic in topics {
         let count = topic.info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
         let rate = topic.rate_hz.map_or_else(String::new, |rate| format!("{rate:.1}"));

@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use crosscut_rrd::ReadError;
+use crosscut_rrd::messages::{Messages, chunk_of};
+use crosscut_rrd::parts::{Marks, files_named_like_parts};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
 use rerun::{CoordinateFrame, StoreKind, Transform3D, components};
 
 use super::ShowError;
 use crate::layout::Extent;
-use crate::parts::{MARK, Marks, called_like_parts};
-use crate::reading::ReadError;
-use crate::reading::messages::{Messages, chunk_of};
+use crate::schema;
 
 /// What is read of a flight on the way, for what is shown beside it.
 #[derive(Debug, Default)]
@@ -54,7 +55,7 @@ impl Flight {
             store_of(path)?;
         }
         if let [first] = paths {
-            let others = called_like_parts(first).into_iter();
+            let others = files_named_like_parts(first).into_iter();
             parts.extend(others.filter(|path| store_of(path).is_ok_and(|other| other == store)));
         }
         Ok(Self { parts, store })
@@ -112,8 +113,12 @@ impl Destination {
 
 impl Facts {
     fn learn(&mut self, entity: &str, arrow: &ArrowMsg) -> Result<(), String> {
+        const REPORT_JUNCTIONS: &str = schema::REPORT_JUNCTIONS.path;
+        const PART: &str = schema::PART.path;
+        const EXTENT: &str = schema::EXTENT.path;
+        const SCAN_MOUNTING: &str = schema::SCAN_MOUNTING.path;
         match entity {
-            "/report/junctions" => {
+            REPORT_JUNCTIONS => {
                 let chunk = chunk_of(arrow)?;
                 let times = |name: &'static str| {
                     chunk.timelines().get(&name.into()).map_or(&[][..], |column| column.times_raw())
@@ -121,9 +126,9 @@ impl Facts {
                 let pairs = times("stamp").iter().zip(times("revolution"));
                 self.revolutions.extend(pairs.map(|(&stamp_ns, &seq)| [stamp_ns, seq]));
             }
-            MARK => self.marks.read(&chunk_of(arrow)?),
-            "/layout/extent" => self.extent = Extent::read(&chunk_of(arrow)?).unwrap_or(self.extent),
-            "/scan/mounting" => {
+            PART => self.marks.read(&chunk_of(arrow)?),
+            EXTENT => self.extent = Extent::read(&chunk_of(arrow)?).unwrap_or(self.extent),
+            SCAN_MOUNTING => {
                 let chunk = chunk_of(arrow)?;
                 self.frame = first(&chunk, &CoordinateFrame::descriptor_frame()).or(self.frame.take());
                 self.mounting = first(&chunk, &Transform3D::descriptor_quaternion()).or(self.mounting.take());
@@ -153,5 +158,13 @@ fn first<C: rerun::Component>(chunk: &Chunk, component: &rerun::ComponentDescrip
 /// The recording that a file belongs to.
 fn store_of(path: &Path) -> Result<StoreId, ShowError> {
     let cause = "it does not start with the name of a recording".to_owned();
-    Messages::open(path)?.store().ok_or_else(|| ReadError::Open { path: path.to_owned(), cause }.into())
+    let mut recordings = Messages::recordings_in(path)?;
+    match recordings.as_slice() {
+        [] => Err(ReadError::Open { path: path.to_owned(), cause }.into()),
+        [_] => Ok(recordings.remove(0)),
+        several => {
+            let ids = several.iter().map(|store| store.recording_id().to_string()).collect();
+            Err(ReadError::Several { path: path.to_owned(), ids }.into())
+        }
+    }
 }

@@ -12,13 +12,13 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use crosscut_rrd::ReadError;
 use rerun::log::LogMsg;
 use rerun::sink::LogSink as _;
 
 use self::flight::{Destination, Facts, Flight};
 use crate::RecorderError;
 use crate::layout::{self, Layout, Shown, Side};
-use crate::reading::ReadError;
 use crate::serving::{self, Served};
 use crate::viewer::Viewer;
 

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crosscut_recorder::{Differences, Recording, Scope, differences};
+use crosscut_recorder::Scope;
+use crosscut_rrd::{Differences, Recording, differences};
 use crosscut_stage::{Embedding, Frame, Place, Step};
 
 use crate::frames;

@@ -1,7 +1,7 @@
 //! What is drawn of a frame, compared with the frame: each drawing read back as a person would read it.
 
 use crosscut_explain::Explanation;
-use crosscut_recorder::{Numbers, Value};
+use crosscut_rrd::{Numbers, Value};
 use crosscut_stage::{Beam, Embedding, Frame};
 
 use crate::every_entity::sweep;

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crosscut_explain::{Explanation, Watch};
-use crosscut_recorder::{Array, Numbers, Recording, Value};
+use crosscut_rrd::{Array, Numbers, Recording, Value};
 use crosscut_stage::{Beam, Embedding, Frame, Step};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crosscut_recorder::{Damage, Recorder, Recording};
+use crosscut_recorder::Recorder;
+use crosscut_rrd::{Damage, Recording};
 use crosscut_stage::Observer as _;
 
 use crate::frames;

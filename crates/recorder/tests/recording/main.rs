@@ -8,6 +8,7 @@ mod every_entity;
 mod file;
 mod frames;
 mod killing;
+mod merged;
 mod parts;
 mod read_back;
 mod reading;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use crosscut_recorder::{Damage, ReadError, Recording, Row, Value};
+use crosscut_rrd::{Damage, ReadError, Recording, Row, Value};
 use crosscut_stage::Frame;
 use rerun::StoreKind;
 use rerun::external::arrow::ipc::root_as_message;
@@ -28,7 +28,7 @@ fn flight(folder: &Path) -> (Vec<Frame>, PathBuf) {
 
 /// The values of an entity by revolution, those of its main component.
 fn values(recording: &Recording, entity: &str) -> Vec<(i64, Value)> {
-    let component = recording.entities()[entity].values_component().expect("readable");
+    let component = recording.values_component(entity).expect("readable");
     let rows = recording.rows(entity).expect("readable").map(|row| row.expect("readable"));
     rows.flat_map(|row| {
         let values: Vec<_> = row.values(component).map(|value| (row.revolution, value.expect("readable"))).collect();
@@ -258,7 +258,7 @@ fn a_tensor_whose_shape_does_not_fit_its_numbers_is_an_error() {
     rec.flush_blocking().unwrap();
     drop(rec);
     let recording = Recording::open(&path).unwrap();
-    let component = recording.entities()["/spectral/U"].values_component().unwrap();
+    let component = recording.values_component("/spectral/U").unwrap();
     let rows: Vec<_> = recording.rows("/spectral/U").unwrap().map(Result::unwrap).collect();
     let errors: Vec<String> =
         rows.iter().flat_map(|row| row.values(component)).map(|value| value.unwrap_err().to_string()).collect();

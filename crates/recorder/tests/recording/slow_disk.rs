@@ -6,7 +6,8 @@ use std::process::Command;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use crosscut_recorder::{Recorder, RecorderOptions, Recording, Scope, Value};
+use crosscut_recorder::{Recorder, RecorderOptions, Scope};
+use crosscut_rrd::{Recording, Value};
 use crosscut_stage::Observer as _;
 
 use crate::frames;

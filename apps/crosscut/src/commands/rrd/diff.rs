@@ -3,17 +3,24 @@
 use std::io::Write;
 
 use comfy_table::{Table, presets};
-use crosscut_recorder::{Differences, Recording, differences};
+use crosscut_rrd::{Differences, ReadError, Recording, differences};
 
-use super::say_damages;
+use super::{open, say_damages};
 use crate::cli::RrdDiffArgs;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
 
 /// Prints the first difference and a table of all. Exit codes as of diff(1): 0 the same, 1 different, 2 trouble; and 3
-/// where what can be read is the same.
+/// if the readable rows of a damaged recording are the same.
 pub(super) fn diff(args: &RrdDiffArgs) -> anyhow::Result<Outcome> {
-    let open = |path| Recording::open(path).map_err(|error| UsageError(error.to_string()));
+    let mut ids = args.ids.iter();
+    let mut open = |path| match Recording::open(path) {
+        Err(ReadError::Several { .. }) => open(path, ids.next().map(String::as_str)),
+        opened => opened.map_err(|error| UsageError(error.to_string()).into()),
+    };
     let (a, b) = (open(&args.first)?, open(&args.second)?);
+    if let Some(id) = ids.next() {
+        return Err(UsageError(format!("--recording {id}: no other file holds several recordings")).into());
+    }
     let found = differences(&a, &b, args.tolerance).map_err(|error| UsageError(error.to_string()))?;
     let mut text = settings_that_differ(&a, &b);
     text += &found_text(&found);
@@ -36,7 +43,7 @@ fn found_text(found: &Differences) -> String {
         return format!("the same in {} rows\n", found.compared);
     };
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["step", "entity", "component", "revolutions", "first", "how"]);
+    table.load_preset(presets::NOTHING).set_header(["step", "entity", "component", "revolutions", "first", "how"]);
     for d in &found.components {
         let (revolutions, first) = (d.revolutions.to_string(), d.revolution.to_string());
         table.add_row([d.step.name(), &d.entity, &d.component, &revolutions, &first, &d.how]);
@@ -44,10 +51,10 @@ fn found_text(found: &Differences) -> String {
     format!("different first at revolution {}, in {}\n\n{}\n", first.revolution, first.step, table.trim_fmt())
 }
 
-/// Settings are no results, but they say why results differ.
+/// Settings are no results, but they explain why results differ.
 fn settings_that_differ(a: &Recording, b: &Recording) -> String {
     let (Some(a), Some(b)) = (a.config_toml(), b.config_toml()) else {
-        return "one of them is without its settings\n".to_owned();
+        return "the settings of one of them are missing\n".to_owned();
     };
     let [of_a, of_b] = [&a, &b].map(|toml| settings(toml));
     let only = |mark: &str, these: &[String], others: &[String]| -> String {
@@ -56,7 +63,7 @@ fn settings_that_differ(a: &Recording, b: &Recording) -> String {
     only("<", &of_a, &of_b) + &only(">", &of_b, &of_a)
 }
 
-/// Every `section.key = value` of a configuration; its lines as they are if it is none.
+/// Every `section.key = value` of a configuration, or the lines of a text that is no configuration.
 fn settings(toml: &str) -> Vec<String> {
     let Ok(sections) = toml.parse::<toml::Table>() else {
         return toml.lines().map(str::to_owned).collect();
@@ -73,7 +80,7 @@ mod tests {
     use super::settings;
 
     #[test]
-    fn settings_are_named_with_their_section_and_without_comments_also_where_a_value_looks_like_one() {
+    fn settings_have_their_section_and_no_comments() {
         let toml = "[a]\n# words\nkind = \"rbf  #1\"  # preset paper\n\n[b]\nn = 3  # default\n";
         assert_eq!(settings(toml), ["a.kind = \"rbf  #1\"", "b.n = 3"]);
     }

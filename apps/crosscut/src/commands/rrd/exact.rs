@@ -1,4 +1,4 @@
-//! W, L, U and what follows from them in full precision: the recorded ranges once more through the recorded
+//! W, L, U and what follows from them in full precision, recomputed from the recorded ranges with the recorded
 //! configuration.
 
 use std::iter::Peekable;
@@ -8,7 +8,8 @@ use anyhow::{Context, bail};
 use crosscut_ingest::{Sensor, UPSIDE_DOWN};
 use crosscut_messages::{Header, LaserScan, Time};
 use crosscut_pipeline::{Config, Engine, Layer, Registry};
-use crosscut_recorder::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
+use crosscut_rrd::schema::{self, Entity};
+use crosscut_rrd::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
 use crosscut_spectral::Laplacian;
 use crosscut_stage::{Frame, wrap_angle_rad};
 
@@ -18,35 +19,35 @@ use crate::exit::UsageError;
 /// Recomputed eigenvalues may differ from the recorded ones by this much: other machines round otherwise.
 const ROUNDING: f64 = 1e-9;
 
-/// A part of a frame as numbers.
-type Part = fn(&Frame) -> anyhow::Result<Array>;
+/// Reads the values of an entity from a frame.
+type ReadValues = fn(&Frame) -> anyhow::Result<Array>;
 
-/// What can be recomputed: the entity, and the part of a frame that it is.
-const ENTITIES: [(&str, Part); 7] = [
-    ("/scan/returns", |frame| {
+/// The entities that can be recomputed.
+const ENTITIES: [(Entity, ReadValues); 7] = [
+    (schema::SCAN_RETURNS, |frame| {
         let points = frame.revolution.points_m.iter().flat_map(|p| [p.x, p.y, p.z]);
         Ok(array([frame.revolution.len(), 3], ["return", "axis"], points.collect()))
     }),
-    ("/affinity/W", |frame| {
+    (schema::AFFINITY_W, |frame| {
         let n = frame.affinity.weights.n();
         let mut w = vec![0.0; n * n];
         frame.affinity.weights.for_each(|i, j, weight| w[i * n + j] = weight);
         Ok(array([n, n], ["row", "column"], w))
     }),
-    ("/affinity/degrees", |frame| Ok(vector("return", frame.affinity.degrees.clone()))),
-    ("/spectral/L", |frame| {
+    (schema::AFFINITY_DEGREES, |frame| Ok(vector("return", frame.affinity.degrees.clone()))),
+    (schema::SPECTRAL_L, |frame| {
         let n = frame.affinity.weights.n();
         let mut laplacian = Laplacian::default();
         let l = laplacian.form(&frame.affinity)?;
         Ok(array([n, n], ["row", "column"], (0..n * n).map(|at| l[(at / n, at % n)]).collect()))
     }),
-    ("/spectral/eigenvalues", |frame| Ok(vector("eigenvalue", frame.spectrum.eigenvalues.clone()))),
-    ("/spectral/U", |frame| {
+    (schema::SPECTRAL_EIGENVALUES, |frame| Ok(vector("eigenvalue", frame.spectrum.eigenvalues.clone()))),
+    (schema::SPECTRAL_U, |frame| {
         let u = &frame.spectrum.u;
         let rows = (0..u.nrows()).flat_map(|i| (0..u.ncols()).map(move |j| u[(i, j)]));
         Ok(array([u.nrows(), u.ncols()], ["return", "eigenvector"], rows.collect()))
     }),
-    ("/kmeans/labels", |frame| {
+    (schema::KMEANS_LABELS, |frame| {
         let labels = frame.partition.labels.iter().map(|label| label.map_or(-1, i64::from));
         let numbers = Numbers::I64(labels.collect());
         Ok(Array { shape: vec![numbers.len()], dims: vec!["return".to_owned()], numbers })
@@ -54,8 +55,8 @@ const ENTITIES: [(&str, Part); 7] = [
 ];
 
 /// Whether the entity can be recomputed.
-pub(super) fn can_be(entity: &str) -> bool {
-    ENTITIES.iter().any(|(name, _)| *name == entity)
+pub(super) fn is_recomputable(entity: &str) -> bool {
+    ENTITIES.iter().any(|(known, _)| known.path == entity)
 }
 
 fn vector(dim: &str, values: Vec<f64>) -> Array {
@@ -66,13 +67,13 @@ fn array(shape: [usize; 2], dims: [&str; 2], values: Vec<f64>) -> Array {
     Array { shape: shape.to_vec(), dims: dims.map(str::to_owned).to_vec(), numbers: Numbers::F64(values) }
 }
 
-/// The engine that made the recording, and its ranges.
+/// The recorded configuration and sensor, ready to recompute an entity.
 pub(super) struct Recomputation<'a> {
     sensor: Sensor,
     upside_down: bool,
     engine: Engine,
     frame: Frame,
-    of_frame: Part,
+    read_values: ReadValues,
     bearings_rad: LatestAt<'a>,
     wire: LatestAt<'a>,
     eigenvalues: LatestAt<'a>,
@@ -81,8 +82,8 @@ pub(super) struct Recomputation<'a> {
 impl<'a> Recomputation<'a> {
     /// Prepares to recompute `entity` with the recorded configuration.
     pub(super) fn new(recording: &'a Recording, entity: &str) -> anyhow::Result<Self> {
-        let Some((_, of_frame)) = ENTITIES.into_iter().find(|(name, _)| *name == entity) else {
-            let names = ENTITIES.map(|(name, _)| name).join(", ");
+        let Some((_, read_values)) = ENTITIES.into_iter().find(|(known, _)| known.path == entity) else {
+            let names = ENTITIES.map(|(known, _)| known.path).join(", ");
             return Err(UsageError(format!("{entity} cannot be recomputed; {names} can")).into());
         };
         let toml = recording.config_toml().context("the recording has no /config")?;
@@ -94,14 +95,14 @@ impl<'a> Recomputation<'a> {
             upside_down: config.params("ingest").get(UPSIDE_DOWN),
             engine: Engine::new(&config, &registry),
             frame: Frame::default(),
-            of_frame,
-            bearings_rad: LatestAt::new(recording, "/scan/beams", "Tensor:data")?,
-            wire: LatestAt::new(recording, "/scan/beams/wire", "Tensor:data")?,
-            eigenvalues: LatestAt::new(recording, "/spectral/eigenvalues", "BarChart:values")?,
+            read_values,
+            bearings_rad: LatestAt::new(recording, schema::SCAN_BEAMS)?,
+            wire: LatestAt::new(recording, schema::SCAN_BEAMS_WIRE)?,
+            eigenvalues: LatestAt::new(recording, schema::SPECTRAL_EIGENVALUES)?,
         })
     }
 
-    /// Calls `take` with the value at every selected revolution; what does not agree with the recording is returned.
+    /// Calls `take` with the value at every selected revolution. Returns where eigenvalues disagree with the recording.
     pub(super) fn run(
         mut self,
         ranges: Rows,
@@ -113,15 +114,15 @@ impl<'a> Recomputation<'a> {
             let row = row?;
             if selection.holds(&row) {
                 lost.extend(self.process(&row)?);
-                take(&row, Value::Numbers((self.of_frame)(&self.frame)?))?;
+                take(&row, Value::Numbers((self.read_values)(&self.frame)?))?;
             }
         }
         Ok(lost)
     }
 
-    /// The revolution through all stages; what does not agree with what was recorded.
+    /// Runs all stages on a recorded revolution. Returns how its eigenvalues disagree with the recorded ones.
     fn process(&mut self, row: &Row) -> anyhow::Result<Option<String>> {
-        let ranges_m = f32s(&row.value("Tensor:data")?).context("/scan/ranges are not f32")?;
+        let ranges_m = f32s(&row.value(schema::SCAN_RANGES.values)?).context("/scan/ranges are not f32")?;
         let Some(wire) = self.wire.at(row.revolution)?.as_ref().and_then(f32s) else {
             bail!("revolution {} has no beam geometry", row.revolution);
         };
@@ -133,7 +134,7 @@ impl<'a> Recomputation<'a> {
         let scan = LaserScan {
             header: Header { stamp: Time::from_ns(row.stamp_ns.unwrap_or(0).cast_unsigned()), ..Header::default() },
             angle_min,
-            // Not recorded. Where the increment is of no use, bearings follow from it; rounded to f32, it is the same.
+            // Not recorded. Ingest derives bearings from it where the increment is unusable; to f32 it is the same.
             angle_max: (f64::from(angle_min) + turned_rad) as f32,
             angle_increment,
             range_min,
@@ -160,12 +161,12 @@ impl<'a> Recomputation<'a> {
     }
 }
 
-/// The angle from the first bearing on to the last, over all between them: more than half a turn, too.
+/// The angle from the first bearing to the last, summed over all between them: it may exceed half a turn.
 fn turn_rad(bearings_rad: &[f64]) -> f64 {
     bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0])).sum()
 }
 
-/// How far the recorded eigenvalues lie from the recomputed ones, if that is more than rounding.
+/// The largest distance of recorded from recomputed eigenvalues, if it is more than rounding.
 fn disagreement(recorded: &[f64], recomputed: &[f64]) -> Option<f64> {
     if recorded.len() > recomputed.len() {
         return Some(f64::INFINITY);
@@ -174,7 +175,7 @@ fn disagreement(recorded: &[f64], recomputed: &[f64]) -> Option<f64> {
     (off > ROUNDING).then_some(off)
 }
 
-/// A component as it holds at ascending revolutions: what was logged last.
+/// The value of a component that was logged last, at ascending revolutions.
 struct LatestAt<'a> {
     rows: Peekable<Rows<'a>>,
     component: &'static str,
@@ -182,8 +183,8 @@ struct LatestAt<'a> {
 }
 
 impl<'a> LatestAt<'a> {
-    fn new(recording: &'a Recording, entity: &str, component: &'static str) -> Result<Self, ReadError> {
-        Ok(Self { rows: recording.rows(entity)?.peekable(), component, latest: None })
+    fn new(recording: &'a Recording, entity: Entity) -> Result<Self, ReadError> {
+        Ok(Self { rows: recording.rows(entity.path)?.peekable(), component: entity.values, latest: None })
     }
 
     fn at(&mut self, revolution: i64) -> Result<&Option<Value>, ReadError> {

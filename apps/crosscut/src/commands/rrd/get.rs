@@ -3,24 +3,25 @@
 use std::collections::BTreeSet;
 
 use anyhow::Context;
-use crosscut_recorder::{Entity, ReadError, Recording, Rows, Value, is_picture};
+use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 
 use super::exact::{self, Recomputation};
 use super::output::Output;
-use super::say_damages;
 use super::selection::Selection;
+use super::{open, say_damages};
 use crate::cli::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
 use crate::say::say;
 use crate::{flight, outputs};
 
-/// Writes what was asked for; what is damaged, or was made by another version, makes the exit code 3.
+/// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
+/// with it.
 pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
     flight::refuse_nothing(args.from, args.to)?;
     outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
-    let recording = Recording::open(&args.recording)?;
-    let selection = Selection::new(args, &recording);
+    let recording = open(&args.recording, args.id.as_deref())?;
+    let selection = Selection::new(args, &recording)?;
     let entity = format!("/{}", args.entity.trim_start_matches('/'));
     let (output, lost) = if args.exact {
         recompute(args, &recording, &entity, &selection)?
@@ -41,57 +42,57 @@ pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
     Ok(if lost.is_empty() { outcome } else { Outcome::SomethingLost })
 }
 
-/// Recorded values. One that holds for the whole flight is there once, at no revolution.
+/// Recorded values. A value of the whole flight is written once, without a revolution.
 fn copy(args: &RrdGetArgs, recording: &Recording, entity: &str, selection: &Selection) -> anyhow::Result<Output> {
     let rows = rows(recording, entity)?;
-    let component = component(args, &recording.entities()[entity])?;
+    let component = component(args, recording, entity)?;
     if let Some(value) = recording.value_throughout(entity, &component)? {
         let mut output = Output::create(&args.out, true)?;
         output.add(None, &value)?;
         return Ok(output);
     }
     let is_picture = is_picture(&component);
-    let not_drawn = if is_picture { not_drawn(recording, &component, selection)? } else { BTreeSet::new() };
+    let without_picture = if is_picture { without_picture(recording, &component, selection)? } else { BTreeSet::new() };
     let mut output = Output::create(&args.out, selection.is_one())?;
     for row in rows {
         let row = row?;
         for value in row.values(&component).filter(|_| selection.holds(&row)) {
-            if !not_drawn.contains(&row.revolution) {
+            if !without_picture.contains(&row.revolution) {
                 output.add(Some(&row), &value?)?;
             }
         }
     }
-    if !not_drawn.is_empty() {
-        let revolutions = counted(not_drawn.len() as u64, "revolution");
+    if !without_picture.is_empty() {
+        let revolutions = counted(without_picture.len() as u64, "revolution");
         let none =
-            format!("{entity} is not drawn of {revolutions}: no returns, or more than 1024; --exact makes it anew");
+            format!("{entity} has no picture of {revolutions}: no returns, or more than 1024; --exact recomputes it");
         if output.values == 0 {
             return Err(UsageError(none).into());
         }
         say(format_args!("note: {none}"));
     }
     if is_picture {
-        say(format_args!("note: {entity} is read from pictures, right to half a decade; --exact makes it anew"));
+        say(format_args!("note: {entity} is read from pictures, right to half a decade; --exact recomputes it"));
     }
     Ok(output)
 }
 
-/// The revolutions of which no matrix is drawn: W is dark, whose diagonal is 1. L may be 0 everywhere.
-fn not_drawn(recording: &Recording, component: &str, selection: &Selection) -> anyhow::Result<BTreeSet<i64>> {
+/// The revolutions without pictures of W and L: the picture of W, whose diagonal is 1, is dark. L may be 0 everywhere.
+fn without_picture(recording: &Recording, component: &str, selection: &Selection) -> anyhow::Result<BTreeSet<i64>> {
     let is_dark = |picture: &Value| matches!(picture, Value::Numbers(w) if w.to_f64().iter().all(|&x| x == 0.0));
-    let mut not_drawn = BTreeSet::new();
-    for row in rows(recording, "/affinity/W")? {
+    let mut found = BTreeSet::new();
+    for row in rows(recording, schema::AFFINITY_W.path)? {
         let row = row?;
         for value in row.values(component).filter(|_| selection.holds(&row)) {
             if is_dark(&value?) {
-                not_drawn.insert(row.revolution);
+                found.insert(row.revolution);
             }
         }
     }
-    Ok(not_drawn)
+    Ok(found)
 }
 
-/// Values made anew from the recorded ranges, and what does not agree with the recording.
+/// Values recomputed from the recorded ranges, and where they disagree with the recording.
 fn recompute(
     args: &RrdGetArgs,
     recording: &Recording,
@@ -99,7 +100,7 @@ fn recompute(
     selection: &Selection,
 ) -> anyhow::Result<(Output, Vec<String>)> {
     let recomputation = Recomputation::new(recording, entity)?;
-    let ranges = rows(recording, "/scan/ranges")?;
+    let ranges = rows(recording, schema::SCAN_RANGES.path)?;
     let mut output = Output::create(&args.out, selection.is_one())?;
     let lost = recomputation.run(ranges, selection, |row, value| output.add(Some(row), &value))?;
     Ok((output, lost))
@@ -108,7 +109,7 @@ fn recompute(
 fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> {
     recording.rows(entity).map_err(|error| match error {
         ReadError::NoSuchEntity { .. } => {
-            let how = if exact::can_be(entity) { "; --exact makes it anew" } else { "" };
+            let how = if exact::is_recomputable(entity) { "; --exact recomputes it" } else { "" };
             UsageError(format!("{error}{how}")).into()
         }
         error => error.into(),
@@ -116,12 +117,13 @@ fn rows<'a>(recording: &'a Recording, entity: &str) -> anyhow::Result<Rows<'a>> 
 }
 
 /// The component asked for, or the one with the values.
-fn component(args: &RrdGetArgs, entity: &Entity) -> Result<String, UsageError> {
-    let known = || entity.components.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+fn component(args: &RrdGetArgs, recording: &Recording, entity: &str) -> Result<String, UsageError> {
+    let components = &recording.entities()[entity].components;
+    let known = || components.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
     let chosen = match &args.component {
-        Some(name) => entity.components.contains_key(name).then_some(name.as_str()),
-        None => entity.values_component(),
+        Some(name) => components.contains_key(name).then_some(name.as_str()),
+        None => recording.values_component(entity),
     };
     let asked = args.component.as_deref().unwrap_or("component");
-    chosen.map(str::to_owned).ok_or_else(|| UsageError(format!("{} has no {asked}; it has {}", args.entity, known())))
+    chosen.map(str::to_owned).ok_or_else(|| UsageError(format!("{entity} has no {asked}; it has {}", known())))
 }

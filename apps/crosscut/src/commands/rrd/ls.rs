@@ -4,21 +4,33 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_recorder::{Entity, Recording};
+use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
-use super::say_damages;
+use super::{open, say_damages};
 use crate::cli::RrdLsArgs;
 use crate::exit::Outcome;
 
-/// Prints what the recording holds; what is damaged makes the exit code 3.
+/// Prints the content of a recording, or of each that the file holds. The exit code is 3 if one is damaged.
 pub(super) fn ls(args: &RrdLsArgs) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(&args.recording)?;
-    let mut text = heading(&recording) + "\n\n" + &entities(&recording, args.components) + "\n";
+    match Recording::open(&args.recording) {
+        Ok(recording) => list(args, &recording),
+        Err(ReadError::Several { ids, .. }) => ids.iter().enumerate().try_fold(Outcome::Done, |outcome, (at, id)| {
+            let heading = format!("{}recording   {id}\n", if at == 0 { "" } else { "\n" });
+            std::io::stdout().write_all(heading.as_bytes()).context("standard output")?;
+            let of_this = list(args, &open(&args.recording, Some(id))?)?;
+            Ok(if of_this == Outcome::Done { outcome } else { of_this })
+        }),
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn list(args: &RrdLsArgs, recording: &Recording) -> anyhow::Result<Outcome> {
+    let mut text = heading(recording) + "\n\n" + &entities(recording, args.components) + "\n";
     if args.config {
         text += &format!("\n{}", recording.config_toml().unwrap_or_else(|| "# no /config\n".to_owned()));
     }
     std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
-    Ok(say_damages(&recording))
+    Ok(say_damages(recording))
 }
 
 fn heading(recording: &Recording) -> String {
@@ -27,7 +39,7 @@ fn heading(recording: &Recording) -> String {
         format!("{}, {:.1} MB", paths.join(", "), recording.bytes() as f64 / 1e6),
         format!("written by  {}, Rerun {}", maker(recording), recording.rerun_version()),
     ];
-    let ranges = |range: fn(&Entity) -> Option<[i64; 2]>| {
+    let ranges = |range: fn(&RecordedEntity) -> Option<[i64; 2]>| {
         let all = recording.entities().values().filter_map(range);
         all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     };
@@ -41,23 +53,23 @@ fn heading(recording: &Recording) -> String {
     lines.join("\n")
 }
 
-/// Name and version of the program, as the first line of the configuration says it.
+/// Name and version of the program, from the first line of the configuration.
 fn maker(recording: &Recording) -> String {
     let config = recording.config_toml().unwrap_or_default();
     let line = config.lines().next().and_then(|line| line.strip_prefix("# crosscut "));
     line.map_or_else(|| "an unnamed program".to_owned(), |version| format!("crosscut {version}"))
 }
 
-/// A line for each entity with the component that holds its values, or one for each component.
+/// A line for each entity with the component that holds its values, or a line for each component.
 fn entities(recording: &Recording, components: bool) -> String {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["entity", "rows", "revolutions", "kB", "component", "the first"]);
+    table.load_preset(presets::NOTHING).set_header(["entity", "rows", "revolutions", "kB", "component", "the first"]);
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     for (path, entity) in recording.entities() {
         let range = entity.revolutions.map_or_else(|| "all".to_owned(), |[first, last]| format!("{first}..{last}"));
         let kilobytes = format!("{:.1}", entity.bytes as f64 / 1e3);
         let mut start = [path.clone(), range, kilobytes];
-        let shown = |name: &&String| components || entity.values_component() == Some(name.as_str());
+        let shown = |name: &&String| components || recording.values_component(path) == Some(name.as_str());
         for name in entity.components.keys().filter(shown) {
             let component = &entity.components[name];
             let [path, range, kilobytes] = std::mem::take(&mut start);

@@ -1,4 +1,4 @@
-//! `crosscut rrd`: what is in a recording, its values as files, and two recordings compared.
+//! `crosscut rrd`: the content of a recording, its values as files, and two recordings compared.
 
 mod diff;
 mod exact;
@@ -11,10 +11,12 @@ mod selection;
 mod table;
 mod unfinished;
 
-use crosscut_recorder::Recording;
+use std::path::Path;
+
+use crosscut_rrd::{ReadError, Recording};
 
 use crate::cli::RrdCommand;
-use crate::exit::Outcome;
+use crate::exit::{Outcome, UsageError};
 use crate::say::say;
 
 /// Lists, exports or compares.
@@ -26,7 +28,17 @@ pub(crate) fn rrd(command: &RrdCommand) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Says what is missing of a recording; what there is was read.
+/// Opens a recording: the one with this identifier, or else the only one of the file.
+fn open(path: &Path, id: Option<&str>) -> anyhow::Result<Recording> {
+    let opened = id.map_or_else(|| Recording::open(path), |id| Recording::open_one(path, id));
+    opened.map_err(|error| match error {
+        ReadError::Several { .. } => UsageError(format!("{error}; choose one with --recording ID")).into(),
+        ReadError::NoSuchRecording { .. } => UsageError(error.to_string()).into(),
+        error => error.into(),
+    })
+}
+
+/// Reports what a recording lacks.
 fn say_damages(recording: &Recording) -> Outcome {
     for damage in recording.damages() {
         say(format_args!("lost: {damage}"));

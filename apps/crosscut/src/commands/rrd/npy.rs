@@ -1,17 +1,17 @@
 //! NumPy's file format, version 1.0: a header that is a Python literal, then the numbers.
 //!
-//! Written here, as the crates for it bring a parser of Python literals and a compiled assembly file for one line of
+//! Own code, because the crates for it bring a parser of Python literals and a compiled assembly file for one line of
 //! text. The cross-checks read these files with NumPy.
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 
 use anyhow::bail;
-use crosscut_recorder::{Array, Numbers};
+use crosscut_rrd::{Array, Numbers};
 
 use crate::exit::UsageError;
 
-/// Bytes of the header, filled up with spaces: room for any shape, written last.
+/// Length of the header, padded with spaces: room for any shape, which is known last.
 const HEADER_BYTES: usize = 192;
 
 /// An array that grows along its first dimension, the revolutions.
@@ -19,7 +19,7 @@ pub(super) struct NpyFile {
     file: BufWriter<File>,
     one: bool,
     count: usize,
-    /// Type and shape of each revolution, from the first one.
+    /// Type and shape of every revolution, set by the first one.
     each: Option<(&'static str, Vec<usize>)>,
 }
 
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_header_is_as_long_as_it_says_and_ends_in_a_newline() {
+    fn the_header_has_its_stated_length_and_ends_in_a_newline() {
         for shape in [&[][..], &[7], &[3, 312, 4], &[usize::MAX; 4]] {
             let header = header("<f8", shape);
             assert_eq!(header.len(), HEADER_BYTES);

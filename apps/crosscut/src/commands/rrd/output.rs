@@ -1,42 +1,42 @@
-//! Values as files: NumPy arrays, CSV, Parquet, JSON lines, and words as they are.
+//! Values as files: NumPy arrays, CSV, Parquet, JSON lines, and texts.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use crosscut_recorder::{Array, Numbers, Row, Value};
+use crosscut_rrd::{Array, Numbers, Row, Value};
 
 use super::npy::NpyFile;
 use super::parquet::ParquetFile;
-use super::table::{self, Item};
+use super::table;
 use super::unfinished::Unfinished;
 use crate::exit::UsageError;
 
-/// Where values go to: a file, which takes the place of an older one when it is finished, or standard output.
+/// Where values are written: a file, which replaces an older one when it is finished, or standard output.
 pub(super) struct Output {
     format: Format,
     file: Option<Unfinished>,
-    /// How many values it holds.
+    /// How many values were written.
     pub(super) values: usize,
 }
 
-/// What is written, by the ending of the file.
+/// The format, by the ending of the file.
 enum Format {
     /// One array; of several revolutions along its first dimension.
     Npy(NpyFile),
-    /// One number or text a line, with revolution, stamp and indices before it.
-    Csv { file: Box<csv::Writer<File>>, columns: usize },
-    /// The same as a table with types.
+    /// One number or text a line, with revolution, stamp and indices before it; 0 columns before the first value.
+    Csv { file: BufWriter<File>, columns: usize },
+    /// The table of a CSV file with types.
     Parquet(ParquetFile),
     /// One object a revolution.
     JsonLines(BufWriter<File>),
-    /// Words as they are, those of several revolutions under headings.
+    /// Texts, those of several revolutions under headings.
     Markdown { out: Box<dyn Write>, one: bool },
 }
 
 impl Output {
-    /// To be written to `path`, `-` for standard output. An array of `one` revolution has no dimension for revolutions.
+    /// Opens the file at `path`, or standard output for `-`. An array of `one` revolution has no dimension for revolutions.
     pub(super) fn create(path: &Path, one: bool) -> anyhow::Result<Self> {
         if path == Path::new("-") {
             let format = Format::Markdown { out: Box::new(std::io::stdout()), one };
@@ -47,7 +47,7 @@ impl Output {
         let create = || file.create().with_context(|| format!("cannot write {}", path.display()));
         let format = match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
-            Some("csv") => Format::Csv { file: Box::new(csv::Writer::from_writer(create()?)), columns: 0 },
+            Some("csv") => Format::Csv { file: BufWriter::new(create()?), columns: 0 },
             Some("parquet") => Format::Parquet(ParquetFile::new(create()?)),
             Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
             Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
@@ -60,7 +60,7 @@ impl Output {
         Ok(Self { format, file: Some(file), values: 0 })
     }
 
-    /// Adds the value of a revolution, or one that holds for the whole flight.
+    /// Adds the value of a revolution, or of the whole flight.
     pub(super) fn add(&mut self, of: Option<&Row>, value: &Value) -> anyhow::Result<()> {
         self.values += 1;
         match of {
@@ -72,7 +72,7 @@ impl Output {
         }
     }
 
-    /// Brings everything to the disk, under the name that was asked for.
+    /// Ends the file and gives it the name that was asked for.
     pub(super) fn finish(self) -> anyhow::Result<()> {
         match self.format {
             Format::Npy(file) => file.finish()?,
@@ -90,16 +90,20 @@ impl Format {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
-                other => {
-                    let instead = if revolution.is_some() { ".csv, .parquet" } else { ".csv" };
-                    bail!(UsageError(format!("{other} is no array of numbers: take {instead} or .jsonl")))
+                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv, .parquet or .jsonl"))),
+            },
+            Self::Csv { file, columns } => {
+                let rows = table::rows(revolution, stamp_ns, value)?;
+                if *columns == 0 {
+                    table::write_csv_header(file, &rows)?;
+                    *columns = rows.num_columns();
                 }
-            },
-            Self::Csv { file, columns } => add_lines(file, columns, revolution, stamp_ns, value),
-            Self::Parquet(file) => match (revolution, stamp_ns) {
-                (Some(revolution), Some(stamp_ns)) => file.add(revolution, stamp_ns, value),
-                _ => bail!(UsageError("it has no revolution or no stamp: take .csv or .jsonl".to_owned())),
-            },
+                if rows.num_columns() != *columns {
+                    bail!(UsageError("its dimensions differ from those before: take .jsonl".to_owned()));
+                }
+                Ok(table::write_csv(file, &rows)?)
+            }
+            Self::Parquet(file) => file.add(&table::rows(revolution, stamp_ns, value)?),
             Self::JsonLines(file) => {
                 let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
                 Ok(writeln!(file, "{line}")?)
@@ -114,37 +118,6 @@ impl Format {
                 other => bail!(UsageError(format!("{other} is no text: take a file .npy, .csv, .parquet or .jsonl"))),
             },
         }
-    }
-}
-
-/// One line for each number or text. `columns` is how many the header has; 0 before it is written.
-fn add_lines(
-    file: &mut csv::Writer<File>,
-    columns: &mut usize,
-    revolution: Option<i64>,
-    stamp_ns: Option<i64>,
-    value: &Value,
-) -> anyhow::Result<()> {
-    if *columns == 0 {
-        let dims = table::dims(value);
-        file.write_record(["revolution", "stamp_ns"].into_iter().chain(dims.iter().copied()).chain(["value"]))?;
-        *columns = dims.len() + 3;
-    }
-    let [revolution, stamp_ns] = [revolution, stamp_ns].map(|at| at.map_or_else(String::new, |at| at.to_string()));
-    table::for_each(value, |indices, item| {
-        let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
-        let start = [revolution.as_str(), &stamp_ns].into_iter().chain(indices.iter().map(String::as_str));
-        Ok(file.write_record(start.chain([text_of(item).as_str()]))?)
-    })
-}
-
-/// The shortest text that reads back as the same number.
-fn text_of(item: Item) -> String {
-    match item {
-        Item::F64(x) => format!("{x:?}"),
-        Item::F32(x) => format!("{x:?}"),
-        Item::I64(i) => i.to_string(),
-        Item::Text(text) => text.to_owned(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A file that is there under its name when it is whole; until then, what was there before stays.
+//! A file that replaces an older one only when it is complete.
 
 use std::fs::File;
 use std::io;
@@ -8,14 +8,14 @@ use anyhow::Context;
 
 use crate::exit::INTERRUPTED;
 
-/// A file that is being made beside the one that it will replace. Dropped before it is finished, nothing of it stays.
+/// A file that is written beside the one that it will replace. Dropped before it is finished, it is removed.
 pub(super) struct Unfinished {
     target: PathBuf,
     path: PathBuf,
 }
 
 impl Unfinished {
-    /// Only beside the target can it take its place at once. Where the target is a link, what it leads to is replaced.
+    /// In the folder of the target, so that a rename replaces the target. If that is a link, the linked file is replaced.
     pub(super) fn beside(target: &Path) -> Self {
         let target = target.canonicalize().unwrap_or_else(|_| target.to_owned());
         let name = target.file_name().unwrap_or_default().to_string_lossy();
@@ -27,12 +27,12 @@ impl Unfinished {
         File::create(&self.path)
     }
 
-    /// Takes the place of the target.
+    /// Replaces the target.
     pub(super) fn finish(self) -> io::Result<()> {
         std::fs::rename(&self.path, &self.target)
     }
 
-    /// From now on Ctrl-C quits at once, and nothing of it stays.
+    /// From now on Ctrl-C removes the file and ends the program.
     pub(super) fn remove_on_interrupt(&self) -> anyhow::Result<()> {
         let path = self.path.clone();
         ctrlc::set_handler(move || {

@@ -1,13 +1,15 @@
 //! Recordings read back: values by entity and revolution, as numbers and words.
 //!
+//! In: the .rrd files that `crosscut run --save` writes. Out: entities, their rows by revolution, and the difference
+//! between two recordings.
+//!
 //! [`Recording::open`] goes through the file once and notes where the chunks of each entity lie; [`Recording::rows`]
 //! then loads one chunk after the other, so that memory stays small whatever the size of the file. Rows come by
-//! revolution, however the writer cut them into chunks and files: those that a long recording goes on in are found
-//! beside the first. A file that was cut off or damaged is read as far as it goes: [`Recording::damages`] says what is
-//! missing.
+//! revolution, whatever chunks and files they were written in: the later parts of a long recording are found beside
+//! the first. A damaged file is read as far as possible: [`Recording::damages`] lists what is missing.
 //!
 //! ```no_run
-//! use crosscut_recorder::{ReadError, Recording, Value};
+//! use crosscut_rrd::{ReadError, Recording, Value};
 //!
 //! # fn main() -> Result<(), ReadError> {
 //! let recording = Recording::open("flight.rrd".as_ref())?;
@@ -25,19 +27,23 @@
 //! L become numbers by their scale, see [`Row::value`].
 
 mod difference;
-pub(crate) mod messages;
-mod picture;
+pub mod messages;
+pub mod parts;
 mod recording;
 mod rows;
+pub mod schema;
 mod span;
 mod value;
 
 use std::path::PathBuf;
 
 pub use difference::{Difference, Differences, differences};
-pub use recording::{Component, Entity, Recording, is_picture};
+pub use recording::{Component, RecordedEntity, Recording, is_picture};
 pub use rows::{Row, Rows};
 pub use value::{Array, Numbers, Value};
+
+/// The version of Arrow that the values are stored in.
+pub use rerun::external::arrow;
 
 /// Why nothing can be read.
 #[derive(Debug, thiserror::Error)]
@@ -59,12 +65,30 @@ pub enum ReadError {
         /// What is wrong.
         cause: String,
     },
+    /// The file holds several recordings, and none was chosen.
+    #[error("the file holds several recordings: {}: {}", ids.join(", "), path.display())]
+    Several {
+        /// Which file.
+        path: PathBuf,
+        /// The identifiers of its recordings, in the order of the file.
+        ids: Vec<String>,
+    },
+    /// The file holds other recordings than the one asked for.
+    #[error("the file holds no recording {id}, but {}: {}", ids.join(", "), path.display())]
+    NoSuchRecording {
+        /// Which file.
+        path: PathBuf,
+        /// What was asked for.
+        id: String,
+        /// The identifiers of its recordings, in the order of the file.
+        ids: Vec<String>,
+    },
     /// The recording has no such entity.
     #[error("the recording has no entity {entity}; there are {}", near.join(", "))]
     NoSuchEntity {
         /// What was asked for.
         entity: String,
-        /// What there is of the same step; all there is if nothing is.
+        /// The entities of the same step, or all of them if it has none.
         near: Vec<String>,
     },
     /// The entity has no such component at this revolution.
@@ -89,7 +113,7 @@ pub enum ReadError {
     },
 }
 
-/// What a recording lacks. Everything else of it is read.
+/// What a recording lacks. Everything else is read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {

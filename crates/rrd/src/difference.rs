@@ -1,41 +1,44 @@
 //! Two recordings compared row by row, whatever the chunks that they were written in.
 //!
-//! Compared is what was made of each revolution. Left out are the time that it took (`/timing`), what holds for the
-//! whole flight (configuration, colours, explanations), the layout, and which file it is. What is logged when it
-//! changes, and again where a file begins, is compared as it holds. U is compared by its span, and what is drawn from
-//! it is left out.
+//! The results of each revolution are compared. Times (`/timing`), values for the whole flight (configuration, colours,
+//! explanations), the layout and part numbers are not. Entities that are logged when they change, and again where a
+//! file begins, are compared by the value that is valid at each revolution. U is compared by its span, and drawings in
+//! its coordinates are not compared.
 
 use std::iter::Peekable;
 
 use crosscut_stage::Step;
 
-use super::recording::is_drawing;
-use super::rows::{Cell, Rows};
-use super::value::Array;
-use super::{ReadError, Recording, Row, Value, span};
-use crate::parts::MARK;
+use crate::rows::{Cell, Rows};
+use crate::schema::{self, Entity, Precision, When};
+use crate::value::Array;
+use crate::{ReadError, Recording, Row, Value, span};
 
-/// Entities of ingest that lie beside those of the report.
-const SCANNED: [&str; 3] = ["/scan/ranges", "/scan/seen", "/scan/beams"];
+/// Entities that ingest makes, with those below them; the other entities of `/scan` are made by the report.
+const MADE_BY_INGEST: [Entity; 4] = [schema::SCAN_RANGES, schema::SCAN_SEEN, schema::SCAN_BEAMS, schema::SCAN_RETURNS];
 
-/// Entities that are not made of revolutions.
-const LEFT_OUT: [&str; 3] = ["/timing", "/report/axis", MARK];
+/// Drawings in the coordinates of U: other eigenvectors of the same span look different.
+const DRAWN_FROM_U: [(Entity, &str); 2] =
+    [(schema::SPECTRAL_EMBEDDING, "Points3D:positions"), (schema::KMEANS_CENTROIDS, "Points3D:positions")];
 
-/// Entities that are logged when they change, and where a file begins.
-const HOLDING: [&str; 3] = ["/scan/beams", "/scan/beams/wire", "/kmeans/profile/axes"];
+/// Whether the rows of an entity are results of revolutions.
+fn is_compared(entity: &str) -> bool {
+    !entity.starts_with("/timing/") && Entity::of(entity).is_none_or(|entity| entity.when != When::File)
+}
 
-/// Drawings of what stands in the coordinates of U, which other eigenvectors of the same span draw otherwise.
-const DRAWN_FROM_U: [(&str, &str); 2] =
-    [("/spectral/embedding", "Points3D:positions"), ("/kmeans/centroids", "Points3D:positions")];
+fn is_drawing(entity: &str, component: &str) -> bool {
+    let is_drawing = |entity: &Entity| entity.values != component || entity.precision == Precision::Drawing;
+    Entity::of(entity).is_some_and(is_drawing)
+}
 
 /// How two recordings differ.
 #[derive(Debug, Default)]
 pub struct Differences {
-    /// Where they differ first: the earliest revolution, and at it the earliest step.
+    /// The first difference: the earliest step at the earliest revolution.
     pub first: Option<Difference>,
-    /// Every component that differs, by step.
+    /// Every component that differs, in the order of the steps.
     pub components: Vec<Difference>,
-    /// Rows that both have.
+    /// How many rows both have.
     pub compared: u64,
 }
 
@@ -56,9 +59,8 @@ pub struct Difference {
     pub how: String,
 }
 
-/// Compares all rows. Numbers are the same when they differ by `tolerance` at most; NaN is the same as NaN. A dense U
-/// is the same when it spans the same, and centroids when their inner products are the same (`span.rs`). What a damaged
-/// recording lacks is no difference.
+/// Compares all rows. Numbers are equal when they differ by `tolerance` at most; NaN equals NaN. A dense U is compared
+/// by its span, centroids by their inner products (`span.rs`). Rows that a damaged recording lacks are no difference.
 ///
 /// # Errors
 /// When a file cannot be read again.
@@ -66,37 +68,38 @@ pub fn differences(a: &Recording, b: &Recording, tolerance: f64) -> Result<Diffe
     let mut found = Differences::default();
     let names = a.entities().keys().chain(b.entities().keys().filter(|name| !a.entities().contains_key(*name)));
     let is_whole = [a, b].map(|recording| recording.damages().is_empty());
-    for entity in names.filter(|name| !LEFT_OUT.iter().any(|left_out| name.starts_with(left_out))) {
-        let rows = [of(a, entity)?, of(b, entity)?];
+    for entity in names.filter(|name| is_compared(name)) {
+        let rows = [rows_of(a, entity)?, rows_of(b, entity)?];
         EntityComparison { entity, tolerance, is_whole, found: &mut found }.compare(rows)?;
     }
-    found.components.sort_by_key(|d| (d.step as usize, d.revolution, is_drawing(&d.component)));
+    found.components.sort_by_key(|d| (d.step as usize, d.revolution, is_drawing(&d.entity, &d.component)));
     found.first = found.components.iter().min_by_key(|d| (d.revolution, d.step as usize)).cloned();
     Ok(found)
 }
 
-/// The rows of an entity, also if there is none.
-fn of<'a>(recording: &'a Recording, entity: &str) -> Result<Option<Rows<'a>>, ReadError> {
+/// The rows of an entity; `None` if there is no such entity.
+fn rows_of<'a>(recording: &'a Recording, entity: &str) -> Result<Option<Rows<'a>>, ReadError> {
     recording.entities().contains_key(entity).then(|| recording.rows(entity)).transpose()
 }
 
 struct EntityComparison<'a> {
     entity: &'a str,
     tolerance: f64,
-    /// Whether the first and the second recording lack nothing.
+    /// Whether the first and the second recording are complete.
     is_whole: [bool; 2],
     found: &'a mut Differences,
 }
 
 impl EntityComparison<'_> {
-    /// Goes through both by revolution.
+    /// Goes through both recordings by revolution.
     fn compare(&mut self, [a, b]: [Option<Rows>; 2]) -> Result<(), ReadError> {
         let [mut a, mut b] = [a, b].map(|rows| rows.into_iter().flatten().peekable());
-        let is_held = self.is_whole.map(|is_whole| is_whole && HOLDING.contains(&self.entity));
+        let is_logged_on_change = Entity::of(self.entity).is_some_and(|entity| entity.when == When::Change);
+        let stays_valid = self.is_whole.map(|is_whole| is_whole && is_logged_on_change);
         let mut latest: [Option<Row>; 2] = [None, None];
         while let Some(revolution) = next(&mut a).into_iter().chain(next(&mut b)).min() {
             let rows = [take(&mut a, revolution)?, take(&mut b, revolution)?];
-            let is_there = [0, 1].map(|side| rows[side].is_some() || is_held[side]);
+            let is_there = [0, 1].map(|side| rows[side].is_some() || stays_valid[side]);
             for (latest, row) in latest.iter_mut().zip(rows) {
                 *latest = row.or(latest.take());
             }
@@ -112,14 +115,15 @@ impl EntityComparison<'_> {
 
     fn compare_rows(&mut self, revolution: i64, a: &Row, b: &Row) {
         self.found.compared += 1;
-        if a.stamp_ns != b.stamp_ns && self.entity == "/scan/returns" {
-            let [a_ns, b_ns] = [a, b].map(|row| row.stamp_ns.unwrap_or_default());
-            self.note("stamp", revolution, format!("{a_ns} and {b_ns} ns"));
+        if a.stamp_ns != b.stamp_ns && self.entity == schema::SCAN_RETURNS.path {
+            let stamp = |row: &Row| row.stamp_ns.map_or_else(|| "none".to_owned(), |ns| format!("{ns} ns"));
+            self.note("stamp", revolution, format!("{} and {}", stamp(a), stamp(b)));
         }
         let mut names: Vec<&str> = a.components().chain(b.components()).collect();
         names.sort_unstable();
         names.dedup();
-        names.retain(|name| !DRAWN_FROM_U.contains(&(self.entity, name)));
+        names
+            .retain(|name| !DRAWN_FROM_U.iter().any(|(entity, drawing)| entity.path == self.entity && drawing == name));
         for name in names {
             if let Some(how) = difference([a, b], name, self.tolerance) {
                 self.note(name, revolution, how);
@@ -151,12 +155,12 @@ impl EntityComparison<'_> {
     }
 }
 
-/// The revolution of the next row; an error is met at once.
+/// The revolution of the next row. An error comes before all rows.
 fn next<'a>(rows: &mut Peekable<impl Iterator<Item = Result<Row<'a>, ReadError>>>) -> Option<i64> {
     rows.peek().map(|row| row.as_ref().map_or(i64::MIN, |row| row.revolution))
 }
 
-/// The row of this revolution, if it is the next; an error in any case.
+/// The row of this revolution, if it is the next; an error at any revolution.
 fn take<'a>(
     rows: &mut Peekable<impl Iterator<Item = Result<Row<'a>, ReadError>>>,
     revolution: i64,
@@ -164,15 +168,15 @@ fn take<'a>(
     rows.next_if(|row| row.as_ref().map_or(true, |row| row.revolution == revolution)).transpose()
 }
 
-/// The step whose result it is. Colours are those of the walls.
+/// The step whose result a component is. Colours are those of the walls, so they belong to the report.
 fn step_of(entity: &str, component: &str) -> Step {
     if component.ends_with(":class_ids") {
         return Step::Report;
     }
-    let is_scanned = SCANNED.iter().any(|scanned| entity.starts_with(scanned)) || entity == "/scan/returns";
-    let mine = |step: &Step| entity.strip_prefix('/').and_then(|path| path.strip_prefix(step.name())).is_some();
-    match Step::ALL.into_iter().find(mine) {
-        None if is_scanned => Step::Ingest,
+    let is_of_ingest = MADE_BY_INGEST.iter().any(|made| entity.starts_with(made.path));
+    let is_its = |step: &Step| entity.strip_prefix('/').and_then(|path| path.strip_prefix(step.name())).is_some();
+    match Step::ALL.into_iter().find(is_its) {
+        None if is_of_ingest => Step::Ingest,
         None => Step::Report,
         Some(step) => step,
     }
@@ -184,7 +188,7 @@ fn difference([a, b]: [&Row; 2], component: &str, tolerance: f64) -> Option<Stri
         |row: &Row| -> Vec<Cell> { row.cells.iter().filter(|cell| cell.component == component).cloned().collect() };
     let (stored_a, stored_b) = (stored(a), stored(b));
     if stored_a.len() != stored_b.len() {
-        return Some(format!("there {} and {} times", stored_a.len(), stored_b.len()));
+        return Some(format!("logged {} and {} times", stored_a.len(), stored_b.len()));
     }
     if stored_a.iter().zip(&stored_b).all(|(a, b)| *a.values == *b.values) {
         return None; // by far the most frequent case, and nothing to decode
@@ -227,7 +231,7 @@ fn array_difference(a: &Array, b: &Array, tolerance: f64) -> Option<String> {
     (largest > tolerance).then(|| format!("by {largest:.1e} at most"))
 }
 
-/// Of two texts that differ, as much as a line holds around the place where they do first.
+/// Of two texts that differ, what fits in a line around the first difference.
 fn around_first_difference(texts: [&String; 2]) -> [String; 2] {
     const BEFORE: usize = 20;
     const LENGTH: usize = 60;
@@ -243,7 +247,7 @@ fn around_first_difference(texts: [&String; 2]) -> [String; 2] {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn texts_are_shown_where_they_differ_and_not_only_where_they_begin() {
+    fn texts_are_shown_around_their_first_difference() {
         let shown = |a: &str, b: &str| super::around_first_difference([&a.to_owned(), &b.to_owned()]);
         assert_eq!(shown("3 walls", "4 walls"), ["3 walls", "4 walls"]);
         let long = "é".repeat(100);

@@ -1,16 +1,15 @@
 //! The messages of one .rrd file, one after the other, and what is wrong with the file.
 //!
-//! Rerun's own iterator takes the end of a file that was cut off for its proper end. This one walks the frames itself
-//! (a header with kind and length, then the message), so that it knows where each message lies and what is missing.
+//! Rerun's own iterator takes the end of a file that was cut off for its proper end. This one reads each header (kind
+//! and length) and message itself, so that it knows where each message lies and what is missing.
 
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
-use std::sync::Once;
 
-use rerun::external::arrow::ipc::root_as_message;
+use rerun::StoreKind;
+use rerun::external::arrow::ipc::{Buffer, root_as_message};
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::external::lz4_flex;
 use rerun::external::re_log_encoding::{
@@ -20,35 +19,42 @@ use rerun::external::re_log_encoding::{
 use rerun::external::re_log_types::{ArrowMsg, StoreId};
 use rerun::log::{Chunk, LogMsg};
 
-use super::{Damage, ReadError};
+use crate::{Damage, ReadError};
 
 /// A message as it stands in a file.
 type Stored = <LogMsg as ToTransport>::Output;
 
-/// LZ4 makes nothing smaller than that.
+/// LZ4 compresses nothing to less than this share: one byte in so many.
 const LZ4_MOST_RATIO: usize = 256;
+
+/// What is reported of a message whose parts do not fit each other.
+const CONTRADICTION: &str = "its content contradicts itself";
 
 /// Where the content of a message lies in its file.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Location {
-    pub(super) at: u64,
-    pub(super) bytes: u64,
+pub struct Location {
+    /// Its first byte.
+    pub(crate) at: u64,
+    /// Its length.
+    pub(crate) bytes: u64,
 }
 
 /// One .rrd file, read from its start to its end or to where it is damaged.
-pub(crate) struct Messages {
+pub struct Messages {
     path: PathBuf,
     file: BufReader<File>,
     version: CrateVersion,
     at: u64,
     end: u64,
     is_over: bool,
-    /// Read ahead of the others.
-    first: Option<<Self as Iterator>::Item>,
 }
 
 impl Messages {
-    pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
+    /// Opens a file at its first message.
+    ///
+    /// # Errors
+    /// When the file cannot be opened or is no recording.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
         let cannot = |cause: String| ReadError::Open { path: path.to_owned(), cause };
         let file = File::open(path).map_err(|e| cannot(e.to_string()))?;
         let end = file.metadata().map_err(|e| cannot(e.to_string()))?.len();
@@ -61,27 +67,40 @@ impl Messages {
         let (version, _) = StreamHeader::from_rrd_bytes(&header)
             .and_then(StreamHeader::to_version_and_options)
             .map_err(|e| cannot(e.to_string()))?;
-        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false, first: None })
+        Ok(Self { path: path.to_owned(), file, version, at: header.len() as u64, end, is_over: false })
     }
 
-    /// Rerun's version that wrote the file.
-    pub(super) fn version(&self) -> CrateVersion {
+    /// The version of Rerun that wrote the file.
+    pub(crate) fn version(&self) -> CrateVersion {
         self.version
     }
 
-    /// The recording that the file belongs to, as its first message says.
-    pub(crate) fn store(&mut self) -> Option<StoreId> {
-        if self.first.is_none() {
-            self.first = self.next();
+    /// The recordings that a file holds: one, unless files were merged. Layouts do not count.
+    ///
+    /// # Errors
+    /// As [`Messages::open`].
+    pub fn recordings_in(path: &Path) -> Result<Vec<StoreId>, ReadError> {
+        let mut messages = Self::open(path)?;
+        let mut found = Vec::new();
+        while let Ok(Some(header)) = messages.header() {
+            if header.kind != MessageKind::SetStoreInfo {
+                let bytes = i64::try_from(header.len).expect("no more than are left of the file");
+                if messages.file.seek_relative(bytes).is_err() {
+                    break;
+                }
+                messages.at += header.len;
+            } else if let Ok((_, LogMsg::SetStoreInfo(info))) = messages.message(&header)
+                && info.info.store_id.kind() == StoreKind::Recording
+                && !found.contains(&info.info.store_id)
+            {
+                found.push(info.info.store_id);
+            }
         }
-        match &self.first {
-            Some(Ok((_, LogMsg::SetStoreInfo(info)))) => Some(info.info.store_id.clone()),
-            _ => None,
-        }
+        Ok(found)
     }
 
-    /// Bytes of the file.
-    pub(super) fn bytes(&self) -> u64 {
+    /// Length of the file.
+    pub(crate) fn bytes(&self) -> u64 {
         self.end
     }
 
@@ -105,6 +124,15 @@ impl Messages {
         Ok((!is_end).then_some(header))
     }
 
+    /// The message that follows its header.
+    fn message(&mut self, header: &MessageHeader) -> Result<(Location, LogMsg), Damage> {
+        let location = Location { at: self.at, bytes: header.len };
+        let message = read(&mut self.file, location.bytes, header.kind, self.version);
+        let message = message.map_err(|cause| self.unreadable(cause));
+        self.at += location.bytes;
+        message.map(|message| (location, message))
+    }
+
     fn cut_off(&self) -> Damage {
         Damage::CutOff { path: self.path.clone(), at: self.at, bytes: self.end }
     }
@@ -117,45 +145,31 @@ impl Messages {
 impl Iterator for Messages {
     type Item = Result<(Location, LogMsg), Damage>;
 
-    /// The next message. One that cannot be read is passed over, as its length is known; without a length nothing
-    /// more is read.
+    /// The next message. An unreadable one is reported and skipped; after an unreadable header nothing more is read.
     fn next(&mut self) -> Option<Self::Item> {
-        if let Some(first) = self.first.take() {
-            return Some(first);
-        }
         if self.is_over {
             return None;
         }
-        let header = match self.header() {
-            Ok(Some(header)) => header,
-            Ok(None) => {
-                self.is_over = true;
-                return None;
-            }
-            Err(damage) => {
-                self.is_over = true;
-                return Some(Err(damage));
-            }
-        };
-        let location = Location { at: self.at, bytes: header.len };
-        let message = read(&mut self.file, location.bytes, header.kind, self.version);
-        let message = message.map_err(|cause| self.unreadable(cause));
-        self.at += location.bytes;
-        Some(message.map(|message| (location, message)))
+        let header = self.header();
+        self.is_over = !matches!(header, Ok(Some(_)));
+        header.and_then(|header| header.map(|header| self.message(&header)).transpose()).transpose()
     }
 }
 
 /// Reads one chunk again.
-pub(super) fn chunk_at(file: &mut File, location: Location, version: CrateVersion) -> Result<Chunk, String> {
+pub(crate) fn chunk_at(file: &mut File, location: Location, version: CrateVersion) -> Result<Chunk, String> {
     file.seek(SeekFrom::Start(location.at)).map_err(|e| e.to_string())?;
     match read(file, location.bytes, MessageKind::ArrowMsg, version)? {
         LogMsg::ArrowMsg(_, message) => chunk_of(&message),
-        _ => Err("another message stands in this place".to_owned()),
+        _ => Err("it holds another message".to_owned()),
     }
 }
 
 /// The chunk in a message.
-pub(crate) fn chunk_of(message: &ArrowMsg) -> Result<Chunk, String> {
+///
+/// # Errors
+/// When the message is damaged: what is wrong with it.
+pub fn chunk_of(message: &ArrowMsg) -> Result<Chunk, String> {
     caught(|| Chunk::from_arrow_msg(message).map_err(|e| e.to_string()))
 }
 
@@ -183,8 +197,8 @@ fn read(from: &mut impl Read, bytes: u64, kind: MessageKind, version: CrateVersi
     })
 }
 
-/// Goes through the messages of an Arrow stream: Arrow asks for as much memory as they say that they take, and ends the
-/// program if there is not so much.
+/// Checks every length and position that the messages of an Arrow stream state: Arrow allocates what they claim, which
+/// can end the program, and panics on buffers outside their message.
 fn check_sizes(mut stream: &[u8]) -> Result<(), String> {
     let ends = || "it ends in the middle".to_owned();
     while !stream.is_empty() {
@@ -195,35 +209,29 @@ fn check_sizes(mut stream: &[u8]) -> Result<(), String> {
             return Ok(()); // the end, as Arrow marks it
         }
         let metadata = stream.split_off(..metadata_bytes).ok_or_else(|| too_large(metadata_bytes))?.to_vec(); // aligned
-        let message = root_as_message(&metadata).map_err(|_| "its metadata contradicts itself".to_owned())?;
+        let message = root_as_message(&metadata).map_err(|_| CONTRADICTION.to_owned())?;
         let body_bytes = usize::try_from(message.bodyLength()).map_err(|e| e.to_string())?;
         stream.split_off(..body_bytes).ok_or_else(|| too_large(body_bytes))?;
+        let batch = message.header_as_record_batch();
+        let batch = batch.or_else(|| message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data()));
+        let mut buffers = batch.iter().flat_map(|batch| batch.buffers()).flatten();
+        let is_inside = |buffer: &Buffer| {
+            let end = buffer.offset().checked_add(buffer.length());
+            buffer.offset() >= 0 && buffer.length() >= 0 && end.is_some_and(|end| end <= message.bodyLength())
+        };
+        if !buffers.all(is_inside) {
+            return Err(CONTRADICTION.to_owned());
+        }
     }
     Ok(())
 }
 
 fn too_large(bytes: usize) -> String {
-    format!("{bytes} bytes are said to be in it, more than there are")
+    format!("it claims {bytes} bytes, more than there are")
 }
 
-thread_local! {
-    static CATCHING: Cell<bool> = const { Cell::new(false) };
-}
-
-/// What `decode` returns; Arrow panics on some damaged bytes, as offsets outside their buffer. That is told as an error,
-/// not as a panic.
-pub(super) fn caught<T>(decode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    static SILENT: Once = Once::new();
-    SILENT.call_once(|| {
-        let tell = panic::take_hook();
-        panic::set_hook(Box::new(move |panic| {
-            if !CATCHING.get() {
-                tell(panic);
-            }
-        }));
-    });
-    let outer = CATCHING.replace(true);
-    let decoded = panic::catch_unwind(AssertUnwindSafe(decode));
-    CATCHING.set(outer);
-    decoded.unwrap_or_else(|_| Err("its content contradicts itself".to_owned()))
+/// The result of `decode`, or an error where Arrow or Rerun panic: they do so on some damaged bytes that pass every
+/// check of theirs and of ours.
+pub(crate) fn caught<T>(decode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    panic::catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(CONTRADICTION.to_owned()))
 }

@@ -7,23 +7,20 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq as _;
 
-use super::value::{Array, Numbers};
+use crate::schema;
+use crate::value::{Array, Numbers};
 
-/// What U was rounded to in the recording, as a share of its largest entry: half a unit of f16 in each of the two, and
-/// as much again for what it does to the projection.
+/// The rounding of U in the recording, as a share of its largest entry: half a unit of f16 in each of the two, and as
+/// much again for its effect on the projection.
 const ROUNDING_OF_F16: f64 = 1.0 / 512.0;
 
-/// What the dimensions of such arrays are called.
-const U: [&str; 2] = ["return", "eigenvector"];
-const CENTROIDS: [&str; 2] = ["cluster", "eigenvector"];
-
-/// How two arrays of the same shape differ but for a rotation; `None` if they are no eigenvectors.
-pub(super) fn difference(a: &Array, b: &Array, tolerance: f64) -> Option<Result<(), String>> {
-    let (off, allowed, what) = if is(a, b, U) {
+/// How two arrays of the same shape differ apart from a rotation; `None` if they are no eigenvectors.
+pub(crate) fn difference(a: &Array, b: &Array, tolerance: f64) -> Option<Result<(), String>> {
+    let (off, allowed, what) = if is(a, b, schema::SPECTRAL_U.dims) {
         let rounded = matches!(a.numbers, Numbers::F32(_)) || matches!(b.numbers, Numbers::F32(_));
         let rounding = if rounded { ROUNDING_OF_F16 * matrix(a).norm_max() } else { 0.0 };
-        (off_span(&matrix(a), &matrix(b)), tolerance.max(rounding), "the span")
-    } else if is(a, b, CENTROIDS) {
+        (distance_from_span(&matrix(a), &matrix(b)), tolerance.max(rounding), "the span")
+    } else if is(a, b, schema::KMEANS_CENTROIDS.dims) {
         let gram = |array| matrix(array) * matrix(array).transpose();
         (largest(&(gram(a) - gram(b))), tolerance, "inner products")
     } else {
@@ -32,20 +29,20 @@ pub(super) fn difference(a: &Array, b: &Array, tolerance: f64) -> Option<Result<
     Some(if off <= allowed { Ok(()) } else { Err(format!("{what} by {off:.1e} at most")) })
 }
 
-fn is(a: &Array, b: &Array, dims: [&str; 2]) -> bool {
+fn is(a: &Array, b: &Array, dims: &[&str]) -> bool {
     a.dims == dims && b.dims == dims
 }
 
-/// The largest entry of A - B X, with X so that it is least: 0 where the columns of A lie in the span of those of B.
-/// Both have as many, so that then the spans are the same.
-fn off_span(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+/// The largest entry of A - B X, for the X of least squares: 0 where the columns of A lie in the span of those of B.
+/// Both have the same number of columns, so the spans are then equal.
+fn distance_from_span(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     if a.ncols() == 0 || a.nrows() < a.ncols() {
         return largest(&(a - b));
     }
     largest(&(a - b * b.qr().solve_lstsq(a)))
 }
 
-/// The largest absolute value; infinite if there is none to tell.
+/// The largest absolute value; infinite if an entry is NaN.
 fn largest(m: &Mat<f64>) -> f64 {
     let values = m.col_iter().flat_map(|column| column.iter().copied());
     values.map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() }).fold(0.0, f64::max)

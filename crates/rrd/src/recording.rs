@@ -3,135 +3,139 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use rerun::StoreKind;
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_types::StoreId;
 use rerun::log::{Chunk, LogMsg};
-use rerun::{StoreKind, TextDocument};
 
-use super::messages::{Location, Messages, chunk_of};
-use super::rows::{Cell, Rows, cells, stamps_ns, times};
-use super::{Damage, ReadError, Value};
-use crate::parts::{MARK, Marks, called_like_parts};
+use crate::messages::{Location, Messages, chunk_of};
+use crate::parts::{Marks, files_named_like_parts};
+use crate::rows::{Cell, Rows, cells, stamps_ns, times};
+use crate::schema::{self, Entity};
+use crate::{Damage, ReadError, Value};
 
-/// A recording that can be read by entity and revolution: a file, and those that it goes on in.
+/// A recording that can be read by entity and revolution: a file, and those of its later parts.
 #[derive(Debug)]
 pub struct Recording {
-    pub(super) parts: Vec<Part>,
-    entities: BTreeMap<String, Entity>,
+    pub(crate) parts: Vec<Part>,
+    entities: BTreeMap<String, RecordedEntity>,
     damages: Vec<Damage>,
-    /// What the parts say of themselves.
+    /// Part numbers, as the parts state them.
     marks: Marks,
+    /// The one that is read, of a file that holds several.
+    chosen: Option<StoreId>,
 }
 
 /// One file of a recording.
 #[derive(Debug)]
-pub(super) struct Part {
-    pub(super) path: PathBuf,
-    pub(super) version: CrateVersion,
+pub(crate) struct Part {
+    pub(crate) path: PathBuf,
+    pub(crate) version: CrateVersion,
     bytes: u64,
-    /// The recording that it says to belong to.
-    store: Option<StoreId>,
 }
 
 /// What a recording holds of one entity.
 #[derive(Debug, Default)]
-pub struct Entity {
-    /// Rows that belong to a revolution.
+pub struct RecordedEntity {
+    /// How many rows belong to a revolution.
     pub rows: u64,
-    /// Bytes that all its rows take in the file.
+    /// How many bytes all its rows take in the file.
     pub bytes: u64,
-    /// First and last revolution; `None` if it holds for the whole flight alone.
+    /// First and last revolution; `None` if it only has values for the whole flight.
     pub revolutions: Option<[i64; 2]>,
     /// The earliest and the latest stamp, nanoseconds since the epoch.
     pub stamps_ns: Option<[i64; 2]>,
     /// Its components by name.
     pub components: BTreeMap<String, Component>,
     /// Where its changing chunks are, in the order of the file.
-    pub(super) chunks: Vec<ChunkLocation>,
-    /// The latest of what holds for the whole flight.
-    pub(super) fixed: Vec<Cell>,
+    pub(crate) chunks: Vec<ChunkLocation>,
+    /// The latest values for the whole flight.
+    pub(crate) fixed: Vec<Cell>,
 }
 
 /// One component of an entity.
 #[derive(Debug, Default)]
 pub struct Component {
-    /// Rows that have it.
+    /// How many rows have it.
     pub rows: u64,
-    /// What the first of them holds, in a few words: type and shape.
+    /// Type and shape of its first value.
     pub first: String,
 }
 
-/// W and L as pictures.
-const PICTURE: &str = "EncodedDepthImage:blob";
-
-/// Components that hold values rather than drawings of them, the first of an entity's before the others.
-const VALUES: [&str; 9] = [
-    "Tensor:data",
-    "BarChart:values",
-    "Scalars:scalars",
-    PICTURE,
-    "StateChange:state",
-    "TextDocument:text",
-    "TextLog:text",
-    "Points3D:positions",
-    "LineStrips3D:strips",
-];
-
-impl Entity {
-    /// The component that holds its values: numbers stand beside what is drawn of them.
-    pub fn values_component(&self) -> Option<&str> {
-        let first = || self.components.keys().next().map(String::as_str);
-        VALUES.into_iter().find(|name| self.components.contains_key(*name)).or_else(first)
-    }
-}
-
-/// Whether a component is a picture of a matrix: its numbers are right to half a decade, and those of W all 0 where none is
-/// drawn, of a revolution without returns or with more than 1024.
+/// Whether a component is a picture of a matrix. Its numbers are right to half a decade. Those of W are all 0 at a
+/// revolution without a picture: one without returns, or with more than 1024.
 pub fn is_picture(component: &str) -> bool {
-    component == PICTURE
-}
-
-/// Whether a component is there for the eye.
-pub(super) fn is_drawing(component: &str) -> bool {
-    !VALUES.contains(&component)
+    component == schema::AFFINITY_W.values
 }
 
 /// Where a chunk lies, and its first revolution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ChunkLocation {
+pub(crate) struct ChunkLocation {
     /// Index of its file.
-    pub(super) part: usize,
-    pub(super) location: Location,
-    pub(super) first: i64,
+    pub(crate) part: usize,
+    pub(crate) location: Location,
+    pub(crate) first: i64,
 }
 
 impl Recording {
-    /// Goes through the file once, and through the files that the recording goes on in: FLIGHT-2.rrd after FLIGHT.rrd.
-    /// The layout, which is a recording of its own within the file, is passed over.
+    /// Goes through the file once, and through the files of later parts: FLIGHT-2.rrd after FLIGHT.rrd. The layout,
+    /// which is a recording of its own within the file, is skipped.
     ///
     /// # Errors
-    /// When the file cannot be opened or is no recording. Damage is no error, see [`Recording::damages`].
+    /// When the file cannot be opened, is no recording, or holds several. Damage is no error, see
+    /// [`Recording::damages`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let mut recording =
-            Self { parts: Vec::new(), entities: BTreeMap::new(), damages: Vec::new(), marks: Marks::default() };
+        Self::open_chosen(path, None)
+    }
+
+    /// Opens the recording with this identifier, of a file that holds several.
+    ///
+    /// # Errors
+    /// As [`Recording::open`], and when the file holds no such recording.
+    pub fn open_one(path: &Path, id: &str) -> Result<Self, ReadError> {
+        Self::open_chosen(path, Some(id))
+    }
+
+    fn open_chosen(path: &Path, id: Option<&str>) -> Result<Self, ReadError> {
+        let recordings = Messages::recordings_in(path)?;
+        let is_chosen = |store: &&StoreId| id.is_none_or(|id| store.recording_id().as_str() == id);
+        let store = recordings.iter().find(is_chosen);
+        let ids = || recordings.iter().map(|store| store.recording_id().to_string()).collect();
+        match id {
+            None if recordings.len() > 1 => return Err(ReadError::Several { path: path.to_owned(), ids: ids() }),
+            Some(id) if store.is_none() => {
+                return Err(ReadError::NoSuchRecording { path: path.to_owned(), id: id.to_owned(), ids: ids() });
+            }
+            _ => {}
+        }
+        let mut recording = Self {
+            parts: Vec::new(),
+            entities: BTreeMap::new(),
+            damages: Vec::new(),
+            marks: Marks::default(),
+            chosen: store.filter(|_| recordings.len() > 1).cloned(),
+        };
         recording.read_part(path, Messages::open(path)?);
-        for next in called_like_parts(path) {
-            if let Ok(mut messages) = Messages::open(&next)
-                && messages.store() == recording.parts[0].store
+        for part in files_named_like_parts(path) {
+            if Messages::recordings_in(&part).is_ok_and(|others| others.first() == store)
+                && let Ok(messages) = Messages::open(&part)
             {
-                recording.read_part(&next, messages);
+                recording.read_part(&part, messages);
             }
         }
         recording.damages.extend(recording.marks.missing(path));
         Ok(recording)
     }
 
-    fn read_part(&mut self, path: &Path, mut messages: Messages) {
-        let (version, bytes, store) = (messages.version(), messages.bytes(), messages.store());
-        self.parts.push(Part { path: path.to_owned(), version, bytes, store });
+    fn read_part(&mut self, path: &Path, messages: Messages) {
+        let (version, bytes) = (messages.version(), messages.bytes());
+        self.parts.push(Part { path: path.to_owned(), version, bytes });
         for message in messages {
             match message {
-                Ok((location, LogMsg::ArrowMsg(store, message))) if store.kind() == StoreKind::Recording => {
+                Ok((location, LogMsg::ArrowMsg(store, message)))
+                    if store.kind() == StoreKind::Recording
+                        && self.chosen.as_ref().is_none_or(|chosen| *chosen == store) =>
+                {
                     match chunk_of(&message) {
                         Ok(chunk) => self.note(location, &chunk),
                         Err(cause) => {
@@ -160,14 +164,21 @@ impl Recording {
         self.parts[0].version.to_string()
     }
 
-    /// What is missing or unreadable; empty for a recording that is whole.
+    /// What is missing or unreadable; empty for a complete recording.
     pub fn damages(&self) -> &[Damage] {
         &self.damages
     }
 
     /// Every entity by its path, which starts with a slash.
-    pub fn entities(&self) -> &BTreeMap<String, Entity> {
+    pub fn entities(&self) -> &BTreeMap<String, RecordedEntity> {
         &self.entities
+    }
+
+    /// The component that holds the values of an entity; the others are drawings of them. `None` without any.
+    pub fn values_component(&self, entity: &str) -> Option<&str> {
+        let components = &self.entities.get(entity)?.components;
+        let mut known = Entity::of(entity).into_iter().chain(schema::ENTITIES).map(|entity| entity.values);
+        known.find(|name| components.contains_key(*name)).or_else(|| components.keys().next().map(String::as_str))
     }
 
     /// The rows of an entity by revolution.
@@ -179,7 +190,7 @@ impl Recording {
             let step = |name: &str| name.split('/').nth(1).unwrap_or_default().to_owned();
             let mut near: Vec<_> = self.entities.keys().filter(|name| step(name) == step(entity)).cloned().collect();
             if near.is_empty() {
-                near = self.entities.keys().cloned().collect();
+                near.extend(self.entities.keys().cloned());
             }
             return Err(ReadError::NoSuchEntity { entity: entity.to_owned(), near });
         };
@@ -188,16 +199,16 @@ impl Recording {
 
     /// The resolved configuration as TOML, if it is in the recording.
     pub fn config_toml(&self) -> Option<String> {
-        match self.value_throughout("/config", TextDocument::descriptor_text().component.as_str()) {
+        match self.value_throughout(schema::CONFIG.path, schema::CONFIG.values) {
             Ok(Some(Value::Texts(texts))) => texts.into_iter().next(),
             _ => None,
         }
     }
 
-    /// What a component holds throughout the flight; `None` if it belongs to revolutions, or is not there.
+    /// The value of a component for the whole flight; `None` if its values belong to revolutions, or there are none.
     ///
     /// # Errors
-    /// When it holds neither numbers nor words.
+    /// When the component holds neither numbers nor words.
     pub fn value_throughout(&self, entity: &str, component: &str) -> Result<Option<Value>, ReadError> {
         let fixed = self.entities.get(entity).map_or(&[][..], |entity| &entity.fixed);
         let Some(cell) = fixed.iter().find(|cell| cell.component == component) else { return Ok(None) };
@@ -210,7 +221,7 @@ impl Recording {
 
     fn note(&mut self, location: Location, chunk: &Chunk) {
         let name = chunk.entity_path().to_string();
-        if name == MARK {
+        if name == schema::PART.path {
             self.marks.read(chunk);
         }
         let entity = self.entities.entry(name).or_default();

@@ -6,11 +6,11 @@ use std::fs::File;
 use rerun::external::arrow::array::ArrayRef;
 use rerun::log::Chunk;
 
-use super::messages::chunk_at;
-use super::recording::{ChunkLocation, Entity, Recording};
-use super::{ReadError, Value};
+use crate::messages::chunk_at;
+use crate::recording::{ChunkLocation, RecordedEntity, Recording};
+use crate::{ReadError, Value};
 
-/// What an entity holds at one revolution.
+/// The values of an entity at one revolution.
 #[derive(Debug)]
 pub struct Row<'a> {
     entity: &'a str,
@@ -18,21 +18,21 @@ pub struct Row<'a> {
     pub revolution: i64,
     /// The sensor's stamp, nanoseconds since the epoch.
     pub stamp_ns: Option<i64>,
-    pub(super) cells: Vec<Cell>,
+    pub(crate) cells: Vec<Cell>,
     fixed: &'a [Cell],
 }
 
 /// One component of one row, as Rerun holds it.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
-    pub(super) component: String,
+pub(crate) struct Cell {
+    pub(crate) component: String,
     /// Rerun's name of its type.
-    pub(super) type_name: String,
-    pub(super) values: ArrayRef,
+    pub(crate) type_name: String,
+    pub(crate) values: ArrayRef,
 }
 
 impl Row<'_> {
-    /// The components that this row has. One that was logged several times at this revolution is there as often.
+    /// The components of this row. One that was logged several times at this revolution occurs as often.
     pub fn components(&self) -> impl Iterator<Item = &str> {
         self.cells.iter().map(|cell| cell.component.as_str())
     }
@@ -40,8 +40,8 @@ impl Row<'_> {
     /// The value of a component.
     ///
     /// A picture of W or L comes as numbers: level v of a picture whose brightest level is m stands for
-    /// 10^(16 (v / m - 1)), which is right to half a level; level 0, 1e-16 or less, comes as 0. Rows and columns are
-    /// those of the picture.
+    /// 10^(16 (v / m - 1)), right to half a level. Level 0 stands for 1e-16 or less, and comes as 0. Rows and columns
+    /// are those of the picture.
     ///
     /// # Errors
     /// When the row lacks the component, or it holds neither numbers nor words.
@@ -73,7 +73,7 @@ impl Row<'_> {
 pub struct Rows<'a> {
     recording: &'a Recording,
     name: &'a str,
-    entity: &'a Entity,
+    entity: &'a RecordedEntity,
     /// The file that was read last, and its index.
     file: Option<(usize, File)>,
     waiting: VecDeque<ChunkLocation>,
@@ -83,12 +83,12 @@ pub struct Rows<'a> {
 #[derive(Debug)]
 struct OpenChunk {
     chunk: Chunk,
-    /// Rows that are left, by revolution.
+    /// The rows that are left, by revolution.
     left: VecDeque<usize>,
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(recording: &'a Recording, name: &'a str, entity: &'a Entity) -> Self {
+    pub(crate) fn new(recording: &'a Recording, name: &'a str, entity: &'a RecordedEntity) -> Self {
         let mut waiting = entity.chunks.clone();
         waiting.sort_by_key(|chunk| chunk.first); // stable: what was logged first comes first
         Self { recording, name, entity, file: None, waiting: waiting.into(), open: Vec::new() }
@@ -114,7 +114,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// All that was logged at a revolution, by the chunks that cover it.
+    /// Everything that was logged at a revolution, from all chunks that cover it.
     fn row(&mut self, revolution: i64) -> Row<'a> {
         let (mut all, mut stamp_ns) = (Vec::new(), None);
         for open in &mut self.open {
@@ -150,8 +150,8 @@ impl<'a> Iterator for Rows<'a> {
     }
 }
 
-/// The components that a row of a chunk has, by name.
-pub(super) fn cells(chunk: &Chunk, row: usize) -> Vec<Cell> {
+/// The components of a row of a chunk, by name.
+pub(crate) fn cells(chunk: &Chunk, row: usize) -> Vec<Cell> {
     let columns = chunk.components().values();
     let cell = |column: &rerun::SerializedComponentColumn| {
         let descriptor = &column.descriptor;
@@ -164,13 +164,13 @@ pub(super) fn cells(chunk: &Chunk, row: usize) -> Vec<Cell> {
     cells
 }
 
-/// The revolution of each row; none for what holds for the whole flight.
-pub(super) fn times(chunk: &Chunk) -> &[i64] {
+/// The revolution of each row; empty for values of the whole flight.
+pub(crate) fn times(chunk: &Chunk) -> &[i64] {
     column(chunk, "revolution")
 }
 
 /// The stamp of each row.
-pub(super) fn stamps_ns(chunk: &Chunk) -> &[i64] {
+pub(crate) fn stamps_ns(chunk: &Chunk) -> &[i64] {
     column(chunk, "stamp")
 }
 
