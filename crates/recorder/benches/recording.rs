@@ -28,7 +28,9 @@ type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 fn main() -> Fallible<()> {
     let asked = std::env::args().skip(1).find_map(|arg| arg.parse().ok());
-    println!("preset ,level  ,returns,method ms,recording ms,plain loop ms,ratio,kB a revolution,MB a 6000,peak MB so far");
+    println!(
+        "preset ,level  ,returns,method ms,recording ms,plain loop ms,ratio,kB a revolution,MB a 6000,peak MB so far"
+    );
     for preset in ["paper", "default"] {
         let (mut frames, method_ms) = shipped_flight(preset)?;
         for detail in [Detail::Light, Detail::Default, Detail::Full] {

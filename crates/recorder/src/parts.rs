@@ -5,10 +5,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use rerun::log::{Chunk, LogMsg};
-use rerun::{RecordingStream, RecordingStreamResult, Tensor, TensorBuffer, components};
+use rerun::{Tensor, TensorBuffer, components};
 
 use crate::reading::Damage;
 use crate::reading::messages::{Messages, chunk_of};
+use crate::rows::Rows;
+use crate::schema::PART;
 use crate::tensors::f64_vector;
 
 /// FLIGHT.rrd is the first part, FLIGHT-2.rrd the second.
@@ -64,11 +66,11 @@ fn part_in(path: &Path) -> Option<u64> {
 }
 
 /// Where every part says which it is.
-pub(crate) const MARK: &str = "/recording/part";
+pub(crate) const MARK: &str = PART.path;
 
 /// Says at the first revolution of a part which it is, from 1; and again at its last if another part follows.
-pub(crate) fn log(rec: &RecordingStream, part: u64, goes_on: bool) -> RecordingStreamResult<()> {
-    rec.log(MARK, &f64_vector(vec![part as f64, f64::from(u8::from(goes_on))], "number, goes_on"))
+pub(crate) fn log(rows: &mut Rows, part: u64, goes_on: bool) {
+    rows.log(&PART, &f64_vector(vec![part as f64, f64::from(u8::from(goes_on))], PART.dims));
 }
 
 /// What the parts of a recording say of themselves. Those of a version that said nothing are taken for whole.
