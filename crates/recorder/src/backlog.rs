@@ -1,8 +1,8 @@
 //! A disk that is slower than a live flight: what is left out, and how much.
 //!
-//! A recorded flight waits for the disk. A live one goes on, so what the disk has not taken yet waits in memory: beyond
-//! [`THIN_BYTES`] the matrices of a revolution are left out, beyond [`MOST_BYTES`] the revolution altogether, until the
-//! disk has caught up. Both are counted, and said in the recording and at the end.
+//! A recorded flight waits for the disk. A live one does not, so rows that are not written yet wait in memory. Beyond
+//! [`THIN_BYTES`] the matrices of a revolution are left out, beyond [`MOST_BYTES`] the whole revolution, until the disk
+//! has caught up. Both are counted, and reported in the recording and at the end.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,14 +15,14 @@ use rerun::sink::{LogSink, SinkFlushError};
 
 use crate::scope::Share;
 
-/// What waits is flushed at the latest when it has grown by so much, so that it is known how far the disk got.
+/// A flush is due after this many bytes at the latest: only flushes show how far the disk got.
 const FLUSH_BYTES: u64 = 4 << 20;
-/// No more matrices while this much waits.
+/// While more than this waits, matrices are left out.
 const THIN_BYTES: u64 = 16 << 20;
-/// Nothing more while this much waits. Rerun itself takes 50 MB before its calls block.
+/// While more than this waits, revolutions are left out. Rerun's own calls block at 50 MB.
 const MOST_BYTES: u64 = 40 << 20;
 
-/// What there is room for.
+/// How much of a revolution there is room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Room {
     /// The whole revolution.
@@ -33,7 +33,7 @@ pub(crate) enum Room {
     Nothing,
 }
 
-/// Revolutions that the disk had no time for.
+/// Numbers of revolutions that the disk was too slow for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Lost {
     /// Recorded without matrices.
@@ -42,20 +42,22 @@ pub(crate) struct Lost {
     pub(crate) left_out: u64,
 }
 
-/// What waits for the disk during a live flight, by estimate.
+/// Estimate of the bytes that wait for the disk during a live flight.
 #[derive(Debug, Default)]
 pub(crate) struct Backlog {
     flushed: Flushed,
     /// Bytes of each flush that is not done, the oldest first.
     flushes: VecDeque<u64>,
+    /// Number of flushes so far, done or not.
     asked: u64,
+    /// Bytes since the last flush was asked for.
     unflushed: u64,
     lost: Lost,
-    /// The same since the disk had last caught up.
+    /// Losses since the disk had last caught up.
     lost_in_row: Lost,
 }
 
-/// A sink that takes nothing and counts flushes: the last of several, it counts those that the others have done.
+/// A sink that takes nothing and counts flushes. As the last of several sinks it counts those that the others have done.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Flushed(Arc<AtomicU64>);
 
@@ -69,18 +71,17 @@ impl LogSink for Flushed {
 }
 
 impl Backlog {
-    /// To stand behind the file among Rerun's sinks.
+    /// The sink that counts flushes. It has to come after the file among Rerun's sinks.
     pub(crate) fn sink(&self) -> Flushed {
         self.flushed.clone()
     }
 
-    /// What there is room for of this revolution's share; and what is to be said of it: where losses begin, and where
-    /// they have ended.
+    /// How much of this revolution's share there is room for, and a message where losses begin or have ended.
     pub(crate) fn room_for(&mut self, frame: &Frame, share: Share) -> (Room, Option<String>) {
         self.forget_what_is_done();
         let (light, all) = estimated_bytes(frame, share);
         let waiting = self.flushes.iter().sum::<u64>() + self.unflushed;
-        // One that is larger than what may wait passes when it is alone.
+        // A revolution that is larger than the limits is recorded when nothing else waits.
         let room = match waiting {
             0 => Room::All,
             _ if waiting + all <= THIN_BYTES => Room::All,
@@ -101,7 +102,7 @@ impl Backlog {
         while self.asked - (self.flushes.len() as u64) < flushes_done && self.flushes.pop_front().is_some() {}
     }
 
-    /// Whether the disk has taken all that it was asked to.
+    /// Whether all flushes are done.
     pub(crate) fn is_clear(&self) -> bool {
         self.flushed.0.load(Ordering::Relaxed) >= self.asked
     }
@@ -125,26 +126,26 @@ impl Backlog {
         }
     }
 
-    /// Whether so much was recorded since the last flush that another is due.
+    /// Whether another flush is due.
     pub(crate) fn wants_flush(&self) -> bool {
         self.unflushed >= FLUSH_BYTES
     }
 
-    /// A flush of everything recorded so far was asked for.
+    /// Notes that a flush of all rows so far was asked for.
     pub(crate) fn flush_asked(&mut self) {
         self.asked += 1;
         self.flushes.push_back(std::mem::take(&mut self.unflushed));
     }
 
-    /// What was lost over the whole flight, if anything was.
+    /// Losses over the whole flight; `None` if there were none.
     pub(crate) fn lost(&self) -> Option<Lost> {
         (self.lost != Lost::default()).then_some(self.lost)
     }
 }
 
-/// Bytes in memory of a revolution without its matrices, and of all its share. Points, ranges, labels and drawings come
-/// to about 100 bytes a return; pictures and links to half a byte for each of n²; U and its drawing to 8 a number;
-/// exact W to f64.
+/// Estimated bytes in memory of a revolution without its matrices, and with its whole share. Points, ranges, labels and
+/// drawings take about 100 bytes a return; pictures and edges half a byte for each of n²; U and its drawing 8 bytes a
+/// number; the exact W what it takes in the frame.
 fn estimated_bytes(frame: &Frame, share: Share) -> (u64, u64) {
     let (n, k) = (frame.revolution.len() as u64, frame.spectrum.u.ncols() as u64);
     let light = (16 << 10) + 100 * n;
@@ -168,7 +169,7 @@ mod tests {
         frame
     }
 
-    /// Rooms for `count` revolutions; a flush is asked for whenever it is due, and none is done.
+    /// The room for each of `count` revolutions, while no flush is ever done.
     fn rooms(backlog: &mut Backlog, count: usize) -> Vec<Room> {
         let frame = frame();
         let room = |_| {
@@ -182,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disk_that_takes_nothing_costs_first_the_matrices_and_then_the_revolutions_and_all_are_counted() {
+    fn a_stopped_disk_costs_matrices_then_revolutions_and_both_are_counted() {
         let mut backlog = Backlog::default();
         let rooms = rooms(&mut backlog, 2000);
         let count = |room| rooms.iter().filter(|&&r| r == room).count() as u64;
@@ -205,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn losses_are_said_where_they_begin_and_counted_where_the_disk_has_caught_up() {
+    fn losses_are_reported_where_they_begin_and_where_they_end() {
         let (mut backlog, frame) = (Backlog::default(), frame());
         let said: Vec<Option<String>> = (0..5).map(|_| backlog.room_for(&frame, ALL).1).collect();
         assert_eq!(said.iter().flatten().count(), 1, "{said:?}");
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_revolution_larger_than_what_may_wait_is_recorded_when_nothing_waits() {
+    fn a_revolution_beyond_the_limits_is_recorded_when_nothing_waits() {
         let mut large = frame();
         large.affinity.weights.make_dense(3000);
         let mut backlog = Backlog::default();

@@ -1,8 +1,8 @@
 //! Colours of walls, the same in every view.
 //!
-//! Points and lines carry class ids; one annotation context at the root of the recording says what colour a class has.
-//! The colours are those of Okabe and Ito that stand out on black as well as on white: views have the ground of the
-//! viewer's theme, dark or light.
+//! Points and lines carry class ids; one annotation context at the root of the recording gives each class its colour.
+//! The colours are those of Okabe and Ito that can be seen on black and on white, since the background of a view follows
+//! the viewer's theme.
 
 use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
@@ -17,46 +17,47 @@ const WALLS: [(&str, u32); COLORS as usize] = [
     ("dark blue", 0x0072_B2FF),
 ];
 
-/// How many walls can be told apart by their colour.
+/// Number of different colours.
 pub(crate) const COLORS: u16 = 6;
 
-/// Classes that have a name and a colour of their own. Rerun gives the classes beyond them a colour.
+/// Classes with a name. Rerun chooses colours for the classes beyond them.
 const NAMED_CLASSES: u16 = 256;
 
 /// The class of returns that belong to no wall.
 pub(crate) const NO_WALL: u16 = u16::MAX;
 
-/// Returns of no wall, and what is only there to measure by.
+/// Returns of no wall, and secondary lines.
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
-/// Words in a view. The viewer puts them on 0x161616 or on 0xEFEFEF, and this contrasts nearly as much with both.
+/// Text in a view. The background is 0x161616 or 0xEFEFEF; this contrasts about equally with both.
 pub(crate) const WORDS: u32 = 0x7C7C_7CFF;
-/// Words in a picture of a matrix, which is dark in both themes.
+/// Text on the picture of a matrix, which is dark in both themes.
 pub(crate) const WORDS_ON_PICTURES: u32 = 0xFFFF_FFFF;
-/// Lines to measure by.
+/// Grid lines and circles to read distances by.
 pub(crate) const GRID: u32 = 0x8080_80FF;
-/// The weakest link inside a wall: Okabe and Ito's yellow.
+/// The weakest edge of W inside a wall: Okabe and Ito's yellow.
 pub(crate) const WEAKEST: u32 = 0xF0E4_42FF;
-/// The strongest link between two walls.
+/// The strongest edge of W between two walls.
 pub(crate) const STRONGEST: u32 = 0xFFFF_FFFF;
-/// Around both of them, as white and yellow are lost on white.
-pub(crate) const LINK_EDGE: u32 = 0x0000_00FF;
-/// Links of a sparse W: a strong one, a weak one.
-pub(crate) const LINK: u32 = 0x8C8C_8C80;
-pub(crate) const WEAK_LINK: u32 = 0xF0E4_4280;
-/// Openings, in no wall's colour.
+/// Borders of both, as white and yellow cannot be seen on white.
+pub(crate) const BORDER: u32 = 0x0000_00FF;
+/// A strong edge of a sparse W.
+pub(crate) const EDGE: u32 = 0x8C8C_8C80;
+/// A weak edge of a sparse W.
+pub(crate) const WEAK_EDGE: u32 = 0xF0E4_4280;
+/// Openings; no wall has this colour.
 pub(crate) const OPENING: u32 = 0xE830_8CFF;
-/// The tolerance.
+/// The zero tolerance τ.
 pub(crate) const TOLERANCE: u32 = 0xE830_8CFF;
-/// What the numbers say before clean-up: k, the zeros.
+/// The zeros among the eigenvalues, and their number k.
 pub(crate) const ZEROS: u32 = 0x56B4_E9FF;
-/// What is reported.
+/// The reported number of walls.
 pub(crate) const REPORTED: u32 = 0xE69F_00FF;
-/// What is there for an axis to reach it.
-pub(crate) const UNSEEN: u32 = 0;
-/// One per step, in the order of the steps.
+/// Invisible points, which only widen the axis of a plot.
+pub(crate) const INVISIBLE: u32 = 0;
+/// A colour for each step, in their order.
 pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF];
 
-/// Nine colours of the map that pictures are drawn with, from 1e-16 or less to 1.
+/// Nine colours of the colour map of pictures, from 1e-16 or less to 1.
 pub(crate) const VIRIDIS: [u32; 9] = [
     0x4401_54FF,
     0x472D_7BFF,
@@ -69,7 +70,7 @@ pub(crate) const VIRIDIS: [u32; 9] = [
     0xFDE7_25FF,
 ];
 
-/// Places by name, the more ways on the warmer.
+/// Names and colours of places: the more openings, the warmer.
 pub(crate) const PLACES: [(&str, u32); 8] = [
     ("closed", 0x4A4A_4AFF),
     ("dead_end", 0x8C8C_8CFF),
@@ -86,7 +87,7 @@ pub(crate) fn color(rgba: u32) -> Color {
     Color::from_u32(rgba)
 }
 
-/// A line over revolutions: what holds at one of them holds until the next.
+/// The look of a line over revolutions. It is drawn in steps: a value holds until the next revolution.
 pub(crate) fn series(name: &str, rgba: u32, width: f32) -> SeriesLines {
     SeriesLines::new()
         .with_names([name])
@@ -95,7 +96,7 @@ pub(crate) fn series(name: &str, rgba: u32, width: f32) -> SeriesLines {
         .with_interpolation_mode(InterpolationMode::StepAfter)
 }
 
-/// What a class is called in words.
+/// The name of the colour of a class.
 pub(crate) fn name_of(class: u16) -> &'static str {
     if class == NO_WALL { "grey" } else { WALLS[usize::from(class % COLORS)].0 }
 }

@@ -1,16 +1,17 @@
-//! W and U as the pipeline had them, to the last bit.
+//! W and U to the last bit.
 
 use crosscut_stage::Frame;
-use rerun::{RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::LARGEST_SIDE;
+use crate::rows::Rows;
+use crate::schema::{AFFINITY_W_EXACT, SPECTRAL_U_EXACT};
 use crate::tensors::{f64_matrix, f64_rows};
 
-/// W as its upper triangle with zeros below, which compression takes at next to nothing; and U.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+/// The upper triangle of W, with zeros below that compress to almost nothing; and U.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     let n = frame.affinity.weights.n();
     if n > LARGEST_SIDE {
-        return Ok(()); // a note says so for the pictures
+        return; // the note about pictures covers this as well
     }
     let mut upper = vec![0.0; n * n];
     frame.affinity.weights.for_each(|i, j, w| {
@@ -18,6 +19,6 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult
             upper[i * n + j] = w;
         }
     });
-    rec.log("affinity/W/exact", &f64_matrix(upper, [n, n], ["return i", "return j, upper triangle"]))?;
-    rec.log("spectral/U/exact", &f64_rows(&frame.spectrum.u, "return"))
+    rows.log(&AFFINITY_W_EXACT, &f64_matrix(upper, [n, n], AFFINITY_W_EXACT.dims));
+    rows.log(&SPECTRAL_U_EXACT, &f64_rows(&frame.spectrum.u, SPECTRAL_U_EXACT.dims));
 }

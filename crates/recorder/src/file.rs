@@ -1,7 +1,7 @@
-//! The .rrd file: whole messages only, and no error lost.
+//! The .rrd file: it holds whole messages only, and no error gets lost.
 //!
-//! Rerun's own file sink ends its thread at the first failed write and leaves a torn message behind; later log calls
-//! still succeed. This one keeps the reason and cuts the torn message off, so that what was recorded stays readable.
+//! Rerun's own file sink ends its thread at the first failed write and leaves a torn message behind, while later log
+//! calls still succeed. This sink keeps the error and cuts the torn message off, so that the file stays readable.
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
@@ -26,7 +26,7 @@ pub(crate) struct RrdFile {
 struct Shared {
     path: PathBuf,
     state: State,
-    /// What every file of the recording begins with.
+    /// The message that every file of the recording begins with.
     store_info: Option<LogMsg>,
 }
 
@@ -43,7 +43,10 @@ impl RrdFile {
         Ok(Self { shared: Arc::new(Mutex::new(shared)) })
     }
 
-    /// Whether everything so far was written. A write that is going on is not waited for.
+    /// Checks that no write has failed so far. It does not wait for a write in progress.
+    ///
+    /// # Errors
+    /// When a write has failed.
     pub(crate) fn check(&self) -> Result<(), RecorderError> {
         let shared = match self.shared.try_lock() {
             Ok(shared) => shared,
@@ -57,6 +60,9 @@ impl RrdFile {
     }
 
     /// Writes the footer. Nothing can be added afterwards.
+    ///
+    /// # Errors
+    /// When this or an earlier write has failed.
     pub(crate) fn end(&self) -> Result<(), RecorderError> {
         self.lock().step(Encoder::finish);
         self.check()?;
@@ -64,9 +70,11 @@ impl RrdFile {
         Ok(())
     }
 
-    /// Ends the file and goes on in another one, which belongs to the same recording. All messages sent before have to
-    /// be flushed.
-    pub(crate) fn go_on_in(&self, path: &Path) -> Result<(), RecorderError> {
+    /// Ends the file and continues the recording in the file at `path`. All earlier messages must have been flushed.
+    ///
+    /// # Errors
+    /// When the file cannot be ended, or the next one not created.
+    pub(crate) fn continue_in(&self, path: &Path) -> Result<(), RecorderError> {
         self.end()?;
         let mut shared = self.lock();
         shared.state = State::create(path)?;
@@ -93,10 +101,10 @@ impl State {
     }
 }
 
-/// An empty file that no other run writes to. What is there stays until that is known.
+/// Creates the file, or empties it once it is certain that no other run writes to it.
 fn create(path: &Path) -> io::Result<File> {
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-    // Elsewhere a lock would keep readers out as well.
+    // On other systems a lock would keep readers out as well.
     if cfg!(unix) && matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
         return Err(io::Error::other("another program is writing to it"));
     }
@@ -115,7 +123,7 @@ impl Shared {
         }
     }
 
-    /// Lets the encoder write; after an error, cuts the file back to its last whole message and writes no more.
+    /// Lets the encoder write. After an error the file is cut back to its last whole message and never written again.
     fn step<T>(&mut self, write: impl FnOnce(&mut Encoder<File>) -> Result<T, EncodeError>) -> Option<T> {
         let State::Writing { encoder, .. } = &mut self.state else { return None };
         match write(encoder) {
@@ -143,13 +151,13 @@ impl LogSink for RrdFile {
         }
     }
 
-    /// Every message is written when it is sent; whether that worked, the recorder asks [`RrdFile::check`].
+    /// Nothing to do: every message is written when it is sent. [`RrdFile::check`] reports whether that worked.
     fn flush_blocking(&self, _timeout: Duration) -> Result<(), SinkFlushError> {
         Ok(())
     }
 }
 
-/// The operating system's words alone, where there are any.
+/// The message of the operating system alone, if the error has one.
 fn cause_of(error: &EncodeError) -> String {
     match error {
         EncodeError::Write(io) => io.to_string(),

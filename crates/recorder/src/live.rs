@@ -1,8 +1,8 @@
-//! What goes to viewers waits in a queue of its own, so that no viewer ever holds up the flight.
+//! The queue of messages to viewers, so that no viewer holds up the flight.
 //!
-//! Rerun's sinks wait for a viewer that has stopped reading, for good. Here a thread hands the messages over; when more
-//! than 64 MiB wait, the flight waits for 2 s, once, and from then on what finds no room is left out and counted, until
-//! the viewer reads again. The file is never concerned.
+//! Rerun's sinks block for good when a viewer stops reading. Here a thread hands the messages over. When more than
+//! 64 MiB wait, the flight waits once, for 2 s. After that, messages that find no room are left out and counted, until
+//! the viewer reads again. The file is not concerned.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -15,21 +15,21 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 use crate::RecorderError;
 use crate::serving::Server;
 
-/// How much may wait, and for how long.
+/// How many bytes may wait, and how long the flight waits for a viewer.
 #[derive(Clone, Copy)]
-struct Limits {
-    /// What may wait for viewers.
+struct QueueLimits {
+    /// Bytes of messages that may wait.
     queue_bytes: u64,
-    /// How long the flight waits for a viewer that is slower.
+    /// How long the flight waits for a slow viewer.
     patience: Duration,
-    /// How long the end waits for a viewer that takes nothing, or is still starting.
+    /// How long the end of the flight waits for a viewer that reads nothing, or is still starting.
     last_patience: Duration,
 }
 
-const LIMITS: Limits =
-    Limits { queue_bytes: 64 << 20, patience: Duration::from_secs(2), last_patience: Duration::from_secs(15) };
+const LIMITS: QueueLimits =
+    QueueLimits { queue_bytes: 64 << 20, patience: Duration::from_secs(2), last_patience: Duration::from_secs(15) };
 
-/// Where messages go, live.
+/// Where messages are sent during the flight.
 pub(crate) enum Outlet {
     /// To one viewer.
     Viewer(GrpcSink),
@@ -68,7 +68,7 @@ enum Connection {
 /// The recorder's end of the queue; the outlet is closed when it is dropped.
 pub(crate) struct Live {
     queue: LiveSink,
-    /// A server is still of use when the flight is over.
+    /// The outlet is a server, which stays open after the flight.
     serves: bool,
 }
 
@@ -77,21 +77,21 @@ pub(crate) struct Live {
 pub(crate) struct LiveSink(Arc<Shared>);
 
 struct Shared {
-    limits: Limits,
+    limits: QueueLimits,
     state: Mutex<State>,
     changed: Condvar,
 }
 
 #[derive(Default)]
 struct State {
-    /// Each with the bytes that it was counted with: Rerun's own count may change.
+    /// Each message with its size when it was added: the size that Rerun reports may change.
     waiting: VecDeque<(u64, LogMsg)>,
     waiting_bytes: u64,
     /// A message is being handed over.
     busy: bool,
     /// Messages handed over so far.
     taken: u64,
-    /// The flight has waited in vain, and waits no more until there is room.
+    /// The flight has waited in vain. It does not wait again until there is room.
     stalled: bool,
     left_out: u64,
     connection: Connection,
@@ -108,7 +108,7 @@ impl Live {
         Self::within(LIMITS, outlet)
     }
 
-    fn within(limits: Limits, outlet: Outlet) -> Result<Self, RecorderError> {
+    fn within(limits: QueueLimits, outlet: Outlet) -> Result<Self, RecorderError> {
         let queue = LiveSink(Arc::new(Shared { limits, state: Mutex::default(), changed: Condvar::new() }));
         let serves = matches!(outlet, Outlet::Server(_));
         let theirs = Arc::clone(&queue.0);
@@ -116,22 +116,22 @@ impl Live {
             .name("viewers".to_owned())
             .spawn(move || {
                 theirs.hand_over(&outlet);
-                drop(outlet); // closes the connection in good order
+                drop(outlet); // closes the connection
                 theirs.change(|state| state.ended = true);
             })
             .map_err(|e| RecorderError::Viewer(e.to_string()))?;
         Ok(Self { queue, serves })
     }
 
-    /// What Rerun sends to.
+    /// The sink that Rerun sends to.
     pub(crate) fn sink(&self) -> LiveSink {
         self.queue.clone()
     }
 
-    /// Waits until viewers have what they will get, and says whether that is all. A server goes on serving.
+    /// Waits until the viewers have read what they will get. A server stays open.
     ///
     /// # Errors
-    /// When the viewer went away or was left behind.
+    /// When the viewer was closed, never answered, or missed messages.
     pub(crate) fn end(&self) -> Result<(), RecorderError> {
         let shared = &self.queue.0;
         shared.wait_for_progress(State::is_idle);
@@ -199,7 +199,7 @@ impl State {
 }
 
 impl Shared {
-    /// The thread's work: one message after the other, until the end.
+    /// The work of the thread: hands over one message after the other until the queue is closed.
     fn hand_over(&self, outlet: &Outlet) {
         while let Some(message) = self.next() {
             outlet.sink().send(message);
@@ -219,7 +219,7 @@ impl Shared {
         }
     }
 
-    /// Nothing is left to hand over, and more may come.
+    /// Whether nothing waits and the queue is open.
     fn is_caught_up(&self) -> bool {
         let state = self.lock();
         state.waiting.is_empty() && !state.closed
@@ -241,11 +241,11 @@ impl Shared {
         }
     }
 
-    /// Until it is so, or nothing has moved for too long.
-    fn wait_for_progress(&self, is_so: impl Fn(&State) -> bool) {
+    /// Blocks until `done(&state)`, or until no message has been taken for `last_patience`.
+    fn wait_for_progress(&self, done: impl Fn(&State) -> bool) {
         let mut state = self.lock();
         let (mut taken, mut since) = (state.taken, Instant::now());
-        while !is_so(&state) && since.elapsed() < self.limits.last_patience {
+        while !done(&state) && since.elapsed() < self.limits.last_patience {
             state = self.wait(state, Duration::from_millis(100));
             if state.taken != taken {
                 (taken, since) = (state.taken, Instant::now());
@@ -276,10 +276,13 @@ mod tests {
 
     use super::*;
 
-    const HASTY: Limits =
-        Limits { queue_bytes: 1 << 20, patience: Duration::from_millis(50), last_patience: Duration::from_millis(500) };
+    const HASTY: QueueLimits = QueueLimits {
+        queue_bytes: 1 << 20,
+        patience: Duration::from_millis(50),
+        last_patience: Duration::from_millis(500),
+    };
 
-    /// A stream to whatever does at this listener.
+    /// A stream to the viewer at this listener.
     fn connected(listener: &TcpListener) -> (Live, RecordingStream) {
         let address = listener.local_addr().unwrap();
         let uri: ProxyUri = format!("rerun+http://{address}/proxy").parse().unwrap();
@@ -289,7 +292,7 @@ mod tests {
         (live, rec)
     }
 
-    /// A megabyte each, as messages of their own.
+    /// Logs `count` messages of a megabyte each.
     fn log_megabytes(rec: &RecordingStream, count: i64) {
         for i in 0..count {
             rec.set_time_sequence("i", i);
@@ -301,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_viewer_that_stops_reading_holds_nothing_up_and_what_it_missed_is_counted() {
+    fn messages_that_a_deaf_viewer_misses_are_counted() {
         let deaf = TcpListener::bind("127.0.0.1:0").unwrap();
         let (live, rec) = connected(&deaf);
         log_megabytes(&rec, 20);
@@ -313,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_viewer_that_goes_away_holds_nothing_up_and_is_said_to_be_gone() {
+    fn a_viewer_that_is_closed_ends_as_an_error() {
         let short = TcpListener::bind("127.0.0.1:0").unwrap();
         let (live, rec) = connected(&short);
         log_megabytes(&rec, 1);
@@ -323,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn a_viewer_that_never_comes_holds_nothing_up_and_is_said_not_to_answer() {
+    fn a_viewer_that_never_answers_ends_as_an_error() {
         let nobody = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = nobody.local_addr().unwrap();
         drop(nobody);

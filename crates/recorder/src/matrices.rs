@@ -1,24 +1,25 @@
 //! W and L as pictures in beam order: log10 |value| over [-16, 0], a decade a level, the upper triangle alone.
 //!
-//! Both are symmetric, and two triangles take twice the room of one. Linear levels would show nothing: the leaks that
-//! decide the count are 1e-8. Finer levels show the sensor's noise: 256 of them make a picture nearly three times as
-//! large. L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees, for the picture alone.
+//! Both matrices are symmetric, and two triangles take twice the space. On a linear scale the edges of 1e-8 that decide
+//! the count could not be seen. 256 levels would show the sensor's noise and take nearly three times the space.
+//! L = I - D^-1/2 W D^-1/2 is computed here, from W and the degrees, for the picture alone.
 
-use crosscut_stage::{Affinity, Frame};
+use crosscut_stage::{Affinity, Frame, Weights};
 use rerun::components::{Colormap, MediaType};
-use rerun::external::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use rerun::external::image::{ExtendedColorType, ImageEncoder as _};
 use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
 use crate::colors::{VIRIDIS, WORDS_ON_PICTURES, color};
+use crate::png::{Encoder, Picture};
+use crate::rows::Rows;
+use crate::schema::{AFFINITY_DEGREES, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
 use crate::tensors::f32_vector;
 
-/// The decades that a picture spans, ending at 1: the level of a value of 1 or more. Level 0 is 1e-16 or less.
-const DECADES: f32 = 16.0;
+/// The level of a value of 1 or more. There is a level for each decade down to level 0, which is 1e-16 or less.
+const DECADES: u8 = 16;
 
-/// What the colours stand for, in the lower triangle of pictures of so many places: a bar with a colour for every other
-/// level, with the ends and the middle named.
+/// The key to the colours, in the lower triangle of pictures with this many places: a bar with the colour of every other
+/// level, and labels at its ends and middle.
 pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStreamResult<()> {
     let side = places as f32;
     let (left, top, height) = (0.07 * side, 0.58 * side, 0.36 * side);
@@ -34,89 +35,90 @@ pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStream
         .with_colors([color(WORDS_ON_PICTURES)])
         .with_labels(named.map(|i| if i == 0 { "1".to_owned() } else { format!("1e-{}", 2 * i) }))
         .with_show_labels(true);
-    rec.log_static("affinity/scale", &[&bar as &dyn AsComponents, &names])
+    rec.log_static(AFFINITY_SCALE.path, &[&bar as &dyn AsComponents, &names])
 }
 
-/// Buffers for the pictures, reused from one revolution to the next.
+/// Draws W and L, with buffers that are reused from one revolution to the next.
 #[derive(Default)]
 pub(crate) struct Pictures {
     /// Pixels a side of the last pictures.
     side: usize,
-    /// log10 W, side×side, upper triangle; -∞ where there is no return.
-    decades: Vec<f32>,
-    /// ½ log10 D, by place.
-    half_degree_decades: Vec<f32>,
-    levels: Vec<u8>,
+    scale: Scale,
+    /// D^-1/2, by return.
+    roots: Vec<f64>,
+    w: Picture,
+    l: Picture,
+    encoder: Encoder,
 }
 
 impl Pictures {
     /// Degrees, and the pictures of W and L.
-    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame, order: &BeamOrder) -> RecordingStreamResult<()> {
+    pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame, order: &BeamOrder) {
         let degrees = frame.affinity.degrees.iter().map(|&d| d as f32).collect();
-        rec.log("affinity/degrees", &f32_vector(degrees, "return"))?;
+        rows.log(&AFFINITY_DEGREES, &f32_vector(degrees, AFFINITY_DEGREES.dims));
         self.side = order.side;
-        if !is_drawn(frame) {
-            return self.log_dark(rec);
+        self.clear();
+        if is_drawn(frame) {
+            self.draw(&frame.affinity, &order.places);
         }
-        self.take_decades(&frame.affinity, order);
-        self.draw_w();
-        rec.log("affinity/W", &self.picture())?;
-        self.draw_l(&frame.affinity, order);
-        rec.log("spectral/L", &self.picture())
+        self.log_pictures(rows);
     }
 
-    /// Dark pictures of the size of the last ones: the viewer goes on showing a picture that is cleared.
-    pub(crate) fn log_dark(&mut self, rec: &RecordingStream) -> RecordingStreamResult<()> {
-        if self.side == 0 {
-            return Ok(()); // there was no picture yet
-        }
-        self.levels.clear();
-        self.levels.resize(self.side * self.side, 0);
-        let dark = self.picture();
-        rec.log("affinity/W", &dark)?;
-        rec.log("spectral/L", &dark)
+    /// Dark pictures of the size of the last ones: the viewer keeps showing a picture that is cleared.
+    pub(crate) fn log_dark(&mut self, rows: &mut Rows) {
+        self.clear();
+        self.log_pictures(rows);
     }
 
-    fn take_decades(&mut self, affinity: &Affinity, order: &BeamOrder) {
-        let (side, places) = (order.side, &order.places);
-        self.decades.clear();
-        self.decades.resize(side * side, f32::NEG_INFINITY);
-        affinity.weights.for_each(|i, j, w| {
-            if i <= j {
-                self.decades[places[i] * side + places[j]] = (w as f32).log10();
+    fn log_pictures(&mut self, rows: &mut Rows) {
+        if self.side > 0 {
+            rows.log(&AFFINITY_W, &as_depth(self.encoder.encode(&self.w)));
+            rows.log(&SPECTRAL_L, &as_depth(self.encoder.encode(&self.l)));
+        }
+    }
+
+    fn clear(&mut self) {
+        self.w.clear(self.side);
+        self.l.clear(self.side);
+    }
+
+    /// |L_ij| = W_ij / √(D_i D_j) off the diagonal, which is at most W_ij as D >= 1; L_ii = 1 - W_ii / D_i with W_ii = 1.
+    fn draw(&mut self, affinity: &Affinity, places: &[usize]) {
+        let Self { scale, roots, w: w_picture, l: l_picture, .. } = self;
+        roots.clear();
+        roots.extend(affinity.degrees.iter().map(|degree| degree.sqrt().recip()));
+        let mut entry = |i: usize, j: usize, w: f64| {
+            let level = scale.level(w);
+            if level > 0 {
+                w_picture.set(places[i], places[j], level);
+                l_picture.set(places[i], places[j], scale.level(w * roots[i] * roots[j]));
             }
-        });
-        self.half_degree_decades.clear();
-        self.half_degree_decades.resize(side, 0.0);
-        for (&place, degree) in places.iter().zip(&affinity.degrees) {
-            self.half_degree_decades[place] = 0.5 * degree.log10() as f32;
+        };
+        match &affinity.weights {
+            Weights::Dense(w) => {
+                for j in 0..w.ncols() {
+                    let above_diagonal = &w.col_as_slice(j)[..=j];
+                    above_diagonal.iter().enumerate().for_each(|(i, &w)| entry(i, j, w));
+                }
+            }
+            sparse => sparse.for_each(|i, j, w| {
+                if i <= j {
+                    entry(i, j, w);
+                }
+            }),
+        }
+        for (place, degree) in places.iter().zip(&affinity.degrees) {
+            l_picture.set(*place, *place, scale.level((1.0 - degree.recip()).abs()));
         }
     }
+}
 
-    fn draw_w(&mut self) {
-        self.levels.clear();
-        self.levels.extend(self.decades.iter().map(|&decades| level(decades)));
-    }
-
-    /// log10 |L_ij| = log10 W_ij - ½ log10 D_i - ½ log10 D_j off the diagonal; L_ii = 1 - W_ii / D_i with W_ii = 1, in
-    /// f64: for a return that is nearly alone it is a leak of 1e-8 and less, which f32 would round to 0.
-    fn draw_l(&mut self, affinity: &Affinity, order: &BeamOrder) {
-        let halves = &self.half_degree_decades;
-        self.levels.clear();
-        for (row, own_half) in self.decades.chunks_exact(order.side).zip(halves) {
-            self.levels.extend(row.iter().zip(halves).map(|(w, half)| level(w - own_half - half)));
-        }
-        for (&place, degree) in order.places.iter().zip(&affinity.degrees) {
-            self.levels[place * order.side + place] = level((1.0 - 1.0 / degree).abs().log10() as f32);
-        }
-    }
-
-    fn picture(&self) -> EncodedDepthImage {
-        EncodedDepthImage::new(png(&self.levels, self.side))
-            .with_media_type(MediaType::PNG)
-            .with_colormap(Colormap::Viridis)
-            .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
-    }
+/// A picture of levels as the viewer shows it.
+fn as_depth(png: Vec<u8>) -> EncodedDepthImage {
+    EncodedDepthImage::new(png)
+        .with_media_type(MediaType::PNG)
+        .with_colormap(Colormap::Viridis)
+        .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
 }
 
 /// Whether W and L of this revolution are drawn.
@@ -125,19 +127,39 @@ pub(crate) fn is_drawn(frame: &Frame) -> bool {
     (1..=LARGEST_SIDE).contains(&n) && frame.affinity.degrees.len() == n && frame.revolution.len() == n
 }
 
-/// Decades above 1e-16.
-fn level(decades: f32) -> u8 {
-    (decades + DECADES).clamp(0.0, DECADES).round() as u8 // NaN casts to 0
+/// Levels of values: decades above 1e-16, rounded, without a logarithm for each value.
+struct Scale {
+    /// For each power of 2 from 2^-53 to 1: the level there, and the value from which on the next level begins. Levels are
+    /// a factor of 10 apart, so at most one begins before the next power of 2. None begins after 1 (NaN).
+    binades: [(u8, f64); BINADES],
 }
 
-/// A square grey picture as PNG.
-fn png(levels: &[u8], side: usize) -> Vec<u8> {
-    let mut png = Vec::with_capacity(levels.len() / 4);
-    let pixels = side as u32;
-    PngEncoder::new_with_quality(&mut png, CompressionType::Level(6), FilterType::NoFilter)
-        .write_image(levels, pixels, pixels, ExtendedColorType::L8)
-        .expect("the levels fill the picture, and memory takes it");
-    png
+/// Powers of 2 from 2^-53, which has level 0, to 1, which has the highest level.
+const BINADES: usize = 54;
+
+impl Default for Scale {
+    fn default() -> Self {
+        let binade = |at: usize| {
+            let power = 0.5f64.powi((BINADES - 1 - at) as i32);
+            let level = (power.log10() + f64::from(DECADES)).clamp(0.0, f64::from(DECADES)).round();
+            let next = if at < BINADES - 1 { 10f64.powf(level + 0.5 - f64::from(DECADES)) } else { f64::NAN };
+            (level as u8, next)
+        };
+        Self { binades: std::array::from_fn(binade) }
+    }
+}
+
+impl Scale {
+    /// The level of a value that is not negative; NaN has level 0.
+    fn level(&self, value: f64) -> u8 {
+        const EXPONENT_OF_1: usize = 1023;
+        if value.is_nan() {
+            return 0;
+        }
+        let exponent = (value.to_bits() >> 52) as usize;
+        let (level, next) = self.binades[(exponent + BINADES).saturating_sub(EXPONENT_OF_1 + 1).min(BINADES - 1)];
+        level + u8::from(value >= next)
+    }
 }
 
 #[cfg(test)]
@@ -145,9 +167,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_span_sixteen_decades_and_never_wrap() {
-        assert_eq!([level(0.0), level(3.0), level(f32::INFINITY)], [16; 3]);
-        assert_eq!([level(-16.0), level(-300.0), level(f32::NEG_INFINITY), level(f32::NAN)], [0; 4]);
-        assert_eq!([level(-8.0), level(-7.6), level(-7.4)], [8, 8, 9]);
+    fn levels_are_rounded_decades_and_never_wrap() {
+        let level = |value: f64| Scale::default().level(value);
+        assert_eq!([level(1.0), level(1e3), level(f64::INFINITY)], [16; 3]);
+        assert_eq!([level(1e-16), level(1e-300), level(0.0), level(f64::NAN)], [0; 4]);
+        for decades in -200..20 {
+            let decades = 0.1 * f64::from(decades) + 0.03;
+            let expected = (decades + 16.0).clamp(0.0, 16.0).round() as u8;
+            assert_eq!(level(10f64.powf(decades)), expected, "10^{decades}");
+        }
     }
 }

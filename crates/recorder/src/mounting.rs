@@ -1,8 +1,10 @@
-//! How the sensor sits in the body: what ties our drawings to the transforms of a robot.
+//! How the sensor is mounted in the body frame, which connects the drawings with the transforms of a robot.
 
 use rerun::{CoordinateFrame, Quaternion, RecordingStream, RecordingStreamResult, Transform3D};
 
-/// How the sensor sits in the body frame.
+use crate::schema::SCAN_MOUNTING;
+
+/// How the sensor is mounted in the body frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mounting {
     /// Direction of the sensor's zero bearing in the body frame, anticlockwise, rad.
@@ -19,13 +21,13 @@ impl Mounting {
     }
 }
 
-/// The sensor's frame, by the name that it has in the flight, and how it is turned in the body frame.
+/// The name of the sensor's frame in the flight, and its rotation into the body frame.
 pub(crate) fn log(rec: &RecordingStream, mounting: Mounting, frame_id: &str) -> RecordingStreamResult<()> {
     let turned = Transform3D::from_rotation(mounting.quaternion());
     if frame_id.is_empty() {
-        return rec.log_static("scan/mounting", &turned);
+        return rec.log_static(SCAN_MOUNTING.path, &turned);
     }
-    rec.log_static("scan/mounting", &[&turned as &dyn rerun::AsComponents, &CoordinateFrame::new(frame_id)])
+    rec.log_static(SCAN_MOUNTING.path, &[&turned as &dyn rerun::AsComponents, &CoordinateFrame::new(frame_id)])
 }
 
 #[cfg(test)]

@@ -1,24 +1,26 @@
-//! Notes in the log: each when it begins. The explanation of a revolution has all of its notes.
+//! Notes in the log. Each is logged when it begins; the explanation of a revolution has all of its notes.
 
 use crosscut_stage::{Frame, Notes as NotesOfFrame};
-use rerun::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel};
+use rerun::{TextLog, TextLogLevel};
 
 use crate::beam_order::LARGEST_SIDE;
 use crate::matrices::is_drawn;
+use crate::rows::Rows;
+use crate::schema::LOG;
 
-/// The notes of the revolution before, without their numbers: "3 beams masked" goes on as "4 beams masked".
+/// Finds the notes that begin. Notes are compared without their numbers: "4 beams masked" continues "3 beams masked".
 #[derive(Default)]
 pub(crate) struct Notes {
+    /// Kinds of the notes of the revolution before.
     before: Vec<String>,
 }
 
 impl Notes {
-    /// What was noted on the way and what this recording leaves out, as far as it is new.
-    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+    /// Logs the notes of the stages and of this recording that begin at this revolution.
+    pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame) {
         for note in self.new_of(frame) {
-            rec.log("log", &TextLog::new(note).with_level(TextLogLevel::INFO))?;
+            rows.log(&LOG, &TextLog::new(note).with_level(TextLogLevel::INFO));
         }
-        Ok(())
     }
 
     fn new_of(&mut self, frame: &Frame) -> Vec<String> {
@@ -39,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_note_is_told_when_it_begins_and_again_when_it_comes_back() {
+    fn a_note_is_logged_when_it_begins_and_begins_again() {
         let noted = |notes: &[&str]| {
             let mut frame = Frame::default();
             notes.iter().for_each(|note| frame.notes.add(*note));

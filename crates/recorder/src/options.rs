@@ -1,4 +1,4 @@
-//! Where and how to record, and why that may fail.
+//! Options of a recording, and why it may fail.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -10,20 +10,19 @@ use crate::{Layout, Mounting, Scope};
 /// Where and how to record.
 #[derive(Clone, Debug, Default)]
 pub struct RecorderOptions {
-    /// The .rrd file to write; an existing one is replaced. A long flight goes on in FILE-2.rrd, FILE-3.rrd...
+    /// The .rrd file to write; an existing one is replaced. A long flight continues in FILE-2.rrd, FILE-3.rrd...
     pub path: Option<PathBuf>,
-    /// Shows the recording in the native viewer while it is made.
+    /// Shows the recording in the native viewer during the flight.
     pub view: bool,
-    /// Serves the recording at this address while it is made, and until the recorder is dropped; port 0 takes a free
-    /// one.
+    /// Serves the recording at this address until the recorder is dropped; port 0 takes a free one.
     pub serve: Option<SocketAddr>,
-    /// The flight is live: what the disk is too slow for is left out and counted, instead of the flight waiting.
+    /// The flight is live: it does not wait for a slow disk, but leaves out revolutions and counts them.
     pub live: bool,
-    /// Name of the recording, as the viewer lists it.
+    /// Name of the recording in the viewer.
     pub name: String,
     /// The resolved configuration, as TOML.
     pub config_toml: String,
-    /// How the sensor sits in the body frame.
+    /// How the sensor is mounted in the body frame.
     pub mounting: Mounting,
     /// The page that the viewer opens with.
     pub layout: Layout,
@@ -31,24 +30,24 @@ pub struct RecorderOptions {
     pub scope: Scope,
 }
 
-/// Why nothing can be recorded, or no more.
+/// Why recording failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecorderError {
-    /// The file could not be made.
+    /// The file could not be created.
     #[error("cannot create the recording: {cause}: {}", path.display())]
     Create {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         cause: String,
     },
     /// The file could not be written to the end.
-    #[error("the recording ends early, with what was written so far: {cause}: {}", path.display())]
+    #[error("the recording ends early, with all that was written before: {cause}: {}", path.display())]
     Write {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         cause: String,
     },
     /// The disk was slower than the live flight.
@@ -56,32 +55,32 @@ pub enum RecorderError {
         "the disk was slower than the flight: {thinned} revolutions are recorded without matrices, {left_out} not at all"
     )]
     DiskTooSlow {
-        /// Recorded without matrices.
+        /// Revolutions recorded without matrices.
         thinned: u64,
-        /// Not recorded.
+        /// Revolutions not recorded.
         left_out: u64,
     },
-    /// The environment tells Rerun to drop everything in silence.
+    /// The environment variable `RERUN` makes Rerun drop everything silently.
     #[error("RERUN=0 in the environment turns every recording off; unset it")]
     Disabled,
     /// There is no native viewer on this machine.
     #[error("no Rerun viewer found; `pip install rerun-sdk==0.36.3` brings it")]
     NoViewer,
-    /// The viewer could not be started, or went away.
-    #[error("the viewer is not to be reached: {0}")]
+    /// The viewer could not be started, or was closed.
+    #[error("cannot reach the viewer: {0}")]
     Viewer(String),
-    /// The viewer reads more slowly than the flight goes.
-    #[error("the viewer was too slow: {0} messages were left out of what it shows")]
+    /// The viewer was slower than the flight.
+    #[error("the viewer was too slow: it misses {0} messages")]
     ViewerTooSlow(u64),
-    /// The address cannot be listened at.
+    /// The server cannot listen at the address.
     #[error("cannot serve at {address}: {cause}")]
     Serve {
-        /// Which address.
+        /// The address.
         address: SocketAddr,
-        /// What the system said.
+        /// The error of the system.
         cause: String,
     },
-    /// Rerun refused.
+    /// Rerun returned an error.
     #[error("cannot record: {0}")]
     Rerun(#[from] RecordingStreamError),
 }

@@ -1,54 +1,45 @@
-//! Clusters: the label of each return, and the centres among the rows of U.
+//! Clusters: the label of each return, and the centroids among the rows of U.
 
 use crosscut_stage::{Frame, Partition};
 use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
 use crate::colors::NO_WALL;
+use crate::rows::Rows;
+use crate::schema::{KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS};
 use crate::spectrum::drawn_row;
 use crate::tensors::{f64_rows, i32_vector};
 use crate::tracks::Classes;
 
-/// A bar goes on over fewer beams without a return than this.
+/// A bar is drawn across gaps of fewer beams without a return than this.
 const GAP: usize = 4;
-/// Blocks of W that take a smaller share of its side are not framed.
+/// Blocks of W that cover a smaller share of its side have no frame.
 const BLOCK_SHARE: f64 = 0.03;
 
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    rec.log_static("kmeans/labels", &LineStrips2D::update_fields().with_radii([ui(4.0)]))?;
-    rec.log_static("kmeans/blocks", &LineStrips2D::update_fields().with_radii([ui(1.0)]))?;
-    rec.log_static("kmeans/centroids", &Points3D::update_fields().with_radii([ui(7.0)]))
+    rec.log_static(KMEANS_LABELS.path, &LineStrips2D::update_fields().with_radii([ui(4.0)]))?;
+    rec.log_static(KMEANS_BLOCKS.path, &LineStrips2D::update_fields().with_radii([ui(1.0)]))?;
+    rec.log_static(KMEANS_CENTROIDS.path, &Points3D::update_fields().with_radii([ui(7.0)]))
 }
 
 /// Labels and centroids of one revolution, the centroids drawn at the embedding's `scale`.
-pub(crate) fn log(
-    rec: &RecordingStream,
-    frame: &Frame,
-    order: &BeamOrder,
-    classes: &Classes,
-    scale: f64,
-) -> RecordingStreamResult<()> {
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes, scale: f64) {
     let partition = &frame.partition;
-    log_labels(rec, partition, order, classes)?;
-    log_blocks(rec, frame, order, classes)?;
+    log_labels(rows, partition, order, classes);
+    log_blocks(rows, frame, order, classes);
     let centroids = &partition.centroids;
     let clusters = centroids.nrows();
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
         .with_class_ids((0..clusters).map(|c| classes.of_cluster(u32::try_from(c).ok())))
         .with_show_labels(false);
-    let exact = f64_rows(centroids, "cluster");
-    rec.log("kmeans/centroids", &[&exact as &dyn AsComponents, &points])
+    let exact = f64_rows(centroids, KMEANS_CENTROIDS.dims);
+    rows.log(&KMEANS_CENTROIDS, &[&exact as &dyn AsComponents, &points]);
 }
 
-/// The labels, -1 for a return that was left out, and the clusters as bars along the edges of W.
-fn log_labels(
-    rec: &RecordingStream,
-    partition: &Partition,
-    order: &BeamOrder,
-    classes: &Classes,
-) -> RecordingStreamResult<()> {
+/// The labels, -1 for a return that was left out, and the clusters as bars along the sides of W.
+fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes: &Classes) {
     let margin = -0.025 * order.used as f32;
     let clusters: Vec<u16> = partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
     let runs = runs(&clusters, &order.places);
@@ -59,12 +50,12 @@ fn log_labels(
     let bars = LineStrips2D::new(runs.iter().flat_map(along))
         .with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]))
         .with_show_labels(false);
-    let exact = i32_vector(partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), "return");
-    rec.log("kmeans/labels", &[&exact as &dyn AsComponents, &bars])
+    let exact = i32_vector(partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), KMEANS_LABELS.dims);
+    rows.log(&KMEANS_LABELS, &[&exact as &dyn AsComponents, &bars]);
 }
 
-/// The walls' blocks on the diagonal of W, framed.
-fn log_blocks(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, classes: &Classes) -> RecordingStreamResult<()> {
+/// Frames around the blocks of the walls on the diagonal of W.
+fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
     let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
     let large = |&&(class, from, to): &&(u16, usize, usize)| {
         class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
@@ -76,10 +67,10 @@ fn log_blocks(rec: &RecordingStream, frame: &Frame, order: &BeamOrder, classes: 
             ([[from, from], [to, from], [to, to], [from, to], [from, from]], class)
         })
         .unzip();
-    rec.log("kmeans/blocks", &LineStrips2D::new(frames).with_class_ids(colors).with_show_labels(false))
+    rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors).with_show_labels(false));
 }
 
-/// Class, first place and place after the last of each run of equal classes, broken where places are left out.
+/// Class, first place and place after the last of each run of equal classes. Gaps of [`GAP`] places or more end a run.
 pub(crate) fn runs(classes: &[u16], places: &[usize]) -> Vec<(u16, usize, usize)> {
     let placed: Vec<(u16, usize)> = classes.iter().copied().zip(places.iter().copied()).collect();
     let joined = |a: &(u16, usize), b: &(u16, usize)| a.0 == b.0 && b.1 - a.1 <= GAP;
@@ -91,12 +82,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_end_where_the_class_changes_and_where_beams_came_back_without_a_return() {
+    fn runs_end_at_another_class_and_at_gaps() {
         let (a, b) = (0, 1);
         let expected = [(0, 2, 4), (1, 4, 5), (NO_WALL, 5, 6), (0, 6, 7)];
         assert_eq!(runs(&[a, a, b, NO_WALL, a], &[2, 3, 4, 5, 6]), expected);
         assert_eq!(runs(&[a, a, a], &[0, 2, 30]), [(0, 0, 3), (0, 30, 31)]);
         assert_eq!(runs(&[], &[]), []);
-        assert_eq!(runs(&[a], &[]), [], "classes that do not fit the returns break nothing");
+        assert_eq!(runs(&[a], &[]), [], "classes without returns make no run");
     }
 }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use crosscut_rrd::parts::{part_in, part_path};
-use rerun::{RecordingStream, RecordingStreamResult};
 
-use crate::schema;
+use crate::rows::Rows;
+use crate::schema::PART;
 use crate::tensors::f64_vector;
 
 /// The number of the next file after `number` that a part may be written to. A recording of its own that has the name
@@ -23,6 +23,6 @@ fn is_free(path: &Path) -> bool {
 }
 
 /// Records at the first revolution of a part which one it is, from 1; and at its last again if another part follows.
-pub(crate) fn log(rec: &RecordingStream, part: u64, continues: bool) -> RecordingStreamResult<()> {
-    rec.log(schema::PART.path, &f64_vector(vec![part as f64, f64::from(u8::from(continues))], schema::PART.dims[0]))
+pub(crate) fn log(rows: &mut Rows, part: u64, continues: bool) {
+    rows.log(&PART, &f64_vector(vec![part as f64, f64::from(u8::from(continues))], PART.dims));
 }

@@ -1,5 +1,4 @@
-//! Labels by beam: how far each beam saw, in the colour of its wall, and above it the clusters that the walls come
-//! from.
+//! Chart by beam: the range of each beam in the colour of its wall, and above it a row of walls and a row of clusters.
 
 use crosscut_stage::{Frame, Sweep};
 use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
@@ -8,33 +7,37 @@ use crate::beam_order::beams_of_returns;
 use crate::colors::{GRID, WORDS, color};
 use crate::partition::runs;
 use crate::polyline::simplified;
+use crate::rows::Rows;
 use crate::scan::ticks_m;
+use crate::schema::{KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES};
 use crate::tracks::Classes;
 
-/// The chart is as wide as this whatever the number of beams, and as high as this whatever the range.
+/// Width of the chart, whatever the number of beams.
 const WIDTH: f32 = 100.0;
+/// Height of the chart, whatever the range.
 const HEIGHT: f32 = 85.0;
-/// Where the clusters and the walls stand: 2D views have y downwards, so above the ranges.
+/// Where the row of clusters stands; 2D views have y downwards.
 const CLUSTERS_Y: f32 = -HEIGHT - 20.0;
+/// Where the row of walls stands.
 const WALLS_Y: f32 = -HEIGHT - 10.0;
-/// A label hangs below its point; so much higher, its middle is level with what it names.
+/// A label hangs below its point. Raised by this, its middle is level with what it names.
 const LABEL_RISE: f32 = 5.0;
-/// A line passes the ranges within this distance.
+/// Largest distance between a range and the line that is drawn for it.
 const LINE: f32 = 0.25;
-/// Ranges of neighbouring beams that differ by more are not joined.
+/// Ranges of neighbouring beams that differ by more are not joined by a line.
 const GAP: f32 = 5.0;
 
-/// Look of the entities, and what the rows are called.
+/// Names of the rows.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let names = [("clusters", CLUSTERS_Y), ("walls", WALLS_Y)];
     rec.log_static(
-        "kmeans/profile/names",
+        KMEANS_PROFILE_NAMES.path,
         &marks(names.into_iter().map(|(name, y)| ([-12.0, y - LABEL_RISE], name.to_owned()))),
     )
 }
 
-/// The axes: ranges to `reach_m`, and the bearings of some beams.
-pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> RecordingStreamResult<()> {
+/// The axes: ranges up to `reach_m`, and the bearings of some beams.
+pub(crate) fn log_axes(rows: &mut Rows, reach_m: f64, sweep: &Sweep) {
     let ticks_m: Vec<f64> = [0.0].into_iter().chain(ticks_m(reach_m)).collect();
     let y = |tick_m: f64| -HEIGHT * (tick_m / reach_m) as f32;
     let grid = LineStrips2D::new(ticks_m.iter().map(|&tick_m| [[0.0, y(tick_m)], [WIDTH, y(tick_m)]]))
@@ -50,11 +53,11 @@ pub(crate) fn log_axes(rec: &RecordingStream, reach_m: f64, sweep: &Sweep) -> Re
         };
         Some(([WIDTH * share, 1.0], label))
     });
-    rec.log("kmeans/profile/axes", &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))])
+    rows.log(&KMEANS_PROFILE_AXES, &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))]);
 }
 
-/// The ranges of one revolution, drawn to `reach_m`, and its clusters and walls.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach_m: f64) -> RecordingStreamResult<()> {
+/// The ranges of one revolution, cut off at `reach_m`, and its clusters and walls.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64) {
     let by_return = || (frame.revolution.len(), (0..frame.revolution.len()).collect());
     let (beams, places) = beams_of_returns(&frame.revolution).unwrap_or_else(by_return);
     let along = WIDTH / beams.max(1) as f32;
@@ -79,10 +82,10 @@ pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach
     let (lines, (colors, radii)): (Vec<_>, (Vec<_>, Vec<_>)) =
         lines.into_iter().map(|(line, class, radius)| (line, (class, radius))).unzip();
     let lines = LineStrips2D::new(lines).with_class_ids(colors).with_radii(radii).with_show_labels(false);
-    rec.log("kmeans/profile/lines", &lines)
+    rows.log(&KMEANS_PROFILE, &lines);
 }
 
-/// The line through these ranges; one alone is as wide as its beam.
+/// The line through these ranges; a single range becomes a line as wide as its beam.
 fn drawn(line: &[(u16, [f32; 3])], along: f32) -> Vec<[f32; 2]> {
     if let [(_, [x, y, _])] = *line {
         return vec![[x - 0.5 * along, y], [x + 0.5 * along, y]];

@@ -1,4 +1,4 @@
-//! The observer: what is logged of each revolution, when it is flushed, and what happens when that fails.
+//! The observer: it logs each revolution, flushes, and handles failures of both.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,46 +22,50 @@ use crate::matrices::Pictures;
 use crate::notes::Notes;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::parts;
+use crate::rows::Rows;
 use crate::scan::BeamGeometry;
+use crate::schema::{ABOUT, AFFINITY_DEGREES, AFFINITY_LINKS, COLORS, CONFIG, LOG, SPECTRAL_EMBEDDING, SPECTRAL_U};
 use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
 use crate::timing::Times;
 use crate::tracks::Tracks;
-use crate::{exact, layout, matrices, mounting, partition, profile, report, scan, spectrum, timing, viewer, why};
+use crate::{
+    exact, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing, viewer, why,
+};
 
-/// What is on the disk never lags behind by more than this much sensor time: each flush costs the description of every
-/// entity's columns...
+/// Sensor time between two flushes. Each flush writes the description of all columns once more.
 const FLUSH_AFTER_NS: u64 = 2_500_000_000;
-/// ...and less in a live flight, which cannot be flown again...
+/// Sensor time between two flushes of a live flight, which cannot be repeated.
 const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
-/// ...nor by more revolutions than this, whatever the stamps say.
+/// Most revolutions between two flushes, whatever their stamps.
 const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
-/// Chunks are made by these rules alone, so that equal flights make equal chunks; memory stays bounded all the same.
-const FLUSH_AFTER_BYTES: u64 = 16 << 20;
-/// A viewer wants to see things soon; sooner still would double the file.
+/// Bytes of waiting rows after which they are sent, which bounds the memory.
+const SEND_AFTER_BYTES: usize = 16 << 20;
+/// Time between two flushes to a viewer. Half of it would double the file.
 const LIVE_TICK: Duration = Duration::from_millis(500);
 
 /// Records every frame that it sees.
 pub struct Recorder {
     rec: RecordingStream,
+    rows: Rows,
     file: Option<RrdFile>,
-    /// Why there is no file any more, while viewers go on.
+    /// Why the file was given up, if viewers are still served.
     file_lost: Option<RecorderError>,
     live: Vec<Live>,
     served: Option<Served>,
-    /// Of a live flight.
+    /// Only of a live flight.
     backlog: Option<Backlog>,
     options: RecorderOptions,
-    /// What the views have to reach; set when the layout was sent.
+    /// What the views show; set when the layout is sent.
     extent: Option<Extent>,
     /// The part being written, from 1.
     part: u64,
-    /// The number in the name of its file: greater where a recording of its own is called like a part.
+    /// The number in the name of its file. It is greater than `part` if other recordings have the names of parts.
     file_number: u64,
-    /// A new part is begun as soon as that does not hold up a live flight.
+    /// A new part begins as soon as that does not delay a live flight.
     part_is_due: bool,
     plan: Plan,
-    /// Revolutions that the plan has a share of.
+    /// Number of revolutions within the scope.
     recorded: Arc<AtomicU64>,
     tracks: Tracks,
     watch: Watch,
@@ -74,17 +78,17 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Opens the file and the viewer, and writes what holds for the whole recording.
+    /// Opens the file and the viewer, and writes all that holds for the whole recording.
     ///
     /// # Errors
-    /// When the file cannot be created, there is no viewer to show it, or the environment turns recordings off.
+    /// When the file cannot be created, there is no viewer, or the environment turns recordings off.
     pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
         let mut live = Vec::new();
         let mut served = None;
-        // First of all: without a viewer, no older file is lost.
+        // The viewer comes before the file: if there is no viewer, an older file is kept.
         if options.view {
             live.push(Live::start(Outlet::Viewer(viewer::connect("rerun")?))?);
         }
@@ -101,7 +105,7 @@ impl Recorder {
         sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
         let batches = ChunkBatcherConfig {
             flush_tick: if live.is_empty() { Duration::MAX } else { LIVE_TICK },
-            flush_num_bytes: FLUSH_AFTER_BYTES,
+            flush_num_bytes: SEND_AFTER_BYTES as u64,
             ..ChunkBatcherConfig::DEFAULT
         };
         let rec = RecordingStreamBuilder::new("crosscut")
@@ -113,6 +117,7 @@ impl Recorder {
         rec.set_log_tick_enabled(false);
         log_static(&rec, &options.config_toml)?;
         Ok(Self {
+            rows: Rows::new(rec.clone(), !live.is_empty()),
             rec,
             file,
             file_lost: None,
@@ -142,8 +147,7 @@ impl Recorder {
         self.served.as_ref()
     }
 
-    /// How many revolutions lay within what is to be recorded; to be read when the flight is over and has taken the
-    /// recorder with it.
+    /// Number of revolutions within the scope. It can still be read when the flight has dropped the recorder.
     pub fn recorded(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.recorded)
     }
@@ -157,10 +161,9 @@ impl Recorder {
         if begins_part {
             self.begin_part()?;
         }
-        self.rec.set_time_sequence("revolution", revolution.seq.cast_signed());
-        self.rec.set_timestamp_nanos_since_epoch("stamp", revolution.stamp_ns.cast_signed());
+        self.rows.set_time(revolution.seq, revolution.stamp_ns);
         if begins_part || self.extent.is_none() {
-            parts::log(&self.rec, self.part, false)?;
+            parts::log(&mut self.rows, self.part, false);
             mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
         }
         if self.extent.is_none() {
@@ -168,11 +171,11 @@ impl Recorder {
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
-        let is_room = self.make_room(frame, &mut share)?;
+        let is_room = self.make_room(frame, &mut share);
         match &frame.failure {
-            None if is_room => self.log(frame, share)?,
+            None if is_room => self.log(frame, share),
             None => {}
-            Some(failure) => self.log_failure(&failure.to_string())?,
+            Some(failure) => self.log_failure(&failure.to_string()),
         }
         self.unflushed += 1;
         let unflushed_ns = revolution.stamp_ns.abs_diff(self.flushed_stamp_ns);
@@ -181,37 +184,40 @@ impl Recorder {
         if is_due || self.backlog.as_ref().is_some_and(Backlog::wants_flush) {
             self.flush()?;
             self.flushed_stamp_ns = revolution.stamp_ns;
+        } else if self.rows.bytes() >= SEND_AFTER_BYTES {
+            self.rows.send()?;
         }
         Ok(())
     }
 
-    /// Takes from `share` what a live flight's disk is too slow for, and says so; `false` if there is no room at all.
-    fn make_room(&mut self, frame: &Frame, share: &mut Share) -> Result<bool, RecorderError> {
-        let Some(backlog) = &mut self.backlog else { return Ok(true) };
+    /// Takes from `share` what the disk of a live flight is too slow for, and logs that. Returns `false` if there is no
+    /// room for the revolution at all.
+    fn make_room(&mut self, frame: &Frame, share: &mut Share) -> bool {
+        let Some(backlog) = &mut self.backlog else { return true };
         let (room, said) = backlog.room_for(frame, *share);
         if let Some(said) = said {
-            self.rec.log("log", &TextLog::new(said).with_level(TextLogLevel::WARN))?;
+            self.rows.log(&LOG, &TextLog::new(said).with_level(TextLogLevel::WARN));
         }
         if room == Room::NoMatrices {
             (share.matrices, share.exact) = (false, false);
-            self.pictures.log_dark(&self.rec)?;
-            for entity in ["affinity/degrees", "affinity/links", "spectral/U", "spectral/embedding"] {
-                self.rec.log(entity, &Clear::flat())?; // nothing stale stays on the screen
+            self.pictures.log_dark(&mut self.rows);
+            for entity in [AFFINITY_DEGREES, AFFINITY_LINKS, SPECTRAL_U, SPECTRAL_EMBEDDING] {
+                self.rows.log(&entity, &Clear::flat()); // no older values stay on the screen
             }
         }
-        Ok(room != Room::Nothing)
+        room != Room::Nothing
     }
 
-    /// Ends the file and goes on in another one, which can be opened alone: what never changes is written again.
+    /// Ends the file and continues in another one. It can be opened alone, as all that never changes is written again.
     fn begin_part(&mut self) -> Result<(), RecorderError> {
         self.part_is_due = false;
         let (Some(file), Some(first)) = (self.file.clone(), &self.options.path) else { return Ok(()) };
         self.file_number = parts::next_free(first, self.file_number);
         let next = part_path(first, self.file_number);
-        parts::log(&self.rec, self.part, true)?;
+        parts::log(&mut self.rows, self.part, true);
         self.flush_to_the_end()?;
         self.part += 1;
-        if let Err(error) = file.go_on_in(&next) {
+        if let Err(error) = file.continue_in(&next) {
             self.give_up_file(error)?;
         }
         log_static(&self.rec, &self.options.config_toml)?;
@@ -222,66 +228,67 @@ impl Recorder {
         Ok(())
     }
 
-    /// Everything of one revolution. An empty one writes empty values, so that nothing stale stays on the screen.
-    fn log(&mut self, frame: &Frame, share: Share) -> Result<(), RecorderError> {
-        let rec = &self.rec;
+    /// Logs one revolution. An empty one writes empty values, so that no older ones stay on the screen.
+    fn log(&mut self, frame: &Frame, share: Share) {
+        let rows = &mut self.rows;
         let order = BeamOrder::of(&frame.revolution);
         let classes = self.tracks.classes_of(frame);
         let reach_m = self.extent.unwrap_or_default().range_m;
         if let Some(sweep) = frame.revolution.beams()
-            && self.beams.log(rec, sweep)?
+            && self.beams.log(rows, sweep)
         {
-            profile::log_axes(rec, reach_m, sweep)?;
+            profile::log_axes(rows, reach_m, sweep);
         }
-        scan::log(rec, frame, &classes, reach_m)?;
+        scan::log(rows, frame, &classes, reach_m);
         let scale = spectrum::embedding_scale(&frame.spectrum.u);
-        spectrum::log(rec, frame)?;
+        spectrum::log(rows, frame);
         if share.matrices {
-            self.pictures.log(rec, frame, &order)?;
-            spectrum::log_embedding(rec, frame, &classes, scale)?;
-            why::log_graph(rec, frame)?;
+            self.pictures.log(rows, frame, &order);
+            spectrum::log_embedding(rows, frame, &classes, scale);
+            why::log_graph(rows, frame);
         }
         if share.exact {
-            exact::log(rec, frame)?;
+            exact::log(rows, frame);
         }
-        partition::log(rec, frame, &order, &classes, scale)?;
-        profile::log(rec, frame, &classes, reach_m)?;
-        report::log(rec, frame, &classes)?;
-        why::log(rec, frame, &classes, reach_m, &mut self.watch)?;
-        self.times.log(rec, frame)?;
-        self.notes.log(rec, frame)?;
+        partition::log(rows, frame, &order, &classes, scale);
+        profile::log(rows, frame, &classes, reach_m);
+        report::log(rows, frame, &classes);
+        why::log(rows, frame, &classes, reach_m, &mut self.watch);
+        self.times.log(rows, frame);
+        self.notes.log(rows, frame);
         if share.exact_refused {
-            let text = "the count changes often: no more exact matrices because of that for a while";
-            rec.log("log", &TextLog::new(text).with_level(TextLogLevel::WARN))?;
+            let text = "the count changes often: for a while no more exact matrices are recorded for that";
+            rows.log(&LOG, &TextLog::new(text).with_level(TextLogLevel::WARN));
         }
-        Ok(())
     }
 
-    /// A failed frame holds parts of another revolution: they are not recorded, and the screen is cleared.
-    fn log_failure(&mut self, failure: &str) -> Result<(), RecorderError> {
-        for part in ["scan", "affinity", "spectral", "kmeans", "report"] {
-            self.rec.log(part, &Clear::recursive())?;
+    /// Logs a failure and clears the screen. The frame is not recorded, as it may hold parts of another revolution.
+    fn log_failure(&mut self, failure: &str) {
+        for area in ["/scan", "/affinity", "/spectral", "/kmeans", "/report"] {
+            self.rows.log_at(area, &Clear::recursive());
         }
-        self.pictures.log_dark(&self.rec)?;
-        self.rec.log("log", &TextLog::new(failure).with_level(TextLogLevel::ERROR))?;
-        Ok(())
+        self.pictures.log_dark(&mut self.rows);
+        self.rows.log(&LOG, &TextLog::new(failure).with_level(TextLogLevel::ERROR));
     }
 
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
         scan::log_rings(&self.rec, extent.range_m)?;
         matrices::log_scale(&self.rec, extent.places)?;
-        report::log_axis(&self.rec)?;
+        report::log_axis(&mut self.rows);
         layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
     }
 
-    /// Brings everything to the disk, and says whether that worked. Viewers are never waited for, nor is the disk
-    /// during a live flight.
+    /// Flushes all rows to the disk. It does not wait for viewers, nor for the disk during a live flight.
+    ///
+    /// # Errors
+    /// When a write has failed.
     fn flush(&mut self) -> Result<(), RecorderError> {
         let Some(backlog) = &mut self.backlog else { return self.flush_to_the_end() };
         self.unflushed = 0;
+        self.rows.send()?;
         backlog.flush_asked();
         let asked = self.rec.flush_async();
         self.check_file()?;
@@ -290,6 +297,7 @@ impl Recorder {
 
     fn flush_to_the_end(&mut self) -> Result<(), RecorderError> {
         self.unflushed = 0;
+        self.rows.send()?;
         self.backlog.iter_mut().for_each(Backlog::flush_asked);
         let flushed = self.rec.flush_blocking();
         self.check_file()?;
@@ -303,7 +311,7 @@ impl Recorder {
         }
     }
 
-    /// Where viewers can go on without the file, its error is kept for the end.
+    /// With viewers the flight continues without the file, whose error is kept for the end.
     fn give_up_file(&mut self, error: RecorderError) -> Result<(), RecorderError> {
         if self.live.is_empty() {
             return Err(error);
@@ -319,7 +327,7 @@ impl Observer for Recorder {
         self.record(frame).map_err(|e| ObserverError(e.to_string()))
     }
 
-    /// Ends the file and each viewer, whatever became of the others, and tells all that went wrong.
+    /// Ends the file and each viewer, even if others fail, and reports all errors.
     fn finish(&mut self) -> Result<(), ObserverError> {
         let layout = if self.extent.is_none() { self.send_layout(Extent::default()) } else { Ok(()) };
         let mut ends = vec![layout, self.flush_to_the_end()];
@@ -334,11 +342,11 @@ impl Observer for Recorder {
     }
 }
 
-/// What holds for the whole recording: colours, look, configuration, and what the numbers mean.
+/// Logs what holds for the whole recording: colours, look, configuration and the text of `/about`.
 fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderError> {
-    rec.log_static("/", &annotation_context())?;
-    rec.log_static("config", &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
-    rec.log_static("about", &TextDocument::from_markdown(include_str!("about.md")))?;
+    rec.log_static(COLORS.path, &annotation_context())?;
+    rec.log_static(CONFIG.path, &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
+    rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
     spectrum::log_static(rec)?;
     partition::log_static(rec)?;
@@ -347,4 +355,9 @@ fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderEr
     timing::log_static(rec)?;
     why::log_static(rec)?;
     Ok(())
+}
+
+/// The text of `/about`, with a row for each entity.
+fn about() -> String {
+    format!("{}\n{}", include_str!("about.md"), schema::markdown_table())
 }

@@ -1,42 +1,46 @@
-//! The answer: count, place, walls and openings, as values and in words.
+//! The answer: count, place, walls and openings, as values and as text.
 
 use crosscut_stage::{Frame, Opening, Wall, counted};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
 
-use crate::colors::{GREY, PLACES, REPORTED, UNSEEN, color, name_of, series};
+use crate::colors::{GREY, INVISIBLE, PLACES, REPORTED, color, name_of, series};
+use crate::rows::Rows;
+use crate::schema::{
+    REPORT_AXIS, REPORT_CONFIDENCE, REPORT_JUNCTIONS, REPORT_LABELS, REPORT_PLACE, REPORT_SUMMARY, REPORT_WALLS,
+};
 use crate::tensors::{f64_matrix, i32_vector};
 use crate::tracks::Classes;
 
-/// What plots of counts reach at least, so that a steady count is no line in the middle of nowhere.
+/// The least range of plots of counts, which gives a steady count its scale.
 const COUNTS: [f64; 2] = [0.0, 5.0];
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    rec.log_static("report/junctions", &series("junctions (walls)", REPORTED, 2.0))?;
-    rec.log_static("report/confidence", &series("confidence", GREY, 1.5))?;
-    rec.log_static("report/axis", &series("", UNSEEN, 0.5))?;
+    rec.log_static(REPORT_JUNCTIONS.path, &series("junctions (walls)", REPORTED, 2.0))?;
+    rec.log_static(REPORT_CONFIDENCE.path, &series("confidence", GREY, 1.5))?;
+    rec.log_static(REPORT_AXIS.path, &series("", INVISIBLE, 0.5))?;
     let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();
     let places = StateConfiguration::new()
         .with_labels(places.iter().map(spaced))
         .with_values(places)
         .with_colors(colors.into_iter().map(color));
-    rec.log_static("report/place", &places)
+    rec.log_static(REPORT_PLACE.path, &places)
 }
 
-/// Points that nobody sees, for the plots of counts: with a fixed axis, a larger count would leave it.
-pub(crate) fn log_axis(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    rec.log("report/axis", &Scalars::new(COUNTS))
+/// Invisible points that widen the plots of counts. A fixed axis would cut off larger counts.
+pub(crate) fn log_axis(rows: &mut Rows) {
+    rows.log(&REPORT_AXIS, &Scalars::new(COUNTS));
 }
 
 /// Count, place, summary, walls and labels of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes) -> RecordingStreamResult<()> {
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes) {
     let junction = &frame.junction;
-    rec.log("report/junctions", &Scalars::single(junction.junctions as f64))?;
-    rec.log("report/confidence", &Scalars::single(junction.confidence))?;
-    rec.log("report/place", &StateChange::single(junction.place.to_string()))?;
-    rec.log("report/summary", &TextDocument::from_markdown(summary(frame, classes)))?;
-    rec.log("report/labels", &i32_vector(frame.labels().into_iter(), "beam"))?;
-    rec.log("report/walls", &walls(frame, classes))
+    rows.log(&REPORT_JUNCTIONS, &Scalars::single(junction.junctions as f64));
+    rows.log(&REPORT_CONFIDENCE, &Scalars::single(junction.confidence));
+    rows.log(&REPORT_PLACE, &StateChange::single(junction.place.to_string()));
+    rows.log(&REPORT_SUMMARY, &TextDocument::from_markdown(summary(frame, classes)));
+    rows.log(&REPORT_LABELS, &i32_vector(frame.labels().into_iter(), REPORT_LABELS.dims));
+    rows.log(&REPORT_WALLS, &walls(frame, classes));
 }
 
 /// A row per wall.
@@ -47,14 +51,10 @@ fn walls(frame: &Frame, classes: &Classes) -> rerun::Tensor {
         let class = classes.of_wall(Some(wall.id));
         [f64::from(wall.id), wall.returns as f64, from_rad, to_rad, f64::from(u8::from(wall.island)), f64::from(class)]
     };
-    f64_matrix(
-        walls.iter().flat_map(row).collect(),
-        [walls.len(), 6],
-        ["wall", "id, returns, from_rad, to_rad, island, class"],
-    )
+    f64_matrix(walls.iter().flat_map(row).collect(), [walls.len(), 6], REPORT_WALLS.dims)
 }
 
-/// The revolution in a few large words, then its openings and walls.
+/// Count and place as a title, then k, then tables of openings and walls.
 fn summary(frame: &Frame, classes: &Classes) -> String {
     let (junction, spectrum) = (&frame.junction, &frame.spectrum);
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
@@ -88,7 +88,7 @@ fn wall_row(wall: &Wall, classes: &Classes) -> String {
     format!("| {}{island} | {color} | {} | {from_deg:+.0}° | {to_deg:+.0}° |", wall.id, wall.returns)
 }
 
-/// A name as in results, without its underscores.
+/// A name of the results with spaces instead of underscores.
 fn spaced(name: &impl ToString) -> String {
     name.to_string().replace('_', " ")
 }

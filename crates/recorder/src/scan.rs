@@ -9,55 +9,61 @@ use rerun::{
 
 use crate::colors::{GREY, GRID, OPENING, color, series};
 use crate::polyline::simplified;
+use crate::rows::Rows;
+use crate::schema::{
+    SCAN_BEAMS, SCAN_BEAMS_WIRE, SCAN_COUNT, SCAN_OPENINGS, SCAN_RANGES, SCAN_RETURNS, SCAN_RINGS, SCAN_SEEN,
+    SCAN_SENSOR, SCAN_WALLS,
+};
 use crate::tensors::{f32_vector, f64_matrix, f64_vector, u8_vector};
 use crate::tracks::Classes;
 
-/// Neighbouring returns of a wall that lie farther apart are not joined by a line.
+/// Neighbouring returns of a wall that are farther apart are not joined by a line.
 const GAP_M: f64 = 2.5;
-/// A line along a wall passes its returns within this distance.
+/// Largest distance between a return and the line that is drawn along its wall.
 const LINE_M: f32 = 0.03;
-/// Length of the arrows through the openings, as a share of what the view reaches.
+/// Length of the arrows through the openings, as a share of the view's reach.
 const ARROW: f64 = 0.18;
-/// How far behind an opening its width is written, likewise: ahead or behind, and more to the side, as words are wide.
+/// How far behind an opening its width is written, as a share of the view's reach.
 const WIDTH_BEYOND: f64 = 0.22;
+/// How much farther behind an opening to the side its width is written, as text is wide; a share of the view's reach.
 const WIDTH_ASIDE: f64 = 0.08;
-/// A width ends within the view if its middle is no farther out than this, likewise: ahead or behind, and to either
-/// side.
+/// A width fits into the view if its middle is no farther out than these shares of the view's reach: ahead or behind,
+/// and to either side.
 const WIDTH_ROOM: [f64; 2] = [1.2, 1.08];
-/// A label hangs below its point; raised by so much, its middle is where it belongs.
+/// A label hangs below its point. Raised by this share of the view's reach, its middle lies at the point.
 const LABEL_RISE: f64 = 0.08;
 
 /// Look of the entities, and what never changes.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    rec.log_static("scan/returns", &Points3D::update_fields().with_radii([ui(2.5)]))?;
-    rec.log_static("scan/count", &series("returns", GREY, 1.5))?;
-    rec.log_static("scan/walls", &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
+    rec.log_static(SCAN_RETURNS.path, &Points3D::update_fields().with_radii([ui(2.5)]))?;
+    rec.log_static(SCAN_COUNT.path, &series("returns", GREY, 1.5))?;
+    rec.log_static(SCAN_WALLS.path, &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
     let arrows = Arrows3D::update_fields().with_radii([ui(2.5)]).with_colors([color(OPENING)]);
     let bars = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
     let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]);
-    rec.log_static("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths])?;
+    rec.log_static(SCAN_OPENINGS.path, &[&arrows as &dyn AsComponents, &bars, &widths])?;
     let sensor = [[0.9f32, 0.0, 0.0], [-0.5, 0.3, 0.0], [-0.2, 0.0, 0.0], [-0.5, -0.3, 0.0], [0.9, 0.0, 0.0]];
-    rec.log_static("scan/sensor", &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
+    rec.log_static(SCAN_SENSOR.path, &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
 }
 
-/// Returns, walls and openings of one revolution, seen as far as `reach_m`; raw ranges where there is a sweep.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame, classes: &Classes, reach_m: f64) -> RecordingStreamResult<()> {
+/// Returns, walls and openings of one revolution, in views that reach `reach_m`; raw ranges where there is a sweep.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64) {
     let (revolution, junction) = (&frame.revolution, &frame.junction);
     let wall_of = |i: usize| junction.wall_of_return.get(i).copied().flatten();
     let points = revolution.points_m.iter().map(xyz);
     let of_returns = (0..revolution.len()).map(|i| classes.of_wall(wall_of(i)));
-    rec.log("scan/returns", &Points3D::new(points).with_class_ids(of_returns))?;
-    rec.log("scan/count", &Scalars::single(revolution.len() as f64))?;
+    rows.log(&SCAN_RETURNS, &Points3D::new(points).with_class_ids(of_returns));
+    rows.log(&SCAN_COUNT, &Scalars::single(revolution.len() as f64));
     if let Some(sweep) = revolution.beams() {
-        rec.log("scan/ranges", &f32_vector(sweep.ranges_m.clone(), "beam"))?;
-        rec.log("scan/seen", &u8_vector(sweep.beams.iter().map(seen), "beam"))?;
+        rows.log(&SCAN_RANGES, &f32_vector(sweep.ranges_m.clone(), SCAN_RANGES.dims));
+        rows.log(&SCAN_SEEN, &u8_vector(sweep.beams.iter().map(seen), SCAN_SEEN.dims));
     }
-    log_walls(rec, revolution, junction, classes)?;
-    log_openings(rec, &junction.openings, reach_m)
+    log_walls(rows, revolution, junction, classes);
+    log_openings(rows, &junction.openings, reach_m);
 }
 
-/// 2: a return; 1: nothing in range; 0: nothing known.
+/// 2: a return; 1: nothing in range; 0: unknown.
 fn seen(beam: &Beam) -> u8 {
     match beam {
         Beam::Return(_) => 2,
@@ -66,19 +72,14 @@ fn seen(beam: &Beam) -> u8 {
     }
 }
 
-fn log_walls(
-    rec: &RecordingStream,
-    revolution: &Revolution,
-    junction: &Junction,
-    classes: &Classes,
-) -> RecordingStreamResult<()> {
+fn log_walls(rows: &mut Rows, revolution: &Revolution, junction: &Junction, classes: &Classes) {
     let strips = match revolution.beams() {
         Some(sweep) => wall_strips(&revolution.points_m, &junction.wall_of_return, sweep.full_turn),
         None => Vec::new(), // returns of a cloud have no order to draw a line along
     };
     let of_lines: Vec<u16> = strips.iter().map(|(wall, _)| classes.of_wall(Some(*wall))).collect();
     let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip, LINE_M)));
-    rec.log("scan/walls", &LineStrips3D::new(lines).with_class_ids(of_lines).with_show_labels(false))
+    rows.log(&SCAN_WALLS, &LineStrips3D::new(lines).with_class_ids(of_lines).with_show_labels(false));
 }
 
 /// Lines along the walls, broken at gaps: `closed` if the last return is a neighbour of the first.
@@ -105,7 +106,7 @@ fn wall_strips(points_m: &[Point], wall_of: &[Option<u32>], closed: bool) -> Vec
 }
 
 /// An arrow through each opening with its width, and a bar across it; bearing and width exactly as a tensor.
-fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> RecordingStreamResult<()> {
+fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
     let arrow_m = |o: &Opening| ARROW * reach_m * inwards(o);
     let beyond = |o: &Opening| {
         let far_m = reach_m * (WIDTH_BEYOND + WIDTH_ASIDE * inwards(o).y.abs());
@@ -119,12 +120,12 @@ fn log_openings(rec: &RecordingStream, openings: &[Opening], reach_m: f64) -> Re
         .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));
     let exact = openings.iter().flat_map(|o| [o.bearing_rad, o.width_m]).collect();
-    let table = f64_matrix(exact, [openings.len(), 2], ["opening", "bearing_rad, width_m"]);
-    rec.log("scan/openings", &[&arrows as &dyn AsComponents, &bars, &widths, &table])
+    let table = f64_matrix(exact, [openings.len(), 2], SCAN_OPENINGS.dims);
+    rows.log(&SCAN_OPENINGS, &[&arrows as &dyn AsComponents, &bars, &widths, &table]);
 }
 
-/// Where words can be read that belong at `at`, in a view that reaches `reach_m`: they end within it if their middle is
-/// no farther out than `room` of that, ahead or behind and to either side.
+/// The place nearest to `at` where text fits into a view that reaches `reach_m`: it fits if its middle is no farther out
+/// than the shares `room` of that, ahead or behind and to either side.
 pub(crate) fn within_view(at: Point, room: [f64; 2], reach_m: f64) -> Point {
     let [along_m, across_m] = room.map(|share| share * reach_m);
     Point::new(at.x.clamp(-along_m, along_m), at.y.clamp(-across_m, across_m), at.z)
@@ -134,8 +135,8 @@ fn middle(opening: &Opening) -> Point {
     nalgebra::center(&opening.edge_m[0], &opening.edge_m[1])
 }
 
-/// Into the branch, with length 1: across the opening's edge, whose clockwise end comes first, so that the other one is
-/// to the left of who goes in.
+/// The unit vector into the branch, across the opening's edge. The edge has its clockwise end first, so its other end
+/// lies to the left of a vehicle that enters.
 fn inwards(opening: &Opening) -> Vector3<f64> {
     let [right, left] = opening.edge_m;
     let across = Vector3::new(left.y - right.y, right.x - left.x, 0.0);
@@ -143,7 +144,7 @@ fn inwards(opening: &Opening) -> Vector3<f64> {
     across.try_normalize(0.0).unwrap_or(ahead)
 }
 
-/// The beams' geometry, logged when it changes.
+/// Geometry of the beams, logged when it changes.
 #[derive(Default)]
 pub(crate) struct BeamGeometry {
     bearings_rad: Vec<f64>,
@@ -151,34 +152,33 @@ pub(crate) struct BeamGeometry {
 }
 
 impl BeamGeometry {
-    /// Bearing of each beam, and `angle_min`, `angle_increment`, `range_min`, `range_max` as on the wire. Whether they
-    /// changed.
-    pub(crate) fn log(&mut self, rec: &RecordingStream, sweep: &Sweep) -> RecordingStreamResult<bool> {
+    /// Logs the bearing of each beam, and `angle_min`, `angle_increment`, `range_min`, `range_max` as on the wire.
+    /// Returns whether they changed.
+    pub(crate) fn log(&mut self, rows: &mut Rows, sweep: &Sweep) -> bool {
         let bits = |wire: [f32; 4]| wire.map(f32::to_bits); // NaN equals itself
         if sweep.bearings_rad == self.bearings_rad && bits(sweep.wire_geometry) == bits(self.wire) {
-            return Ok(false);
+            return false;
         }
         self.bearings_rad.clone_from(&sweep.bearings_rad);
         self.wire = sweep.wire_geometry;
-        rec.log("scan/beams", &f64_vector(self.bearings_rad.clone(), "beam"))?;
-        let wire = f32_vector(self.wire.to_vec(), "angle_min, angle_increment, range_min, range_max");
-        rec.log("scan/beams/wire", &wire)?;
-        Ok(true)
+        rows.log(&SCAN_BEAMS, &f64_vector(self.bearings_rad.clone(), SCAN_BEAMS.dims));
+        rows.log(&SCAN_BEAMS_WIRE, &f32_vector(self.wire.to_vec(), SCAN_BEAMS_WIRE.dims));
+        true
     }
 }
 
-/// A round number of metres that goes into `reach_m` four times at most; views reach 2 km at most.
+/// A round number of metres that fits into `reach_m` four times at most; views reach 2 km at most.
 pub(crate) fn step_m(reach_m: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0].into_iter().find(|step| reach_m / step <= 4.0).unwrap_or(500.0)
 }
 
-/// Where to read distances by: every [`step_m`] out to `reach_m`, from the first step on.
+/// Multiples of [`step_m`] up to `reach_m`.
 pub(crate) fn ticks_m(reach_m: f64) -> impl Iterator<Item = f64> {
     let step_m = step_m(reach_m);
     (1..=4).map(move |tick| f64::from(tick) * step_m).filter(move |&tick_m| tick_m <= reach_m)
 }
 
-/// Circles to read distances by, at [`ticks_m`]. The titles of the views say how far apart they are.
+/// Circles to read distances by, at [`ticks_m`]. The titles of the views have their spacing.
 pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamResult<()> {
     let at = |radius_m: f64, degrees: f64| {
         let angle = degrees.to_radians();
@@ -188,7 +188,7 @@ pub(crate) fn log_rings(rec: &RecordingStream, reach_m: f64) -> RecordingStreamR
     let rings = LineStrips3D::new(ticks_m(reach_m).map(circle))
         .with_radii([Radius::new_ui_points(0.5)])
         .with_colors([color(GRID)]);
-    rec.log_static("scan/rings", &rings)
+    rec.log_static(SCAN_RINGS.path, &rings)
 }
 
 /// A point as it is drawn.
@@ -206,13 +206,13 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_is_broken_where_its_neighbouring_returns_lie_far_apart() {
+    fn a_wall_line_is_broken_at_wide_gaps() {
         let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (9.0, 0.0), (10.0, 0.0)];
         assert_eq!(strips(&points, &[Some(4); 5], false), [(4, 3), (4, 2)]);
     }
 
     #[test]
-    fn an_arrow_leads_across_the_opening_into_the_branch_also_where_it_lies_in_the_line_of_sight() {
+    fn an_arrow_leads_across_the_opening_into_the_branch() {
         let inwards_of = |edge_m: [(f64, f64); 2], bearing_rad| {
             let edge_m = edge_m.map(|(x, y)| Point::new(x, y, 0.0));
             let evidence = crosscut_stage::Evidence::SeenThrough;
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_is_broken_by_a_return_of_another_wall_or_of_none() {
+    fn a_wall_line_is_broken_by_a_return_of_another_wall() {
         let points = [(0.0, 0.0), (1.0, 0.0), (1.5, 0.0), (2.0, 0.0), (3.0, 0.0)];
         let (a, b) = (Some(0), Some(1));
         assert_eq!(strips(&points, &[a, a, b, a, a], false), [(0, 2), (0, 2)]);
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_that_do_not_fit_the_returns_break_nothing() {
+    fn more_labels_than_returns_or_fewer_do_not_panic() {
         assert_eq!(strips(&[(0.0, 0.0), (1.0, 0.0)], &[], true), []);
         assert_eq!(strips(&[], &[Some(0)], true), []);
     }

@@ -5,10 +5,10 @@ use std::ops::RangeInclusive;
 
 use crosscut_stage::Frame;
 
-/// Exact matrices at most in [`EVENTS_WITHIN`] revolutions because the count changed; those of every N-th revolution
-/// come on top. With both, 6000 revolutions of 360 beams stay below 200 MB.
+/// A change of the count causes exact matrices at most this often in [`EVENTS_WITHIN`] revolutions; those of every N-th
+/// revolution are not counted. With both, 6000 revolutions of 360 beams stay below 200 MB.
 const MOST_EVENTS: u64 = 16;
-/// Whatever the parts, which do not change what is recorded.
+/// Revolutions after which the count of events starts again. It does not depend on the parts of the recording.
 const EVENTS_WITHIN: u64 = 6000;
 
 /// How much of each revolution is recorded.
@@ -24,7 +24,7 @@ pub enum Detail {
 }
 
 impl Detail {
-    /// Every how many revolutions W and U are recorded exactly, if nothing else is asked for.
+    /// The N of "exact W and U at every N-th revolution" unless the user set one.
     fn exact_every(self) -> Option<NonZeroU64> {
         match self {
             Self::Light => None,
@@ -39,13 +39,13 @@ impl Detail {
 pub struct Scope {
     /// How much of each revolution.
     pub detail: Detail,
-    /// Exact matrices at every N-th revolution recorded; `None`: as `detail` says.
+    /// Exact matrices at every N-th recorded revolution; `None`: the N of `detail`.
     pub exact_every: Option<NonZeroU64>,
     /// Revolutions that are recorded, by their `seq`.
     pub revolutions: RangeInclusive<u64>,
-    /// Sensor time that is recorded, seconds since the first revolution seen; before it where a clock was set back.
+    /// Sensor time that is recorded, in seconds since the first revolution; negative after a clock was set back.
     pub seconds: RangeInclusive<f64>,
-    /// A file ends after this many revolutions, and another begins.
+    /// Revolutions in one file; after them the recording continues in another.
     pub part_revolutions: NonZeroU64,
 }
 
@@ -66,20 +66,20 @@ impl Default for Scope {
     }
 }
 
-/// What is recorded of one revolution, beside what always is.
+/// What is recorded of one revolution in addition to what always is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Share {
     /// Degrees, the pictures of W and L, links, U and the embedding.
     pub(crate) matrices: bool,
-    /// W and U as the pipeline had them.
+    /// Exact W and U.
     pub(crate) exact: bool,
-    /// No exact matrices although the count changed: there are enough of them. Set at the first such revolution.
+    /// The count changed, but [`MOST_EVENTS`] is reached. Set at the first such revolution alone.
     pub(crate) exact_refused: bool,
-    /// The first of a part of the recording other than the first.
+    /// This is the first revolution of a later part of the recording.
     pub(crate) new_part: bool,
 }
 
-/// Decides, in order, what is recorded of each revolution.
+/// Decides what is recorded of each revolution, in the order of the flight.
 pub(crate) struct Plan {
     scope: Scope,
     first_stamp_ns: Option<u64>,
@@ -93,7 +93,7 @@ impl Plan {
         Self { scope, first_stamp_ns: None, recorded: 0, junctions: None, events: 0 }
     }
 
-    /// `None` if nothing of this revolution is recorded.
+    /// What is recorded of this revolution; `None` if nothing is.
     pub(crate) fn share_of(&mut self, frame: &Frame) -> Option<Share> {
         let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
         let first_ns = *self.first_stamp_ns.get_or_insert(stamp_ns);
@@ -113,7 +113,7 @@ impl Plan {
         Some(Share { matrices: self.scope.detail != Detail::Light, exact, exact_refused, new_part })
     }
 
-    /// Whether exact matrices are due, and whether they were refused for the first time.
+    /// Whether exact matrices are due, and whether they are refused for the first time.
     fn exact(&mut self, changed: bool) -> (bool, bool) {
         let every = self.scope.exact_every.or(self.scope.detail.exact_every());
         if every.is_some_and(|every| self.recorded.is_multiple_of(every.get())) {
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn exact_matrices_come_at_every_nth_revolution_and_where_the_count_changes() {
+    fn exact_matrices_at_every_nth_revolution_and_changed_count() {
         let every = |n| Scope { exact_every: NonZeroU64::new(n), ..Scope::default() };
         assert_eq!(exact(every(4), &[2, 2, 3, 3, 3, 3, 2, 2, 2]), [0, 2, 4, 6, 8]);
         assert_eq!(exact(Scope { detail: Detail::Full, ..Scope::default() }, &[2; 4]), [0, 1, 2, 3]);
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_that_flickers_does_not_fill_the_disk_whatever_the_parts_and_the_refusal_is_told() {
+    fn a_flickering_count_does_not_fill_the_disk() {
         let flicker: Vec<usize> = (0..2 * EVENTS_WITHIN as usize).map(|i| i % 2).collect();
         let half = flicker.len() / 2;
         for part in [50, 6000, 100_000] {
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_revolutions_and_seconds_asked_for_are_recorded_and_parts_count_those_alone() {
+    fn only_the_chosen_revolutions_and_seconds_are_recorded_and_counted() {
         let recorded = |scope| -> Vec<usize> {
             let shares = shares(scope, &[2; 20]);
             (0..20).filter(|&i| shares[i].is_some()).collect()
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(recorded(Scope { revolutions: 4..=9, seconds: 0.75..=9.0, ..Scope::default() }), [8, 9]);
         let mut plan = Plan::new(Scope { seconds: 0.0..=0.5, ..Scope::default() });
         let set_back = [3, 4, 0, 1, 5].map(|seq| plan.share_of(&frame(seq, 2)).is_some());
-        assert_eq!(set_back, [true, true, false, false, true], "what is before the first is not its second 0");
+        assert_eq!(set_back, [true, true, false, false, true], "a stamp before the first one is no second 0");
         let two = NonZeroU64::new(2).unwrap();
         let shares = shares(Scope { revolutions: 3..=9, part_revolutions: two, ..Scope::default() }, &[2; 20]);
         let parts: Vec<usize> = (0..20).filter(|&i| shares[i].is_some_and(|share| share.new_part)).collect();

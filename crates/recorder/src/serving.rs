@@ -1,4 +1,4 @@
-//! A server that viewers connect to: they see what comes, and, when they come late, what came.
+//! A server that viewers connect to. They get all messages, the earlier ones as well.
 
 use std::any::Any;
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -9,17 +9,17 @@ use rerun::{MemoryLimit, ServerOptions};
 
 use crate::RecorderError;
 
-/// What is kept for late viewers; when there is more, the oldest is forgotten.
+/// Bytes that are kept for late viewers; of more, the oldest are dropped.
 pub(crate) const HISTORY_BYTES: u64 = 1 << 30;
-/// A server that is not there after so long will not be.
+/// How long to wait until a new server answers.
 const START_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Where a recording is served.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Served {
-    /// What the native viewer connects to: `rerun --connect URL`.
+    /// The address for the native viewer: `rerun --connect URL`.
     pub url: String,
-    /// What a browser opens; without the feature `web` there is none.
+    /// The page for a browser; `None` without the feature `web`.
     pub web_url: Option<String>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Server {
 /// Listens at `address`; port 0 takes a free one.
 ///
 /// # Errors
-/// When the address cannot be listened at.
+/// When it cannot listen at the address.
 pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
     let address = free_address(address)?;
     let options = ServerOptions {
@@ -49,7 +49,7 @@ pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
     Ok(Server { sink, served: Served { url, web_url }, _web: web })
 }
 
-/// What serves pages until it is dropped.
+/// A server of pages, which stops when it is dropped.
 type Pages = Box<dyn Any + Send>;
 
 /// The web viewer, at a free port of the same address, and the page that connects it to `url`.
@@ -67,7 +67,7 @@ fn web_viewer(_: SocketAddr, _: &str) -> Result<Option<(Pages, String)>, Recorde
     Ok(None)
 }
 
-/// Rerun binds in a thread of its own and keeps errors to itself: whether the address can be had is tried before.
+/// The address with its port. It is tried here, as Rerun binds in another thread and does not report errors.
 fn free_address(address: SocketAddr) -> Result<SocketAddr, RecorderError> {
     TcpListener::bind(address).and_then(|listener| listener.local_addr()).map_err(|e| cannot(address, &e))
 }
@@ -83,12 +83,12 @@ fn await_listening(address: SocketAddr) -> Result<(), RecorderError> {
     }
 }
 
-/// Where this machine reaches a server that listens at `address`.
+/// The address at which this machine reaches a server that listens at `address`.
 fn reachable(address: SocketAddr) -> SocketAddr {
     if address.ip().is_unspecified() { SocketAddr::from(([127, 0, 0, 1], address.port())) } else { address }
 }
 
-/// As the address is written before a colon and a port.
+/// The host part of the address, as it is written before the colon and the port.
 fn bind_ip(address: SocketAddr) -> String {
     match address {
         SocketAddr::V4(v4) => v4.ip().to_string(),

@@ -8,18 +8,23 @@ use rerun::{
 };
 
 use crate::colors::{GREY, GRID, TOLERANCE, WORDS, ZEROS, color, series};
+use crate::rows::Rows;
+use crate::schema::{
+    SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EIGENVALUES, SPECTRAL_EMBEDDING, SPECTRAL_K,
+    SPECTRAL_MARGIN, SPECTRAL_TOLERANCE, SPECTRAL_U,
+};
 use crate::tensors::{entries, f16_matrix, rows_of};
 use crate::tracks::Classes;
 
-/// The chart spans 1e-18 to 100: rounding leaves zeros at about 1e-16, and λ never exceeds 2.
+/// Lower end of the chart. Rounding leaves zeros at about 1e-16.
 const FLOOR_DECADE: f32 = -18.0;
-/// An exact zero stands on the floor; so much of its column is drawn, so that it can be seen and counted.
+/// Least height of a column: an exact zero can be seen and counted as well.
 const STUB_DECADES: f32 = 0.7;
-/// Eigenvalues stored; more only if k is larger.
+/// Number of eigenvalues that are recorded; more only if k is larger.
 const STORED: usize = 32;
-/// Eigenvalues drawn; more of them would not be told apart.
+/// Number of eigenvalues that are drawn; more of them would be too narrow to see.
 const DRAWN: usize = 16;
-/// Rounding of the drawn embedding, whose farthest point lies at 1.
+/// Coordinates of the drawn embedding are multiples of this; its farthest point lies at 1.
 const DRAWN_STEP: f64 = 1.0 / 128.0;
 /// Width of a column of the chart, in decades.
 const COLUMN: f32 = 1.6;
@@ -29,10 +34,10 @@ const RIGHT: f32 = COLUMN * (DRAWN as f32 + 0.5);
 /// Look of the entities, and the chart's axis.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    rec.log_static("spectral/embedding", &Points3D::update_fields().with_radii([ui(3.0)]))?;
+    rec.log_static(SPECTRAL_EMBEDDING.path, &Points3D::update_fields().with_radii([ui(3.0)]))?;
     log_axes(rec)?;
-    rec.log_static("spectral/k", &series("k (zeros)", ZEROS, 2.0))?;
-    rec.log_static("spectral/margin", &series("margin [decades]", GREY, 1.5))?;
+    rec.log_static(SPECTRAL_K.path, &series("k (zeros)", ZEROS, 2.0))?;
+    rec.log_static(SPECTRAL_MARGIN.path, &series("margin [decades]", GREY, 1.5))?;
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
     let grid = LineStrips2D::new(decades.iter().map(|&d| [[0.0, -d as f32], [RIGHT, -d as f32]]))
         .with_radii([ui(0.5)])
@@ -44,48 +49,43 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors([color(WORDS)])
         .with_labels(decades.iter().map(|d| format!("1e{d}")).chain(numbered.iter().map(|i| format!("λ{}", i + 1))))
         .with_show_labels(true);
-    rec.log_static("spectral/chart/axis", &[&grid as &dyn AsComponents, &marks])
+    rec.log_static(SPECTRAL_CHART_AXIS.path, &[&grid as &dyn AsComponents, &marks])
 }
 
 /// λ, τ, k and margin of one revolution.
-pub(crate) fn log(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     let spectrum = &frame.spectrum;
     let stored = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(STORED.max(spectrum.k + 1))];
     let exact = TensorData::new(vec![stored.len() as u64], TensorBuffer::F64(stored.to_vec().into()));
-    rec.log("spectral/eigenvalues", &BarChart::new(exact).with_color(color(ZEROS)))?;
-    rec.log("spectral/tolerance", &Scalars::single(spectrum.tolerance))?;
-    rec.log("spectral/k", &Scalars::single(spectrum.k as f64))?;
-    rec.log("spectral/margin", &Scalars::new(spectrum.margin_decades))?;
-    log_chart(rec, spectrum)
+    rows.log(&SPECTRAL_EIGENVALUES, &BarChart::new(exact).with_color(color(ZEROS)));
+    rows.log(&SPECTRAL_TOLERANCE, &Scalars::single(spectrum.tolerance));
+    rows.log(&SPECTRAL_K, &Scalars::single(spectrum.k as f64));
+    rows.log(&SPECTRAL_MARGIN, &Scalars::new(spectrum.margin_decades));
+    log_chart(rows, spectrum);
 }
 
 /// U and the embedding of one revolution, the embedding drawn at `scale`.
-pub(crate) fn log_embedding(
-    rec: &RecordingStream,
-    frame: &Frame,
-    classes: &Classes,
-    scale: f64,
-) -> RecordingStreamResult<()> {
+pub(crate) fn log_embedding(rows: &mut Rows, frame: &Frame, classes: &Classes, scale: f64) {
     let spectrum = &frame.spectrum;
     let (n, k) = (spectrum.u.nrows(), spectrum.u.ncols());
     let exact = match &spectrum.u {
-        Embedding::Sparse { .. } => entries(&spectrum.u, "return, eigenvector, value"),
-        u => f16_matrix(rows_of(u), [n, k], ["return", "eigenvector"]),
+        Embedding::Sparse { .. } => entries(&spectrum.u, SPECTRAL_U.dims),
+        u => f16_matrix(rows_of(u), [n, k], SPECTRAL_U.dims),
     };
-    rec.log("spectral/U", &exact)?;
+    rows.log(&SPECTRAL_U, &exact);
     let wall_of = |i: usize| frame.junction.wall_of_return.get(i).copied().flatten();
     let points = (0..n).map(|i| drawn_row(&spectrum.u, i, scale));
-    rec.log("spectral/embedding", &Points3D::new(points).with_class_ids((0..n).map(|i| classes.of_wall(wall_of(i)))))
+    rows.log(&SPECTRAL_EMBEDDING, &Points3D::new(points).with_class_ids((0..n).map(|i| classes.of_wall(wall_of(i)))));
 }
 
-/// What the rows of U are drawn with: it brings the farthest of them to 1, whatever n is.
+/// The factor that scales the farthest row of U to length 1 in drawings.
 pub(crate) fn embedding_scale(u: &Embedding) -> f64 {
     let norm = |i: usize| (0..u.ncols().min(3)).map(|j| u[(i, j)].powi(2)).sum::<f64>().sqrt();
     let farthest = (0..u.nrows()).map(norm).fold(0.0, f64::max);
     if farthest > 0.0 { farthest.recip() } else { 1.0 }
 }
 
-/// The first three columns of row `i`, as many as there are; rounded, as equal points take less room.
+/// The first three columns of row `i`, or 0 for those that do not exist. They are rounded: equal points take less space.
 pub(crate) fn drawn_row(rows: &Embedding, i: usize, scale: f64) -> [f32; 3] {
     let drawn = |value: f64| ((value * scale / DRAWN_STEP).round() * DRAWN_STEP) as f32;
     std::array::from_fn(|j| if j < rows.ncols() { drawn(rows[(i, j)]) } else { 0.0 })
@@ -101,12 +101,12 @@ fn log_axes(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors([color(WORDS)])
         .with_labels(["u1", "u2", "u3"])
         .with_show_labels(true);
-    rec.log_static("spectral/axes", &[&axes as &dyn AsComponents, &names])
+    rec.log_static(SPECTRAL_AXES.path, &[&axes as &dyn AsComponents, &names])
 }
 
-/// A column for each eigenvalue on a logarithmic scale, the zeros in colour, a line after them, τ across them all, and
-/// k in words.
-fn log_chart(rec: &RecordingStream, spectrum: &Spectrum) -> RecordingStreamResult<()> {
+/// A column for each eigenvalue on a logarithmic scale, the zeros in colour and a line after them, a line at τ, and the
+/// inequality that k follows from.
+fn log_chart(rows: &mut Rows, spectrum: &Spectrum) {
     let drawn = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(DRAWN)];
     let top = |value: f64| height(value).min(-FLOOR_DECADE - STUB_DECADES);
     let columns = drawn.iter().enumerate().map(|(i, &l)| {
@@ -120,7 +120,7 @@ fn log_chart(rec: &RecordingStream, spectrum: &Spectrum) -> RecordingStreamResul
         columns.chain([tolerance, end_of_zeros]).map(|(line, color, radius)| (line, (color, radius))).unzip();
     let lines = LineStrips2D::new(lines).with_colors(colors).with_radii(radii);
     let verdict = label([0.5 * RIGHT, -3.4], format!("{}: k = {}", inequality(spectrum), spectrum.k));
-    rec.log("spectral/chart/values", &[&lines as &dyn AsComponents, &verdict])
+    rows.log(&SPECTRAL_CHART, &[&lines as &dyn AsComponents, &verdict]);
 }
 
 fn label(at: [f32; 2], text: String) -> Points2D {
@@ -135,7 +135,7 @@ fn column_x(i: usize) -> f32 {
     COLUMN * (i as f32 + 0.75)
 }
 
-/// Where a value stands in the chart: 2D views have y downwards.
+/// Height of a value in the chart; 2D views have y downwards.
 fn height(value: f64) -> f32 {
     -(value.abs().log10() as f32).clamp(FLOOR_DECADE, 2.0)
 }
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounding_below_zero_and_exact_zero_stand_on_the_floor_of_the_chart() {
+    fn zeros_stand_on_the_floor_of_the_chart() {
         assert_eq!([height(0.0), height(1e-30)], [18.0; 2]);
         assert_eq!(height(-1e-16), 16.0);
         assert!(height(f64::NAN).is_nan());

@@ -1,4 +1,4 @@
-//! Time: each stage, all together against the sensor's period, and a table of the last revolutions.
+//! Time of each stage, of all stages beside the sensor's period, and a table of the last revolutions.
 
 use std::collections::VecDeque;
 
@@ -6,22 +6,24 @@ use crosscut_stage::{Frame, Step};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, TextDocument};
 
 use crate::colors::{REPORTED, STEPS, TOLERANCE, color, series};
+use crate::rows::Rows;
+use crate::schema::{TIMING, TIMING_SUMMARY, TIMING_TOTAL};
 
-/// The table is of so many revolutions at most.
+/// Number of revolutions in the table.
 const WINDOW: usize = 200;
-/// The table is written at every so many revolutions.
-const TOLD_EVERY: u64 = 10;
+/// The table is written once in this many revolutions.
+const TABLE_EVERY: u64 = 10;
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    for (step, rgba) in Step::ALL.into_iter().zip(STEPS) {
-        rec.log_static(format!("timing/{step}"), &series(step.name(), rgba, 2.0))?;
+    for ((step, entity), rgba) in Step::ALL.into_iter().zip(TIMING).zip(STEPS) {
+        rec.log_static(entity.path, &series(step.name(), rgba, 2.0))?;
     }
     let lines = SeriesLines::new()
         .with_names(["all stages", "from scan to scan"])
         .with_colors([color(REPORTED), color(TOLERANCE)])
         .with_widths([2.0, 1.5]);
-    rec.log_static("timing/total", &lines)
+    rec.log_static(TIMING_TOTAL.path, &lines)
 }
 
 /// The times of the last revolutions.
@@ -38,24 +40,23 @@ const ROWS: usize = Step::ALL.len() + 2;
 
 impl Times {
     /// The times of one revolution, and the table so far.
-    pub(crate) fn log(&mut self, rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+    pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame) {
         let ms = |ns: u64| ns as f64 * 1e-6;
         let mut row = [f64::NAN; ROWS];
-        for (at, step) in Step::ALL.into_iter().enumerate() {
+        for (at, (step, entity)) in Step::ALL.into_iter().zip(&TIMING).enumerate() {
             row[at] = ms(frame.timings.ns(step));
-            rec.log(format!("timing/{step}"), &Scalars::single(row[at]))?;
+            rows.log(entity, &Scalars::single(row[at]));
         }
         let total = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum();
         row[ROWS - 2] = ms(total);
         if let Some(before_ns) = self.stamp_ns.replace(frame.revolution.stamp_ns) {
             row[ROWS - 1] = ms(frame.revolution.stamp_ns.saturating_sub(before_ns));
         }
-        rec.log("timing/total", &Scalars::new([row[ROWS - 2], row[ROWS - 1]]))?;
+        rows.log(&TIMING_TOTAL, &Scalars::new([row[ROWS - 2], row[ROWS - 1]]));
         self.add(row);
-        if self.seen % TOLD_EVERY == 1 {
-            rec.log("timing/summary", &TextDocument::from_markdown(self.table()))?;
+        if self.seen % TABLE_EVERY == 1 {
+            rows.log(&TIMING_SUMMARY, &TextDocument::from_markdown(self.table()));
         }
-        Ok(())
     }
 
     fn add(&mut self, row: [f64; ROWS]) {
@@ -82,8 +83,8 @@ impl Times {
             }
         }
         lines.push(
-            "\nStages run side by side, each in its own thread: a revolution comes out whenever the slowest one \
-            is done, and its answer is as old as all of them together."
+            "\nThe stages run in parallel, each in its own thread. The slowest stage limits the rate of answers; an \
+            answer is as old as all stages take together."
                 .to_owned(),
         );
         lines.join("\n")
@@ -95,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_tells_the_median_and_the_largest_of_a_window_that_moves() {
+    fn the_table_has_median_and_maximum_of_a_moving_window() {
         let mut times = Times::default();
         (0..WINDOW + 50).for_each(|ms| times.add([ms as f64; ROWS]));
         let table = times.table();

@@ -1,7 +1,7 @@
-//! The same wall has the same colour from one revolution to the next.
+//! Colours of walls that stay the same from one revolution to the next.
 //!
-//! Results number the walls of each revolution anew. Here each wall takes the colour of the wall of the revolution
-//! before that lay in the same directions. That is a matter of the recording alone: no result depends on it.
+//! Results number the walls of each revolution from 0. Here each wall takes the colour of the earlier wall that lay in
+//! the same directions. Only the recording depends on it, no result does.
 
 use std::cmp::Reverse;
 
@@ -9,10 +9,10 @@ use crosscut_stage::Frame;
 
 use crate::colors::{COLORS, NO_WALL};
 
-/// Directions are told apart to half a degree.
+/// Number of directions: half a degree each.
 const BINS: usize = 720;
 
-/// The classes of the walls and clusters of one revolution: what they are coloured by.
+/// The classes of the walls and clusters of one revolution; a class has a colour.
 #[derive(Debug, Default)]
 pub(crate) struct Classes {
     /// By wall number.
@@ -33,7 +33,7 @@ impl Classes {
     }
 }
 
-/// What was seen last in each direction.
+/// The class that was seen last in each direction.
 pub(crate) struct Tracks {
     seen: Vec<Option<u16>>,
 }
@@ -45,8 +45,8 @@ impl Default for Tracks {
 }
 
 impl Tracks {
-    /// The classes of the next revolution's walls: of all pairs of a wall and a class seen before, those that share the
-    /// most directions go together; a wall that is left gets a class that was not seen lately.
+    /// The classes of the next revolution's walls. Walls and earlier classes are paired, those that share the most
+    /// directions first. A wall without a pair gets a class that was not seen lately.
     pub(crate) fn classes_of(&mut self, frame: &Frame) -> Classes {
         let walls = self.match_walls(frame);
         let wall_of = &frame.junction.wall_of_return;
@@ -72,7 +72,7 @@ impl Tracks {
         classes.into_iter().map(|class| class.unwrap_or_else(|| self.take_new(&mut taken))).collect()
     }
 
-    /// Directions shared, wall, class; the most directions first.
+    /// Number of shared directions, wall and class of each pair, the most directions first.
     fn overlaps(&self, frame: &Frame) -> Vec<(Reverse<usize>, usize, u16)> {
         let walls = frame.junction.wall_of_return.iter().enumerate().take(frame.revolution.len());
         let shared = walls.filter_map(|(i, wall)| Some(((*wall)? as usize, self.seen[bin(frame, i)]?)));
@@ -82,7 +82,7 @@ impl Tracks {
         overlaps
     }
 
-    /// The first class that nobody has: one with a colour of its own that was not seen lately, if there is one.
+    /// The first class that is not taken: if possible one with its own colour that was not seen lately.
     fn take_new(&self, taken: &mut [bool]) -> u16 {
         let free = |class: &u16| !taken[usize::from(*class)];
         let fresh = (0..COLORS).filter(free).find(|class| !self.seen.contains(&Some(*class)));
@@ -92,7 +92,7 @@ impl Tracks {
     }
 }
 
-/// How often each item is there, in order.
+/// Each item with the number of its occurrences, in order.
 fn counts<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Vec<(T, usize)> {
     let mut items: Vec<T> = items.collect();
     items.sort_unstable();
@@ -117,7 +117,7 @@ fn walls_of_clusters(frame: &Frame) -> Vec<Option<usize>> {
         returns.filter_map(|(label, wall)| Some(((*label)? as usize, wall.map_or(none, |wall| wall as usize))));
     let mut most = vec![(0, None); frame.partition.clusters];
     for ((cluster, wall), count) in counts(of_cluster) {
-        // Of as many returns, the first wall.
+        // Of two walls with equally many returns, the first counts.
         if let Some(most) = most.get_mut(cluster).filter(|(least, _)| count > *least) {
             *most = (count, Some(wall).filter(|&wall| wall < none));
         }
@@ -144,14 +144,14 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_keeps_its_class_when_it_is_numbered_otherwise() {
+    fn a_renumbered_wall_keeps_its_class() {
         let mut tracks = Tracks::default();
         assert_eq!(tracks.classes_of(&frame(&[(0, 0..100), (1, 120..300)])).walls, [0, 1]);
         assert_eq!(tracks.classes_of(&frame(&[(0, 125..305), (1, 5..105)])).walls, [1, 0]);
     }
 
     #[test]
-    fn of_a_wall_that_breaks_the_larger_part_keeps_the_class_and_the_other_gets_a_new_one() {
+    fn the_larger_part_of_a_broken_wall_keeps_the_class() {
         let mut tracks = Tracks::default();
         tracks.classes_of(&frame(&[(0, 0..180), (1, 190..350)]));
         assert_eq!(tracks.classes_of(&frame(&[(0, 0..60), (1, 70..180), (2, 190..350)])).walls, [2, 0, 1]);
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_out_of_sight_for_a_while_comes_back_with_its_class() {
+    fn a_hidden_wall_comes_back_with_its_class() {
         let mut tracks = Tracks::default();
         tracks.classes_of(&frame(&[(0, 0..100), (1, 120..300)]));
         for _ in 0..5 {
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_beyond_the_colours_still_have_a_class_each() {
+    fn more_walls_than_colours_have_a_class_each() {
         let spans: Vec<_> =
             (0..20u32).map(|wall| (wall, 18 * wall.cast_signed()..18 * wall.cast_signed() + 9)).collect();
         let mut walls = Tracks::default().classes_of(&frame(&spans)).walls;
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cluster_has_the_colour_of_most_of_its_returns_and_grey_if_they_are_no_wall() {
+    fn a_cluster_has_the_class_of_most_of_its_returns() {
         let mut frame = frame(&[(0, 0..10), (1, 20..30)]);
         frame.junction.wall_of_return[12..].fill(None);
         frame.partition.labels = (0..20).map(|i| Some(u32::from(i >= 8))).collect();

@@ -1,4 +1,4 @@
-//! The native viewer: found, started, connected to.
+//! The native viewer: find it, start it, connect to it.
 
 use std::io::BufWriter;
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -12,7 +12,10 @@ use rerun::{SpawnError, SpawnOptions};
 
 use crate::RecorderError;
 
-/// Starts the viewer called `executable`, unless one listens already, and connects to it.
+/// Connects to the native viewer; starts the one called `executable` unless one listens already.
+///
+/// # Errors
+/// When there is no viewer, or it cannot be started.
 pub(crate) fn connect(executable: &str) -> Result<GrpcSink, RecorderError> {
     let options = SpawnOptions {
         executable_name: executable.to_owned(),
@@ -30,10 +33,10 @@ pub(crate) fn connect(executable: &str) -> Result<GrpcSink, RecorderError> {
     Ok(GrpcSink::new(uri))
 }
 
-/// A viewer of its own that reads a recording from its standard input.
+/// A separate viewer that reads a recording from its standard input.
 pub(crate) struct Viewer {
     process: Child,
-    /// Nothing once the viewer reads no more.
+    /// `None` once the viewer has stopped reading.
     input: Option<Encoder<BufWriter<ChildStdin>>>,
 }
 
@@ -59,7 +62,7 @@ impl Viewer {
         Ok(Self { process, input })
     }
 
-    /// Hands a message over; whether more are wanted.
+    /// Hands a message over. Returns whether the viewer reads more.
     pub(crate) fn take(&mut self, message: &LogMsg) -> bool {
         if self.input.as_mut().is_some_and(|input| input.append(message).is_err()) {
             self.input = None; // it was closed
@@ -67,13 +70,13 @@ impl Viewer {
         self.input.is_some()
     }
 
-    /// Returns when the viewer is closed.
+    /// Waits until the viewer is closed.
     ///
     /// # Errors
-    /// When it failed.
+    /// When the viewer failed.
     pub(crate) fn wait(mut self) -> Result<(), RecorderError> {
         if let Some(mut input) = self.input.take() {
-            let _ = input.finish(); // that it was closed in the meantime is seen below
+            let _ = input.finish(); // fails if the viewer was closed, which is handled below
         }
         let ended = self.process.wait().map_err(|e| RecorderError::Viewer(e.to_string()))?;
         if ended.success() { Ok(()) } else { Err(RecorderError::Viewer(format!("it ended with {ended}"))) }
@@ -85,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_missing_viewer_is_said_with_the_line_that_installs_it() {
+    fn the_error_of_a_missing_viewer_has_the_install_command() {
         let error = connect("no-such-viewer-9d1f").err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("pip install rerun-sdk==0.36.3"), "{error}");
         assert_eq!(error.lines().count(), 1);

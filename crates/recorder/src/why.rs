@@ -1,4 +1,4 @@
-//! Why the count is what it is: in words, drawn on the scan, and which revolutions are worth a look.
+//! Why the count is what it is: as text and drawn on the scan; and which revolutions are worth a look.
 
 use crosscut_explain::{Change, Edge, Event, Explanation, Watch};
 use crosscut_stage::{Frame, Point, Revolution, Weights};
@@ -8,20 +8,24 @@ use rerun::{
 };
 
 use crate::beam_order::LARGEST_SIDE;
-use crate::colors::{LINK, LINK_EDGE, STRONGEST, TOLERANCE, WEAK_LINK, WEAKEST, color, name_of};
+use crate::colors::{BORDER, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, color, name_of};
+use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
+use crate::schema::{AFFINITY_LINKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
 use crate::tracks::Classes;
 
-/// Links of a sparse W drawn for each return at most; where there are more, every m-th is.
+/// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
 const DRAWN_A_RETURN: usize = 4;
-/// Wider lines below those that decide the count make edges, for an eye above them.
-const EDGE_BELOW_M: f32 = 0.05;
-/// A mark ends within the view if it is no farther out than this, as a share of what the view reaches: ahead or behind,
-/// and to either side; and so wide and high it is.
+/// How far below the edges that decide the count their dark borders lie; the views look down.
+const BORDER_BELOW_M: f32 = 0.05;
+/// A mark fits into the view if its middle is no farther out than these shares of the view's reach: ahead or behind, and
+/// to either side.
 const MARK_ROOM: [f64; 2] = [1.08, 0.78];
+/// Width of a mark, as a share of the view's reach.
 const MARK_WIDTH: f64 = 0.85;
+/// Height of a mark, as a share of the view's reach.
 const MARK_HEIGHT: f64 = 0.18;
-/// A weaker link of a sparse W stands out.
+/// Edges of a sparse W with a smaller weight are highlighted.
 const WEAK: f64 = 0.1;
 
 /// Look of the entities.
@@ -29,40 +33,28 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
-    rec.log_static("scan/links", &[&lines as &dyn AsComponents, &marks])?;
-    let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(LINK_EDGE)]);
-    rec.log_static("scan/links/edges", &edges)
+    rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
+    let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
+    rec.log_static(SCAN_LINKS_EDGES.path, &edges)
 }
 
-/// The explanation of one revolution, seen as far as `reach_m`, and whether it is worth a look.
-pub(crate) fn log(
-    rec: &RecordingStream,
-    frame: &Frame,
-    classes: &Classes,
-    reach_m: f64,
-    watch: &mut Watch,
-) -> RecordingStreamResult<()> {
+/// The explanation of one revolution, drawn in views that reach `reach_m`, and whether it is worth a look.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64, watch: &mut Watch) {
     let explanation = Explanation::of(frame);
     let text = explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))));
-    rec.log("report/why", &TextDocument::from_markdown(text))?;
-    log_decisive_links(rec, &frame.revolution, &explanation, reach_m)?;
+    rows.log(&REPORT_WHY, &TextDocument::from_markdown(text));
+    log_decisive_links(rows, &frame.revolution, &explanation, reach_m);
     for event in watch.events(frame) {
         let level = match event {
             Event::LowMargin { .. } => TextLogLevel::WARN,
             _ => TextLogLevel::INFO,
         };
-        rec.log("log", &TextLog::new(event.to_string()).with_level(level))?;
+        rows.log(&LOG, &TextLog::new(event.to_string()).with_level(level));
     }
-    Ok(())
 }
 
-/// The weakest link inside each wall, and the strongest between two; a mark at those that would change the count.
-fn log_decisive_links(
-    rec: &RecordingStream,
-    revolution: &Revolution,
-    explanation: &Explanation,
-    reach_m: f64,
-) -> RecordingStreamResult<()> {
+/// The weakest edge inside each wall and the strongest between two, with a mark at those that would change the count.
+fn log_decisive_links(rows: &mut Rows, revolution: &Revolution, explanation: &Explanation, reach_m: f64) {
     let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
     let links = weakest.chain(explanation.strongest().map(|(_, link)| (link, STRONGEST)));
     let (lines, colors): (Vec<_>, Vec<_>) =
@@ -70,25 +62,25 @@ fn log_decisive_links(
     let (at, labels): (Vec<_>, Vec<_>) =
         explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.edge?))).unzip();
     let at = readable(at, reach_m);
-    let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - EDGE_BELOW_M]);
-    rec.log("scan/links/edges", &LineStrips3D::new(lines.iter().map(below)))?;
+    let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - BORDER_BELOW_M]);
+    rows.log(&SCAN_LINKS_EDGES, &LineStrips3D::new(lines.iter().map(below)));
     let lines = LineStrips3D::new(lines).with_colors(colors);
     let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels).with_show_labels(true);
-    rec.log("scan/links", &[&lines as &dyn AsComponents, &marks])
+    rows.log(&SCAN_LINKS, &[&lines as &dyn AsComponents, &marks]);
 }
 
 fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
     returns.map(|i| xyz(&revolution.points_m[i]))
 }
 
-/// In the middle of the link: "k = 4 if broken: 3e-5".
+/// A mark in the middle of the edge, such as "k = 4 if broken: 3e-5".
 fn mark(revolution: &Revolution, change: &Change, link: Edge) -> (Point, String) {
     let [a, b] = link.returns.map(|i| revolution.points_m[i]);
     let what = if change.walls.len() == 1 { "broken" } else { "joined" };
     (nalgebra::center(&a, &b), format!("k = {} if {what}: {:.0e}", change.k, link.weight))
 }
 
-/// The marks moved into the view, and down from one that they would cover.
+/// The marks, moved into the view and away from marks that they would cover.
 fn readable(marks: Vec<Point>, reach_m: f64) -> Vec<Point> {
     let mut placed: Vec<Point> = Vec::new();
     for mark in marks {
@@ -104,15 +96,15 @@ fn readable(marks: Vec<Point>, reach_m: f64) -> Vec<Point> {
     placed
 }
 
-/// The links of a sparse W, the weak ones standing out. Of those of weight 1, each return's to the next alone: the
-/// others lie upon them.
-pub(crate) fn log_graph(rec: &RecordingStream, frame: &Frame) -> RecordingStreamResult<()> {
+/// The edges of a sparse W, the weak ones highlighted. Of the edges of weight 1 only each return's to the next is drawn:
+/// the others would lie upon them.
+pub(crate) fn log_graph(rows: &mut Rows, frame: &Frame) {
     let (weights, n) = (&frame.affinity.weights, frame.revolution.len());
     if !matches!(weights, Weights::Sparse(_)) || weights.n() != n || n > LARGEST_SIDE {
-        return Ok(());
+        return;
     }
     let mut links = Vec::new();
-    let mut linked = 0; // returns up to this one have their next
+    let mut linked = 0; // returns before this one have their edge to the next
     weights.for_each(|i, j, w| {
         if i < j && w > 0.0 && (w < 1.0 || i >= linked) {
             links.push(([i, j], w));
@@ -121,10 +113,10 @@ pub(crate) fn log_graph(rec: &RecordingStream, frame: &Frame) -> RecordingStream
     });
     let every = links.len().div_ceil(DRAWN_A_RETURN * n.max(1)).max(1);
     let (lines, colors): (Vec<_>, Vec<_>) = (links.into_iter().step_by(every))
-        .map(|(returns, w)| (line(&frame.revolution, returns), color(if w < WEAK { WEAK_LINK } else { LINK })))
+        .map(|(returns, w)| (line(&frame.revolution, returns), color(if w < WEAK { WEAK_EDGE } else { EDGE })))
         .unzip();
     let lines = LineStrips3D::new(lines).with_colors(colors).with_radii([Radius::new_ui_points(0.5)]);
-    rec.log("affinity/links", &lines)
+    rows.log(&AFFINITY_LINKS, &lines);
 }
 
 #[cfg(test)]
@@ -132,10 +124,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn marks_stay_within_the_view_and_do_not_cover_each_other() {
+    fn marks_stay_in_the_view_without_covering_each_other() {
         let reach_m = 10.0;
         let at = |x: f64, y: f64| Point::new(x, y, 0.0);
-        assert_eq!(readable(vec![at(3.0, 0.0), at(-3.0, 1.0)], reach_m), [at(3.0, 0.0), at(-3.0, 1.0)], "as they were");
+        assert_eq!(
+            readable(vec![at(3.0, 0.0), at(-3.0, 1.0)], reach_m),
+            [at(3.0, 0.0), at(-3.0, 1.0)],
+            "marks that fit are not moved"
+        );
         for marks in [vec![at(0.0, -10.0), at(0.5, 10.0)], vec![at(2.0, 1.0); 3], vec![at(-12.0, 0.0), at(12.0, 0.0)]] {
             let placed = readable(marks.clone(), reach_m);
             assert!(placed.iter().all(|at| at.y.abs() < 7.9 && at.x.abs() < 10.9), "{placed:?}");

@@ -1,6 +1,6 @@
-//! The layout that goes with every recording: a page for each question, all of them tabs of one window.
+//! The layout of every recording: a page for each question, all of them tabs of one window.
 //!
-//! [`pages`] says what stands on a page, [`views`] what each view shows; a page is readable at 1400×900.
+//! [`pages`] places the views on a page, [`views`] makes each view. A page is readable at 1400×900.
 
 mod pages;
 mod properties;
@@ -14,10 +14,11 @@ use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, Tensor, TensorBuffer};
 
 use crate::beam_order::BeamOrder;
+use crate::schema::EXTENT;
 use crate::tensors::f64_vector;
 use views::Views;
 
-/// The page that a recording opens with. The other pages of a flight are tabs beside it.
+/// The page that a recording opens with. The other pages are tabs beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layout {
     /// A flight: counts, places, margin, and the revolutions worth a look.
@@ -25,7 +26,7 @@ pub enum Layout {
     /// One revolution, stage by stage.
     #[default]
     Stages,
-    /// What each stage took, and whether it keeps up with the sensor.
+    /// Time of each stage, and whether it keeps up with the sensor.
     Speed,
 }
 
@@ -55,10 +56,10 @@ impl Layout {
     }
 }
 
-/// How far the views have to reach; taken from the first revolution.
+/// What the views have to show: taken from the first revolution.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
-    /// Farthest distance that the scan shows, metres.
+    /// Farthest distance that the views show, metres.
     pub(crate) range_m: f64,
     /// Places along the side of the pictures.
     pub(crate) places: usize,
@@ -70,11 +71,11 @@ impl Default for Extent {
     }
 }
 
-/// No lidar sees farther. A return beyond is an error of the sensor, and a view that reached it would show nothing else.
+/// No lidar sees farther. A return beyond this is an error of the sensor and does not widen the views.
 const FARTHEST_RETURN_M: f64 = 1000.0;
 
 impl Extent {
-    /// The sensor's range, but at most twice as far as its returns lie; the sensor's beams.
+    /// The sensor's range, but at most twice the distance of its farthest return; and the number of its beams.
     pub(crate) fn of(frame: &Frame) -> Self {
         let (default, revolution) = (Self::default(), &frame.revolution);
         let ranges_m = (0..revolution.len()).map(|i| revolution.range_m(i));
@@ -88,13 +89,13 @@ impl Extent {
         }
     }
 
-    /// Kept in the recording, so that it can be laid out again.
+    /// Records the extent, so that the recording can be laid out again.
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let values = vec![self.range_m, self.places as f64];
-        rec.log_static("layout/extent", &f64_vector(values, "range_m, places"))
+        rec.log_static(EXTENT.path, &f64_vector(values, EXTENT.dims))
     }
 
-    /// As it was kept.
+    /// Reads the extent that was recorded.
     pub(crate) fn read(chunk: &Chunk) -> Option<Self> {
         let data: Vec<rerun::components::TensorData> =
             chunk.component_batch(Tensor::descriptor_data().component, 0)?.ok()?;
@@ -108,21 +109,21 @@ impl Extent {
     }
 }
 
-/// What a layout shows. Its pages are tabs; `first` opens, or else the page that only this layout has.
+/// What a layout shows. Its pages are tabs. `first` opens, or else the page that only this layout has.
 pub(crate) enum Shown<'a> {
     /// A flight.
     Flight { first: Layout, extent: Extent },
     /// Two flights.
     Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
-    /// A flight with what else its MCAP recording holds: below `root`, and the entities there that are pictures.
+    /// A flight with the other sensors of its MCAP recording, which stand below `root`; `pictures` are cameras.
     Sensors { first: Option<Layout>, extent: Extent, root: &'a str, pictures: &'a [String] },
 }
 
 /// One of two flights.
 pub(crate) struct Side<'a> {
-    /// The entity that it stands below.
+    /// The entity that all its entities stand below.
     pub(crate) below: &'a str,
-    /// What it is called in titles.
+    /// Its name in titles.
     pub(crate) name: &'a str,
     pub(crate) extent: Extent,
 }
@@ -158,7 +159,7 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResul
     properties::send(rec, &layout, properties)
 }
 
-/// The messages of a layout, to be sent with those of a recording that is shown again.
+/// The messages of a layout for a recording that is shown again.
 pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
     let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
     send(&scratch, shown)?;
@@ -167,7 +168,7 @@ pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
     Ok(messages)
 }
 
-/// By revolution; at the newest one until somebody moves it.
+/// The time panel counts revolutions and follows the newest one until the user moves it.
 fn time_panel() -> TimePanel {
     TimePanel::new()
         .with_state(PanelState::Collapsed)
@@ -182,7 +183,7 @@ mod tests {
     use crosscut_stage::Point;
 
     #[test]
-    fn a_return_farther_than_any_lidar_sees_does_not_widen_the_views() {
+    fn an_impossible_range_does_not_widen_the_views() {
         let range_m = |ranges_m: &[f64]| {
             let mut frame = Frame::default();
             frame.revolution.points_m = ranges_m.iter().map(|&range_m| Point::new(range_m, 0.0, 0.0)).collect();

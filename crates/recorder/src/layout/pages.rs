@@ -1,10 +1,11 @@
-//! The pages: which views stand on them, where, and how large.
+//! The pages: their views, with place and size.
 
 use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
 use super::views::Views;
+use crate::schema::{AFFINITY_W, SPECTRAL_L};
 
-/// A flight: where it was at the chosen revolution, and what was counted all along.
+/// A flight: the scan at the chosen revolution, and the counts over all revolutions.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.answer(), views.why("Why this count?"), views.config(), views.about()]);
     let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.25, 1.0]);
@@ -15,7 +16,7 @@ pub(super) fn overview(views: &mut Views) -> ContainerLike {
     page.with_name("Overview: the flight").into()
 }
 
-/// One revolution in the order of the stages, and why its count is what it is.
+/// One revolution stage by stage, and why its count is what it is.
 pub(super) fn stages(views: &mut Views) -> ContainerLike {
     let [returns, w, l, eigenvalues, embedding, labels, openings, words] = steps(views);
     let graph = Horizontal::new([returns, w, l, eigenvalues]).with_column_shares([1.05, 1.0, 1.0, 0.95]);
@@ -23,15 +24,15 @@ pub(super) fn stages(views: &mut Views) -> ContainerLike {
     Vertical::new([graph.into(), answer.into()]).with_name("Stages: one revolution").into()
 }
 
-/// What stands on that page, in its order.
+/// The views of the page [`stages`], in their order.
 pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
     let embedding = Tabs::new([views.embedding(), views.embedding_plane()]);
     let words =
         Tabs::new([views.why("8 Why?"), views.answer(), views.log("Worth a look"), views.config(), views.about()]);
     [
         views.returns("1 Returns: x up, y left"),
-        views.picture("2 W by beam, 1e-16 to 1", "affinity/W"),
-        views.picture("3 L by beam, 1e-16 to 1", "spectral/L"),
+        views.picture("2 W by beam, 1e-16 to 1", AFFINITY_W),
+        views.picture("3 L by beam, 1e-16 to 1", SPECTRAL_L),
         views.chart("4 Eigenvalues of L: zeros blue, τ pink"),
         embedding.into(),
         views.labels("6 Labels and ranges by beam"),
@@ -40,7 +41,7 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
     ]
 }
 
-/// What each stage took, and whether it keeps up with the sensor.
+/// Time of each stage, and whether it keeps up with the sensor.
 pub(super) fn speed(views: &mut Views) -> ContainerLike {
     let times = Vertical::new([views.timings(), views.total(), views.returns_count()]).with_row_shares([1.4, 1.0, 0.7]);
     let page = Horizontal::new([times.into(), views.timing_table()]).with_column_shares([1.0, 0.5]);

@@ -1,5 +1,5 @@
-//! Properties of views: 2D bounds, eyes, axes, legends. The blueprint has no setters for them; each is logged beside
-//! its view, and the messages are sent together.
+//! Properties of views: 2D bounds, eyes, axes, legends. The blueprint has no setters for them, so each is logged beside
+//! its view, and all messages are sent together.
 
 use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
 use rerun::external::re_log_types::BlueprintActivationCommand;
@@ -16,7 +16,7 @@ struct Property {
 pub(super) struct Properties(Vec<Property>);
 
 impl Properties {
-    /// The view, with a property noted down for it.
+    /// Adds a property of `view`, and returns the view.
     pub(super) fn with(
         &mut self,
         view: impl Into<ContainerLike>,
@@ -31,7 +31,7 @@ impl Properties {
         view
     }
 
-    /// These and the others.
+    /// The properties of both.
     pub(super) fn and(mut self, others: Self) -> Self {
         self.0.extend(others.0);
         self

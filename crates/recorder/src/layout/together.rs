@@ -1,21 +1,22 @@
-//! Pages for what is seen together: two flights side by side; a flight with what else its MCAP recording holds.
+//! Pages of combinations: two flights side by side; a flight with the other sensors of its MCAP recording.
 
 use rerun::blueprint::{ContainerLike, Grid, Horizontal, Tabs, Vertical};
 
 use super::pages;
 use super::views::Views;
+use crate::schema::AFFINITY_W;
 
-/// Two flights, each with the same views: what was answered, and the matrix and spectrum that it follows from.
+/// Two flights with the same views: the answer, and the matrix and spectrum that it follows from.
 pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
     halves("Side by side", [left, right].map(half))
 }
 
-/// A page on the left, one on the right.
+/// Two pages beside each other.
 pub(super) fn halves(name: &str, pages: [ContainerLike; 2]) -> ContainerLike {
     Horizontal::new(pages).with_name(name).into()
 }
 
-/// One revolution stage by stage, each stage of the one flight next to that of the other.
+/// One revolution stage by stage, each stage of the first flight next to that of the second.
 pub(super) fn stages(left: &mut Views, right: &mut Views) -> ContainerLike {
     let pairs = pages::steps(left).into_iter().zip(pages::steps(right));
     Grid::new(pairs.flat_map(|(left, right)| [left, right])).with_grid_columns(4).with_name("Stages").into()
@@ -24,12 +25,12 @@ pub(super) fn stages(left: &mut Views, right: &mut Views) -> ContainerLike {
 fn half(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.answer(), views.why("Why?"), views.config()]);
     let answer = Horizontal::new([views.scan("Walls, openings"), words.into()]);
-    let numbers = Horizontal::new([views.picture("W, 1e-16 to 1", "affinity/W"), views.chart("Eigenvalues of L")]);
+    let numbers = Horizontal::new([views.picture("W, 1e-16 to 1", AFFINITY_W), views.chart("Eigenvalues of L")]);
     let flight = Horizontal::new([views.junctions(), views.margin()]);
     Vertical::new([answer.into(), numbers.into(), flight.into()]).with_row_shares([1.25, 1.0, 0.7]).into()
 }
 
-/// Walls and openings among the robot's own point clouds, its cameras, and the flight below.
+/// Walls and openings among the robot's own point clouds, its cameras, and below them the flight over time.
 pub(super) fn sensors(views: &mut Views, root: &str, pictures: &[String]) -> ContainerLike {
     let scene = views.scene("Walls and openings among the robot's point clouds [m]", root, pictures);
     let cameras = Tabs::new(pictures.iter().map(|entity| Views::camera(entity)));

@@ -1,4 +1,4 @@
-//! The views: what each shows, and from where it is seen.
+//! The views: what each shows, and from which side.
 
 use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn};
 use rerun::blueprint::datatypes;
@@ -15,25 +15,32 @@ use super::properties::Properties;
 use super::{Extent, Side};
 use crate::profile::profile_bounds;
 use crate::scan::step_m;
+use crate::schema::{
+    ABOUT, AFFINITY_LINKS, AFFINITY_SCALE, CONFIG, Entity, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS,
+    KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_JUNCTIONS,
+    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS,
+    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
+    SPECTRAL_K, SPECTRAL_MARGIN, TIMING, TIMING_SUMMARY, TIMING_TOTAL,
+};
 use crate::spectrum::chart_bounds;
 
 /// Makes views of one recording.
 pub(super) struct Views {
-    /// What its entities stand below: nothing, or a name that starts with `/`.
+    /// The entity that all entities of the recording stand below: nothing, or a name that starts with `/`.
     root: String,
-    /// What every title begins with, where there is another recording beside it.
+    /// The beginning of every title where another recording is shown as well.
     title: String,
     extent: Extent,
     properties: Properties,
 }
 
 impl Views {
-    /// Of the only recording.
+    /// Views of the only recording.
     pub(super) fn new(extent: Extent) -> Self {
         Self { root: String::new(), title: String::new(), extent, properties: Properties::default() }
     }
 
-    /// Of one of two.
+    /// Views of one of two recordings.
     pub(super) fn of(side: &Side) -> Self {
         Self {
             root: format!("/{}", side.below),
@@ -43,7 +50,7 @@ impl Views {
         }
     }
 
-    /// A view's name, with that of the recording where there are two.
+    /// The name of a view, with the name of the recording where there are two.
     fn titled(&self, name: &str) -> String {
         format!("{}{name}", self.title)
     }
@@ -53,30 +60,36 @@ impl Views {
     }
 
     /// Queries for these entities.
-    fn entities<const N: usize>(&self, entities: [&str; N]) -> [String; N] {
-        entities.map(|entity| format!("+ {}/{entity}", self.root))
+    fn entities<const N: usize>(&self, entities: [Entity; N]) -> [String; N] {
+        entities.map(|entity| format!("+ {}", self.path(entity)))
     }
 
-    /// Where a view of several entities has its origin.
+    /// Where an entity stands.
+    fn path(&self, entity: Entity) -> String {
+        format!("{}{}", self.root, entity.path)
+    }
+
+    /// The origin of a view of several entities.
     fn origin(&self) -> &str {
         if self.root.is_empty() { "/" } else { &self.root }
     }
 
-    /// The returns coloured by wall, and the links that decide the count.
+    /// The returns coloured by wall, and the edges of W that decide the count.
     pub(super) fn returns(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities(["scan/returns", "scan/links/**", "affinity/links", "scan/rings", "scan/sensor"]);
+        let contents =
+            self.entities([SCAN_RETURNS, SCAN_LINKS, SCAN_LINKS_EDGES, AFFINITY_LINKS, SCAN_RINGS, SCAN_SENSOR]);
         self.above(name, contents)
     }
 
     /// Returns, walls and openings.
     pub(super) fn scan(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities(["scan/returns", "scan/walls", "scan/openings", "scan/rings", "scan/sensor"]);
+        let contents = self.entities([SCAN_RETURNS, SCAN_WALLS, SCAN_OPENINGS, SCAN_RINGS, SCAN_SENSOR]);
         self.above(name, contents)
     }
 
-    /// Walls and openings in space, with all that stands below `root` but the pictures; from behind, looking down.
+    /// Walls and openings in space, with all entities below `root` except pictures; seen from behind and above.
     pub(super) fn scene(&mut self, name: &str, root: &str, pictures: &[String]) -> ContainerLike {
-        let ours = self.entities(["scan/returns", "scan/walls", "scan/openings", "scan/sensor"]);
+        let ours = self.entities([SCAN_RETURNS, SCAN_WALLS, SCAN_OPENINGS, SCAN_SENSOR]);
         let flat = pictures.iter().map(|entity| format!("- {entity}"));
         let contents = ours.into_iter().chain([format!("+ /{root}/**")]).chain(flat);
         let view = Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
@@ -109,22 +122,22 @@ impl Views {
     }
 
     /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
-    pub(super) fn picture(&mut self, name: &str, entity: &str) -> ContainerLike {
-        let contents = self.entities([entity, "affinity/scale", "kmeans/labels", "kmeans/blocks"]);
+    pub(super) fn picture(&mut self, name: &str, entity: Entity) -> ContainerLike {
+        let contents = self.entities([entity, AFFINITY_SCALE, KMEANS_LABELS, KMEANS_BLOCKS]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
         self.flat(view, [-0.06 * n, -0.06 * n, 1.03 * n, 1.03 * n])
     }
 
     pub(super) fn chart(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities(["spectral/chart/**"]);
+        let contents = self.entities([SPECTRAL_CHART, SPECTRAL_CHART_AXIS]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         self.flat(view, chart_bounds())
     }
 
-    /// What each beam saw and where it was put.
+    /// The range of each beam, its wall and its cluster.
     pub(super) fn labels(&mut self, name: &str) -> ContainerLike {
-        let contents = self.entities(["kmeans/profile/**"]);
+        let contents = self.entities([KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         self.flat(view, profile_bounds())
     }
@@ -146,88 +159,87 @@ impl Views {
     }
 
     fn rows_of_u(&self, name: &str) -> Spatial3DView {
-        let contents = self.entities(["spectral/embedding", "spectral/axes", "kmeans/centroids"]);
+        let contents = self.entities([SPECTRAL_EMBEDDING, SPECTRAL_AXES, KMEANS_CENTROIDS]);
         Spatial3DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents)
     }
 
     pub(super) fn answer(&self) -> ContainerLike {
-        self.document("Answer", "report/summary").into()
+        self.document("Answer", REPORT_SUMMARY).into()
     }
 
     pub(super) fn why(&self, name: &str) -> ContainerLike {
-        self.document(name, "report/why").into()
+        self.document(name, REPORT_WHY).into()
     }
 
     pub(super) fn about(&self) -> ContainerLike {
-        self.document("About", "about").into()
+        self.document("About", ABOUT).into()
     }
 
     pub(super) fn timing_table(&self) -> ContainerLike {
-        self.document("Time so far", "timing/summary").into()
+        self.document("Time so far", TIMING_SUMMARY).into()
     }
 
     pub(super) fn config(&mut self) -> ContainerLike {
-        let view = self.document("Config", "config");
+        let view = self.document("Config", CONFIG);
         self.properties.with(view, "TextDocumentFormat", TextDocumentFormat::new().with_monospace(true))
     }
 
-    fn document(&self, name: &str, entity: &str) -> TextDocumentView {
-        TextDocumentView::new(self.titled(name)).with_origin(format!("{}/{entity}", self.root))
+    fn document(&self, name: &str, entity: Entity) -> TextDocumentView {
+        TextDocumentView::new(self.titled(name)).with_origin(self.path(entity))
     }
 
-    /// Revolutions worth a look; a click on one goes there.
+    /// Revolutions worth a look; a click selects one.
     pub(super) fn log(&mut self, name: &str) -> ContainerLike {
-        let view = TextLogView::new(self.titled(name)).with_origin(format!("{}/log", self.root));
+        let view = TextLogView::new(self.titled(name)).with_origin(self.path(LOG));
         let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
         let columns = [datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body].map(column);
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
     }
 
     pub(super) fn junctions(&mut self) -> ContainerLike {
-        let contents = self.entities(["report/junctions", "report/axis"]);
+        let contents = self.entities([REPORT_JUNCTIONS, REPORT_AXIS]);
         self.lines("Junctions", contents, None)
     }
 
-    /// Apart from the junctions: with dust in the air it is several times as large.
+    /// k has its own plot: with dust in the air it is several times the number of junctions.
     pub(super) fn zeros(&mut self) -> ContainerLike {
-        let contents = self.entities(["spectral/k", "report/axis"]);
+        let contents = self.entities([SPECTRAL_K, REPORT_AXIS]);
         self.lines("k: zeros of L", contents, None)
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
-        let contents = self.entities(["spectral/margin"]);
+        let contents = self.entities([SPECTRAL_MARGIN]);
         self.lines("Margin of k [decades]", contents, None)
     }
 
     pub(super) fn confidence(&mut self) -> ContainerLike {
-        let contents = self.entities(["report/confidence"]);
+        let contents = self.entities([REPORT_CONFIDENCE]);
         self.lines("Confidence [0 to 1]", contents, Some([0.0, 1.05]))
     }
 
     pub(super) fn places(&mut self) -> ContainerLike {
-        let origin = format!("{}/report/place", self.root);
+        let origin = self.path(REPORT_PLACE);
         let view = StateTimelineView::new(self.titled("Place over revolutions: click to go there")).with_origin(origin);
         self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 
     pub(super) fn timings(&mut self) -> ContainerLike {
-        let steps = ["timing/ingest", "timing/affinity", "timing/spectral", "timing/kmeans", "timing/report"];
-        let contents = self.entities(steps);
+        let contents = self.entities(TIMING);
         let view = self.plot("Time per stage [ms] over revolutions", contents);
         self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
     }
 
     pub(super) fn total(&mut self) -> ContainerLike {
-        let contents = self.entities(["timing/total"]);
+        let contents = self.entities([TIMING_TOTAL]);
         self.lines("All stages together (orange), from scan to scan (pink) [ms]", contents, None)
     }
 
     pub(super) fn returns_count(&mut self) -> ContainerLike {
-        let contents = self.entities(["scan/count"]);
+        let contents = self.entities([SCAN_COUNT]);
         self.lines("Returns in a revolution", contents, None)
     }
 
-    /// One or two lines: the title says which is which, and no legend hides what lies under it.
+    /// A plot of one or two lines, which its title names. It has no legend, which would hide a part of them.
     fn lines<const N: usize>(&mut self, name: &str, contents: [String; N], range: Option<[f64; 2]>) -> ContainerLike {
         let view = self.plot(name, contents);
         let view = self.properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false));
@@ -245,7 +257,7 @@ impl Views {
     }
 }
 
-/// Left, top, right and bottom of a 2D view.
+/// The bounds of a 2D view: left, top, right and bottom.
 fn bounds([left, top, right, bottom]: [f64; 4]) -> VisualBounds2D {
     let range = rerun::datatypes::Range2D {
         x_range: rerun::datatypes::Range1D([left, right]),

@@ -1,8 +1,9 @@
-//! What is in a recording, and when: every entity at its revolutions, what holds for the whole flight, what is recorded
-//! at some revolutions alone.
+//! What is in a recording, and when: every entity at its revolutions, the entities that are written once, and those of
+//! some revolutions only.
 
 use std::collections::BTreeSet;
 
+use crosscut_recorder::schema::{ENTITIES, When};
 use crosscut_recorder::{Detail, Recorder, Scope};
 use crosscut_stage::{Frame, Observer as _};
 use rerun::{AnnotationContext, BarChart, Points3D, RecordingInfo, TextDocument, components};
@@ -10,42 +11,12 @@ use rerun::{AnnotationContext, BarChart, Points3D, RecordingInfo, TextDocument, 
 use crate::frames;
 use crate::reading::{Recording, options, record_of, recorded, times};
 
-const EVERY_REVOLUTION: [&str; 34] = [
-    "/scan/returns",
-    "/scan/ranges",
-    "/scan/seen",
-    "/scan/count",
-    "/scan/links",
-    "/scan/walls",
-    "/scan/openings",
-    "/affinity/W",
-    "/affinity/degrees",
-    "/spectral/L",
-    "/spectral/eigenvalues",
-    "/spectral/tolerance",
-    "/spectral/k",
-    "/spectral/margin",
-    "/spectral/chart/values",
-    "/spectral/U",
-    "/spectral/embedding",
-    "/kmeans/labels",
-    "/kmeans/centroids",
-    "/kmeans/blocks",
-    "/kmeans/profile/lines",
-    "/report/junctions",
-    "/report/confidence",
-    "/report/place",
-    "/report/summary",
-    "/report/why",
-    "/report/labels",
-    "/report/walls",
-    "/timing/total",
-    "/timing/ingest",
-    "/timing/affinity",
-    "/timing/spectral",
-    "/timing/kmeans",
-    "/timing/report",
-];
+/// The paths of the entities that are written then.
+fn written(when: When) -> impl Iterator<Item = &'static str> {
+    // Edges are drawn of a sparse W alone.
+    let entities = ENTITIES.iter().filter(move |entity| entity.when == when && entity.path != "/affinity/links");
+    entities.map(|entity| entity.path)
+}
 
 fn flight() -> (Vec<Frame>, Recording) {
     let frames: Vec<Frame> = (7..10).map(frames::frame).collect();
@@ -54,11 +25,11 @@ fn flight() -> (Vec<Frame>, Recording) {
 }
 
 #[test]
-fn every_entity_is_there_at_every_revolution_on_both_timelines_and_on_no_other() {
+fn every_entity_is_there_at_every_revolution_on_both_timelines() {
     let (frames, recording) = flight();
     let seqs: BTreeSet<i64> = frames.iter().map(|f| f.revolution.seq as i64).collect();
     let stamps: BTreeSet<i64> = frames.iter().map(|f| f.revolution.stamp_ns as i64).collect();
-    for entity in EVERY_REVOLUTION {
+    for entity in written(When::Revolution).chain(written(When::Matrices)) {
         assert_eq!(recording.revolutions(entity), seqs, "{entity}");
         let found: BTreeSet<i64> = recording.of(entity).flat_map(|chunk| times(chunk, "stamp")).collect();
         assert_eq!(found, stamps, "{entity}");
@@ -70,7 +41,7 @@ fn every_entity_is_there_at_every_revolution_on_both_timelines_and_on_no_other()
 }
 
 #[test]
-fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
+fn configuration_texts_colours_and_layout_are_there_once() {
     let (_, recording) = flight();
     let text = |entity: &str| -> String {
         let chunk = recording.of(entity).find(|chunk| chunk.is_static()).unwrap();
@@ -79,7 +50,9 @@ fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
         text[0].to_string()
     };
     assert_eq!(text("/config"), "[affinity]\nkind = \"rbf\"\n");
-    assert!(text("/about").contains("Quantised"));
+    for entity in ENTITIES {
+        assert!(text("/about").contains(&format!("| `{}` | {}", entity.path, entity.what)), "{}", entity.path);
+    }
     let root = recording.of("/").find(|chunk| chunk.is_static()).unwrap();
     let classes: Vec<components::AnnotationContext> =
         root.component_batch(AnnotationContext::descriptor_context().component, 0).unwrap().unwrap();
@@ -88,7 +61,7 @@ fn what_holds_for_the_whole_recording_is_static_and_a_layout_goes_with_it() {
 }
 
 #[test]
-fn a_recording_starts_at_the_first_stamp_and_not_when_it_was_made() {
+fn a_recording_starts_at_the_first_stamp() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
     let mut recorder = Recorder::new(options(&path)).unwrap();
@@ -101,7 +74,7 @@ fn a_recording_starts_at_the_first_stamp_and_not_when_it_was_made() {
 }
 
 #[test]
-fn the_beams_are_logged_once_and_again_only_when_they_change() {
+fn the_beams_are_logged_when_they_change() {
     let mut frames: Vec<Frame> = (0..4).map(frames::frame).collect();
     frames[2].revolution.sweep.as_mut().unwrap().wire_geometry[3] = 20.0;
     frames[3].revolution.sweep.as_mut().unwrap().wire_geometry[3] = 20.0;
@@ -113,7 +86,7 @@ fn the_beams_are_logged_once_and_again_only_when_they_change() {
 }
 
 #[test]
-fn of_many_eigenvalues_the_smallest_are_kept_and_always_the_zeros_and_the_next() {
+fn the_smallest_eigenvalues_and_all_zeros_and_the_next_are_kept() {
     let stored = |k: usize| -> usize {
         let mut frame = frames::frame(0);
         frame.spectrum.eigenvalues = (0..300).map(f64::from).collect();
@@ -127,7 +100,7 @@ fn of_many_eigenvalues_the_smallest_are_kept_and_always_the_zeros_and_the_next()
 }
 
 #[test]
-fn exact_matrices_read_back_to_the_last_bit_at_every_nth_revolution_and_where_the_count_changes() {
+fn exact_matrices_read_back_to_the_last_bit() {
     let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
     frames[4].junction.junctions = 4;
     let folder = tempfile::tempdir().unwrap();
@@ -148,21 +121,21 @@ fn exact_matrices_read_back_to_the_last_bit_at_every_nth_revolution_and_where_th
 }
 
 #[test]
-fn a_light_recording_has_no_matrix_and_everything_else() {
+fn a_light_recording_has_everything_but_matrices() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("flight.rrd");
     let scope = Scope { detail: Detail::Light, ..Scope::default() };
     record_of(&path, &(0..3).map(frames::frame).collect::<Vec<_>>(), scope);
     let recording = Recording::read(&path);
-    let matrices = ["/affinity/W", "/affinity/degrees", "/spectral/L", "/spectral/U", "/spectral/embedding"];
-    for entity in EVERY_REVOLUTION {
-        let expected = if matrices.contains(&entity) { 0 } else { 3 };
-        assert_eq!(recording.revolutions(entity).len(), expected, "{entity}");
+    for (when, expected) in [(When::Revolution, 3), (When::Matrices, 0), (When::Sampled, 0)] {
+        for entity in written(when) {
+            assert_eq!(recording.revolutions(entity).len(), expected, "{entity}");
+        }
     }
 }
 
 #[test]
-fn a_wall_keeps_its_colour_when_results_number_it_otherwise() {
+fn a_renumbered_wall_keeps_its_colour() {
     let mut frames: Vec<Frame> = (0..2).map(frames::frame).collect();
     for wall in frames[1].junction.wall_of_return.iter_mut().flatten() {
         *wall = 2 - *wall;

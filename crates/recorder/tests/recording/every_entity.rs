@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use crosscut_explain::{Explanation, Watch};
+use crosscut_recorder::schema::{ENTITIES, Entity, When};
 use crosscut_rrd::{Array, Numbers, Recording, Value};
 use crosscut_stage::{Beam, Embedding, Frame, Step};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
@@ -15,21 +16,8 @@ type F16 = <Float16Type as ArrowPrimitiveType>::Native;
 
 /// What only says how something looks, and type names of texts and pictures.
 const LOOK: [&str; 6] = [":show_labels", ":radii", ":media_type", ":colormap", ":depth_range", "BarChart:color"];
-/// Entities that hold for the whole flight, and depend on nothing that the pipeline makes of a revolution.
-const WHOLE_FLIGHT: [&str; 12] = [
-    "/",
-    "/__properties",
-    "/about",
-    "/affinity/scale",
-    "/config",
-    "/kmeans/profile/names",
-    "/layout/extent",
-    "/scan/mounting",
-    "/scan/rings",
-    "/scan/sensor",
-    "/spectral/axes",
-    "/spectral/chart/axis",
-];
+/// What Rerun itself records.
+const RERUNS_OWN: &str = "/__properties";
 /// Colours of the walls by their class, which here is the number of the wall.
 const COLOURS: [&str; 3] = ["blue", "orange", "green"];
 
@@ -245,8 +233,14 @@ fn every_component_of_every_entity_holds_what_the_pipeline_made() {
     record(&path, &frames);
     let recording = Recording::open(&path).unwrap();
     let mut compared = BTreeSet::new();
-    for (entity, holds) in recording.entities().iter().filter(|(entity, _)| !WHOLE_FLIGHT.contains(&entity.as_str())) {
-        assert!(holds.revolutions.is_some(), "{entity} is compared with nothing");
+    let in_schema = |entity: &str| Entity::of(entity).unwrap_or_else(|| panic!("{entity} is not in the schema"));
+    for (path, holds) in recording.entities().iter().filter(|(path, _)| *path != RERUNS_OWN) {
+        let entity = in_schema(path);
+        assert_eq!(holds.revolutions.is_none(), entity.when == When::Once, "{path}");
+        assert!(holds.components.contains_key(entity.values), "{path} has no {}", entity.values);
+    }
+    let of_revolutions = |(path, _): &(&String, _)| *path != RERUNS_OWN && in_schema(path).when != When::Once;
+    for (entity, _) in recording.entities().iter().filter(of_revolutions) {
         for row in recording.rows(entity).unwrap().map(Result::unwrap) {
             let frame = &frames[row.revolution as usize];
             assert_eq!(row.stamp_ns, Some(frame.revolution.stamp_ns as i64), "{entity}");
@@ -255,6 +249,11 @@ fn every_component_of_every_entity_holds_what_the_pipeline_made() {
                 let compare = comparison(entity, component, &frames)
                     .unwrap_or_else(|| panic!("{entity}, {component} is compared with nothing"));
                 for value in row.values(component).map(Result::unwrap) {
+                    if component == "Tensor:data"
+                        && let Value::Numbers(array) = &value
+                    {
+                        assert_eq!(array.dims, in_schema(entity).dims, "{entity}");
+                    }
                     assert!(compare(&value, frame), "{entity}, {component} at {}: {value:?}", row.revolution);
                 }
                 compared.insert((entity.clone(), component.to_owned()));
@@ -262,4 +261,7 @@ fn every_component_of_every_entity_holds_what_the_pipeline_made() {
         }
     }
     assert!(compared.len() >= 50, "{} components", compared.len());
+    for entity in ENTITIES {
+        assert!(recording.entities().contains_key(entity.path), "{} is never written", entity.path);
+    }
 }
