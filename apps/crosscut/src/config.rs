@@ -68,7 +68,9 @@ fn settings_of_recording(path: &Path) -> Result<String, UsageError> {
 
 /// All settings there are.
 pub(crate) fn schema(registry: &Registry) -> Schema {
-    Schema::new(registry).with_section("ingest", crosscut_ingest::PARAMS)
+    Schema::new(registry)
+        .with_section("ingest", crosscut_ingest::PARAMS)
+        .with_section("csv", crosscut_ingest::CSV_PARAMS)
 }
 
 fn usage(error: impl ToString) -> UsageError {

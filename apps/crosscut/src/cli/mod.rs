@@ -43,6 +43,8 @@ pub(crate) enum Command {
     Paper(PaperArgs),
     /// Show what is in a recording.
     Info(InfoArgs),
+    /// Write a recording of any kind as an MCAP of ROS 2 that other tools read.
+    Convert(ConvertArgs),
     /// List, export or compare what is in recordings made with --save.
     #[command(subcommand)]
     Rrd(RrdCommand),
@@ -76,7 +78,8 @@ pub(crate) struct RunArgs {
 /// A recorded flight, or a part of it.
 #[derive(Debug, Args)]
 pub(crate) struct FlightArgs {
-    /// MCAP recordings, or folders of them: the parts of one flight, in this order.
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV), or folders of them: the parts of one flight, in this
+    /// order; `-` is standard input.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Scan topic; found by itself when there is only one.
@@ -95,6 +98,21 @@ pub(crate) struct FlightArgs {
     /// Take every N-th scan.
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// Recordings, or folders of them: the parts of one flight, in this order.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Where to write scans (/scan), odometry (/odom) and transforms (/tf).
+    #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(no_rrd))]
+    pub(crate) out: PathBuf,
+    /// Scan topic; found by itself when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
 }
 
 #[derive(Debug, Args)]
@@ -329,7 +347,7 @@ fn an_svg(path: PathBuf) -> Result<PathBuf, &'static str> {
 
 fn no_rrd(path: PathBuf) -> Result<PathBuf, &'static str> {
     if ends_in(&path, "rrd") {
-        return Err("what is simulated is an MCAP recording, none for the Rerun viewer: FLIGHT.mcap");
+        return Err("what is written is an MCAP recording, none for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
 }

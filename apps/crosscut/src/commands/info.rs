@@ -1,10 +1,13 @@
 //! `crosscut info`: what is in a recording, and what ingest makes of its scans.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_ingest::{Description, Parts, ScanDescription, Sensor, TopicDescription, describe, parts_in};
+use crosscut_ingest::{
+    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, Sensor, TopicDescription, describe, parts_in,
+};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
@@ -17,10 +20,13 @@ use crate::say::{printable, say};
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
+    let csv = CsvGeometry::new(config.params("csv"));
+    let options = ReadOptions { read_as: args.read_as, csv, ..ReadOptions::default() };
     let (mut lost, mut failed, mut between) = (false, false, "");
     let Parts { files, missing } = parts_in(&args.input)?;
+    let mut scan_topics = BTreeMap::new();
     for part in &files {
-        let description = match describe(part, &sensor, args.read_as) {
+        let description = match describe(part, &sensor, &options) {
             Ok(description) => description,
             Err(error) if files.len() == 1 => return Err(error.into()),
             Err(error) => {
@@ -41,10 +47,16 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
             lost = true;
         }
         between = "\n";
+        for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
+            *scan_topics.entry(topic.info.name.clone()).or_default() += topic.info.messages.unwrap_or(1);
+        }
     }
     for loss in missing {
         say(format_args!("lost: {loss}"));
         lost = true;
+    }
+    if let Some(line) = run_line(args, &scan_topics) {
+        say_next(&line)?;
     }
     let none = between.is_empty(); // not one could be described
     Ok(match (failed || none, lost) {
@@ -54,19 +66,41 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     })
 }
 
+fn say_next(line: &str) -> anyhow::Result<()> {
+    let text = printable(&format!("\nnext: {line}\n"));
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")
+}
+
+/// The command that runs what was described, on the scan topic with the most messages if there are several.
+fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<String> {
+    let (topic, _) = scan_topics.iter().max_by_key(|(_, messages)| **messages)?;
+    let mut words = vec!["crosscut".to_owned(), "run".to_owned()];
+    words.extend(args.input.iter().map(|input| input.display().to_string()));
+    if scan_topics.len() > 1 {
+        words.extend(["--topic".to_owned(), topic.clone()]);
+    }
+    words.extend(args.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
+    words.extend(args.config.config.iter().flat_map(|file| ["--config".to_owned(), file.display().to_string()]));
+    words.extend(args.config.set.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-=:+,".contains(c);
+    let quoted = |word: String| {
+        if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    Some(words.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+}
+
 fn text(recording: &Description) -> String {
-    let or = |text: &str, otherwise: &str| if text.is_empty() { otherwise.to_owned() } else { text.to_owned() };
     let mut lines = vec![
         format!("{}, {}", recording.path.display(), size(recording.bytes)),
-        format!(
-            "profile   {}, written by {}",
-            or(&recording.profile, "none"),
-            or(&recording.library, "an unnamed program")
-        ),
-        format!("index     {}", index(recording)),
+        format!("{:<10}{}", "format", recording.format),
     ];
+    let stated = recording.properties.iter().filter(|(_, value)| !value.is_empty());
+    lines.extend(stated.map(|(name, value)| format!("{name:<10}{value}")));
     if let Some(duration_s) = recording.duration_s() {
         lines.push(format!("duration  {duration_s:.1} s"));
+    }
+    if recording.has_odd_times {
+        lines.push("times     some times of recording cannot be right, and are left out here".to_owned());
     }
     if !recording.topics.is_empty() {
         lines.push(String::new());
@@ -86,14 +120,6 @@ fn text(recording: &Description) -> String {
 
 fn size(bytes: u64) -> String {
     if bytes < 1_000_000 { format!("{:.1} kB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
-}
-
-fn index(recording: &Description) -> String {
-    let compressions = recording.compressions.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-    match recording.indexed_chunks {
-        Some(chunks) => format!("{}, compression: {compressions}", counted(chunks as u64, "chunk")),
-        None => "none: messages come in the order of the file".to_owned(),
-    }
 }
 
 fn topics(topics: &[TopicDescription]) -> String {
@@ -123,10 +149,11 @@ fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let view =
         if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
     let mut text = format!(
-        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}",
+        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}, {:.0} % of beams without a return",
         scan.frame_id,
         counted(scan.beams as u64, "beam"),
         counted(scan.returns as u64, "return"),
+        100.0 * scan.missing,
     );
     for note in &scan.notes {
         text += &format!("\n  {note}");
