@@ -126,8 +126,10 @@ fn a_file_that_is_no_recording_is_identified() {
     let ran = run(["run", "nowhere.mcap"]).expect_code(1);
     assert_eq!(ran.stderr.matches("(os error").count(), 1, "the cause is told once: {}", ran.stderr);
     assert!(ran.stderr.starts_with("error: cannot open nowhere.mcap: "), "{}", ran.stderr);
-    let ran = refused("flight.bag", b"#ROSBAG V2.0\nand more");
-    assert!(ran.stderr.contains("ROS 1"), "{}", ran.stderr);
+    let ran = refused("flight.bag", b"#ROSRECORD V1.2\nand more");
+    assert!(ran.stderr.contains("rosbag fix"), "{}", ran.stderr);
+    let ran = refused("flight.mcap", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n");
+    assert!(ran.stderr.contains("git lfs pull"), "{}", ran.stderr);
 }
 
 #[test]
@@ -286,6 +288,48 @@ fn a_recording_without_readable_scans_fails_and_keeps_old_results() {
     assert!(said.contains("checksum") && said.contains("no scan could be read"), "{said}");
     assert_eq!(std::fs::read(results).expect("still there"), b"older\n");
     assert!(!svg.exists(), "a picture of nothing");
+}
+
+#[test]
+fn a_flight_of_which_no_scan_can_be_decoded_is_a_failure_and_older_results_stay() {
+    let folder = folder();
+    let mut broken = tunnel(10, &Writing { chunked: false, ..Writing::default() });
+    // The header of CDR, and a stamp of less than a second.
+    let is_start = |bytes: &[u8]| bytes == [0, 1, 0, 0, 0, 0, 0, 0];
+    let starts: Vec<usize> =
+        broken.windows(8).enumerate().filter(|(_, bytes)| is_start(bytes)).map(|(at, _)| at).collect();
+    starts.into_iter().for_each(|at| broken[at + 1] = 0x77);
+    let flight = file(folder.path(), "flight.mcap", &broken);
+    let results = file(folder.path(), "results.jsonl", b"older\n");
+    let ran = run(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1);
+    assert!(ran.stderr.contains("can be decoded"), "{}", ran.stderr);
+    assert_eq!(std::fs::read(results).expect("still there"), b"older\n");
+}
+
+#[test]
+fn info_ends_with_the_command_that_runs_the_flight() {
+    let folder = folder();
+    let flight = file(folder.path(), "my flight.mcap", &tunnel(10, &Writing::default()));
+    let shown = run(["info".as_ref(), flight.as_os_str()]).expect_code(0).stdout;
+    assert!(shown.ends_with(&format!("next: crosscut run '{}'\n", flight.display())), "{shown}");
+}
+
+#[test]
+fn a_converted_flight_gives_the_same_results() {
+    let folder = folder();
+    let flight =
+        file(folder.path(), "flight.mcap", &tunnel(10, &Writing { endian: Endian::Big, ..Writing::default() }));
+    let out = folder.path().join("converted.mcap");
+    let convert = |input: &std::path::Path, out: &std::path::Path| {
+        run(["convert".as_ref(), input.as_os_str(), "--out".as_ref(), out.as_os_str()])
+    };
+    convert(&flight, &out).expect_code(0);
+    let results = |path: &std::path::Path| results_of(path, &["--quiet"]).0.expect_code(0).stdout;
+    assert_eq!(results(&out), results(&flight));
+    let before = std::fs::read(&out).expect("converted");
+    convert(&file(folder.path(), "empty.mcap", b""), &out).expect_code(1);
+    assert_eq!(std::fs::read(&out).expect("still there"), before, "a failure replaces nothing");
+    convert(&flight, &flight).expect_code(2);
 }
 
 #[test]

@@ -9,6 +9,7 @@ from pathlib import Path
 import carmen
 import determinism
 import elsewhere
+import formats
 import killing
 import mcap_io
 import reading
@@ -30,6 +31,7 @@ CHECKS = {
     "determinism": determinism,
     "elsewhere": elsewhere,
     "carmen": carmen,
+    "formats": formats,
 }
 # Needs a program with the feature `web`, and a browser.
 ON_DEMAND = {"browser": web_viewer}

@@ -1,6 +1,6 @@
 //! The flight that a command reads.
 
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Sensor};
 use crosscut_pipeline::Config;
 
 use crate::cli::FlightArgs;
@@ -9,12 +9,14 @@ use crate::exit::UsageError;
 /// Opens the recordings of a flight, read with the settings of the sensor in `config`.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
     refuse_empty_span(args.from, args.to)?;
+    let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions {
         topic: args.topic.clone(),
         read_as: args.read_as,
         from_s: args.from,
         to_s: args.to,
         every: args.every,
+        csv,
     };
     Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
 }

@@ -39,6 +39,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => commands::compare::compare(&args),
         Command::Paper(args) => commands::paper::paper(&args),
         Command::Info(args) => commands::info::info(&args),
+        Command::Convert(args) => commands::convert::convert(&args),
         Command::Rrd(command) => rrd(&command),
         Command::Config(args) => config::print(&args),
     };

@@ -1,17 +1,20 @@
 //! What is in a recording, without running it.
 
-use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use crosscut_messages::{ScanDecoder, ScanMessage, ScanType};
-use crosscut_stage::{Notes, Revolution, counted};
+use crosscut_messages::{ScanDecoder, ScanMessage};
+use crosscut_stage::{Notes, Revolution, Sweep, counted};
 
-use crate::container::{Container, TopicReader};
+use crate::clock::Clock;
+use crate::container::{self, Contents, TopicReader};
 use crate::topics::topics_of;
-use crate::{IngestError, Loss, LossKind, Sensor, TopicInfo};
+use crate::{IngestError, Loss, LossKind, ReadOptions, Sensor, TopicInfo};
 
 const NS_PER_S: f64 = 1e9;
+
+/// This many scans of a topic are looked at.
+const SCANS_SAMPLED: usize = 50;
 
 /// What is in one file.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,16 +23,14 @@ pub struct Description {
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,
-    /// Profile, such as `ros2`; empty if it states none.
-    pub profile: String,
-    /// The program that wrote it; empty if it does not say.
-    pub library: String,
-    /// Chunks in its index; `None` if it has no index, so that messages come in file order.
-    pub indexed_chunks: Option<usize>,
-    /// How its chunks are compressed (`none`, `zstd`, `lz4`), as far as the index says.
-    pub compressions: BTreeSet<String>,
-    /// First and last log time, nanoseconds since the epoch, if there are messages.
+    /// Name of its format, such as `MCAP`.
+    pub format: &'static str,
+    /// What else there is to say of the file: a name (`index`) and its value, empty if the file does not say.
+    pub properties: Vec<(&'static str, String)>,
+    /// First and last log time, nanoseconds since the epoch, if there are messages; without those that cannot be right.
     pub log_time_ns: Option<[u64; 2]>,
+    /// Whether there are log times that cannot be right.
+    pub has_odd_times: bool,
     /// Its topics, by name.
     pub topics: Vec<TopicDescription>,
     /// What was found to be lost. Without an index that is all; with one, the chunks were not read, only the first
@@ -57,6 +58,8 @@ pub struct ScanDescription {
     pub beams: usize,
     /// Number of returns.
     pub returns: usize,
+    /// Share of beams without a return in the first scans of the topic.
+    pub missing: f64,
     /// Angle from one beam to the next, as used.
     pub step_rad: f64,
     /// Angle from the first beam to the last, as used; 0 if no beam has a bearing.
@@ -76,37 +79,25 @@ impl Description {
     }
 }
 
-/// Looks into one file; scans are described as `sensor` sees them. Messages of topics without a schema are read as
-/// `read_as`, if that is given.
+/// Looks into one file; scans are described as `sensor` sees them. Of `options`, the geometry of tables is used, and what
+/// topics without a schema are to be read as.
 ///
 /// # Errors
-/// When it cannot be opened or is no MCAP.
-pub fn describe(path: &Path, sensor: &Sensor, read_as: Option<ScanType>) -> Result<Description, IngestError> {
-    let mut container = Container::open(path)?;
-    let (profile, library) = container.header().unwrap_or_default();
-    let compressed = |chunk: &mcap::records::ChunkIndex| match chunk.compression.as_str() {
-        "" => "none".to_owned(),
-        name => name.to_owned(),
-    };
-    let mut description = Description {
-        path: path.to_owned(),
-        bytes: container.length,
-        profile,
-        library,
-        indexed_chunks: (!container.chunks.is_empty()).then_some(container.chunks.len()),
-        compressions: container.chunks.iter().map(compressed).collect(),
-        log_time_ns: container.catalogue.log_time_ns,
-        topics: Vec::new(),
-        losses: container.losses.clone(),
-    };
+/// When it cannot be opened or is of no format that can be read.
+pub fn describe(path: &Path, sensor: &Sensor, options: &ReadOptions) -> Result<Description, IngestError> {
+    let mut container = container::open(path, &options.csv)?;
+    let Contents { bytes, format, properties, losses, .. } = container.contents().clone();
+    let (log_time_ns, has_odd_times) = span(container.contents());
+    let (path, topics) = (path.to_owned(), Vec::new());
+    let mut description = Description { path, bytes, format, properties, log_time_ns, has_odd_times, topics, losses };
     let duration_s = description.duration_s().filter(|duration_s| *duration_s > 0.0);
-    for info in topics_of(std::slice::from_ref(&container)) {
+    for info in topics_of(std::iter::once(container.contents())) {
         let spans = info.messages.map(|messages| messages.saturating_sub(1) as f64);
         let rate_hz = spans.zip(duration_s).map(|(spans, duration_s)| spans / duration_s);
         let mut first_scan = None;
-        let read_as = read_as.filter(|_| info.type_name.is_empty());
+        let read_as = options.read_as.filter(|_| info.type_name.is_empty());
         if let Some(decoder) = info.decoder(read_as) {
-            let channels = info.channels_in(&container);
+            let channels = info.channels_in(container.contents());
             let mut reader = TopicReader::new(container, channels);
             first_scan = describe_first(&mut reader, &info, decoder, sensor, &mut description.losses);
             container = reader.into_container();
@@ -116,6 +107,20 @@ pub fn describe(path: &Path, sensor: &Sensor, read_as: Option<ScanType>) -> Resu
     Ok(description)
 }
 
+/// First and last log time without those that cannot be right, and whether there are any of these.
+fn span(contents: &Contents) -> (Option<[u64; 2]>, bool) {
+    let sample = || contents.log_times_ns.taken().iter().copied();
+    let clock = Clock::new(&[], sample());
+    match contents.log_time_ns {
+        Some(span) if !span.into_iter().all(|ns| clock.believes(ns)) => {
+            let believed = || sample().filter(|ns| clock.believes(*ns));
+            (believed().min().zip(believed().max()).map(|(first, last)| [first, last]), true)
+        }
+        span => (span, false),
+    }
+}
+
+/// Describes the first scan of a topic that `sensor` takes.
 fn describe_first(
     reader: &mut TopicReader,
     topic: &TopicInfo,
@@ -125,50 +130,56 @@ fn describe_first(
 ) -> Option<ScanDescription> {
     decoder.echo = sensor.echo();
     let mut scan = ScanMessage::default();
-    let mut seq = 0;
-    loop {
+    let (mut first, mut seq) = (None, 0);
+    let (mut scans, mut beams, mut returns) = (0, 0, 0);
+    while scans < SCANS_SAMPLED {
         let message = reader.next();
         for loss in reader.take_losses() {
             if !losses.contains(&loss) {
                 losses.push(loss);
             }
         }
-        let message = message?;
+        let Some(message) = message else { break };
         if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
-            losses.push(Loss { file: reader.container().path.clone(), kind });
-            return None;
+            losses.push(Loss { file: reader.contents().path.clone(), kind });
+            break;
         }
         if sensor.frame_id().is_none_or(|wanted| wanted == scan.header().frame_id) {
-            break;
+            let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+            sensor.message(&scan, &mut revolution, &mut notes);
+            scans += 1;
+            beams += revolution.sweep.as_ref().map_or(0, Sweep::len);
+            returns += revolution.len();
+            first.get_or_insert_with(|| describe_scan(&scan, &revolution, &notes));
         }
         reader.recycle(message);
         seq += 1;
     }
-    let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
-    // Ordinary with many drivers, so no note of each revolution; but others mean that nothing is known.
-    let (range_m, ranges) = match &scan {
+    let missing = if beams > 0 { 1.0 - returns as f64 / beams as f64 } else { 0.0 };
+    first.map(|first| ScanDescription { missing, ..first })
+}
+
+fn describe_scan(scan: &ScanMessage, revolution: &Revolution, notes: &Notes) -> ScanDescription {
+    let (range_m, ranges) = match scan {
         ScanMessage::Scan(scan) => ([scan.range_min, scan.range_max], &scan.ranges[..]),
         ScanMessage::Cloud(_) => ([0.0, f32::INFINITY], &[][..]),
     };
-    let not_numbers = ranges.iter().filter(|range| range.is_nan()).count();
-    if not_numbers > 0 {
-        notes.add(format!("{} of range NaN read as no return", counted(not_numbers as u64, "beam")));
-    }
-    sensor.message(&scan, &mut revolution, &mut notes);
-    let sweep = revolution.sweep.get_or_insert_default();
-    Some(ScanDescription {
+    // Ordinary with many drivers, so no note of each revolution; but others mean that nothing is known.
+    let not_numbers = ranges.iter().filter(|range| range.is_nan()).count() as u64;
+    let of_nan = (not_numbers > 0).then(|| format!("{} of range NaN read as no return", counted(not_numbers, "beam")));
+    let none = Sweep::default();
+    let sweep = revolution.sweep.as_ref().unwrap_or(&none);
+    let steps = sweep.len().saturating_sub(1) as f64;
+    ScanDescription {
         frame_id: revolution.frame_id.clone(),
         beams: sweep.len(),
         returns: revolution.points_m.len(),
+        missing: 0.0,
         step_rad: sweep.step_rad,
-        field_of_view_rad: if sweep.step_rad < TAU {
-            sweep.step_rad * sweep.len().saturating_sub(1) as f64
-        } else {
-            0.0
-        },
+        field_of_view_rad: if sweep.step_rad < TAU { sweep.step_rad * steps } else { 0.0 },
         full_turn: sweep.view().full_turn,
         range_m,
-        notes: notes.iter().map(str::to_owned).collect(),
-    })
+        notes: of_nan.into_iter().chain(notes.iter().map(str::to_owned)).collect(),
+    }
 }

@@ -28,12 +28,7 @@ pub enum IngestError {
         path: PathBuf,
     },
     /// A folder without recordings.
-    #[error(
-        "{}{}: {}",
-        without_recordings(*files, *folders),
-        found.as_ref().map(|found| format!(" (of one of them: {found})")).unwrap_or_default(),
-        path.display()
-    )]
+    #[error("{}: {}", without_recordings(*files, *folders), path.display())]
     NoRecordings {
         /// The folder.
         path: PathBuf,
@@ -41,16 +36,23 @@ pub enum IngestError {
         files: usize,
         /// How many folders.
         folders: usize,
-        /// What one of the files is.
-        found: Option<Found>,
     },
     /// A file of another kind.
-    #[error("not an MCAP: {found}: {}", path.display())]
-    NotMcap {
+    #[error("no recording that can be read: {found}: {}", path.display())]
+    NotRecording {
         /// The file.
         path: PathBuf,
         /// What it is.
         found: Found,
+    },
+    /// A table of ranges, without the settings that say where its beams look.
+    #[error(
+        "a table of ranges does not say where its beams look: give the bearings of the first and the last one, for \
+         example --set csv.first_rad=-2.356 --set csv.last_rad=2.356: {}", path.display()
+    )]
+    NoGeometry {
+        /// The file.
+        path: PathBuf,
     },
     /// No topic at all.
     #[error("{}{}", if losses.is_empty() { "the recording has no messages" } else { "no message can be read" }, because(losses))]
@@ -105,14 +107,15 @@ pub enum IngestError {
 }
 
 impl IngestError {
-    /// The same as a loss, if it is a part of a flight that is no recording, and others may be: one that a crash may have
-    /// left behind, or any that was not named itself (`is_named`) but lies in a folder that was.
+    /// As a loss, if the run can go on without this file when others can be read: a crash may have left it behind, or it
+    /// was not named itself (`is_named`) but lies in a folder that was.
     pub fn as_loss(&self, is_named: bool) -> Option<Loss> {
         match self {
-            Self::NotMcap { path, found } if found.may_be_a_wreck() || !is_named => {
-                let kind = LossKind::File { cause: format!("not an MCAP: {found}") };
+            Self::NotRecording { path, found } if found.may_be_a_wreck() || !is_named => {
+                let kind = LossKind::File { cause: format!("no recording that can be read: {found}") };
                 Some(Loss { file: path.clone(), kind })
             }
+            Self::NothingReadable { losses } => losses.first().filter(|_| losses.len() == 1).cloned(),
             _ => None,
         }
     }
@@ -122,7 +125,7 @@ fn without_recordings(files: usize, folders: usize) -> String {
     match (files, folders) {
         (0, 0) => "the folder is empty".to_owned(),
         (0, _) => format!("no file in this folder, but {}; name that of the flight", counted(folders as u64, "folder")),
-        _ => format!("none of the {files} files in this folder is an .mcap"),
+        _ => format!("none of the {files} files in this folder is a recording (.mcap, .db3, .bag, .clf)"),
     }
 }
 

@@ -1,8 +1,10 @@
-//! What a file is that is not an MCAP, and how to make one of it.
+//! What a file is that is no recording, and what to do about it.
 
 use std::fmt;
 
-/// What was found in place of an MCAP.
+use crate::container;
+
+/// What was found in place of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[allow(missing_docs)] // each says in words what it is
@@ -10,40 +12,57 @@ pub enum Found {
     Empty,
     Zeros,
     OtherMcapVersion,
+    /// An MCAP in which line ends were changed.
+    TextMode,
     CutMcap,
-    Ros1Bag,
+    OldRosBag,
+    CutRosBag,
     Sqlite,
     Rerun,
-    Compressed,
+    Gzip,
+    Xz,
+    SevenZip,
     Zip,
+    Tar,
     Pcap,
     ULog,
+    LfsPointer,
+    WebPage,
     BagMetadata,
+    /// Read by a container; never reported.
     Carmen,
     Json,
+    /// Read by a container; never reported.
     Table,
     /// Its first bytes.
     Unknown(Vec<u8>),
 }
 
-/// The signs of binary formats, at the start of the file.
+/// The first bytes of binary formats.
 const SIGNS: &[(&[u8], Found)] = &[
+    (b"\x89MCAP0\n", Found::TextMode),
+    (b"\x89MCAP0\r\r\n", Found::TextMode),
     (b"\x89MCAP", Found::OtherMcapVersion),
-    (b"#ROSBAG V", Found::Ros1Bag),
+    (b"#ROSRECORD V", Found::OldRosBag),
+    (b"#ROSBAG V1", Found::OldRosBag),
     (b"SQLite format 3\0", Found::Sqlite),
     (b"RRF", Found::Rerun),
-    (b"\x28\xb5\x2f\xfd", Found::Compressed),
-    (b"\x1f\x8b", Found::Compressed),
-    (b"\x04\x22\x4d\x18", Found::Compressed),
+    (b"\x1f\x8b", Found::Gzip),
+    (b"\xfd7zXZ\0", Found::Xz),
+    (b"7z\xbc\xaf\x27\x1c", Found::SevenZip),
     (b"PK\x03\x04", Found::Zip),
     (b"\xd4\xc3\xb2\xa1", Found::Pcap),
     (b"\xa1\xb2\xc3\xd4", Found::Pcap),
     (b"\x0a\x0d\x0d\x0a", Found::Pcap),
     (b"ULog", Found::ULog),
+    (b"version https://git-lfs.github.com/", Found::LfsPointer),
 ];
 
-/// The first word of a line in a CARMEN log.
-const CARMEN_WORDS: &[&str] = &["FLASER", "RLASER", "ROBOTLASER1", "RAWLASER1", "ODOM", "PARAM", "SYNC", "TRUEPOS"];
+/// What a tar archive has at this byte.
+const TAR_SIGN: (usize, &[u8]) = (257, b"ustar");
+
+/// How web pages begin, in small letters.
+const PAGE_STARTS: [&str; 4] = ["<!doctype html", "<html", "<head", "<?xml"];
 
 impl Found {
     /// What a file is that begins with `start`.
@@ -56,6 +75,12 @@ impl Found {
         }
         if mcap::MAGIC.starts_with(start) {
             return Self::CutMcap;
+        }
+        if container::ROS1_BAG_MAGIC.starts_with(start) {
+            return Self::CutRosBag;
+        }
+        if start.get(TAR_SIGN.0..).is_some_and(|rest| rest.starts_with(TAR_SIGN.1)) {
+            return Self::Tar;
         }
         if let Some((_, found)) = SIGNS.iter().find(|(sign, _)| start.starts_with(sign)) {
             return found.clone();
@@ -71,14 +96,17 @@ impl Found {
             Err(_) => return None,
         };
         let text = valid.trim_start_matches('\u{feff}').trim_start();
+        let lowercase: String = text.chars().take(20).collect::<String>().to_lowercase();
+        if PAGE_STARTS.iter().any(|page| lowercase.starts_with(page)) {
+            return Some(Self::WebPage);
+        }
         if text.contains("rosbag2_bagfile_information") {
             return Some(Self::BagMetadata);
         }
         if text.starts_with('{') || text.starts_with('[') {
             return Some(Self::Json);
         }
-        let words_of = |line: &str| line.split_whitespace().next().map(str::to_owned);
-        if text.lines().filter_map(words_of).any(|word| CARMEN_WORDS.contains(&word.as_str())) {
+        if container::is_carmen_log(text) {
             return Some(Self::Carmen);
         }
         let first_line = text.lines().next()?;
@@ -92,7 +120,7 @@ impl Found {
 
     /// A file that a crash may have left in place of a recording; not one that was named by mistake.
     pub(crate) fn may_be_a_wreck(&self) -> bool {
-        matches!(self, Self::Empty | Self::Zeros | Self::CutMcap)
+        matches!(self, Self::Empty | Self::Zeros | Self::CutMcap | Self::CutRosBag)
     }
 }
 
@@ -101,32 +129,35 @@ impl fmt::Display for Found {
         f.write_str(match self {
             Self::Empty => "it is empty",
             Self::Zeros => "it holds nothing but zeros, as a crash of the recording machine leaves it",
-            Self::OtherMcapVersion => "it is of another version of that format; `mcap recover` may read it",
-            Self::CutMcap => "it is cut off within the first 8 bytes of one",
-            Self::Ros1Bag => {
-                "it is a ROS 1 bag; convert it with `mcap convert FLIGHT.bag FLIGHT.mcap`, or `rosbags-convert \
-                 --src FLIGHT.bag --dst FLIGHT --dst-storage mcap` (pip install rosbags)"
+            Self::OtherMcapVersion => "it is an MCAP of a version that is not known",
+            Self::TextMode => {
+                "it is an MCAP in which line ends were changed, by git (autocrlf) or a transfer in text mode; copy it \
+                 again as a binary file"
             }
-            Self::Sqlite => {
-                "it is an SQLite file, such as a rosbag2 .db3; convert it with `mcap convert FLIGHT.db3 FLIGHT.mcap` or \
-                 `ros2 bag convert`"
+            Self::CutMcap => "it is cut off within the first 8 bytes of an MCAP",
+            Self::OldRosBag => {
+                "it is a ROS 1 bag of a version before 2.0, which only ROS 1 itself can bring up to date: \
+                 `rosbag fix OLD.bag NEW.bag`"
             }
-            Self::Rerun => "it is a Rerun recording, which is what crosscut writes; give it the MCAP that it was made of",
-            Self::Compressed => "it is a compressed file; decompress it first",
-            Self::Zip => "it is a ZIP archive; unpack it first",
-            Self::Pcap => "it is a capture of network packets; convert it with the driver of the sensor",
+            Self::CutRosBag => "it is cut off within the first 13 bytes of a ROS 1 bag",
+            Self::Sqlite => "it is an SQLite file without the tables `topics` and `messages` of a rosbag2",
+            Self::Rerun => "it is a Rerun recording, which is what crosscut writes; give the recording it was made of",
+            Self::Gzip => "it is compressed with gzip; decompress it first: `gunzip FILE`",
+            Self::Xz => "it is compressed with xz; decompress it first: `unxz FILE`",
+            Self::SevenZip => "it is a 7z archive; unpack it first: `7z x FILE`",
+            Self::Zip => "it is a ZIP archive; unpack it first: `unzip FILE`",
+            Self::Tar => "it is a tar archive; unpack it first: `tar xf FILE`",
+            Self::Pcap => "it is a capture of network packets; the driver of the sensor makes scans of it",
             Self::ULog => "it is a PX4 ULog, which has no laser scans",
-            Self::BagMetadata => "it is the metadata of a rosbag2; give its folder, or the .mcap files in it",
-            Self::Carmen => {
-                "it is a CARMEN log; convert its laser lines to sensor_msgs/msg/LaserScan in an MCAP, for example with \
-                 the Python packages mcap and mcap-ros2-support"
+            Self::LfsPointer => "it is a Git LFS pointer, not the file itself; fetch that with `git lfs pull`",
+            Self::WebPage => "it is a web page: the download failed, or needs a login; download the file again",
+            Self::BagMetadata => "it is the metadata of a rosbag2; give its folder",
+            Self::Carmen => "it is a CARMEN log",
+            Self::Json => "it is JSON, such as results of crosscut; give the recording that they were made of",
+            Self::Table => "it is a table of ranges",
+            Self::Unknown(start) => {
+                return write!(f, "it begins with the bytes {start:02x?}, which is no known format");
             }
-            Self::Json => "it is JSON, such as results of crosscut; give the MCAP that they were made of",
-            Self::Table => {
-                "it is a table, such as CSV; convert its rows to sensor_msgs/msg/LaserScan in an MCAP, for example with \
-                 the Python packages mcap and mcap-ros2-support"
-            }
-            Self::Unknown(start) => return write!(f, "it begins with the bytes {start:02x?}, which is no known format"),
         })
     }
 }
@@ -143,6 +174,8 @@ mod tests {
         assert_eq!(found("1.0 2.0 3.0\n"), Found::Table);
         assert_eq!(found("seq,stamp,r0,r1\n"), Found::Table);
         assert_eq!(found("{\"seq\":0}\n"), Found::Json);
+        assert_eq!(found("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n"), Found::LfsPointer);
+        assert_eq!(found("\n<!DOCTYPE html>\n<title>Sign in</title>"), Found::WebPage);
         assert_eq!(found("rosbag2_bagfile_information:\n  version: 9\n"), Found::BagMetadata);
         assert!(matches!(found("Dear reader"), Found::Unknown(_)));
     }
@@ -152,8 +185,17 @@ mod tests {
         assert_eq!(Found::in_file(b""), Found::Empty);
         assert_eq!(Found::in_file(&[0; 100]), Found::Zeros);
         assert_eq!(Found::in_file(b"\x89MCA"), Found::CutMcap);
-        assert_eq!(Found::in_file(b"#ROSBAG V2.0\n"), Found::Ros1Bag);
+        assert_eq!(Found::in_file(b"#ROSB"), Found::CutRosBag);
+        for old in [&b"#ROSRECORD V1.2\n"[..], b"#ROSBAG V1.1\n"] {
+            assert_eq!(Found::in_file(old), Found::OldRosBag);
+        }
+        for changed in [&b"\x89MCAP0\n\x01"[..], b"\x89MCAP0\r\r\n\x01"] {
+            assert_eq!(Found::in_file(changed), Found::TextMode, "the magic has CR LF to show just this");
+        }
+        assert_eq!(Found::in_file(b"\x89MCAP1\r\n"), Found::OtherMcapVersion);
         assert_eq!(Found::in_file(b"SQLite format 3\0\x10"), Found::Sqlite);
+        assert_eq!(Found::in_file(b"\xfd7zXZ\0\0"), Found::Xz);
+        assert_eq!(Found::in_file(&[&[b'n'; 257][..], b"ustar"].concat()), Found::Tar);
         assert_eq!(Found::in_file(b"RRF2\0\0"), Found::Rerun);
         assert_eq!(Found::in_file(b"\xff\xfe\xfd"), Found::Unknown(vec![0xff, 0xfe, 0xfd]));
     }

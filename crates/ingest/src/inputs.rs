@@ -5,22 +5,26 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::{Found, IngestError, Loss, LossKind, bag};
+use crate::{IngestError, Loss, LossKind, metadata};
 
-/// Endings of compressed files; rosbag2 has the first.
-const COMPRESSED: [&str; 3] = ["zstd", "zst", "lz4"];
+/// Endings of recordings. Of a folder that has several kinds, the first kind counts: the others are copies.
+const KINDS: [&str; 4] = ["mcap", "db3", "bag", "clf"];
+
+/// What may follow these: files that are compressed (rosbag2 has the first), and those that a recorder did not close.
+const AFTER_KIND: [&str; 5] = ["zstd", "zst", "lz4", "bz2", "active"];
 
 /// The parts of a flight.
 #[derive(Debug, Default)]
 pub struct Parts {
-    /// Those that are there, in order. Compressed ones (.mcap.zstd) cannot be read, but are parts as well.
+    /// Those that are there, in order.
     pub files: Vec<PathBuf>,
     /// Those that are not there although the `metadata.yaml` of their folder names them.
     pub missing: Vec<Loss>,
 }
 
-/// The recordings in `inputs`, in the order given; a folder stands for the .mcap files in it, in the order in which its
-/// `metadata.yaml` names them, others by name, `flight_2` before `flight_10`.
+/// The recordings in `inputs`, in the order given. A folder stands for the .mcap files in it; if there are none, for the
+/// .db3 files; then .bag; then .clf. They come in the order in which its `metadata.yaml` names them, others by name,
+/// `flight_2` before `flight_10`.
 ///
 /// # Errors
 /// When there are none, or a folder cannot be read or has none.
@@ -55,22 +59,22 @@ fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
         }
     }
     files.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
-    let (mut recordings, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_recording(path));
-    if recordings.is_empty() {
-        let found = others.iter().any(|path| has_extension(path, "db3")).then_some(Found::Sqlite);
-        return Err(IngestError::NoRecordings { path: folder.to_owned(), files: others.len(), folders, found });
-    }
-    // Who decompressed a part may have kept both.
-    let is_twin = |path: &PathBuf| decompressed(path) != *path && decompressed(path).is_file();
+    let kind = KINDS.into_iter().find(|kind| files.iter().any(|path| is_of_kind(path, kind)));
+    let Some(kind) = kind else {
+        return Err(IngestError::NoRecordings { path: folder.to_owned(), files: files.len(), folders });
+    };
+    let mut recordings: Vec<_> = files.into_iter().filter(|path| is_of_kind(path, kind)).collect();
+    // Who decompressed or closed a part may have kept both.
+    let is_twin = |path: &PathBuf| original(path) != *path && original(path).is_file();
     recordings.retain(|path| !is_twin(path));
-    let named = bag::parts_of(folder);
+    let named = metadata::parts_of(folder);
     let mut places = BTreeMap::new();
     for (place, path) in named.iter().enumerate() {
         places.entry(name_of(path)).or_insert(place);
     }
     recordings.sort_by_cached_key(|path| places.get(&name_of(path)).copied().unwrap_or(usize::MAX));
     let there: BTreeSet<_> = recordings.iter().map(|path| name_of(path)).collect();
-    let missing = named.into_iter().filter(|path| is_recording(path) && !there.contains(&name_of(path)));
+    let missing = named.into_iter().filter(|path| is_of_kind(path, kind) && !there.contains(&name_of(path)));
     parts.missing.extend(missing.map(|file| {
         let kind = LossKind::File { cause: "it is not there, though metadata.yaml names it".to_owned() };
         Loss { file, kind }
@@ -79,19 +83,19 @@ fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
     Ok(())
 }
 
-fn is_recording(path: &Path) -> bool {
-    has_extension(&decompressed(path), "mcap")
+fn is_of_kind(path: &Path, kind: &str) -> bool {
+    has_extension(&original(path), kind)
 }
 
-/// The name of a part before it was compressed: FLIGHT.mcap of FLIGHT.mcap.zstd.
-fn decompressed(path: &Path) -> PathBuf {
-    let is_compressed = COMPRESSED.iter().any(|ending| has_extension(path, ending));
-    if is_compressed { path.with_extension("") } else { path.to_owned() }
+/// The name of a part before it was compressed, and when it was closed: FLIGHT.mcap of FLIGHT.mcap.zstd.
+fn original(path: &Path) -> PathBuf {
+    let has_more = AFTER_KIND.iter().any(|ending| has_extension(path, ending));
+    if has_more { original(&path.with_extension("")) } else { path.to_owned() }
 }
 
 /// What a part is called in its folder, compressed or not, on any file system.
 fn name_of(path: &Path) -> String {
-    decompressed(path).file_name().unwrap_or_default().to_string_lossy().to_lowercase()
+    original(path).file_name().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {
@@ -141,15 +145,29 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_recordings_is_told_with_what_it_has_instead() {
+    fn a_folder_without_recordings_names_what_it_has_instead() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let said = || recordings_in(&[folder.path().to_owned()]).expect_err("no recording").to_string();
-        assert!(said().starts_with("the folder is empty: "), "{}", said());
+        let error = || recordings_in(&[folder.path().to_owned()]).expect_err("no recording").to_string();
+        assert!(error().starts_with("the folder is empty: "), "{}", error());
         fs::create_dir(folder.path().join("bag")).expect("writable");
-        assert!(said().contains("1 folder; name that of the flight"), "{}", said());
-        fs::write(folder.path().join("bag_0.db3"), b"").expect("writable");
-        assert!(said().contains("none of the 1 files") && said().contains("rosbag2 .db3"), "{}", said());
-        fs::write(folder.path().join("bag_0.mcap.zstd"), b"").expect("writable");
-        assert_eq!(recordings_in(&[folder.path().to_owned()]).expect("a part").len(), 1);
+        assert!(error().contains("1 folder; name that of the flight"), "{}", error());
+        fs::write(folder.path().join("notes.txt"), b"").expect("writable");
+        assert!(error().contains("none of the 1 files"), "{}", error());
+    }
+
+    #[test]
+    fn a_folder_stands_for_the_first_kind_of_recordings_in_it() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let names = || {
+            let parts = recordings_in(&[folder.path().to_owned()]).unwrap_or_default();
+            parts.iter().map(|part| part.file_name().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+        };
+        let add = |name: &str| fs::write(folder.path().join(name), b"").expect("writable");
+        ["f.clf", "f_1.bag.active", "f_0.bag"].into_iter().for_each(add);
+        assert_eq!(names(), ["f_0.bag", "f_1.bag.active"]);
+        ["f_0.db3.zstd", "f_1.db3", "f_1.db3-wal"].into_iter().for_each(add);
+        assert_eq!(names(), ["f_0.db3.zstd", "f_1.db3"]);
+        ["f_0.mcap.active", "f_1.mcap.zstd", "f_1.mcap"].into_iter().for_each(add);
+        assert_eq!(names(), ["f_0.mcap.active", "f_1.mcap"], "decompressed, and the other kept");
     }
 }

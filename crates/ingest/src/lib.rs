@@ -1,13 +1,15 @@
 //! Recordings to revolutions.
 //!
-//! In: MCAP files with scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows, whole or
-//! damaged. Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
+//! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges), with scans or
+//! clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows.
+//! Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
 //! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
 //! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
 //!
 //! - [`Sensor`] makes one scan a revolution: pure, no I/O, for a robot's own program as well.
 //! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source).
-//! - [`describe`] says what is in a file; [`Truths`] reads the truth beside the scans.
+//! - [`describe`] tells what is in a file; [`Truths`] reads the truth beside the scans.
+//! - [`convert()`] writes any recording as an MCAP of ROS 2.
 //!
 //! # One scan
 //! Beam i looks at θᵢ = yaw ± (angle_min + i·angle_increment), minus if the sensor hangs upside down, and a return of
@@ -44,36 +46,50 @@
 //! | no beams | an empty revolution |
 //! | one beam | its bearing is `angle_min`, no note |
 //! | intensities of another number than ranges | they are not used anyway |
-//! | stamp 0 or before 1970 | log time |
+//! | stamp 0 or before 1970 | log time, unless it is a clock that starts at 0 |
+//! | stamp more than a day from where it should be | log time, less the usual difference of the two |
+//! | log time far from most others, or 0 before the clock was set | told by the stamp, or that of the first scan |
 //! | stamp that of the scan before, or earlier | kept |
 //! | another `frame_id` than the scan before | kept; with `frame_id` in the configuration only that one is taken, and others are not selected: they have no result, and [`Recording::of_other_frames`] counts them |
 //! | bytes that are no message of the type | an empty revolution, and a loss |
 //!
 //! # One recording
-//! With an index (chunks, with a summary at the end) scans come by log time, ties in file order; without one in file
-//! order, and scans that are out of order are noted and counted. Memory holds the scans of the chunks that overlap in
-//! time, whatever the size of the file. A file without an index is looked through once before it is read, so that its
-//! topics, counts and losses are known.
+//! Each format is one implementation of the trait `Container`, and is recognised by the first bytes of a file.
+//!
+//! With an index scans come by log time, ties in file order; without one in file order, and scans that are out of order
+//! are noted and counted. Rows of a database always come by log time. Memory holds the scans of the chunks that overlap
+//! in time, whatever the size of the file; of a database that is damaged, or whose rows are out of order, also the place
+//! of each message. A file without an index is looked through once before it is read, so that its topics, counts and
+//! losses are known.
 //!
 //! A file that is cut off gives every whole scan before the cut. A chunk that is damaged (checksum, compression,
-//! records) is lost alone; `seq` counts its scans if its message index can still be read. If the index is damaged the
-//! file is read without it.
+//! records) is lost alone; `seq` counts its scans if an index still does. If the index is damaged the file is read
+//! without it.
 //!
-//! To add another kind of recording: read it into [`LaserScan`](crosscut_messages::LaserScan)s, pass these through
+//! If no scan at all can be decoded, nothing is given: the source fails.
+//!
+//! To add another kind of recording: implement `Container` in a file of its own under `container/`, and give it a line
+//! in `container::open`. To read something live: pass [`LaserScan`](crosscut_messages::LaserScan)s through
 //! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
 
-mod bag;
+mod before;
+mod clock;
 mod container;
+mod convert;
 mod describe;
 mod error;
 mod found;
 mod inputs;
+mod limits;
 mod loss;
+mod metadata;
 mod recording;
 mod sensor;
 mod topics;
 mod truths;
 
+pub use container::{CSV_PARAMS, CsvGeometry};
+pub use convert::{ConvertError, Converted, convert};
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
 pub use found::Found;

@@ -71,6 +71,22 @@ pub enum LossKind {
         /// What is wrong with the first one.
         cause: DecodeError,
     },
+    /// Lines of a text file that cannot be read.
+    #[error("{} cannot be read, the first is number {first}: {cause}", counted(*count, "line"))]
+    Lines {
+        /// Number of the first one, counted from 1.
+        first: u64,
+        /// How many.
+        count: u64,
+        /// What is wrong with the first one.
+        cause: String,
+    },
+    /// The last line of a text file has no end.
+    #[error("line {line} has no end: its last number may be cut short")]
+    LastLine {
+        /// Its number, counted from 1.
+        line: u64,
+    },
     /// Messages whose topic is not defined in any part that can be read.
     #[error("the definition of a topic is lost, and with it {}", counted(*count, "message"))]
     UnknownTopic {
@@ -84,6 +100,14 @@ pub enum LossKind {
         topic: String,
         /// How many.
         count: u64,
+    },
+    /// The file is compressed as a whole, and the rest of it cannot be decompressed.
+    #[error("it can be decompressed up to byte {read_bytes} only: {damage}")]
+    Compressed {
+        /// How many bytes were decompressed.
+        read_bytes: u64,
+        /// What is wrong behind them.
+        damage: Damage,
     },
     /// Everything could be read, but some of it is not what was written.
     #[error("something in it is not as it was written, and it cannot be told what: {damage}")]
@@ -119,8 +143,16 @@ pub enum Damage {
         calculated: u32,
     },
     /// Compressed in a way that this program does not know.
-    #[error("its compression `{0}` is neither zstd nor lz4")]
+    #[error("its compression `{0}` is not known")]
     Compression(String),
+    /// Larger than anything that is read.
+    #[error("{bytes} bytes are more than the {limit} that are read")]
+    TooLarge {
+        /// As it claims.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
     /// The decompression or the disk says no.
     #[error("it cannot be read: {0}")]
     Unreadable(String),

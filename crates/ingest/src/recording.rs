@@ -5,18 +5,19 @@ use std::num::NonZero;
 use std::path::PathBuf;
 
 use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage, ScanType};
-use crosscut_stage::{Notes, Revolution, Source, SourceError};
+use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
-use crate::container::{Container, Message, TopicReader};
+use crate::before::{Before, seconds};
+use crate::clock::{Clock, Times};
+
+use crate::container::{self, Container, Contents, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
-/// Scans are missing, or the clock was set, where a stamp is later than the one before by more than this, and by more than
-/// so many times what it was before; after the first scan nobody knows.
-const GAP_NS: u64 = 1_000_000_000;
-const GAP_TIMES: u64 = 5;
+/// This many scans are read ahead to find out about the clocks of a recording.
+const READ_AHEAD: usize = 64;
 
 /// Which scans of a recording are wanted.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,17 +26,26 @@ pub struct ReadOptions {
     pub topic: Option<String>,
     /// What its messages are, whatever the recording calls them; `None` believes the recording.
     pub read_as: Option<ScanType>,
-    /// From this many seconds after the first scan's log time.
+    /// From this many seconds after the first scan was recorded.
     pub from_s: Option<f64>,
-    /// Up to and with this many seconds after the first scan's log time.
+    /// Up to and with this many seconds after the first scan was recorded.
     pub to_s: Option<f64>,
     /// Only messages whose index in the topic is a multiple of this.
     pub every: NonZero<u64>,
+    /// Where the beams of a table of ranges look.
+    pub csv: CsvGeometry,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { topic: None, read_as: None, from_s: None, to_s: None, every: NonZero::<u64>::MIN }
+        Self {
+            topic: None,
+            read_as: None,
+            from_s: None,
+            to_s: None,
+            every: NonZero::<u64>::MIN,
+            csv: CsvGeometry::default(),
+        }
     }
 }
 
@@ -48,14 +58,24 @@ pub struct Recording {
     decoder: ScanDecoder,
     scan: ScanMessage,
     next_seq: u64,
-    first_log_time_ns: Option<u64>,
+    /// Messages that were read ahead from the part at hand, with their index in the topic.
+    ahead: VecDeque<(u64, Message)>,
+    /// Times of recording from all over the flight, until `clock` is made of them.
+    log_times_ns: Vec<u64>,
+    /// Known once messages were read ahead.
+    clock: Option<Clock>,
+    /// Scans before the first one that can be decoded: if there is none, nothing is given.
+    undecodable: VecDeque<Undecodable>,
+    any_decoded: bool,
+    /// When the first scan was recorded.
+    first_ns: Option<u64>,
     /// When the last message was recorded that was looked at, seconds after the first.
     since_first_s: f64,
     /// Of the first revolution that was given, the same.
     starts_at_s: Option<f64>,
     /// Whether any message lay in the time asked for.
     any_selected: bool,
-    previous: Option<Previous>,
+    before: Before,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -63,12 +83,12 @@ pub struct Recording {
     losses: Vec<Loss>,
 }
 
-/// What the revolution before said, to be compared with the next.
-struct Previous {
-    stamp_ns: u64,
-    /// From a stamp to the next, the last time that they were apart and nothing was missing.
-    usual_ns: Option<u64>,
-    frame_id: String,
+/// A scan message that cannot be decoded.
+struct Undecodable {
+    seq: u64,
+    log_time_ns: u64,
+    recorded_ns: u64,
+    cause: DecodeError,
 }
 
 impl Recording {
@@ -79,10 +99,11 @@ impl Recording {
     /// When there is nothing that can be read: what was found instead. A part that is missing, empty or, in a folder, no
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
-        let (containers, mut losses) = open_all(inputs)?;
-        let topics = topics_of(&containers);
+        let (containers, mut losses) = open_all(inputs, &options.csv)?;
+        let contents = || containers.iter().map(|container| container.contents());
+        let topics = topics_of(contents());
         let damage = || {
-            let of_parts = containers.iter().flat_map(|container| container.losses.clone());
+            let of_parts = contents().flat_map(|contents| contents.losses.clone());
             losses.iter().cloned().chain(of_parts).collect()
         };
         if topics.is_empty() {
@@ -93,11 +114,13 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
+        let log_times_ns = contents().flat_map(|contents| contents.log_times_ns.taken().to_vec()).collect();
         let (mut parts, mut without_topic) = (VecDeque::new(), Vec::new());
         for container in containers {
-            let channels = topic.channels_in(&container);
-            if channels.is_empty() && container.losses.is_empty() {
-                without_topic.push(container.path.clone());
+            let Contents { path, losses: known, .. } = container.contents();
+            let channels = topic.channels_in(container.contents());
+            if channels.is_empty() && known.is_empty() {
+                without_topic.push(path.clone());
             }
             let mut part = TopicReader::new(container, channels);
             losses.extend(part.take_losses());
@@ -111,11 +134,16 @@ impl Recording {
             decoder,
             scan: ScanMessage::default(),
             next_seq: 0,
-            first_log_time_ns: None,
+            ahead: VecDeque::new(),
+            log_times_ns,
+            clock: None,
+            undecodable: VecDeque::new(),
+            any_decoded: false,
+            first_ns: None,
             since_first_s: 0.0,
             starts_at_s: None,
             any_selected: false,
-            previous: None,
+            before: Before::default(),
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
@@ -170,26 +198,54 @@ impl Recording {
     /// The next message with its index in the topic, from whichever part is at hand.
     fn next_message(&mut self) -> Option<(u64, Message)> {
         loop {
-            let part = self.parts.front_mut()?;
-            let message = part.next();
-            self.losses.extend(part.take_losses());
-            self.next_seq += part.take_skipped();
-            if let Some(message) = message {
-                self.next_seq += 1;
-                return Some((self.next_seq - 1, message));
+            if let Some(message) = self.ahead.pop_front().or_else(|| self.read_message()) {
+                return Some(message);
             }
-            self.parts.pop_front();
+            self.parts.pop_front()?;
         }
     }
 
-    /// Whether the message is asked for. Past the end, a part in order of log time is left as a whole.
-    fn select(&mut self, seq: u64, log_time_ns: u64) -> bool {
-        let first_ns = *self.first_log_time_ns.get_or_insert(log_time_ns);
-        let since_first_s = (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
+    /// The next message of the part at hand.
+    fn read_message(&mut self) -> Option<(u64, Message)> {
+        let part = self.parts.front_mut()?;
+        let message = part.next();
+        self.losses.extend(part.take_losses());
+        self.next_seq += part.take_skipped();
+        let seq = self.next_seq;
+        self.next_seq += u64::from(message.is_some());
+        Some((seq, message?))
+    }
+
+    /// Reads the first messages of the flight ahead, and makes the clock of their times.
+    fn read_ahead(&mut self) -> Clock {
+        while self.ahead.len() < READ_AHEAD && !self.parts.is_empty() {
+            match self.read_message() {
+                Some(message) => self.ahead.push_back(message),
+                None if self.ahead.is_empty() => drop(self.parts.pop_front()),
+                None => break,
+            }
+        }
+        let mut first = Vec::new();
+        for (_, message) in &self.ahead {
+            let is_decoded = self.decoder.decode_into(&message.data, &mut self.scan).is_ok();
+            let stamp_ns = self.scan.header().stamp.to_ns().filter(|_| is_decoded).unwrap_or(0);
+            first.push(Times { log_ns: message.log_time_ns, stamp_ns });
+        }
+        Clock::new(&first, self.log_times_ns.drain(..))
+    }
+
+    /// Whether a message is asked for that was recorded at `recorded_ns`. Past the end, a part in order of log time is
+    /// left as a whole.
+    fn select(&mut self, seq: u64, recorded_ns: u64, is_in_order: bool, clock: Clock) -> bool {
+        let first_ns = *self.first_ns.get_or_insert(if is_in_order { recorded_ns } else { clock.start_ns() });
+        let since_first_s = (i128::from(recorded_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
-            if self.parts.front().is_some_and(TopicReader::is_by_log_time)
+            if is_in_order
+                && clock.believes_all()
+                && self.parts.front().is_some_and(TopicReader::is_by_log_time)
                 && let Some(part) = self.parts.pop_front()
             {
+                self.ahead.clear();
                 self.next_seq += part.left();
             }
             return false;
@@ -205,7 +261,7 @@ impl Recording {
     fn nothing_selected(&self) -> Option<SourceError> {
         let topic = &self.topic.name;
         if let Some(wanted) = self.sensor.frame_id()
-            && self.previous.is_none()
+            && !self.any_decoded
             && self.of_other_frames > 0
         {
             return Some(SourceError(format!(
@@ -214,7 +270,7 @@ impl Recording {
                 self.scan.header().frame_id
             )));
         }
-        if self.any_selected || self.first_log_time_ns.is_none() {
+        if self.any_selected || self.first_ns.is_none() {
             return None;
         }
         let ReadOptions { from_s, to_s, every, .. } = self.options;
@@ -227,77 +283,54 @@ impl Recording {
         )))
     }
 
-    /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
-    fn read(&mut self, seq: u64, message: &Message, out: &mut Revolution, notes: &mut Notes) -> bool {
+    /// Reads a message into `scan`, and tells when it was recorded.
+    fn decode(&mut self, message: &Message, clock: Clock) -> (Result<(), DecodeError>, u64, Option<&'static str>) {
         let decoded = self.decoder.decode_into(&message.data, &mut self.scan);
-        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header().frame_id) {
-            self.of_other_frames += 1;
-            return false;
-        }
-        if message.log_time_ns < self.last_log_time_ns {
-            self.reordered += 1;
-            notes.add(format!(
-                "recorded {} before the scan before it",
-                seconds(self.last_log_time_ns, message.log_time_ns)
-            ));
-        }
-        self.last_log_time_ns = message.log_time_ns;
-        match decoded {
-            Ok(()) => {
-                self.sensor.message(&self.scan, out, notes);
-                if out.stamp_ns == 0 {
-                    out.stamp_ns = message.log_time_ns;
-                    notes.add("no stamp: the time of recording is used");
-                }
-                self.compare_with_previous(out, notes);
-            }
-            Err(cause) => {
-                out.clear();
-                out.stamp_ns = message.log_time_ns;
-                out.sweep.get_or_insert_default();
-                notes.add(format!("the message cannot be decoded: {cause}"));
-                self.lose_message(seq, cause);
-            }
-        }
-        out.seq = seq;
-        self.starts_at_s.get_or_insert(self.since_first_s);
-        true
+        let stamp_ns = self.scan.header().stamp.to_ns().filter(|_| decoded.is_ok()).unwrap_or(0);
+        let (recorded_ns, note) = clock.recorded_ns(Times { log_ns: message.log_time_ns, stamp_ns });
+        (decoded, recorded_ns, note)
     }
 
-    fn compare_with_previous(&mut self, revolution: &Revolution, notes: &mut Notes) {
-        let Some(previous) = &mut self.previous else {
-            let (stamp_ns, frame_id) = (revolution.stamp_ns, revolution.frame_id.clone());
-            self.previous = Some(Previous { stamp_ns, usual_ns: None, frame_id });
-            return;
-        };
-        if revolution.stamp_ns == previous.stamp_ns {
-            notes.add("the stamp is that of the scan before");
-        } else if revolution.stamp_ns < previous.stamp_ns {
-            let back = seconds(previous.stamp_ns, revolution.stamp_ns);
-            notes.add(format!("the stamp is {back} before that of the scan before"));
+    /// Writes the scan that was decoded last into `out`.
+    fn give(&mut self, recorded_ns: u64, clock: Clock, out: &mut Revolution, notes: &mut Notes) {
+        self.sensor.message(&self.scan, out, notes);
+        let (stamp_ns, note) = clock.stamp_ns(out.stamp_ns, recorded_ns);
+        out.stamp_ns = stamp_ns;
+        note.into_iter().for_each(|note| notes.add(note));
+        self.before.compare(out, notes);
+    }
+
+    /// Writes an empty revolution into `out`, in place of a scan that cannot be decoded.
+    fn give_undecodable(&mut self, scan: Undecodable, out: &mut Revolution, notes: &mut Notes) {
+        self.note_order(scan.log_time_ns, notes);
+        out.clear();
+        (out.seq, out.stamp_ns) = (scan.seq, scan.recorded_ns);
+        out.sweep.get_or_insert_default();
+        notes.add(format!("the message cannot be decoded: {}", scan.cause));
+    }
+
+    /// Notes a scan that was recorded before the one that was given last.
+    fn note_order(&mut self, log_time_ns: u64, notes: &mut Notes) {
+        let is_believed = |ns| self.clock.is_none_or(|clock| clock.believes(ns));
+        if log_time_ns < self.last_log_time_ns && is_believed(log_time_ns) && is_believed(self.last_log_time_ns) {
+            self.reordered += 1;
+            notes.add(format!("recorded {} before the scan before it", seconds(self.last_log_time_ns, log_time_ns)));
         }
-        let interval_ns = revolution.stamp_ns.checked_sub(previous.stamp_ns).filter(|&ns| ns > 0);
-        let is_gap = |usual_ns: u64| interval_ns.is_some_and(|ns| ns > GAP_NS && ns / GAP_TIMES > usual_ns);
-        if previous.usual_ns.is_some_and(is_gap) {
-            let on = seconds(revolution.stamp_ns, previous.stamp_ns);
-            notes.add(format!("the stamp is {on} after that of the scan before"));
-        } else {
-            previous.usual_ns = interval_ns.or(previous.usual_ns);
-        }
-        previous.stamp_ns = revolution.stamp_ns;
-        if revolution.frame_id != previous.frame_id {
-            notes.add(format!(
-                "frame_id `{}` after `{}`; of several sensors on a topic ingest.frame_id takes one",
-                revolution.frame_id, previous.frame_id
-            ));
-            previous.frame_id.clone_from(&revolution.frame_id);
+        self.last_log_time_ns = log_time_ns;
+        self.starts_at_s.get_or_insert(self.since_first_s);
+    }
+
+    /// Takes back the buffer of a message.
+    fn recycle(&mut self, message: Message) {
+        if let Some(part) = self.parts.front_mut() {
+            part.recycle(message);
         }
     }
 
     /// Messages that cannot be decoded are one loss a file, however many they are.
     fn lose_message(&mut self, seq: u64, cause: DecodeError) {
         let Some(part) = self.parts.front() else { return };
-        let file = &part.container().path;
+        let file = &part.contents().path;
         let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
             LossKind::Messages { count, .. } => Some(count),
             _ => None,
@@ -314,26 +347,66 @@ impl Recording {
 
 impl Source for Recording {
     fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
-        while let Some((seq, message)) = self.next_message() {
-            let is_read = self.select(seq, message.log_time_ns) && self.read(seq, &message, out, notes);
-            if let Some(part) = self.parts.front_mut() {
-                part.recycle(message);
-            }
-            if is_read {
+        let clock = match self.clock {
+            Some(clock) => clock,
+            None => self.read_ahead(),
+        };
+        self.clock = Some(clock);
+        loop {
+            if self.any_decoded
+                && let Some(scan) = self.undecodable.pop_front()
+            {
+                self.give_undecodable(scan, out, notes);
                 return Ok(true);
             }
+            let Some((seq, message)) = self.next_message() else { break };
+            let (decoded, recorded_ns, odd_time) = self.decode(&message, clock);
+            let is_of_frame =
+                decoded.is_err() || self.sensor.frame_id().is_none_or(|wanted| wanted == self.scan.header().frame_id);
+            if self.select(seq, recorded_ns, odd_time.is_none(), clock) && is_of_frame {
+                self.any_decoded |= decoded.is_ok();
+                if let Err(cause) = decoded {
+                    self.lose_message(seq, cause.clone());
+                    let log_time_ns = message.log_time_ns;
+                    self.undecodable.push_back(Undecodable { seq, log_time_ns, recorded_ns, cause });
+                } else if self.undecodable.is_empty() {
+                    self.note_order(message.log_time_ns, notes);
+                    odd_time.into_iter().for_each(|note| notes.add(note));
+                    self.give(recorded_ns, clock, out, notes);
+                    out.seq = seq;
+                    self.recycle(message);
+                    return Ok(true);
+                } else {
+                    self.ahead.push_front((seq, message)); // after those that were held back
+                    continue;
+                }
+            } else if !is_of_frame {
+                self.of_other_frames += 1;
+            }
+            self.recycle(message);
         }
-        self.nothing_selected().map_or(Ok(false), Err)
+        match self.undecodable.front() {
+            Some(scan) => Err(SourceError(format!(
+                "none of the {} of {} can be decoded: {}",
+                counted(self.undecodable.len() as u64, "message"),
+                self.topic.name,
+                scan.cause
+            ))),
+            None => self.nothing_selected().map_or(Ok(false), Err),
+        }
     }
 }
 
-/// Opens every part. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
+/// The parts of a flight that can be read, and what is missing of it.
+type Opened = (Vec<Box<dyn Container>>, Vec<Loss>);
+
+/// Opens every part of a flight. One that `metadata.yaml` names and is not there, or that is no recording, is a loss, as long as
 /// another can be read.
-fn open_all(inputs: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestError> {
+pub(crate) fn open_all(inputs: &[PathBuf], csv: &CsvGeometry) -> Result<Opened, IngestError> {
     let Parts { files, missing: mut losses } = parts_in(inputs)?;
     let mut containers = Vec::new();
     for file in &files {
-        match Container::open(file) {
+        match container::open(file, csv) {
             Ok(container) => containers.push(container),
             Err(error) => {
                 let is_one_of_several = files.len() > 1 || !inputs.contains(file);
@@ -343,9 +416,4 @@ fn open_all(inputs: &[PathBuf]) -> Result<(Vec<Container>, Vec<Loss>), IngestErr
         }
     }
     if containers.is_empty() { Err(IngestError::NothingReadable { losses }) } else { Ok((containers, losses)) }
-}
-
-/// The time from `earlier_ns` to `later_ns` in words.
-fn seconds(later_ns: u64, earlier_ns: u64) -> String {
-    format!("{:.3} s", later_ns.saturating_sub(earlier_ns) as f64 / NS_PER_S)
 }

@@ -7,7 +7,7 @@ use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_stage::counted;
 
 use crate::IngestError;
-use crate::container::{Container, Topic};
+use crate::container::{ChannelId, Contents, Topic};
 
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub struct TopicInfo {
     pub type_name: String,
     /// Encoding of its messages.
     pub encoding: String,
+    /// Encoding of the definition of its type; empty if the recording does not say.
+    pub schema_encoding: String,
     /// How many messages it has, if they are counted.
     pub messages: Option<u64>,
 }
@@ -29,7 +31,7 @@ pub struct TopicList(pub Vec<TopicInfo>);
 impl fmt::Display for TopicList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, topic) in self.0.iter().enumerate() {
-            let TopicInfo { name, type_name, encoding, messages } = topic;
+            let TopicInfo { name, type_name, encoding, messages, .. } = topic;
             let count = messages.map(|count| counted(count, "message")).unwrap_or_default();
             let type_name = if type_name.is_empty() { "(no schema)" } else { type_name };
             let line = format!("  {name}  {type_name}  {encoding}  {count}");
@@ -49,27 +51,28 @@ impl TopicInfo {
     pub(crate) fn decoder(&self, read_as: Option<ScanType>) -> Option<ScanDecoder> {
         match read_as {
             Some(scan_type) => ScanDecoder::for_type(scan_type, &self.encoding),
-            None => ScanDecoder::for_schema(&self.type_name, "", &self.encoding),
+            None => ScanDecoder::for_schema(&self.type_name, &self.schema_encoding, &self.encoding),
         }
     }
 
-    /// The channels of this topic in `container`; another type under the same name is another topic.
-    pub(crate) fn channels_in(&self, container: &Container) -> BTreeSet<u16> {
+    /// The channels of this topic in a file; another type under the same name is another topic.
+    pub(crate) fn channels_in(&self, contents: &Contents) -> BTreeSet<ChannelId> {
         let is_same = |topic: &Topic| {
-            (&topic.name, &topic.type_name, &topic.encoding) == (&self.name, &self.type_name, &self.encoding)
+            (&topic.name, &topic.type_name, &topic.encoding, &topic.schema_encoding)
+                == (&self.name, &self.type_name, &self.encoding, &self.schema_encoding)
         };
-        container.catalogue.channels.iter().filter(|(_, topic)| is_same(topic)).map(|(&id, _)| id).collect()
+        contents.channels.iter().filter(|(_, topic)| is_same(topic)).map(|(&id, _)| id).collect()
     }
 }
 
-/// All topics of the containers by name, each counted over all of them.
-pub(crate) fn topics_of(containers: &[Container]) -> Vec<TopicInfo> {
-    let mut topics: Vec<Topic> = containers.iter().flat_map(|c| c.catalogue.channels.values().cloned()).collect();
+/// All topics of these files by name, each counted over all of them.
+pub(crate) fn topics_of<'a>(files: impl Iterator<Item = &'a Contents> + Clone) -> Vec<TopicInfo> {
+    let mut topics: Vec<Topic> = files.clone().flat_map(|contents| contents.channels.values().cloned()).collect();
     topics.sort();
     topics.dedup();
-    let info = |Topic { name, type_name, encoding }| {
-        let mut info = TopicInfo { name, type_name, encoding, messages: None };
-        info.messages = containers.iter().map(|container| container.count(&info.channels_in(container))).sum();
+    let info = |Topic { name, type_name, encoding, schema_encoding }| {
+        let mut info = TopicInfo { name, type_name, encoding, schema_encoding, messages: None };
+        info.messages = files.clone().map(|contents| contents.count(&info.channels_in(contents))).sum();
         info
     };
     topics.into_iter().map(info).collect()

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use crosscut_messages::{JSON_ENCODING, TRUTH_TOPIC, Truth, TruthError};
 
-use crate::container::{Container, TopicReader};
+use crate::container::{self, TopicReader};
 use crate::topics::topics_of;
-use crate::{IngestError, TopicList};
+use crate::{CsvGeometry, IngestError, TopicList};
 
 /// The truths of one recording. A truth belongs to the scan with the same log time; of several with the same log time,
 /// the first to the first.
@@ -23,13 +23,12 @@ impl Truths {
     /// # Errors
     /// When it cannot be read, or has no truth.
     pub fn open(path: &Path) -> Result<Self, IngestError> {
-        let container = Container::open(path)?;
-        let is_truth =
-            |id: &u16| container.catalogue.channels.get(id).is_some_and(|topic| topic.encoding == JSON_ENCODING);
-        let mut channels = container.channels_of(TRUTH_TOPIC);
-        channels.retain(is_truth);
-        if channels.is_empty() || container.count(&channels) == Some(0) {
-            let topics = TopicList(topics_of(std::slice::from_ref(&container)));
+        let container = container::open(path, &CsvGeometry::default())?;
+        let contents = container.contents();
+        let mut channels = contents.channels_of(TRUTH_TOPIC);
+        channels.retain(|id| contents.channels.get(id).is_some_and(|topic| topic.encoding == JSON_ENCODING));
+        if channels.is_empty() || contents.count(&channels) == Some(0) {
+            let topics = TopicList(topics_of(std::iter::once(contents)));
             return Err(IngestError::NoTruth { path: path.to_owned(), topics });
         }
         Ok(Self { reader: TopicReader::new(container, channels), waiting: BTreeMap::new() })

@@ -43,6 +43,8 @@ pub(crate) enum Command {
     Paper(PaperArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
+    /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.
+    Convert(ConvertArgs),
     /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
@@ -76,7 +78,8 @@ pub(crate) struct RunArgs {
 /// Selects a recorded flight, or a part of it.
 #[derive(Debug, Args)]
 pub(crate) struct FlightArgs {
-    /// MCAP recordings or folders of them: the parts of one flight, in this order.
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV) or folders of them: the parts of one flight, in this
+    /// order; `-` is standard input.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Topic of the scans; may be omitted when there is only one.
@@ -95,6 +98,21 @@ pub(crate) struct FlightArgs {
     /// Process every N-th scan only.
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// Recordings or folders of them: the parts of one flight, in this order.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// MCAP file for the scans (/scan), odometry (/odom) and transforms (/tf).
+    #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    pub(crate) out: PathBuf,
+    /// Topic of the scans; may be omitted when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
 }
 
 #[derive(Debug, Args)]
@@ -334,7 +352,7 @@ fn svg_path(path: PathBuf) -> Result<PathBuf, &'static str> {
 
 fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "rrd") {
-        return Err("simulate writes an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
+        return Err("the output is an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
 }

@@ -1,10 +1,13 @@
 //! `crosscut info`: the contents of a recording, and how ingest reads its first scan.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
-use crosscut_ingest::{Description, Parts, ScanDescription, Sensor, TopicDescription, describe, parts_in};
+use crosscut_ingest::{
+    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, Sensor, TopicDescription, describe, parts_in,
+};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
@@ -18,15 +21,19 @@ use crate::say::printable;
 pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, &Registry::standard())?;
     let sensor = Sensor::new(config.params("ingest"));
+    let csv = CsvGeometry::new(config.params("csv"));
+    let options = ReadOptions { read_as: args.read_as, csv, ..ReadOptions::default() };
     let (mut diagnostics, mut described) = (Diagnostics::default(), 0);
     let Parts { files, missing } = parts_in(&args.input)?;
+    let mut scan_topics = BTreeMap::new();
     for part in &files {
-        match describe(part, &sensor, args.read_as) {
+        match describe(part, &sensor, &options) {
             Ok(description) => {
-                let between = if described > 0 { "\n" } else { "" };
-                let text = format!("{between}{}", text(&description));
-                std::io::stdout().write_all(printable(&text).as_bytes()).context("standard output")?;
+                print(&format!("{}{}", if described > 0 { "\n" } else { "" }, text(&description)))?;
                 diagnostics.lost_all(&description.losses);
+                for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
+                    *scan_topics.entry(topic.info.name.clone()).or_default() += topic.info.messages.unwrap_or(1);
+                }
                 described += 1;
             }
             Err(error) if files.len() == 1 => return Err(error.into()),
@@ -37,22 +44,46 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
         }
     }
     diagnostics.lost_all(missing);
+    if let Some(line) = run_line(args, &scan_topics) {
+        print(&format!("\nnext: {line}\n"))?;
+    }
     Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
 }
 
+fn print(text: &str) -> anyhow::Result<()> {
+    std::io::stdout().write_all(printable(text).as_bytes()).context("standard output")
+}
+
+/// The command that runs what was described, on the scan topic with the most messages if there are several.
+fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<String> {
+    let (topic, _) = scan_topics.iter().max_by_key(|(_, messages)| **messages)?;
+    let mut words = vec!["crosscut".to_owned(), "run".to_owned()];
+    words.extend(args.input.iter().map(|input| input.display().to_string()));
+    if scan_topics.len() > 1 {
+        words.extend(["--topic".to_owned(), topic.clone()]);
+    }
+    words.extend(args.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
+    words.extend(args.config.config.iter().flat_map(|file| ["--config".to_owned(), file.display().to_string()]));
+    words.extend(args.config.set.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-=:+,".contains(c);
+    let quoted = |word: String| {
+        if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    Some(words.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+}
+
 fn text(recording: &Description) -> String {
-    let or = |text: &str, default: &str| if text.is_empty() { default.to_owned() } else { text.to_owned() };
     let mut lines = vec![
         format!("{}, {}", recording.path.display(), size(recording.bytes)),
-        format!(
-            "profile   {}, written by {}",
-            or(&recording.profile, "none"),
-            or(&recording.library, "an unnamed program")
-        ),
-        format!("index     {}", index(recording)),
+        format!("{:<10}{}", "format", recording.format),
     ];
+    let stated = recording.properties.iter().filter(|(_, value)| !value.is_empty());
+    lines.extend(stated.map(|(name, value)| format!("{name:<10}{value}")));
     if let Some(duration_s) = recording.duration_s() {
         lines.push(format!("duration  {duration_s:.1} s"));
+    }
+    if recording.has_odd_times {
+        lines.push("times     some times of recording cannot be right, and are left out here".to_owned());
     }
     if !recording.topics.is_empty() {
         lines.push(String::new());
@@ -72,14 +103,6 @@ fn text(recording: &Description) -> String {
 
 fn size(bytes: u64) -> String {
     if bytes < 1_000_000 { format!("{:.1} kB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
-}
-
-fn index(recording: &Description) -> String {
-    let compressions = recording.compressions.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-    match recording.indexed_chunks {
-        Some(chunks) => format!("{}, compression: {compressions}", counted(chunks as u64, "chunk")),
-        None => "none: messages come in the order of the file".to_owned(),
-    }
 }
 
 fn topics(topics: &[TopicDescription]) -> String {
@@ -109,10 +132,11 @@ fn first_scan(topic: &str, scan: &ScanDescription) -> String {
     let view =
         if view_deg > 0.0 { format!("view {view_deg:.1}°{around}, {step_deg:.3}° a beam") } else { "no view".into() };
     let mut text = format!(
-        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}",
+        "first scan of {topic}, frame {:?}: {}, {}\n  {view}, range {range_min_m} m to {range_max}, {:.0} % of beams without a return",
         scan.frame_id,
         counted(scan.beams as u64, "beam"),
         counted(scan.returns as u64, "return"),
+        100.0 * scan.missing,
     );
     for note in &scan.notes {
         text += &format!("\n  {note}");

@@ -1,6 +1,7 @@
 //! One file or folder per command; `crosscut config` is printed by [`crate::config`].
 
 pub(crate) mod compare;
+pub(crate) mod convert;
 pub(crate) mod evaluate;
 pub(crate) mod info;
 pub(crate) mod paper;

@@ -1,110 +1,165 @@
-//! One MCAP file: what it holds, and its scan messages in order.
+//! Files of a flight, whatever their format: what each holds, and its messages in order.
 //!
-//! Records are told apart here and taken apart by the `mcap` crate. Its own readers stop at the first damaged chunk, do
-//! not check the checksum of a chunk that was found by the index, and do not say where a fault is; a damaged recording
-//! has to give all that is whole.
+//! A format is one file or folder here and one line in [`open`]. It implements [`Container`] itself, or, where the
+//! messages stand in chunks, [`ChunkedFile`](chunked::ChunkedFile), for which [`Chunked`](chunked::Chunked) does the
+//! rest. The format is recognised by the first bytes of the file, never by its name.
 
-mod catalogue;
-mod chunk;
-mod data_section;
-mod records;
+mod bag;
+mod carmen;
+mod chunked;
+mod contents;
+mod lines;
+mod mcap;
 mod resting_file;
-mod summary;
+mod rosbag2;
+mod spool;
+mod sqlite;
+mod survey;
+mod table;
 mod topic_reader;
 
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::io::{Read, Seek};
+use std::path::Path;
 
-use mcap::records::{ChunkIndex, Record, op};
-
-use self::catalogue::{Catalogue, Survey};
-use self::data_section::DataSection;
+use self::carmen::Carmen;
+use self::lines::Lines;
 use self::resting_file::RestingFile;
-use self::summary::Summary;
+use self::rosbag2::Rosbag2;
+use self::spool::{Compression, Spooled};
+use self::table::Table;
 use crate::{Found, IngestError, Loss, LossKind};
 
-pub(crate) use self::catalogue::Topic;
-pub(crate) use self::topic_reader::{Message, TopicReader};
+pub use self::table::{CSV_PARAMS, CsvGeometry};
 
-/// Enough of a file to tell what it is.
+pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
+pub(crate) use self::carmen::is_log as is_carmen_log;
+pub(crate) use self::contents::{ChannelId, Contents, Topic};
+pub(crate) use self::topic_reader::TopicReader;
+
+/// This many bytes at the start of a file tell what it is.
 const SNIFFED_BYTES: u64 = 4096;
 
-/// An MCAP file that was opened and looked through.
-pub(crate) struct Container {
-    pub(crate) path: PathBuf,
-    pub(crate) length: u64,
-    pub(crate) catalogue: Catalogue,
-    /// Chunks by log time, ties by place; empty if there is no index.
-    pub(crate) chunks: Vec<ChunkIndex>,
-    /// Without an index the whole file was looked through, so all that is lost is known; with one, only what is wrong
-    /// with the index.
-    pub(crate) losses: Vec<Loss>,
-    section: DataSection,
+/// What stands for standard input among paths.
+const STANDARD_INPUT: &str = "-";
+
+/// One file of a flight that was opened and looked through.
+pub(crate) trait Container: Send {
+    /// What is in it.
+    fn contents(&self) -> &Contents;
+
+    /// What is in it, to be completed by whoever opened it.
+    fn contents_mut(&mut self) -> &mut Contents;
+
+    /// From now on, [`next`](Self::next) gives the messages of these channels, from the first. The file stays closed
+    /// until then: a flight may have more parts than a process may have files open.
+    fn select(&mut self, channels: &BTreeSet<ChannelId>);
+
+    /// The next message of the selected channels; give it back by [`recycle`](Self::recycle).
+    fn next(&mut self) -> Option<Message>;
+
+    /// Takes back the buffer of a message.
+    fn recycle(&mut self, message: Message);
+
+    /// Whether messages come by log time, ties in file order; otherwise they come in file order.
+    fn is_by_log_time(&self) -> bool;
+
+    /// How many messages of the selected channels were lost since the last call, as far as that is known.
+    fn take_skipped(&mut self) -> u64;
+
+    /// What was lost since the last call, beside what [`contents`](Self::contents) says.
+    fn take_losses(&mut self) -> Vec<Loss>;
 }
 
-impl Container {
-    pub(crate) fn open(path: &Path) -> Result<Self, IngestError> {
-        let failed = |source| IngestError::Open { path: path.to_owned(), source };
-        if !std::fs::metadata(path).map_err(failed)?.is_file() {
-            return Err(IngestError::NotAFile { path: path.to_owned() });
-        }
-        let mut file = File::open(path).map_err(failed)?;
-        let length = file.metadata().map_err(failed)?.len();
-        let mut start = Vec::new();
-        (&mut file).take(SNIFFED_BYTES).read_to_end(&mut start).map_err(failed)?;
-        if !start.starts_with(mcap::MAGIC) {
-            return Err(IngestError::NotMcap { path: path.to_owned(), found: Found::in_file(&start) });
-        }
-        let mut section = DataSection::new(RestingFile::new(path.to_owned(), file), length).map_err(failed)?;
-        let mut losses = Vec::new();
-        let mut lost = |kind| losses.push(Loss { file: path.to_owned(), kind });
-        let (summary, index_damage) = match Summary::read(section.input(), length) {
-            Ok(summary) => (summary.unwrap_or_default(), None),
-            Err(damage) => (Summary::default(), Some(damage)),
+/// A message as it was recorded.
+#[derive(Debug, Default)]
+pub(crate) struct Message {
+    pub(crate) channel: ChannelId,
+    pub(crate) log_time_ns: u64,
+    pub(crate) data: Vec<u8>,
+}
+
+/// Opens a file and looks through it; `-` is standard input.
+///
+/// # Errors
+/// When it cannot be opened, is no file, or is of a format that is not read here.
+pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
+    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    if path == Path::new(STANDARD_INPUT) {
+        let spooled = spool::copy(std::io::stdin().lock()).map_err(failed)?;
+        return open_spooled(path, spooled, None, csv);
+    }
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(IngestError::NotAFile { path: path.to_owned() });
+    }
+    let mut file = File::open(path).map_err(failed)?;
+    let start = start_of(&mut file).map_err(failed)?;
+    if let Some(compression) = Compression::of(&start) {
+        let spooled = spool::decompress(file, compression).map_err(failed)?;
+        return open_spooled(path, spooled, Some(compression), csv);
+    }
+    open_plain(path, path, RestingFile::new(path.to_owned(), file), &start, csv)
+}
+
+/// Opens a temporary copy of `path`.
+fn open_spooled(
+    path: &Path,
+    Spooled { path: temporary, damage }: Spooled,
+    compression: Option<Compression>,
+    csv: &CsvGeometry,
+) -> Result<Box<dyn Container>, IngestError> {
+    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let name = temporary.to_path_buf();
+    let mut file = RestingFile::temporary(temporary);
+    let start = start_of(&mut file).map_err(failed)?;
+    let mut container = open_plain(path, &name, file, &start, csv)?;
+    let contents = container.contents_mut();
+    if let Some(compression) = compression {
+        contents.properties.push(("compressed", format!("as a whole, with {}", compression.name())));
+    }
+    contents.losses.extend(damage.map(|damage| {
+        let kind = LossKind::Compressed { read_bytes: contents.bytes, damage };
+        Loss { file: path.to_owned(), kind }
+    }));
+    Ok(container)
+}
+
+/// Opens a file that begins with `start`; `path` names it in losses, `on_disk` is where it is.
+fn open_plain(
+    path: &Path,
+    on_disk: &Path,
+    file: RestingFile,
+    start: &[u8],
+    csv: &CsvGeometry,
+) -> Result<Box<dyn Container>, IngestError> {
+    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let no_recording = |found| IngestError::NotRecording { path: path.to_owned(), found };
+    if start.starts_with(::mcap::MAGIC) {
+        Ok(Box::new(mcap::open(path, file).map_err(failed)?))
+    } else if start.starts_with(bag::MAGIC) {
+        Ok(Box::new(bag::open(path, file).map_err(failed)?))
+    } else if start.starts_with(sqlite::MAGIC) {
+        let unreadable = |damage| {
+            let kind = LossKind::Rest { at_byte: 0, damage };
+            IngestError::NothingReadable { losses: vec![Loss { file: path.to_owned(), kind }] }
         };
-        let chunks = summary.chunks;
-        let mut catalogue = Catalogue::default();
-        for channel in summary.channels {
-            catalogue.add(&summary.schemas, channel);
-        }
-        match summary.statistics {
-            Some(statistics) if !catalogue.channels.is_empty() && !chunks.is_empty() => catalogue.count(statistics),
-            _ => {
-                let survey = Survey::of(&mut section);
-                if let (Some(damage), Some(end_of_data)) = (index_damage, survey.end_of_data) {
-                    lost(match section.end_of_recording(end_of_data) {
-                        Some(at_byte) if at_byte < length => LossKind::Behind { at_byte, bytes: length - at_byte },
-                        _ => LossKind::Index { damage },
-                    });
-                }
-                if chunks.is_empty() {
-                    survey.losses.into_iter().for_each(lost);
-                }
-                catalogue = survey.catalogue;
-            }
-        }
-        section.rest().map_err(failed)?;
-        Ok(Self { path: path.to_owned(), length, catalogue, chunks, losses, section })
-    }
-
-    /// Profile and library of the file, as its first record says.
-    pub(crate) fn header(&mut self) -> Option<(String, String)> {
-        match self.section.record(mcap::MAGIC.len() as u64, op::HEADER) {
-            Ok(Record::Header(header)) => Some((header.profile, header.library)),
-            _ => None,
+        let bag = Rosbag2::open(path, on_disk, file).map_err(unreadable)?;
+        Ok(Box::new(bag.ok_or_else(|| no_recording(Found::Sqlite))?))
+    } else {
+        match Found::in_file(start) {
+            Found::Carmen => Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?)),
+            Found::Table if !csv.is_known() => Err(IngestError::NoGeometry { path: path.to_owned() }),
+            Found::Table => Ok(Box::new(Lines::open(path, file, Table::new(*csv)).map_err(failed)?)),
+            found => Err(no_recording(found)),
         }
     }
+}
 
-    /// The channels of a topic.
-    pub(crate) fn channels_of(&self, topic: &str) -> BTreeSet<u16> {
-        self.catalogue.channels.iter().filter(|(_, channel)| channel.name == topic).map(|(&id, _)| id).collect()
-    }
-
-    /// How many messages these channels have, if they are counted.
-    pub(crate) fn count(&self, channels: &BTreeSet<u16>) -> Option<u64> {
-        let counts = self.catalogue.counts.as_ref()?;
-        Some(channels.iter().map(|id| counts.get(id).copied().unwrap_or(0)).sum())
-    }
+/// The first bytes of a file, which is at its start again afterwards.
+fn start_of(file: &mut (impl Read + Seek)) -> std::io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    file.by_ref().take(SNIFFED_BYTES).read_to_end(&mut start)?;
+    file.rewind()?;
+    Ok(start)
 }

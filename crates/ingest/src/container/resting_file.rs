@@ -4,17 +4,31 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 
+use tempfile::TempPath;
+
 /// Open from the first read after a rest on.
 pub(super) struct RestingFile {
     path: PathBuf,
     file: Option<File>,
     /// Where reading goes on after a rest.
     at_byte: u64,
+    /// Removes the file, if it is a temporary one, when nobody reads it any more.
+    _temporary: Option<TempPath>,
 }
 
 impl RestingFile {
     pub(super) fn new(path: PathBuf, file: File) -> Self {
-        Self { path, file: Some(file), at_byte: 0 }
+        Self { path, file: Some(file), at_byte: 0, _temporary: None }
+    }
+
+    /// A file that goes away with this value.
+    pub(super) fn temporary(path: TempPath) -> Self {
+        Self { path: path.to_path_buf(), file: None, at_byte: 0, _temporary: Some(path) }
+    }
+
+    /// Size of the file.
+    pub(super) fn length(&self) -> io::Result<u64> {
+        self.file.as_ref().map_or_else(|| self.path.metadata(), File::metadata).map(|metadata| metadata.len())
     }
 
     /// Closes it until it is read again.

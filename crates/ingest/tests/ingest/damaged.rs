@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crosscut_ingest::{Damage, LossKind, Recording, describe};
+use crosscut_ingest::{Damage, LossKind, ReadOptions, Recording, describe};
 use mcap::Compression;
 use mcap::records::op;
 use proptest::prelude::{ProptestConfig, any, prop, prop_assert, proptest};
@@ -183,7 +183,7 @@ fn any_single_altered_byte_is_noticed_if_it_changes_a_revolution() {
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << (at % 8);
             let path = folder.add("f.mcap", &bytes);
-            let _ = describe(&path, &sensor(&[]), None);
+            let _ = describe(&path, &sensor(&[]), &ReadOptions::default());
             let Some((read, recording)) = read(&path) else { continue };
             if read.stamps_ns != all.stamps_ns || read.ranges != all.ranges {
                 assert!(!recording.losses().is_empty(), "{form:?} byte {at}: {read:?}");
@@ -216,7 +216,7 @@ proptest! {
         }
         let folder = Folder::new();
         let path = folder.add("f.mcap", &bytes);
-        let _ = describe(&path, &sensor(&[]), None);
+        let _ = describe(&path, &sensor(&[]), &ReadOptions::default());
         if let Some((read, _)) = read(&path) {
             prop_assert!(read.len() <= 24);
         }
@@ -236,6 +236,6 @@ proptest! {
         let folder = Folder::new();
         let path = folder.add("f.mcap", &bytes);
         let _ = read(&path);
-        let _ = describe(&path, &sensor(&[]), None);
+        let _ = describe(&path, &sensor(&[]), &ReadOptions::default());
     }
 }

@@ -1,10 +1,13 @@
 //! Ingest from outside: recordings built in memory, whole and damaged, and real ones where they are at hand.
 
+mod bags;
 mod damaged;
 mod flight;
+mod formats;
 mod messages;
 mod parts;
 mod real;
 mod recording;
 mod sensor;
+mod times;
 mod truths;

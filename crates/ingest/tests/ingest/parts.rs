@@ -38,16 +38,16 @@ fn a_part_that_is_no_recording_is_a_loss_in_a_folder_and_refused_where_it_was_na
     folder.add("f_1.mcap", &Form::CHUNKED.write(&plain_flight(5)));
     folder.add("f_2.mcap", b"");
     assert!(matches!(&losses(&folder), (lost, 5) if lost.len() == 1));
-    folder.add("f_3.mcap", b"#ROSBAG V2.0\n");
+    folder.add("f_3.mcap", b"PK\x03\x04");
     folder.add("f_4.mcap.zstd", b"\x28\xb5\x2f\xfd and more");
     let (lost, revolutions) = losses(&folder);
     assert_eq!((lost.len(), revolutions), (3, 5), "{lost:?}");
-    assert!(lost[1].contains("ROS 1 bag") && lost[2].contains("decompress"), "{lost:?}");
+    assert!(lost[1].contains("ZIP") && lost[2].contains("f_4.mcap.zstd"), "{lost:?}");
     folder.add("f_4.mcap", &Form::CHUNKED.write(&[record_at("/scan", time_ns(9), &scan(9))]));
     assert!(matches!(&losses(&folder), (lost, 6) if lost.len() == 2), "decompressed, and the other kept");
     let named = ["f_1.mcap", "f_3.mcap"].map(|name| folder.path().join(name));
     let refused = Recording::open(&named, &options(None), sensor(&[])).err();
-    assert!(matches!(refused, Some(IngestError::NotMcap { found: Found::Ros1Bag, .. })));
+    assert!(matches!(refused, Some(IngestError::NotRecording { found: Found::Zip, .. })));
 }
 
 #[test]

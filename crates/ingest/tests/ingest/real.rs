@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscut_ingest::{Found, IngestError, describe};
+use crosscut_ingest::{CSV_PARAMS, CsvGeometry, IngestError, ReadOptions, Recording, describe};
+use crosscut_stage::{Params, Value};
 
 use crate::flight::{drain, open, sensor};
 
@@ -32,10 +33,10 @@ fn the_corridors_give_all_their_scans() {
 #[test]
 fn a_corridor_is_described_as_it_is_documented() {
     let Some(path) = data("corridor_cross.mcap") else { return };
-    let description = describe(&path, &sensor(&[]), None).expect("a recording");
+    let description = describe(&path, &sensor(&[]), &ReadOptions::default()).expect("a recording");
     let [scans] = &description.topics[..] else { panic!("{:?}", description.topics) };
     let first = scans.first_scan.as_ref().expect("a scan");
-    assert_eq!((description.profile.as_str(), first.beams, first.range_m), ("ros2", 726, [0.02, 5.6]));
+    assert_eq!((description.format, first.beams, first.range_m), ("MCAP", 726, [0.02, 5.6]));
     // Counted with an independent reader: 293 NaN and 54 below range_min.
     let notes = ["293 beams of range NaN read as no return", "54 beams below range_min 0.02 m left out"];
     assert_eq!((first.returns, &first.notes[..]), (726 - 293 - 54, &notes.map(str::to_owned)[..]));
@@ -46,19 +47,33 @@ fn a_corridor_is_described_as_it_is_documented() {
 }
 
 #[test]
-fn recordings_of_other_kinds_are_told_apart() {
-    let kinds = [
-        ("corridor_ros1.bag", Found::Ros1Bag),
-        ("corridor_dead_rows.csv", Found::Table),
-        ("aces_excerpt.clf", Found::Carmen),
-        ("intel_excerpt.clf", Found::Carmen),
-        ("frclinic_robotlaser_excerpt.clf", Found::Carmen),
+fn real_bags_and_logs_give_all_their_scans() {
+    let files = [
+        ("corridor_ros1.bag", "/scan", 183),
+        ("aces_excerpt.clf", "/flaser", 1993),
+        ("intel_excerpt.clf", "/flaser", 673),
+        ("frclinic_robotlaser_excerpt.clf", "/robotlaser1", 150),
     ];
-    for (name, kind) in kinds {
+    for (name, topic, scans) in files {
         let Some(path) = data(name) else { return };
-        match open(&path) {
-            Err(IngestError::NotMcap { found, .. }) => assert_eq!(found, kind, "{name}"),
-            other => panic!("{name}: {:?}", other.err()),
-        }
+        let mut recording = open(&path).expect("a recording");
+        assert_eq!((recording.topic(), recording.total_messages()), (topic, Some(scans)), "{name}");
+        let read = drain(&mut recording);
+        assert_eq!((read.len() as u64, recording.losses()), (scans, &[][..]), "{name}");
     }
+}
+
+#[test]
+fn a_real_table_gives_its_rows_once_its_directions_are_given() {
+    let Some(path) = data("corridor_dead_rows.csv") else { return };
+    assert!(matches!(open(&path), Err(IngestError::NoGeometry { .. })));
+    let mut params = Params::defaults(CSV_PARAMS);
+    for (name, value) in [("first_rad", -2.356), ("last_rad", 2.093), ("range_max_m", 5.6)] {
+        params.set(name, Value::Number(value)).expect("allowed");
+    }
+    let options = ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() };
+    let mut recording = Recording::open(&[path], &options, sensor(&[])).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!((read.len(), recording.losses()), (117, &[][..]));
+    assert!(read.ranges.iter().all(|ranges| ranges.len() == 726));
 }

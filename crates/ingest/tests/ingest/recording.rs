@@ -105,7 +105,8 @@ fn a_flight_in_the_encoding_of_ros_1_is_read_like_one_of_ros_2_and_named_where_i
         let mut recording = open(&folder.add("f.mcap", &form.write(&records))).expect("a recording");
         assert_eq!((drain(&mut recording), recording.losses()), (expected(12), &[][..]), "{form:?}");
     }
-    let description = describe(&folder.path().join("f.mcap"), &sensor(&[]), None).expect("a recording");
+    let description =
+        describe(&folder.path().join("f.mcap"), &sensor(&[]), &ReadOptions::default()).expect("a recording");
     assert_eq!(description.topics[0].first_scan.as_ref().map(|scan| (scan.beams, scan.returns)), Some((8, 7)));
 
     records[3].data.truncate(40);
@@ -141,6 +142,25 @@ fn a_wrong_topic_lists_what_there_is_nearest_first() {
 }
 
 #[test]
+fn a_topic_is_found_with_a_slash_in_front_or_without() {
+    let folder = Folder::new();
+    for (in_file, asked_for) in [("/scan", "scan"), ("scan", "/scan")] {
+        let records = [record_at(in_file, START_NS, &scan(0)), record_at("/rear", START_NS, &scan(1))];
+        let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
+        let recording = Recording::open(&[path], &options(Some(asked_for)), sensor(&[])).expect("the same topic");
+        assert_eq!(recording.topic(), in_file);
+    }
+    folder.add(
+        "f.mcap",
+        &Form::CHUNKED.write(&[record_at("/scan", START_NS, &scan(0)), record_at("scan", START_NS, &scan(1))]),
+    );
+    let of = |topic| {
+        Recording::open(&[folder.path().to_owned()], &options(Some(topic)), sensor(&[])).expect("by its own name")
+    };
+    assert_eq!((of("scan").topic(), of("/scan").topic()), ("scan", "/scan"));
+}
+
+#[test]
 fn scans_in_another_encoding_are_named_with_what_to_do() {
     let says = |type_name: &'static str, encoding: &'static str, what: &str| {
         let folder = Folder::new();
@@ -151,27 +171,26 @@ fn scans_in_another_encoding_are_named_with_what_to_do() {
     };
     says("sensor_msgs/msg/LaserScan", "json", "scans are read in cdr");
     says("foxglove.LaserScan", "flatbuffer", "in json and protobuf");
-    says("sensor_msgs/msg/PointCloud2", "", "--as LaserScan");
+    says("sensor_msgs/msg/PointCloud2", "xml", "--as LaserScan");
 }
 
 #[test]
 fn files_of_other_kinds_are_named() {
     let folder = Folder::new();
     let found = |name: &str, bytes: &[u8]| match open(&folder.add(name, bytes)) {
-        Err(IngestError::NotMcap { found, .. }) => found,
+        Err(IngestError::NotRecording { found, .. }) => found,
         other => panic!("{:?}", other.err()),
     };
-    assert_eq!(found("a.bag", b"#ROSBAG V2.0\n..."), Found::Ros1Bag);
-    assert_eq!(found("a.db3", b"SQLite format 3\0..."), Found::Sqlite);
+    assert_eq!(found("a.bag", b"#ROSRECORD V1.2\n..."), Found::OldRosBag);
     assert_eq!(found("a.rrd", b"RRF2...."), Found::Rerun);
     assert_eq!(found("a.mcap", b""), Found::Empty);
     #[cfg(unix)]
     assert!(matches!(open(std::path::Path::new("/dev/null")), Err(IngestError::NotAFile { .. })));
     assert!(matches!(open(&folder.path().join("none.mcap")), Err(IngestError::Open { .. })));
     assert!(matches!(open(&folder.add("b.mcap", mcap::MAGIC)), Err(IngestError::NothingReadable { .. })));
-    let empty = Folder::new();
-    empty.add("f.db3", b"");
-    assert!(refused(&empty, None).to_string().contains("SQLite"));
+    for cut in [&b"#ROSBAG V2.0\n..."[..], b"SQLite format 3\0..."] {
+        assert!(matches!(open(&folder.add("cut", cut)), Err(IngestError::NothingReadable { .. })));
+    }
 }
 
 #[test]
@@ -204,7 +223,7 @@ fn times_and_every_select_and_seq_stays_that_of_the_whole_topic() {
         folder.add("f_2.mcap", &form.write(&second.clone().collect::<Vec<_>>()));
         let seqs = |from_s: Option<f64>, to_s: Option<f64>, every: u64| {
             let every = NonZero::new(every).expect("not 0");
-            let options = ReadOptions { from_s, to_s, every, topic: None, read_as: None };
+            let options = ReadOptions { from_s, to_s, every, ..ReadOptions::default() };
             let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
             let total = recording.total_messages();
             let read = drain(&mut recording);
@@ -315,9 +334,15 @@ fn a_description_says_what_is_in_the_file() {
     let folder = Folder::new();
     for form in Form::all() {
         let path = folder.add("f.mcap", &form.write(&records));
-        let description = describe(&path, &sensor(&[]), None).expect("a recording");
-        assert_eq!((description.profile.as_str(), description.library.as_str()), ("ros2", "test"));
-        assert_eq!(description.indexed_chunks, form.is_indexed().then_some(3), "{form:?}");
+        let description = describe(&path, &sensor(&[]), &ReadOptions::default()).expect("a recording");
+        let index = description.properties.iter().find(|(name, _)| *name == "index").map(|(_, index)| index.as_str());
+        assert_eq!(
+            (description.format, index.is_some_and(|index| index.starts_with("3 chunks"))),
+            ("MCAP", form.is_indexed()),
+            "{form:?}"
+        );
+        assert!(description.properties.contains(&("profile", "ros2".to_owned())), "{form:?}");
+        assert!(description.properties.contains(&("writer", "test".to_owned())), "{form:?}");
         assert_eq!(description.duration_s(), Some(1.0));
         let [odometry, scans] = &description.topics[..] else { panic!("{:?}", description.topics) };
         assert_eq!((odometry.info.messages, odometry.first_scan.is_none()), (Some(1), true));

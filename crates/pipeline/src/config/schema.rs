@@ -42,11 +42,12 @@ pub(super) struct Choice {
     pub(super) params: &'static [ParamSpec],
 }
 
-/// All sections: `ingest`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `pipeline`.
-pub(super) fn sections(registry: &Registry) -> [Section; 7] {
+/// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `pipeline`.
+pub(super) fn sections(registry: &Registry) -> [Section; 8] {
     let fixed = |name, params| Section { name, body: Body::Fixed(params) };
     [
         fixed("ingest", crosscut_ingest::PARAMS),
+        fixed("csv", crosscut_ingest::CSV_PARAMS),
         chosen(&registry.affinity),
         chosen(&registry.spectral),
         chosen(&registry.kmeans),

@@ -1,28 +1,26 @@
 //! Records: an opcode, a length, and that many bytes.
 
+use std::collections::BTreeMap;
 use std::io::{self, Read};
 
-use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
+use mcap::records::{Channel, Record, op};
 
-use crate::Damage;
+use crate::container::Topic;
+use crate::container::chunked::Visitor;
+use crate::{Damage, limits};
 
 /// Bytes of opcode and length.
 pub(super) const HEAD_BYTES: u64 = 9;
 /// Bytes of a message record before the message.
 const MESSAGE_HEADER_BYTES: usize = 22;
 
-/// Takes what a recording holds, record by record.
-pub(super) trait Visitor {
-    /// A schema is defined.
-    fn schema(&mut self, schema: SchemaHeader);
-    /// A channel is defined.
-    fn channel(&mut self, channel: Channel);
-    /// Whether the body of this message is wanted.
-    fn wants(&self, header: &MessageHeader) -> bool;
-    /// A message, whole; `body` is empty if it was not wanted, and may be taken away.
-    fn message(&mut self, header: &MessageHeader, body: &mut Vec<u8>);
-    /// All since the last call is whole, or else is to be forgotten.
-    fn settle(&mut self, whole: bool);
+/// Name and encoding of each schema that was seen, by its number; the first definition holds.
+pub(super) type Schemas = BTreeMap<u16, [String; 2]>;
+
+/// What a channel carries.
+pub(super) fn topic_of(channel: Channel, schemas: &Schemas) -> Topic {
+    let [type_name, schema_encoding] = schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+    Topic { name: channel.topic, type_name, encoding: channel.message_encoding, schema_encoding }
 }
 
 /// Opcode and length of the next record; `None` where the bytes end.
@@ -48,7 +46,7 @@ pub(super) fn skip(input: &mut impl Read, length: u64) -> Result<(), Damage> {
     if io::copy(&mut input.take(length), &mut io::sink())? == length { Ok(()) } else { Err(Damage::Ended) }
 }
 
-/// Takes a record apart.
+/// Parses a record.
 pub(super) fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, Damage> {
     if !lengths_fit(opcode, body) {
         return Err(Damage::Record(format!("a length in a record of type {opcode} goes beyond its end")));
@@ -82,20 +80,25 @@ fn lengths_fit(opcode: u8, body: &[u8]) -> bool {
     last_end().is_some()
 }
 
-/// Hands the record to `visitor` if it is a schema, a channel or a message; others are not read.
+/// Hands the record to `visitor` if it is a channel or a message, and keeps a schema; other records are not read.
 pub(super) fn visit(
     (opcode, length): (u8, u64),
     input: &mut impl Read,
-    body: &mut Vec<u8>,
+    (schemas, body): (&mut Schemas, &mut Vec<u8>),
     visitor: &mut impl Visitor,
 ) -> Result<(), Damage> {
     match opcode {
         0 => Err(Damage::Record("a record of type 0 cannot be".to_owned())),
+        op::SCHEMA | op::CHANNEL if length > limits::RECORD_BYTES => {
+            Err(Damage::TooLarge { bytes: length, limit: limits::RECORD_BYTES })
+        }
         op::SCHEMA | op::CHANNEL => {
             read_body(input, length, body)?;
             match parse(opcode, body)? {
-                Record::Schema { header, .. } => visitor.schema(header),
-                Record::Channel(channel) => visitor.channel(channel),
+                Record::Schema { header, .. } => {
+                    schemas.entry(header.id).or_insert([header.name, header.encoding]);
+                }
+                Record::Channel(channel) => visitor.channel(channel.id.into(), topic_of(channel, schemas)),
                 _ => {}
             }
             Ok(())
@@ -107,13 +110,17 @@ pub(super) fn visit(
             let mut header = [0; MESSAGE_HEADER_BYTES];
             input.read_exact(&mut header)?;
             let Record::Message { header, .. } = parse(opcode, &header)? else { return Ok(()) };
-            if visitor.wants(&header) {
+            let channel = header.channel_id.into();
+            if visitor.wants(channel) {
+                if body_bytes > limits::MESSAGE_BYTES {
+                    return Err(Damage::TooLarge { bytes: body_bytes, limit: limits::MESSAGE_BYTES });
+                }
                 read_body(input, body_bytes, body)?;
             } else {
                 skip(input, body_bytes)?;
                 body.clear();
             }
-            visitor.message(&header, body);
+            visitor.message(channel, header.log_time, body);
             Ok(())
         }
         _ => Ok(()),

@@ -2,8 +2,9 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use super::records::{Visitor, read_body, read_head, skip, visit};
+use super::records::{Schemas, read_body, read_head, skip, visit};
 use crate::Damage;
+use crate::container::chunked::Visitor;
 
 const BUFFER_BYTES: usize = 64 * 1024;
 
@@ -41,7 +42,7 @@ fn read_array<const N: usize>(input: &mut impl Read) -> Result<[u8; N], Damage> 
 /// there is nothing to hold against its checksum.
 pub(super) fn visit_chunk(
     mut input: impl BufRead,
-    body: &mut Vec<u8>,
+    (schemas, body): (&mut Schemas, &mut Vec<u8>),
     visitor: &mut impl Visitor,
 ) -> Result<(), Damage> {
     let header = ChunkHeader::read(&mut input)?;
@@ -55,7 +56,7 @@ pub(super) fn visit_chunk(
     let mut records = BufReader::with_capacity(BUFFER_BYTES, Checked::new(plain.take(header.uncompressed_bytes)));
     while let Some((opcode, length)) = read_head(&mut records)? {
         let mut record = (&mut records).take(length);
-        visit((opcode, length), &mut record, body, visitor)?;
+        visit((opcode, length), &mut record, (schemas, body), visitor)?;
         let left = record.limit();
         skip(&mut record, left)?;
     }

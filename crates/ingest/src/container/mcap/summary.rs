@@ -1,22 +1,22 @@
-//! What stands at the end of a file: topics, counts, and where each chunk is.
+//! The summary at the end of a file: topics, counts, and where each chunk is.
 
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-use mcap::records::{Channel, ChunkIndex, Record, SchemaHeader, Statistics, op};
+use mcap::records::{Channel, ChunkIndex, Record, Statistics, op};
 
 use super::chunk::{Checked, check};
 use super::data_section::FOOTER_BYTES;
-use super::records::{HEAD_BYTES, parse, read_body, read_head, skip};
-use super::resting_file::RestingFile;
+use super::records::{HEAD_BYTES, Schemas, parse, read_body, read_head, skip};
 use crate::Damage;
+use crate::container::resting_file::RestingFile;
 
 /// Bytes of the footer record that its own checksum covers: all but the checksum.
 const CHECKED_FOOTER_BYTES: u64 = HEAD_BYTES + FOOTER_BYTES - 4;
 
-/// The summary section, as far as it is of use here.
+/// The records of the summary section that are used here.
 #[derive(Default)]
 pub(super) struct Summary {
-    pub(super) schemas: Vec<SchemaHeader>,
+    pub(super) schemas: Schemas,
     pub(super) channels: Vec<Channel>,
     pub(super) chunks: Vec<ChunkIndex>,
     pub(super) statistics: Option<Statistics>,
@@ -63,7 +63,9 @@ impl Summary {
             }
             read_body(input, length, &mut body)?;
             match parse(opcode, &body)? {
-                Record::Schema { header, .. } => summary.schemas.push(header),
+                Record::Schema { header, .. } => {
+                    summary.schemas.entry(header.id).or_insert([header.name, header.encoding]);
+                }
                 Record::Channel(channel) => summary.channels.push(channel),
                 Record::ChunkIndex(chunk) => summary.chunks.push(chunk),
                 Record::Statistics(statistics) => summary.statistics = Some(statistics),

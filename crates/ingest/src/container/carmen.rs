@@ -1,0 +1,281 @@
+//! CARMEN logs: laser lines and odometry, one a line.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::str::SplitWhitespace;
+
+use crosscut_messages::{
+    CDR_ENCODING, Endian, Header, LaserScan, Message as _, Odometry, Quaternion, SCHEMA_ENCODING, Time,
+};
+
+use super::lines::{Line, LineFormat};
+use super::{ChannelId, Message, Topic};
+use crate::limits;
+
+/// The first word of a line in a log.
+const WORDS: &[&str] =
+    &["FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2", "RAWLASER1", "RAWLASER2", "ODOM", "PARAM", "SYNC", "TRUEPOS"];
+
+/// The laser lines that are read; each kind is a topic of its own, named like it in small letters.
+const LASERS: [&str; 6] = ["FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2", "RAWLASER1", "RAWLASER2"];
+const ODOMETRY: ChannelId = LASERS.len() as ChannelId;
+
+/// The largest range of a log without a stated limit is what beams report that met nothing, if it comes this often.
+const LEAST_AT_LIMIT: u64 = 10;
+
+/// Whether a text is a log.
+pub(crate) fn is_log(start: &str) -> bool {
+    start.lines().filter_map(|line| line.split_whitespace().next()).any(|word| WORDS.contains(&word))
+}
+
+/// A log, as far as it was surveyed.
+#[derive(Default)]
+pub(super) struct Carmen {
+    has_lasers: [bool; LASERS.len()],
+    /// Otherwise the laser lines' own poses are the odometry.
+    has_odometry_lines: bool,
+    /// The limit of the range that a parameter of the log states.
+    stated_max_m: Option<f32>,
+    /// Largest range of the lines that do not state a limit, and how often it comes.
+    largest_m: f32,
+    at_largest: u64,
+}
+
+/// Why a line cannot be read.
+type Cause = String;
+
+impl LineFormat for Carmen {
+    const NAME: &'static str = "CARMEN log";
+    const LAST_WORD_COUNTS: bool = false;
+
+    fn survey(&mut self, line: &Line) {
+        let mut words = line.text.split_whitespace();
+        match words.next() {
+            Some("ODOM") => self.has_odometry_lines = true,
+            Some("PARAM") => {
+                let name = words.next().unwrap_or_default();
+                if name.contains("laser") && name.ends_with("max") {
+                    self.stated_max_m = words.next().and_then(|value| value.parse().ok()).or(self.stated_max_m);
+                }
+            }
+            Some(word) => {
+                let Some(laser) = LASERS.iter().position(|laser| *laser == word) else { return };
+                self.has_lasers[laser] = true;
+                if word == "FLASER" || word == "RLASER" {
+                    let count = words.next().and_then(|count| count.parse().ok()).unwrap_or(0);
+                    for range_m in words.take(count).filter_map(|range| range.parse::<f32>().ok()) {
+                        if range_m > self.largest_m {
+                            (self.largest_m, self.at_largest) = (range_m, 0);
+                        }
+                        self.at_largest += u64::from(range_m == self.largest_m);
+                    }
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn channels(&self) -> BTreeMap<ChannelId, Topic> {
+        let topic = |name: String, type_name: &str| Topic {
+            name,
+            type_name: type_name.to_owned(),
+            encoding: CDR_ENCODING.to_owned(),
+            schema_encoding: SCHEMA_ENCODING.to_owned(),
+        };
+        let there = (0..).zip(LASERS).zip(self.has_lasers).filter(|(_, is_there)| *is_there);
+        let lasers =
+            there.map(|((id, laser), _)| (id, topic(format!("/{}", laser.to_lowercase()), LaserScan::SCHEMA_NAME)));
+        let has_poses = self.has_odometry_lines || self.has_lasers[..4].contains(&true);
+        let odometry = has_poses.then(|| (ODOMETRY, topic("/odom".to_owned(), Odometry::SCHEMA_NAME)));
+        lasers.chain(odometry).collect()
+    }
+
+    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, Cause)> {
+        let mut words = Words { words: line.text.split_whitespace(), is_ended: line.is_ended };
+        let Some(word) = words.words.next() else { return Ok(()) };
+        if word == "ODOM" {
+            let message = odometry_line(&mut words).map_err(|cause| (ODOMETRY, cause))?;
+            out.push_back(message);
+        } else if let Some((laser, _)) = (0..).zip(LASERS).find(|(_, laser)| *laser == word) {
+            let (scan, pose) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
+            let log_time_ns = scan.header.stamp.to_ns().unwrap_or(0);
+            let of_laser = Message { channel: laser, log_time_ns, data: scan.encode(Endian::Little) };
+            if let Some(pose) = pose.filter(|_| !self.has_odometry_lines) {
+                out.push_back(odometry(pose, [0.0; 2], scan.header.stamp));
+            }
+            out.push_back(of_laser);
+        }
+        Ok(())
+    }
+}
+
+impl Carmen {
+    /// A scan, and the pose of the vehicle by its odometry: x, y in metres and yaw in radians.
+    fn laser_line(&self, word: &str, words: &mut Words) -> Result<(LaserScan, Option<[f64; 3]>), Cause> {
+        let is_plain = word == "FLASER" || word == "RLASER";
+        let mut scan = LaserScan::default();
+        if !is_plain {
+            let [_, first_rad, _, step_rad, range_max_m, _, _] = words.numbers("geometry")?;
+            scan.angle_min = first_rad as f32;
+            scan.angle_increment = step_rad as f32;
+            scan.range_max = range_max_m as f32;
+        }
+        words.f32s("ranges", &mut scan.ranges)?;
+        let beams = scan.ranges.len();
+        if is_plain {
+            // These lines state no geometry: SICK lidars see half a turn, with a beam at its end if the number is odd.
+            let steps = if beams.is_multiple_of(2) { beams } else { beams - 1 };
+            scan.angle_min = -FRAC_PI_2 as f32;
+            scan.angle_increment = if steps == 0 { 0.0 } else { (PI / steps as f64) as f32 };
+            scan.range_max = self.range_max_m();
+        } else {
+            words.f32s("remissions", &mut scan.intensities)?;
+        }
+        scan.angle_max = scan.angle_min + beams.saturating_sub(1) as f32 * scan.angle_increment;
+        let pose = if is_plain {
+            let [_, _, _, x_m, y_m, yaw_rad] = words.numbers("poses")?;
+            Some([x_m, y_m, yaw_rad])
+        } else if word.starts_with("ROBOT") {
+            let [_, _, _, x_m, y_m, yaw_rad, _, _, _, _, _] = words.numbers("poses")?;
+            Some([x_m, y_m, yaw_rad])
+        } else {
+            None
+        };
+        scan.header = Header { stamp: words.time()?, frame_id: word.to_lowercase() };
+        Ok((scan, pose))
+    }
+
+    /// The limit of the range in lines that do not state it.
+    fn range_max_m(&self) -> f32 {
+        let seen = Some(self.largest_m).filter(|_| self.at_largest >= LEAST_AT_LIMIT);
+        self.stated_max_m.or(seen).unwrap_or(f32::INFINITY)
+    }
+}
+
+fn odometry_line(words: &mut Words) -> Result<Message, Cause> {
+    let [x_m, y_m, yaw_rad, speed_mps, turn_radps, _] = words.numbers("pose")?;
+    Ok(odometry([x_m, y_m, yaw_rad], [speed_mps, turn_radps], words.time()?))
+}
+
+fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], stamp: Time) -> Message {
+    let mut odometry = Odometry { child_frame_id: "base_link".to_owned(), ..Odometry::default() };
+    odometry.header = Header { stamp, frame_id: "odom".to_owned() };
+    odometry.pose.pose.position.x = x_m;
+    odometry.pose.pose.position.y = y_m;
+    odometry.pose.pose.orientation = Quaternion::from_yaw_rad(yaw_rad);
+    odometry.twist.twist.linear.x = speed_mps;
+    odometry.twist.twist.angular.z = turn_radps;
+    Message { channel: ODOMETRY, log_time_ns: stamp.to_ns().unwrap_or(0), data: odometry.encode(Endian::Little) }
+}
+
+/// The words of a line that are left.
+struct Words<'a> {
+    words: SplitWhitespace<'a>,
+    is_ended: bool,
+}
+
+impl Words<'_> {
+    fn number(&mut self, what: &str) -> Result<f64, Cause> {
+        let word = self.words.next().ok_or_else(|| format!("it ends in its {what}"))?;
+        word.parse().map_err(|_| format!("`{word:.20}` among its {what} is no number"))
+    }
+
+    fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], Cause> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.number(what)?;
+        }
+        Ok(numbers)
+    }
+
+    /// A count, and that many numbers.
+    fn f32s(&mut self, what: &str, out: &mut Vec<f32>) -> Result<(), Cause> {
+        let count = self.number(what)?;
+        if !(0.0..=limits::BEAMS as f64).contains(&count) {
+            return Err(format!("it claims {count} {what}"));
+        }
+        for _ in 0..count as usize {
+            out.push(self.number(what)? as f32);
+        }
+        Ok(())
+    }
+
+    /// The time in seconds. Where the line has no end it may be cut short, unless another word follows.
+    fn time(&mut self) -> Result<Time, Cause> {
+        let word = self.words.next().ok_or("it ends before its time")?;
+        if !self.is_ended && self.words.next().is_none() {
+            return Err("it ends in its time".to_owned());
+        }
+        nanoseconds(word).map(Time::from_ns).ok_or_else(|| format!("`{word:.20}` is no time"))
+    }
+}
+
+/// A time in seconds, to the nanosecond: a number of 64 bits is not that exact today.
+fn nanoseconds(word: &str) -> Option<u64> {
+    let (whole, fraction) = word.split_once('.').unwrap_or((word, ""));
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    if whole.is_empty() || !is_digits(whole) || !is_digits(fraction) {
+        return None;
+    }
+    let fraction = &fraction[..fraction.len().min(9)];
+    let rest_ns = format!("{fraction:0<9}").parse::<u64>().ok()?;
+    whole.parse::<u64>().ok()?.checked_mul(1_000_000_000)?.checked_add(rest_ns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn messages(log: &str) -> Vec<Message> {
+        let mut carmen = Carmen::default();
+        let lines: Vec<_> =
+            log.lines().zip(1..).map(|(text, number)| Line { number, text: text.to_owned(), is_ended: true }).collect();
+        lines.iter().for_each(|line| carmen.survey(line));
+        let mut out = VecDeque::new();
+        lines.iter().for_each(|line| carmen.read(line, &mut out).expect("a line that can be read"));
+        out.into()
+    }
+
+    fn scan_of(message: &Message) -> LaserScan {
+        LaserScan::decode(&message.data).expect("a scan")
+    }
+
+    #[test]
+    fn plain_laser_lines_are_half_a_turn_wide_whatever_their_number_of_beams() {
+        let log = "FLASER 4 1 2 3 4 0 0 0 5 6 0 10.5 host 0.1\nFLASER 5 1 2 3 4 5 0 0 0 5 6 0 10.75 host 0.3\n";
+        let scans: Vec<_> = messages(log).iter().filter(|message| message.channel == 0).map(scan_of).collect();
+        let steps: Vec<f32> = scans.iter().map(|scan| scan.angle_increment).collect();
+        assert_eq!(steps, [std::f32::consts::FRAC_PI_4; 2]);
+        assert_eq!((scans[1].angle_min, scans[1].ranges.len()), (-std::f32::consts::FRAC_PI_2, 5));
+        assert_eq!(scans[1].header.stamp.to_ns(), Some(10_750_000_000));
+        assert_eq!(scans[0].range_max, f32::INFINITY, "nothing tells the limit");
+    }
+
+    #[test]
+    fn the_largest_range_that_comes_often_is_the_limit() {
+        let line = format!("FLASER 12{} 1 2 0 0 0 0 0 0 1.0 host 0\n", " 81.91".repeat(10));
+        assert_eq!(scan_of(&messages(&line)[1]).range_max, 81.91);
+        let stated = format!("PARAM robot_front_laser_max 50.0 host 0\n{line}");
+        assert_eq!(scan_of(&messages(&stated)[1]).range_max, 50.0);
+    }
+
+    #[test]
+    fn laser_lines_with_a_geometry_keep_it() {
+        let line = "ROBOTLASER1 0 -1.5 3 0.5 30 0.01 0 3 1 2 3 2 7 8 0 0 0 4 5 0.5 0 0 0 0 0 1232658478.25 host 0\n";
+        let found = messages(line);
+        let (odometry, scan) = (Odometry::decode(&found[0].data).expect("a pose"), scan_of(&found[1]));
+        assert_eq!((scan.angle_min, scan.angle_increment, scan.range_max), (-1.5, 0.5, 30.0));
+        assert_eq!((scan.ranges, scan.intensities), (vec![1.0, 2.0, 3.0], vec![7.0, 8.0]));
+        assert_eq!((odometry.pose.pose.position.x, odometry.pose.pose.position.y), (4.0, 5.0));
+        assert_eq!(found[1].log_time_ns, 1_232_658_478_250_000_000);
+    }
+
+    #[test]
+    fn odometry_is_that_of_its_own_lines_where_there_are_any() {
+        let log = "ODOM 1 2 0 0.5 0.1 0 9.5 host 0\nFLASER 2 1 2 0 0 0 5 6 0 10.5 host 0.1\n";
+        let found = messages(log);
+        assert_eq!(found.iter().map(|message| message.channel).collect::<Vec<_>>(), [ODOMETRY, 0]);
+        let odometry = Odometry::decode(&found[0].data).expect("a pose");
+        assert_eq!((odometry.pose.pose.position.x, odometry.twist.twist.linear.x), (1.0, 0.5));
+    }
+}

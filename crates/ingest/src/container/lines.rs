@@ -1,0 +1,175 @@
+//! Text files with a message, or several, in a line.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _};
+use std::mem;
+use std::path::Path;
+
+use super::resting_file::RestingFile;
+use super::{ChannelId, Container, Contents, Message, Topic};
+use crate::{Loss, LossKind, limits};
+
+/// What lines mean.
+pub(super) trait LineFormat: Send {
+    /// Name of the format.
+    const NAME: &'static str;
+    /// Whether the last word of a line matters, so that a file may have been cut off in it unnoticed.
+    const LAST_WORD_COUNTS: bool;
+
+    /// Looks at a line before any is read, so that what holds for the whole file is known.
+    fn survey(&mut self, line: &Line);
+
+    /// What each channel carries that the survey found.
+    fn channels(&self) -> BTreeMap<ChannelId, Topic>;
+
+    /// Hands the messages of a line to `out`.
+    ///
+    /// # Errors
+    /// When the line should have a message of this channel, and cannot be read: why.
+    fn read(&self, line: &Line, out: &mut VecDeque<Message>) -> Result<(), (ChannelId, String)>;
+}
+
+/// One line.
+pub(super) struct Line {
+    /// Counted from 1.
+    pub(super) number: u64,
+    /// Without its end.
+    pub(super) text: String,
+    /// Whether its end is there. Otherwise the file may have been cut off in its last word.
+    pub(super) is_ended: bool,
+}
+
+/// Reads a text file as a [`Container`].
+pub(super) struct Lines<F> {
+    format: F,
+    input: BufReader<RestingFile>,
+    number: u64,
+    contents: Contents,
+    is_by_log_time: bool,
+    selected: BTreeSet<ChannelId>,
+    queue: VecDeque<Message>,
+    skipped: u64,
+    losses: Vec<Loss>,
+}
+
+impl<F: LineFormat> Lines<F> {
+    /// Looks through `file`; `path` names it in losses.
+    pub(super) fn open(path: &Path, file: RestingFile, mut format: F) -> io::Result<Self> {
+        let bytes = file.length()?;
+        let mut input = BufReader::new(file);
+        let mut number = 0;
+        while let Some(line) = next_line(&mut input, &mut number)? {
+            format.survey(&line);
+        }
+        let channels = format.channels();
+        let contents = Contents { path: path.to_owned(), bytes, format: F::NAME, channels, ..Contents::default() };
+        let (queue, losses) = (VecDeque::new(), Vec::new());
+        let selected = contents.channels.keys().copied().collect();
+        let mut lines =
+            Self { format, input, number, contents, is_by_log_time: true, selected, queue, skipped: 0, losses };
+        lines.count()?;
+        Ok(lines)
+    }
+
+    /// Counts the messages, and the lines that cannot be read.
+    fn count(&mut self) -> io::Result<()> {
+        self.input.rewind()?;
+        self.number = 0;
+        let (mut counts, mut last_ns, mut unreadable) = (BTreeMap::new(), 0, None);
+        while let Some(line) = next_line(&mut self.input, &mut self.number)? {
+            if let Err((_, cause)) = self.format.read(&line, &mut self.queue) {
+                unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
+            }
+            if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
+                let kind = LossKind::LastLine { line: line.number };
+                self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
+            }
+            for Message { channel, log_time_ns, .. } in self.queue.drain(..) {
+                *counts.entry(channel).or_default() += 1;
+                self.is_by_log_time &= log_time_ns >= mem::replace(&mut last_ns, log_time_ns);
+                self.contents.log_times_ns.add(log_time_ns);
+                let [first, last] = self.contents.log_time_ns.unwrap_or([log_time_ns; 2]);
+                self.contents.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
+            }
+        }
+        self.contents.counts = Some(counts);
+        if let Some((first, count, cause)) = unreadable {
+            let kind = LossKind::Lines { first, count, cause };
+            self.contents.losses.push(Loss { file: self.contents.path.clone(), kind });
+        }
+        self.rest()
+    }
+
+    fn rest(&mut self) -> io::Result<()> {
+        self.number = 0;
+        self.input.rewind()?;
+        self.input.get_mut().rest()
+    }
+
+    fn lose_rest(&mut self, error: io::Error) {
+        let kind = LossKind::Rest { at_byte: 0, damage: error.into() };
+        self.losses.push(Loss { file: self.contents.path.clone(), kind });
+    }
+}
+
+impl<F: LineFormat> Container for Lines<F> {
+    fn contents(&self) -> &Contents {
+        &self.contents
+    }
+
+    fn contents_mut(&mut self) -> &mut Contents {
+        &mut self.contents
+    }
+
+    fn select(&mut self, channels: &BTreeSet<ChannelId>) {
+        self.selected.clone_from(channels);
+        self.queue.clear();
+        self.rest().unwrap_or_else(|error| self.lose_rest(error));
+    }
+
+    fn next(&mut self) -> Option<Message> {
+        while self.queue.is_empty() {
+            let line = match next_line(&mut self.input, &mut self.number) {
+                Ok(Some(line)) => line,
+                Ok(None) => return None,
+                Err(error) => {
+                    self.lose_rest(error);
+                    return None;
+                }
+            };
+            let Self { format, queue, selected, .. } = self;
+            // Lines that cannot be read were found when the file was looked through.
+            if let Err((channel, _)) = format.read(&line, queue) {
+                self.skipped += u64::from(selected.contains(&channel));
+            }
+            queue.retain(|message| selected.contains(&message.channel));
+        }
+        self.queue.pop_front()
+    }
+
+    fn recycle(&mut self, _: Message) {}
+
+    fn is_by_log_time(&self) -> bool {
+        self.is_by_log_time
+    }
+
+    fn take_skipped(&mut self) -> u64 {
+        mem::take(&mut self.skipped)
+    }
+
+    fn take_losses(&mut self) -> Vec<Loss> {
+        mem::take(&mut self.losses)
+    }
+}
+
+/// The next line, without a mark of the byte order; one that is too long is cut off.
+fn next_line(input: &mut BufReader<RestingFile>, number: &mut u64) -> io::Result<Option<Line>> {
+    let mut bytes = Vec::new();
+    if input.take(limits::LINE_BYTES).read_until(b'\n', &mut bytes)? == 0 {
+        return Ok(None);
+    }
+    *number += 1;
+    let is_ended = bytes.ends_with(b"\n");
+    let text = String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']).to_owned();
+    Ok(Some(Line { number: *number, text, is_ended }))
+}

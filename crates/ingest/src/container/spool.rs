@@ -1,0 +1,79 @@
+//! Files that cannot be read where they are: compressed ones, and standard input. They are copied to a temporary file.
+
+use std::fs::File;
+use std::io::{self, Read, Write as _};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::{Damage, limits};
+
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// A compression of whole files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Compression {
+    Zstd,
+    Lz4,
+    Bzip2,
+}
+
+impl Compression {
+    /// That of a file that begins with `start`.
+    pub(super) fn of(start: &[u8]) -> Option<Self> {
+        let signs: [(&[u8], _); 3] =
+            [(b"\x28\xb5\x2f\xfd", Self::Zstd), (b"\x04\x22\x4d\x18", Self::Lz4), (b"BZh", Self::Bzip2)];
+        signs.into_iter().find(|(sign, _)| start.starts_with(sign)).map(|(_, compression)| compression)
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Zstd => "zstd",
+            Self::Lz4 => "lz4",
+            Self::Bzip2 => "bzip2",
+        }
+    }
+}
+
+/// A copy on disk, which goes away with this value.
+pub(super) struct Spooled {
+    pub(super) path: TempPath,
+    /// Why it ends before its end, if it does.
+    pub(super) damage: Option<Damage>,
+}
+
+/// Decompresses a file up to where it is damaged.
+///
+/// # Errors
+/// When there is no place on the disk for it.
+pub(super) fn decompress(file: File, compression: Compression) -> io::Result<Spooled> {
+    match compression {
+        Compression::Zstd => copy(zstd::stream::read::Decoder::new(file)?),
+        Compression::Lz4 => copy(lz4::Decoder::new(io::BufReader::new(file))?),
+        Compression::Bzip2 => copy(bzip2::read::MultiBzDecoder::new(file)),
+    }
+}
+
+/// Copies `input` up to where it cannot be read any more.
+///
+/// # Errors
+/// When there is no place on the disk for it.
+pub(super) fn copy(mut input: impl Read) -> io::Result<Spooled> {
+    let mut file = NamedTempFile::new()?;
+    let mut buffer = vec![0; BUFFER_BYTES];
+    let mut bytes = 0;
+    let damage = loop {
+        match input.read(&mut buffer) {
+            Ok(0) => break None,
+            Ok(count) => {
+                bytes += count as u64;
+                if bytes > limits::DECOMPRESSED_BYTES {
+                    break Some(Damage::TooLarge { bytes, limit: limits::DECOMPRESSED_BYTES });
+                }
+                file.write_all(&buffer[..count])?;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => break Some(error.into()),
+        }
+    };
+    Ok(Spooled { path: file.into_temp_path(), damage })
+}

@@ -1,0 +1,197 @@
+//! Any recording as a clean MCAP of ROS 2: scans, odometry and transforms in CDR, and the truth if there is one.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Seek, Write};
+use std::path::PathBuf;
+
+use crosscut_messages::{
+    CDR_ENCODING, DecodeError, Endian, LaserScan, Message, ODOMETRY_TOPIC, Odometry, ROS1_ENCODING, SCAN_TOPIC,
+    SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_TOPIC, TfMessage,
+};
+use mcap::records::MessageHeader;
+
+use crate::container::{self, ChannelId, Contents, TopicReader};
+use crate::recording::open_all;
+use crate::topics::{scan_topic, topics_of};
+use crate::{IngestError, Loss, ReadOptions, TopicInfo};
+
+/// The type of transforms before tf2.
+const OLD_TF_TYPE: &str = "tf/tfMessage";
+
+/// Why a recording could not be converted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConvertError {
+    /// There is nothing that can be read.
+    #[error(transparent)]
+    Ingest(#[from] IngestError),
+    /// The MCAP cannot be written.
+    #[error("the MCAP cannot be written")]
+    Write(#[from] mcap::McapError),
+    /// The scan topic carries clouds.
+    #[error("{topic} carries point clouds, which are not converted; `crosscut run` reads them as they are")]
+    Clouds {
+        /// The topic.
+        topic: String,
+    },
+    /// Not one scan can be decoded.
+    #[error("none of the {messages} messages of {topic} can be decoded")]
+    NoScan {
+        /// The scan topic.
+        topic: String,
+        /// How many messages it has.
+        messages: u64,
+    },
+}
+
+/// What was converted.
+#[derive(Debug, Default)]
+pub struct Converted {
+    /// Messages written on each topic.
+    pub messages: BTreeMap<String, u64>,
+    /// Messages of these topics that could not be decoded, and are left out.
+    pub undecodable: BTreeMap<String, u64>,
+    /// What was lost of the recording.
+    pub losses: Vec<Loss>,
+}
+
+/// What is done with a message.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Scan(ScanDecoder),
+    Odometry,
+    Transforms,
+    /// Copied as it is.
+    Truth,
+}
+
+/// A topic of the recording, and what becomes of it.
+struct Route {
+    kind: Kind,
+    from: TopicInfo,
+    to: String,
+}
+
+/// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` name on `/scan`, odometry on
+/// `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are.
+///
+/// # Errors
+/// When there are no scans that can be read, or `out` cannot be written.
+pub fn convert(inputs: &[PathBuf], options: &ReadOptions, out: impl Write + Seek) -> Result<Converted, ConvertError> {
+    let (containers, losses) = open_all(inputs, &options.csv)?;
+    let routes = routes(topics_of(containers.iter().map(|container| container.contents())), options)?;
+    let mut converted = Converted { losses, ..Converted::default() };
+    let mut mcap = mcap::WriteOptions::new().profile("ros2").library("crosscut").create(out)?;
+    let mut channels = BTreeMap::new();
+    for container in containers {
+        let routed = routed(container.contents(), &routes);
+        let mut reader = TopicReader::new(container, routed.keys().copied().collect::<BTreeSet<_>>());
+        while let Some(message) = reader.next() {
+            let Some(route) = routed.get(&message.channel) else { continue };
+            match recoded(route, &message) {
+                Ok(data) => {
+                    let (channel, count) = match channels.get_mut(&route.to) {
+                        Some(known) => known,
+                        None => channels.entry(route.to.clone()).or_insert((add_channel(&mut mcap, route)?, 0)),
+                    };
+                    let (log_time, publish_time) = (message.log_time_ns, message.log_time_ns);
+                    let header = MessageHeader { channel_id: *channel, sequence: *count, log_time, publish_time };
+                    mcap.write_to_known_channel(&header, &data)?;
+                    *count = count.wrapping_add(1);
+                    *converted.messages.entry(route.to.clone()).or_default() += 1;
+                }
+                Err(_) => *converted.undecodable.entry(route.to.clone()).or_default() += 1,
+            }
+            reader.recycle(message);
+        }
+        converted.losses.extend(reader.take_losses());
+    }
+    mcap.finish()?;
+    if !converted.messages.contains_key(SCAN_TOPIC) {
+        let messages = converted.undecodable.get(SCAN_TOPIC).copied().unwrap_or(0);
+        let scans = routes.into_iter().find(|route| matches!(route.kind, Kind::Scan(_)));
+        let topic = scans.map(|route| route.from.name).unwrap_or_default();
+        return Err(ConvertError::NoScan { topic, messages });
+    }
+    Ok(converted)
+}
+
+/// The topics that are converted: one of scans, one of odometry, and those of transforms and truth.
+fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, ConvertError> {
+    let (scans, decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
+    if decoder.gives_clouds() {
+        return Err(ConvertError::Clouds { topic: scans.name });
+    }
+    let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: SCAN_TOPIC.to_owned() }];
+    let odometry = topics.iter().find(|topic| is_of::<Odometry>(topic));
+    routes.extend(odometry.map(|topic| Route {
+        kind: Kind::Odometry,
+        from: topic.clone(),
+        to: ODOMETRY_TOPIC.to_owned(),
+    }));
+    for topic in topics.iter().filter(|topic| is_of::<TfMessage>(topic) || topic.type_name == OLD_TF_TYPE) {
+        let is_static = topic.name.ends_with("_static");
+        let to = if is_static { format!("{TF_TOPIC}_static") } else { TF_TOPIC.to_owned() };
+        routes.push(Route { kind: Kind::Transforms, from: topic.clone(), to });
+    }
+    let truth = topics.iter().find(|topic| topic.name == TRUTH_TOPIC);
+    routes.extend(truth.map(|topic| Route { kind: Kind::Truth, from: topic.clone(), to: TRUTH_TOPIC.to_owned() }));
+    Ok(routes)
+}
+
+/// Whether a topic carries messages of this type, of ROS 2 or of ROS 1.
+fn is_of<M: Message>(topic: &TopicInfo) -> bool {
+    match topic.encoding.as_str() {
+        CDR_ENCODING => topic.type_name == M::SCHEMA_NAME,
+        ROS1_ENCODING => topic.type_name == M::SCHEMA_NAME.replace("/msg/", "/"),
+        _ => false,
+    }
+}
+
+/// The message in CDR, whether it is of ROS 2 or of ROS 1.
+fn in_cdr<M: Message>(topic: &TopicInfo, data: &[u8]) -> Result<Vec<u8>, DecodeError> {
+    let mut message = M::default();
+    if topic.encoding == ROS1_ENCODING {
+        message.decode_ros1_into(data)?;
+    } else {
+        message.decode_into(data)?;
+    }
+    Ok(message.encode(Endian::Little))
+}
+
+/// The route of each channel of a file that is converted.
+fn routed<'a>(contents: &Contents, routes: &'a [Route]) -> BTreeMap<ChannelId, &'a Route> {
+    let channels_of = |route: &'a Route| route.from.channels_in(contents).into_iter().map(move |id| (id, route));
+    routes.iter().flat_map(channels_of).collect()
+}
+
+fn recoded(route: &Route, message: &container::Message) -> Result<Vec<u8>, DecodeError> {
+    match route.kind {
+        Kind::Scan(decoder) => {
+            let mut scan = ScanMessage::default();
+            decoder.decode_into(&message.data, &mut scan)?;
+            match scan {
+                ScanMessage::Scan(scan) => Ok(scan.encode(Endian::Little)),
+                ScanMessage::Cloud(_) => unreachable!("topics of clouds are refused"),
+            }
+        }
+        Kind::Odometry => in_cdr::<Odometry>(&route.from, &message.data),
+        Kind::Transforms => in_cdr::<TfMessage>(&route.from, &message.data),
+        Kind::Truth => Ok(message.data.clone()),
+    }
+}
+
+fn add_channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, route: &Route) -> Result<u16, mcap::McapError> {
+    let (type_name, text) = match route.kind {
+        Kind::Scan(_) => (LaserScan::SCHEMA_NAME, LaserScan::SCHEMA_TEXT),
+        Kind::Odometry => (Odometry::SCHEMA_NAME, Odometry::SCHEMA_TEXT),
+        Kind::Transforms => (TfMessage::SCHEMA_NAME, TfMessage::SCHEMA_TEXT),
+        Kind::Truth => (crosscut_messages::TRUTH_SCHEMA_NAME, crosscut_messages::TRUTH_SCHEMA_TEXT),
+    };
+    let (schema_encoding, encoding) = match route.kind {
+        Kind::Truth => (crosscut_messages::JSON_SCHEMA_ENCODING, crosscut_messages::JSON_ENCODING),
+        _ => (SCHEMA_ENCODING, CDR_ENCODING),
+    };
+    let schema = mcap.add_schema(type_name, schema_encoding, text.as_bytes())?;
+    mcap.add_channel(schema, &route.to, encoding, &BTreeMap::new())
+}
