@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage, ScanType};
-use crosscut_stage::{Notes, Revolution, Source, SourceError};
+use crosscut_messages::{DecodeError, ScanDecoder, ScanType};
+use crosscut_stage::{Beam, Notes, Revolution, Source, SourceError};
 
 use crate::container::{Container, Message, TopicReader};
 use crate::topics::{scan_topic, topics_of};
+use crate::turns::{Turn, Turns};
 use crate::{IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
@@ -46,7 +47,11 @@ pub struct Recording {
     sensor: Sensor,
     topic: TopicInfo,
     decoder: ScanDecoder,
-    scan: ScanMessage,
+    turns: Turns,
+    /// Number of the part that is read, and the file of each.
+    part: usize,
+    files: Vec<PathBuf>,
+    has_ended: bool,
     next_seq: u64,
     first_log_time_ns: Option<u64>,
     /// When the last message was recorded that was looked at, seconds after the first.
@@ -59,6 +64,7 @@ pub struct Recording {
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
+    last_other_frame: String,
     without_topic: Vec<PathBuf>,
     losses: Vec<Loss>,
 }
@@ -93,12 +99,14 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
-        let (mut parts, mut without_topic) = (VecDeque::new(), Vec::new());
+        let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
+        let (mut parts, mut files, mut without_topic) = (VecDeque::new(), Vec::new(), Vec::new());
         for container in containers {
             let channels = topic.channels_in(&container);
             if channels.is_empty() && container.losses.is_empty() {
                 without_topic.push(container.path.clone());
             }
+            files.push(container.path.clone());
             let mut part = TopicReader::new(container, channels);
             losses.extend(part.take_losses());
             parts.push_back(part);
@@ -109,7 +117,10 @@ impl Recording {
             sensor,
             topic,
             decoder,
-            scan: ScanMessage::default(),
+            turns,
+            part: 0,
+            files,
+            has_ended: false,
             next_seq: 0,
             first_log_time_ns: None,
             since_first_s: 0.0,
@@ -119,6 +130,7 @@ impl Recording {
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
+            last_other_frame: String::new(),
             without_topic,
             losses,
         })
@@ -132,7 +144,8 @@ impl Recording {
     /// How many revolutions there will be if none is lost, as far as that is known before they are read.
     pub fn total_messages(&self) -> Option<u64> {
         let ReadOptions { from_s, to_s, .. } = self.options;
-        let all = from_s.is_none() && to_s.is_none() && self.sensor.frame_id().is_none();
+        let is_joined = self.turns.messages_in_turn() > 1;
+        let all = from_s.is_none() && to_s.is_none() && self.sensor.frame_id().is_none() && !is_joined;
         self.topic.messages.filter(|_| all).map(|total| total.div_ceil(self.options.every.get()))
     }
 
@@ -179,24 +192,57 @@ impl Recording {
                 return Some((self.next_seq - 1, message));
             }
             self.parts.pop_front();
+            self.part += 1;
         }
     }
 
-    /// Whether the message is asked for. Past the end, a part in order of log time is left as a whole.
-    fn select(&mut self, seq: u64, log_time_ns: u64) -> bool {
+    /// Reads a message and gives it to the turns, unless it is of another frame than the one asked for; `false` at the end.
+    fn read_message(&mut self) -> bool {
+        let Some((seq, message)) = self.next_message() else { return false };
+        let since_first_s = self.since_first_s(message.log_time_ns);
+        let mut scan = self.turns.place();
+        let decoded = self.decoder.decode_into(&message.data, &mut scan);
+        let frame_id = &scan.header().frame_id;
+        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != frame_id) {
+            self.of_other_frames += u64::from(self.is_wanted(seq, since_first_s));
+            self.last_other_frame.clone_from(frame_id);
+        } else {
+            let turn = Turn { scan: decoded.map(|()| scan), ..Turn::new(seq, message.log_time_ns, self.part) };
+            self.turns.push(turn, &self.sensor);
+        }
+        if let Some(part) = self.parts.front_mut() {
+            part.recycle(message);
+        }
+        true
+    }
+
+    fn since_first_s(&mut self, log_time_ns: u64) -> f64 {
         let first_ns = *self.first_log_time_ns.get_or_insert(log_time_ns);
-        let since_first_s = (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
+        (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / NS_PER_S
+    }
+
+    fn is_wanted(&self, seq: u64, since_first_s: f64) -> bool {
+        let ReadOptions { from_s, to_s, every, .. } = self.options;
+        seq.is_multiple_of(every.get())
+            && from_s.is_none_or(|from_s| since_first_s >= from_s)
+            && to_s.is_none_or(|to_s| since_first_s <= to_s)
+    }
+
+    /// Whether the turn is asked for. Past the end, a part in order of log time is left as a whole.
+    fn select(&mut self, turn: &Turn) -> bool {
+        let since_first_s = self.since_first_s(turn.log_time_ns);
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
-            if self.parts.front().is_some_and(TopicReader::is_by_log_time)
+            if turn.part == self.part
+                && self.parts.front().is_some_and(TopicReader::is_by_log_time)
                 && let Some(part) = self.parts.pop_front()
             {
                 self.next_seq += part.left();
+                self.part += 1;
             }
             return false;
         }
         self.since_first_s = since_first_s;
-        let is_selected = seq.is_multiple_of(self.options.every.get())
-            && self.options.from_s.is_none_or(|from_s| since_first_s >= from_s);
+        let is_selected = self.is_wanted(turn.seq, since_first_s);
         self.any_selected |= is_selected;
         is_selected
     }
@@ -210,8 +256,7 @@ impl Recording {
         {
             return Some(SourceError(format!(
                 "ingest.frame_id is {wanted:?}, but none of the {} scans of {topic} is of that frame; the last one is of {:?}",
-                self.of_other_frames,
-                self.scan.header().frame_id
+                self.of_other_frames, self.last_other_frame
             )));
         }
         if self.any_selected || self.first_log_time_ns.is_none() {
@@ -227,41 +272,44 @@ impl Recording {
         )))
     }
 
-    /// Writes what `message` shows into `out`; `false` if it is of another frame than the one asked for.
-    fn read(&mut self, seq: u64, message: &Message, out: &mut Revolution, notes: &mut Notes) -> bool {
-        let decoded = self.decoder.decode_into(&message.data, &mut self.scan);
-        if decoded.is_ok() && self.sensor.frame_id().is_some_and(|wanted| wanted != self.scan.header().frame_id) {
-            self.of_other_frames += 1;
-            return false;
-        }
-        if message.log_time_ns < self.last_log_time_ns {
+    /// Writes what `turn` shows into `out`.
+    fn read(&mut self, turn: &mut Turn, out: &mut Revolution, notes: &mut Notes) {
+        if turn.log_time_ns < self.last_log_time_ns {
             self.reordered += 1;
             notes.add(format!(
                 "recorded {} before the scan before it",
-                seconds(self.last_log_time_ns, message.log_time_ns)
+                seconds(self.last_log_time_ns, turn.log_time_ns)
             ));
         }
-        self.last_log_time_ns = message.log_time_ns;
-        match decoded {
-            Ok(()) => {
-                self.sensor.message(&self.scan, out, notes);
+        self.last_log_time_ns = turn.log_time_ns;
+        for (seq, cause) in std::mem::take(&mut turn.undecodable) {
+            self.lose_message(turn.part, seq, cause);
+        }
+        match &turn.scan {
+            Ok(scan) => {
+                self.sensor.message(scan, out, notes);
+                turn.notes.drain(..).for_each(|note| notes.add(note));
+                if let (Some(sweep), Some(scan)) = (&mut out.sweep, turn.laser_scan()) {
+                    let missing = sweep.beams.iter_mut().zip(&turn.missing).filter(|(_, is_missing)| **is_missing);
+                    missing.for_each(|(beam, _)| *beam = Beam::Unknown);
+                    self.turns.blind().hide(scan, out, notes);
+                }
                 if out.stamp_ns == 0 {
-                    out.stamp_ns = message.log_time_ns;
+                    out.stamp_ns = turn.log_time_ns;
                     notes.add("no stamp: the time of recording is used");
                 }
                 self.compare_with_previous(out, notes);
             }
             Err(cause) => {
                 out.clear();
-                out.stamp_ns = message.log_time_ns;
+                out.stamp_ns = turn.log_time_ns;
                 out.sweep.get_or_insert_default();
                 notes.add(format!("the message cannot be decoded: {cause}"));
-                self.lose_message(seq, cause);
+                self.lose_message(turn.part, turn.seq, cause.clone());
             }
         }
-        out.seq = seq;
+        out.seq = turn.seq;
         self.starts_at_s.get_or_insert(self.since_first_s);
-        true
     }
 
     fn compare_with_previous(&mut self, revolution: &Revolution, notes: &mut Notes) {
@@ -295,9 +343,8 @@ impl Recording {
     }
 
     /// Messages that cannot be decoded are one loss a file, however many they are.
-    fn lose_message(&mut self, seq: u64, cause: DecodeError) {
-        let Some(part) = self.parts.front() else { return };
-        let file = &part.container().path;
+    fn lose_message(&mut self, part: usize, seq: u64, cause: DecodeError) {
+        let Some(file) = self.files.get(part) else { return };
         let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
             LossKind::Messages { count, .. } => Some(count),
             _ => None,
@@ -314,13 +361,23 @@ impl Recording {
 
 impl Source for Recording {
     fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
-        while let Some((seq, message)) = self.next_message() {
-            let is_read = self.select(seq, message.log_time_ns) && self.read(seq, &message, out, notes);
-            if let Some(part) = self.parts.front_mut() {
-                part.recycle(message);
+        loop {
+            while let Some(mut turn) = self.turns.pop() {
+                let is_selected = self.select(&turn);
+                if is_selected {
+                    self.read(&mut turn, out, notes);
+                }
+                self.turns.recycle(turn);
+                if is_selected {
+                    return Ok(true);
+                }
             }
-            if is_read {
-                return Ok(true);
+            if self.has_ended {
+                break;
+            }
+            if !self.read_message() {
+                self.turns.finish(&self.sensor);
+                self.has_ended = true;
             }
         }
         self.nothing_selected().map_or(Ok(false), Err)

@@ -50,6 +50,12 @@ pub const PARAMS: &[ParamSpec] = &[
         doc: "take only scans of this frame_id, where several sensors share a topic; empty takes all",
     },
     ParamSpec {
+        name: "find_blind_sectors",
+        unit: "",
+        shape: Shape::Flag { default: true },
+        doc: "beams that never return anything in the first scans, as where the driver leaves a sector out, are unknown",
+    },
+    ParamSpec {
         name: "echo",
         unit: "",
         shape: Shape::Choice { default: "first", of: &["first", "last", "strongest"] },
@@ -89,6 +95,7 @@ pub struct Sensor {
     masked_sectors_rad: Vec<[f64; 2]>,
     frame_id: String,
     echo: Echo,
+    finds_blind_sectors: bool,
 }
 
 impl Sensor {
@@ -101,12 +108,18 @@ impl Sensor {
             max_range_m: params.number("max_range_m"),
             masked_sectors_rad: params.pairs("masked_sectors_rad").to_vec(),
             frame_id: params.text("frame_id").to_owned(),
+            finds_blind_sectors: params.flag("find_blind_sectors"),
             echo: match params.text("echo") {
                 "last" => Echo::Last,
                 "strongest" => Echo::Strongest,
                 _ => Echo::First,
             },
         }
+    }
+
+    /// Whether sectors that never return anything are looked for in the first scans of a recording.
+    pub(crate) fn finds_blind_sectors(&self) -> bool {
+        self.finds_blind_sectors
     }
 
     /// Of several echoes of a beam, the one that is its range.

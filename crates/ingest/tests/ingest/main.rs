@@ -8,3 +8,4 @@ mod real;
 mod recording;
 mod sensor;
 mod truths;
+mod turns;
