@@ -68,6 +68,13 @@
 //!
 //! If no scan at all can be decoded, nothing is given: the source fails.
 //!
+//! # Turns
+//! Messages that are parts of a turn, each beginning where the one before ends, are joined into one revolution; `seq`
+//! then counts revolutions, and a note gives the number of messages. What cannot be joined is noted. Sectors that never
+//! return anything in the first 100 scans of a recording are taken as unknown, with a note and a setting
+//! (`find_blind_sectors`), if their edges stay at the same beams while the ranges beside them change; for a vehicle that
+//! stands still, if the driver gives 0 for 60° or more of them and for no other beam, and the walls beside them go on.
+//!
 //! To add another kind of recording: implement `Container` in a file of its own under `container/`, and give it a line
 //! in `container::open`. To read something live: pass [`LaserScan`](crosscut_messages::LaserScan)s through
 //! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
@@ -82,11 +89,13 @@ mod found;
 mod inputs;
 mod limits;
 mod loss;
+mod messages;
 mod metadata;
 mod recording;
 mod sensor;
 mod topics;
 mod truths;
+mod turns;
 
 pub use container::{CSV_PARAMS, CsvGeometry};
 pub use convert::{ConvertError, Converted, convert};

@@ -9,6 +9,12 @@ pub fn counted(count: u64, what: &str) -> String {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes(Vec<String>);
 
+impl<S: Into<String>> Extend<S> for Notes {
+    fn extend<I: IntoIterator<Item = S>>(&mut self, notes: I) {
+        self.0.extend(notes.into_iter().map(Into::into));
+    }
+}
+
 impl Notes {
     /// Adds a sentence.
     pub fn add(&mut self, note: impl Into<String>) {

@@ -96,7 +96,7 @@ fn with_truth(
     let options = read_options(args);
     let messages_in = |path: &Path| {
         Truths::open(path)?;
-        anyhow::Ok(scoring::open(path, &options, &columns[0].config)?.total_messages())
+        anyhow::Ok(scoring::open(path, &options, &columns[0].config)?.total_revolutions())
     };
     let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), None);
     for path in recordings {

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
     }
 
     let start = Instant::now();
-    let bar = progress::bar(recording.total_messages(), args.quiet);
+    let bar = progress::bar(recording.total_revolutions(), args.quiet);
     let mut sink = |frame: &Frame| {
         bar.inc(1);
         written.take(frame)

@@ -40,6 +40,9 @@ const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
     .to(PI)
     .doc("bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π");
 
+const FIND_BLIND_SECTORS: Flag = Flag::new("find_blind_sectors", true)
+    .doc("beams that never return anything in the first scans, as where the driver leaves a sector out, are unknown");
+
 const FRAME_ID: Word = Word::any("frame_id", "")
     .doc("take only scans of this frame_id, where several sensors share a topic; empty takes all");
 
@@ -53,6 +56,7 @@ pub const PARAMS: &[ParamSpec] = &[
     MIN_RANGE_M.spec,
     MAX_RANGE_M.spec,
     MASKED_SECTORS_RAD.spec,
+    FIND_BLIND_SECTORS.spec,
     FRAME_ID.spec,
     ECHO.spec,
 ];
@@ -89,6 +93,7 @@ pub struct Sensor {
     masked_sectors_rad: Vec<[f64; 2]>,
     frame_id: String,
     echo: Echo,
+    finds_blind_sectors: bool,
 }
 
 /// Mounted upright, looking ahead, with nothing left out.
@@ -107,6 +112,7 @@ impl Sensor {
             min_range_m: params.get(MIN_RANGE_M),
             max_range_m: params.get(MAX_RANGE_M),
             masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
+            finds_blind_sectors: params.get(FIND_BLIND_SECTORS),
             frame_id: params.get(FRAME_ID),
             echo: match params.get(ECHO).as_str() {
                 "last" => Echo::Last,
@@ -114,6 +120,11 @@ impl Sensor {
                 _ => Echo::First,
             },
         }
+    }
+
+    /// Whether sectors that never return anything are looked for in the first scans of a recording.
+    pub(crate) fn finds_blind_sectors(&self) -> bool {
+        self.finds_blind_sectors
     }
 
     /// Of several echoes of a beam, the one that is its range.

@@ -43,11 +43,11 @@ fn a_cut_anywhere_gives_every_whole_scan_before_it_and_says_so() {
         let mut counts = BTreeSet::new();
         let mut before = 0;
         for cut in (mcap::MAGIC.len()..whole.len()).step_by(3) {
-            let Some((read, recording)) = read(&folder.add("cut.mcap", &whole[..cut])) else { continue };
+            let Some((read, mut recording)) = read(&folder.add("cut.mcap", &whole[..cut])) else { continue };
             let count = read.len() as u64;
             assert_eq!(read, expected(count), "{form:?} cut at {cut}");
             assert!(count >= before, "{form:?} cut at {cut}: fewer scans than in a shorter file");
-            assert_eq!(recording.total_messages(), Some(count));
+            assert_eq!(recording.total_revolutions(), Some(count));
             assert!(!recording.losses().is_empty(), "{form:?} cut at {cut}: nothing is said");
             if cut >= end_of_data + 13 {
                 assert_eq!(count, SCANS, "{form:?} cut at {cut}: all scans are before the cut");

@@ -11,3 +11,4 @@ mod recording;
 mod sensor;
 mod times;
 mod truths;
+mod turns;

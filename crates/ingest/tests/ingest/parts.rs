@@ -19,7 +19,7 @@ fn a_folder_is_one_flight_in_natural_order_and_seq_counts_on() {
     folder.add("metadata.yaml", b"rosbag2_bagfile_information:\n");
     let mut recording =
         Recording::open(&[folder.path().to_owned()], &ReadOptions::default(), sensor(&[])).expect("a flight");
-    assert_eq!(recording.total_messages(), Some(15));
+    assert_eq!(recording.total_revolutions(), Some(15));
     assert_eq!(drain(&mut recording), expected(15));
 }
 

@@ -58,7 +58,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 
-    let bar = progress::bar(recordings[0].total_messages(), args.quiet);
+    let bar = progress::bar(recordings[0].total_revolutions(), args.quiet);
     let compared = side_by_side(&configurations, &mut recordings, &registry, &stop, &bar)?;
     bar.finish_and_clear();
 

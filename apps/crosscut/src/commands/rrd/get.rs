@@ -18,7 +18,7 @@ use crate::{flight, outputs};
 /// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
 /// with it.
 pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
-    flight::refuse_nothing(args.from, args.to)?;
+    flight::refuse_empty_span(args.from, args.to)?;
     outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;

@@ -1,0 +1,166 @@
+//! The messages of the scan topic, from one part of a flight after the other, with the time at which each was recorded.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use crosscut_messages::{ScanDecoder, ScanMessage};
+
+use crate::Loss;
+use crate::clock::{Clock, Times};
+use crate::container::{Container, Message, TopicReader};
+use crate::topics::TopicInfo;
+use crate::turns::Turn;
+
+/// This many messages are read ahead to find out about the clocks of a recording.
+const READ_AHEAD: usize = 64;
+
+/// The messages of one topic over all parts of a flight.
+pub(crate) struct Messages {
+    parts: VecDeque<TopicReader>,
+    /// Number of the part that is read, and the file of each.
+    part: usize,
+    files: Vec<PathBuf>,
+    without_topic: Vec<PathBuf>,
+    decoder: ScanDecoder,
+    next_seq: u64,
+    /// Messages that were read ahead from the part at hand, with their index in the topic.
+    ahead: VecDeque<(u64, Message)>,
+    /// Times of recording from all over the flight, until `clock` is made of them.
+    log_times_ns: Vec<u64>,
+    /// Known once messages were read ahead.
+    clock: Option<Clock>,
+    losses: Vec<Loss>,
+}
+
+impl Messages {
+    /// The messages of `topic` in `containers`; `losses` are those of parts that are not among them.
+    pub(crate) fn new(
+        containers: Vec<Box<dyn Container>>,
+        topic: &TopicInfo,
+        decoder: ScanDecoder,
+        losses: Vec<Loss>,
+    ) -> Self {
+        let times_in = |container: &Box<dyn Container>| container.contents().log_times_ns.taken().to_vec();
+        let mut messages = Self {
+            log_times_ns: containers.iter().flat_map(times_in).collect(),
+            parts: VecDeque::new(),
+            part: 0,
+            files: Vec::new(),
+            without_topic: Vec::new(),
+            decoder,
+            next_seq: 0,
+            ahead: VecDeque::new(),
+            clock: None,
+            losses,
+        };
+        for container in containers {
+            let contents = container.contents();
+            let channels = topic.channels_in(contents);
+            if channels.is_empty() && contents.losses.is_empty() {
+                messages.without_topic.push(contents.path.clone());
+            }
+            messages.files.push(contents.path.clone());
+            let mut part = TopicReader::new(container, channels);
+            messages.losses.extend(part.take_losses());
+            messages.parts.push_back(part);
+        }
+        messages
+    }
+
+    /// The parts without such messages.
+    pub(crate) fn without_topic(&self) -> &[PathBuf] {
+        &self.without_topic
+    }
+
+    /// The file that is part number `part` of the flight.
+    pub(crate) fn file(&self, part: usize) -> &Path {
+        &self.files[part]
+    }
+
+    /// What was lost up to now.
+    pub(crate) fn losses(&self) -> &[Loss] {
+        &self.losses
+    }
+
+    pub(crate) fn losses_mut(&mut self) -> &mut Vec<Loss> {
+        &mut self.losses
+    }
+
+    /// The clock of the recording. For that its first messages are read ahead.
+    pub(crate) fn clock(&mut self) -> Clock {
+        let clock = self.clock.unwrap_or_else(|| self.read_ahead());
+        self.clock = Some(clock);
+        clock
+    }
+
+    /// The next message, decoded into `scan`.
+    pub(crate) fn next(&mut self, mut scan: ScanMessage) -> Option<Turn> {
+        let clock = self.clock();
+        let (seq, message) = self.next_message()?;
+        let decoded = self.decoder.decode_into(&message.data, &mut scan);
+        let stamp_ns = scan.header().stamp.to_ns().filter(|_| decoded.is_ok()).unwrap_or(0);
+        let log_time_ns = message.log_time_ns;
+        let (recorded_ns, odd_time) = clock.recorded_ns(Times { log_ns: log_time_ns, stamp_ns });
+        if let Some(part) = self.parts.front_mut() {
+            part.recycle(message);
+        }
+        let scan = decoded.map(|()| scan);
+        Some(Turn { log_time_ns, recorded_ns, odd_time, scan, ..Turn::new(seq, self.part) })
+    }
+
+    /// Leaves out the rest of a part, if it is the one that is read and its messages come by their times.
+    pub(crate) fn leave_part(&mut self, part: usize) {
+        if part == self.part
+            && self.clock().believes_all()
+            && self.parts.front().is_some_and(TopicReader::is_by_log_time)
+            && let Some(left) = self.next_part()
+        {
+            self.ahead.clear();
+            self.next_seq += left.left();
+        }
+    }
+
+    fn next_part(&mut self) -> Option<TopicReader> {
+        self.part += 1;
+        self.parts.pop_front()
+    }
+
+    /// The next message with its index in the topic, from whichever part is at hand.
+    fn next_message(&mut self) -> Option<(u64, Message)> {
+        loop {
+            if let Some(message) = self.ahead.pop_front().or_else(|| self.read()) {
+                return Some(message);
+            }
+            self.next_part()?;
+        }
+    }
+
+    /// Reads the next message of the part at hand.
+    fn read(&mut self) -> Option<(u64, Message)> {
+        let part = self.parts.front_mut()?;
+        let message = part.next();
+        self.losses.extend(part.take_losses());
+        self.next_seq += part.take_skipped();
+        let seq = self.next_seq;
+        self.next_seq += u64::from(message.is_some());
+        Some((seq, message?))
+    }
+
+    /// Reads the first messages of the flight ahead, and makes the clock of their times.
+    fn read_ahead(&mut self) -> Clock {
+        while self.ahead.len() < READ_AHEAD && !self.parts.is_empty() {
+            match self.read() {
+                Some(message) => self.ahead.push_back(message),
+                None if self.ahead.is_empty() => drop(self.next_part()),
+                None => break,
+            }
+        }
+        let (mut scan, mut first) = (ScanMessage::default(), Vec::new());
+        for (_, message) in &self.ahead {
+            let is_decoded = self.decoder.decode_into(&message.data, &mut scan).is_ok();
+            let stamp_ns = scan.header().stamp.to_ns().filter(|_| is_decoded).unwrap_or(0);
+            first.push(Times { log_ns: message.log_time_ns, stamp_ns });
+        }
+        Clock::new(&first, self.log_times_ns.drain(..))
+    }
+}

@@ -1,0 +1,176 @@
+//! From scan messages to turns of the lidar: messages that are parts of a turn are joined, and blind sectors are found.
+//!
+//! Both are learned from the first messages of a recording, which wait until enough of them are there. Most recordings
+//! have one message a turn and no blind sector; they pass unchanged. Clouds pass without waiting.
+
+mod blind;
+mod segments;
+
+use std::collections::VecDeque;
+
+use crosscut_messages::{DecodeError, LaserScan, ScanMessage};
+
+pub(crate) use self::blind::BlindSectors;
+use self::segments::Joiner;
+use crate::Sensor;
+
+/// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
+const LEARNED_MESSAGES: usize = 100;
+/// So many turns show which beams never return.
+const LEARNED_TURNS: usize = 100;
+
+/// One turn of the lidar, or one message before that is known.
+#[derive(Debug)]
+pub(crate) struct Turn {
+    /// Index of the message in its topic; of joined turns, index of the turn.
+    pub(crate) seq: u64,
+    /// When its first message was recorded, as the recording states it.
+    pub(crate) log_time_ns: u64,
+    /// When its first message was recorded, as far as that can be known.
+    pub(crate) recorded_ns: u64,
+    /// Why that is another time than the recording states.
+    pub(crate) odd_time: Option<&'static str>,
+    /// Which part of the flight its first message is in.
+    pub(crate) part: usize,
+    pub(crate) scan: Result<ScanMessage, DecodeError>,
+    /// Beams whose messages are missing; empty if none is.
+    pub(crate) missing: Vec<bool>,
+    pub(crate) notes: Vec<String>,
+    /// Messages of a joined turn that cannot be decoded: their index in the topic, and why.
+    pub(crate) undecodable: Vec<(u64, DecodeError)>,
+}
+
+/// Turns on their way.
+#[derive(Debug)]
+pub(crate) struct Turns {
+    /// Messages of which it is not known yet whether they are parts of turns.
+    waiting: Vec<Turn>,
+    turns: VecDeque<Turn>,
+    joiner: Option<Joiner>,
+    knows_parts: bool,
+    knows_blind: bool,
+    blind: BlindSectors,
+    spare: Vec<ScanMessage>,
+}
+
+impl Turn {
+    pub(crate) fn new(seq: u64, part: usize) -> Self {
+        Self {
+            seq,
+            log_time_ns: 0,
+            recorded_ns: 0,
+            odd_time: None,
+            part,
+            scan: Ok(ScanMessage::default()),
+            missing: Vec::new(),
+            notes: Vec::new(),
+            undecodable: Vec::new(),
+        }
+    }
+
+    pub(crate) fn laser_scan(&self) -> Option<&LaserScan> {
+        match &self.scan {
+            Ok(ScanMessage::Scan(scan)) => Some(scan),
+            _ => None,
+        }
+    }
+}
+
+impl Turns {
+    /// `are_scans`: messages are those of a 2D lidar.
+    pub(crate) fn new(are_scans: bool, finds_blind: bool) -> Self {
+        Self {
+            waiting: Vec::new(),
+            turns: VecDeque::new(),
+            joiner: None,
+            knows_parts: !are_scans,
+            knows_blind: !are_scans || !finds_blind,
+            blind: BlindSectors::default(),
+            spare: Vec::new(),
+        }
+    }
+
+    /// How many messages usually make a turn.
+    pub(crate) fn messages_in_turn(&self) -> u64 {
+        self.joiner.as_ref().map_or(1, Joiner::messages_in_turn)
+    }
+
+    /// Takes a message.
+    pub(crate) fn push(&mut self, message: Turn, sensor: &Sensor) {
+        if self.knows_parts {
+            self.take(message);
+        } else {
+            self.waiting.push(message);
+            if self.waiting.len() >= LEARNED_MESSAGES {
+                self.learn_parts();
+            }
+        }
+        if self.knows_parts && self.turns.len() >= LEARNED_TURNS {
+            self.learn_blind(sensor);
+        }
+    }
+
+    /// There are no more messages.
+    pub(crate) fn finish(&mut self, sensor: &Sensor) {
+        self.learn_parts();
+        if let Some(joiner) = &mut self.joiner {
+            joiner.finish(&mut self.turns);
+        }
+        self.learn_blind(sensor);
+    }
+
+    /// Whether all is learned.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.knows_parts && self.knows_blind
+    }
+
+    /// The next turn, if it is complete and nothing is left to be learned.
+    pub(crate) fn pop(&mut self) -> Option<Turn> {
+        if self.is_settled() { self.turns.pop_front() } else { None }
+    }
+
+    /// The blind sectors of the sensor.
+    pub(crate) fn blind(&mut self) -> &mut BlindSectors {
+        &mut self.blind
+    }
+
+    /// A place for the next message.
+    pub(crate) fn place(&mut self) -> ScanMessage {
+        self.spare.pop().unwrap_or_default()
+    }
+
+    /// Takes back the place of a turn that is done with.
+    pub(crate) fn recycle(&mut self, turn: Turn) {
+        if self.joiner.is_none() && self.spare.is_empty() {
+            self.spare.extend(turn.scan);
+        }
+    }
+
+    fn take(&mut self, message: Turn) {
+        match &mut self.joiner {
+            Some(joiner) => joiner.take(message, &mut self.turns),
+            None => self.turns.push_back(message),
+        }
+    }
+
+    fn learn_parts(&mut self) {
+        if self.knows_parts {
+            return;
+        }
+        self.knows_parts = true;
+        let waiting = std::mem::take(&mut self.waiting);
+        self.joiner = Joiner::of(&waiting.iter().filter_map(Turn::laser_scan).collect::<Vec<_>>());
+        waiting.into_iter().for_each(|message| self.take(message));
+    }
+
+    fn learn_blind(&mut self, sensor: &Sensor) {
+        if self.knows_blind {
+            return;
+        }
+        self.knows_blind = true;
+        // A turn without some of its messages shows nothing of the beams that are missing.
+        let is_whole = |turn: &&Turn| !turn.missing.contains(&true);
+        let scans: Vec<_> = self.turns.iter().filter(is_whole).filter_map(Turn::laser_scan).collect();
+        self.blind = BlindSectors::find(&scans, sensor);
+    }
+}

@@ -1,0 +1,256 @@
+//! Messages that show a part of a turn each, and how they are joined.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use crosscut_messages::{LaserScan, ScanMessage};
+use crosscut_stage::counted;
+
+use super::Turn;
+
+/// Fewer messages do not show what a driver does.
+const LEAST_MESSAGES: usize = 6;
+/// A message that covers more of a turn than this is a revolution of its own.
+const WIDEST_PART_RAD: f64 = 0.75 * TAU;
+/// The next part begins within this many steps of where the last one ends.
+const LEEWAY_STEPS: f64 = 3.0;
+/// At least this share of the messages begin where the one before ends: all but the first of each turn.
+const CONTINUED_SHARE: f64 = 0.5;
+/// Increments of f32 angles that differ by less than this share are equal.
+const ROUNDING_SHARE: f64 = 1e-4;
+/// A turn takes no longer than this many usual ones: then messages are missing, and the next one is of another turn.
+const LONGEST_TURNS: u64 = 2;
+
+/// Joins the parts of each turn. Beams are numbered from the beginning of the turn, in the order in which the sensor
+/// looks.
+#[derive(Debug)]
+pub(super) struct Joiner {
+    /// Where a turn begins, in the direction of travel, rad in [0, 2π).
+    start_rad: f64,
+    /// As the messages state it, negative if the sensor turns clockwise.
+    increment_rad: f32,
+    beams: usize,
+    messages_in_turn: u64,
+    usual_ns: Option<u64>,
+    current: Option<Current>,
+    following_seq: Option<u64>,
+}
+
+/// The turn that is not complete.
+#[derive(Debug)]
+struct Current {
+    turn: Turn,
+    scan: LaserScan,
+    is_there: Vec<bool>,
+    first_seq: u64,
+    messages: u64,
+    /// First beam of the first and of the last message.
+    first_beams: [usize; 2],
+    last_stamp_ns: u64,
+}
+
+impl Joiner {
+    /// Looks whether the first scans of a recording are parts of turns.
+    pub(super) fn of(scans: &[&LaserScan]) -> Option<Self> {
+        let increment_rad = scans.first()?.angle_increment;
+        let step_rad = f64::from(increment_rad).abs();
+        let is_part = |scan: &&LaserScan| {
+            let span_rad = scan.ranges.len() as f64 * step_rad;
+            scan.angle_min.is_finite() && span_rad > 0.0 && span_rad < WIDEST_PART_RAD
+        };
+        let is_same = |scan: &&LaserScan| has_increment(scan, increment_rad);
+        if scans.len() < LEAST_MESSAGES || step_rad <= 0.0 || !scans.iter().all(|scan| is_part(scan) && is_same(scan)) {
+            return None;
+        }
+        let begins_rad = |scan: &LaserScan| travel_rad(scan, increment_rad);
+        let continues = |pair: &&[&LaserScan]| {
+            let moved_rad = (begins_rad(pair[1]) - begins_rad(pair[0])).rem_euclid(TAU);
+            (moved_rad - pair[0].ranges.len() as f64 * step_rad).abs() <= LEEWAY_STEPS * step_rad
+        };
+        let continued = scans.windows(2).filter(continues).count();
+        if (continued as f64) < CONTINUED_SHARE * (scans.len() - 1) as f64 {
+            return None;
+        }
+        let mut parts_rad: Vec<[f64; 2]> =
+            scans.iter().map(|scan| [begins_rad(scan), scan.ranges.len() as f64 * step_rad]).collect();
+        parts_rad.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let start_rad = start_of_turn(&parts_rad, LEEWAY_STEPS * step_rad);
+        let mut joiner = Self {
+            start_rad,
+            increment_rad,
+            beams: 0,
+            messages_in_turn: 1,
+            usual_ns: None,
+            current: None,
+            following_seq: None,
+        };
+        let all_round = (TAU / step_rad + 0.5).floor() as usize;
+        let ends = scans.iter().map(|scan| joiner.first_beam(scan) + scan.ranges.len());
+        joiner.beams = ends.max()?.min(all_round);
+        let is_first = |&at: &usize| joiner.first_beam(scans[at]) <= joiner.first_beam(scans[at - 1]);
+        let firsts: Vec<usize> = (1..scans.len()).filter(is_first).collect();
+        joiner.messages_in_turn = match firsts[..] {
+            [first, .., last] => ((last - first) as f64 / (firsts.len() - 1) as f64).round().max(1.0) as u64,
+            _ => scans.len() as u64,
+        };
+        let took_ns = |pair: &[usize]| stamp_ns(scans[pair[1]]).checked_sub(stamp_ns(scans[pair[0]]));
+        let mut took_ns: Vec<u64> = firsts.windows(2).filter_map(took_ns).collect();
+        took_ns.sort_unstable();
+        joiner.usual_ns = took_ns.get(took_ns.len() / 2).copied().filter(|&ns| ns > 0);
+        Some(joiner)
+    }
+
+    /// How many messages usually make a turn.
+    pub(super) fn messages_in_turn(&self) -> u64 {
+        self.messages_in_turn
+    }
+
+    /// Takes a message; turns that are complete go to `out`.
+    pub(super) fn take(&mut self, mut part: Turn, out: &mut VecDeque<Turn>) {
+        let scan = match &part.scan {
+            Ok(ScanMessage::Scan(scan)) if !scan.ranges.is_empty() && has_increment(scan, self.increment_rad) => scan,
+            Ok(_) => {
+                self.finish(out);
+                part.notes
+                    .push("not joined with other parts of its turn: the angle from beam to beam is another".to_owned());
+                part.seq = self.next_seq(part.seq, part.seq);
+                out.push_back(part);
+                return;
+            }
+            Err(cause) => {
+                if let Some(current) = &mut self.current {
+                    current.turn.notes.push(format!("a message of this turn cannot be decoded: {cause}"));
+                    current.turn.undecodable.push((part.seq, cause.clone()));
+                } else {
+                    part.seq = self.next_seq(part.seq, part.seq);
+                    out.push_back(part);
+                }
+                return;
+            }
+        };
+        let first_beam = self.first_beam(scan);
+        let is_late = |current: &Current| {
+            let longest_ns = self.usual_ns.map_or(u64::MAX, |usual_ns| LONGEST_TURNS * usual_ns);
+            stamp_ns(scan).saturating_sub(stamp_ns(&current.scan)) > longest_ns
+        };
+        if self.current.as_ref().is_some_and(|current| first_beam <= current.first_beams[1] || is_late(current)) {
+            self.finish(out);
+        }
+        let ranges = scan.ranges.len();
+        let fits = ranges.min(self.beams.saturating_sub(first_beam));
+        self.place(&part, scan, 0..fits, first_beam);
+        if fits < ranges {
+            // It goes on where the next turn begins.
+            self.finish(out);
+            self.place(&part, scan, fits..ranges.min(fits + self.beams), 0);
+        }
+    }
+
+    /// Gives the turn that is not complete to `out`.
+    pub(super) fn finish(&mut self, out: &mut VecDeque<Turn>) {
+        let Some(mut current) = self.current.take() else { return };
+        let [first, last] = current.first_beams;
+        let took_ns = current.last_stamp_ns.saturating_sub(stamp_ns(&current.scan));
+        if last > first && took_ns > 0 {
+            current.scan.time_increment = (took_ns as f64 * 1e-9 / (last - first) as f64) as f32;
+            current.scan.scan_time = current.scan.time_increment * self.beams as f32;
+        }
+        let messages = counted(current.messages, "message");
+        current.turn.notes.push(format!("a revolution joined of {messages}: seq counts revolutions"));
+        let missing = current.is_there.iter().filter(|is_there| !**is_there).count();
+        if missing > 0 {
+            let beams = counted(missing as u64, "beam");
+            current.turn.notes.push(format!("{beams} of messages that are missing left out"));
+        }
+        current.turn.missing = current.is_there.iter().map(|is_there| !is_there).collect();
+        current.turn.seq = self.next_seq(current.first_seq, current.turn.seq);
+        current.turn.scan = Ok(ScanMessage::Scan(current.scan));
+        out.push_back(current.turn);
+    }
+
+    /// Puts some of the ranges of `scan` into the current turn, from a beam on.
+    fn place(&mut self, part: &Turn, scan: &LaserScan, ranges: std::ops::Range<usize>, first_beam: usize) {
+        let (beams, increment_rad) = (self.beams, f64::from(self.increment_rad));
+        let begin = || {
+            let angle_min = self.start_rad * increment_rad.signum();
+            let scan = LaserScan {
+                header: scan.header.clone(),
+                angle_min: angle_min as f32,
+                angle_max: (angle_min + (beams - 1) as f64 * increment_rad) as f32,
+                ranges: vec![f32::NAN; beams],
+                intensities: Vec::new(),
+                ..*scan
+            };
+            Current {
+                turn: Turn {
+                    log_time_ns: part.log_time_ns,
+                    recorded_ns: part.recorded_ns,
+                    odd_time: part.odd_time,
+                    notes: part.notes.clone(),
+                    ..Turn::new(part.seq, part.part)
+                },
+                scan,
+                is_there: vec![false; beams],
+                first_seq: part.seq,
+                messages: 0,
+                first_beams: [first_beam; 2],
+                last_stamp_ns: 0,
+            }
+        };
+        let current = self.current.get_or_insert_with(begin);
+        let places = first_beam..first_beam + ranges.len();
+        current.scan.ranges[places.clone()].copy_from_slice(&scan.ranges[ranges]);
+        current.is_there[places].fill(true);
+        current.messages += 1;
+        current.first_beams[1] = first_beam;
+        current.last_stamp_ns = stamp_ns(scan);
+        current.turn.seq = part.seq;
+    }
+
+    /// The number of the turn whose messages are those from `first` to `last`: turns that are missing are counted.
+    fn next_seq(&mut self, first: u64, last: u64) -> u64 {
+        let first_turn = first / self.messages_in_turn;
+        let seq = self.following_seq.map_or(first_turn, |next| next.max(first_turn));
+        self.following_seq = Some((seq + 1).max(last / self.messages_in_turn));
+        seq
+    }
+
+    /// The beam of a turn that the first range of `scan` is.
+    fn first_beam(&self, scan: &LaserScan) -> usize {
+        let step_rad = f64::from(self.increment_rad).abs();
+        let from_start_rad = travel_rad(scan, self.increment_rad) - self.start_rad;
+        ((from_start_rad + 0.5 * step_rad).rem_euclid(TAU) / step_rad) as usize
+    }
+}
+
+fn has_increment(scan: &LaserScan, increment_rad: f32) -> bool {
+    let [stated, wanted] = [scan.angle_increment, increment_rad].map(f64::from);
+    (stated - wanted).abs() <= ROUNDING_SHARE * wanted.abs()
+}
+
+/// Where the scan begins, counted in the direction in which the sensor turns, in [0, 2π).
+fn travel_rad(scan: &LaserScan, increment_rad: f32) -> f64 {
+    (f64::from(scan.angle_min) * f64::from(increment_rad).signum()).rem_euclid(TAU)
+}
+
+fn stamp_ns(scan: &LaserScan) -> u64 {
+    scan.header.stamp.to_ns().unwrap_or(0)
+}
+
+/// Where turns begin: behind the widest gap between parts (beginning and span, by beginning); of a full turn at the
+/// first beginning from the back of the sensor on.
+fn start_of_turn(parts_rad: &[[f64; 2]], leeway_rad: f64) -> f64 {
+    let (mut reach_rad, mut widest) = (parts_rad.iter().map(|part| part[0] + part[1]).fold(0.0, f64::max) - TAU, None);
+    for &[begin_rad, span_rad] in parts_rad {
+        let gap_rad = begin_rad - reach_rad;
+        if gap_rad > widest.map_or(leeway_rad, |(widest_rad, _)| widest_rad) {
+            widest = Some((gap_rad, begin_rad));
+        }
+        reach_rad = reach_rad.max(begin_rad + span_rad);
+    }
+    // A beginning at the back may be rounded to either side of it.
+    let from_back_rad = |begin_rad: f64| (begin_rad - 0.5 * TAU + leeway_rad).rem_euclid(TAU);
+    let first_from_back =
+        || parts_rad.iter().map(|part| part[0]).min_by(|&a, &b| from_back_rad(a).total_cmp(&from_back_rad(b)));
+    widest.map(|(_, begin_rad)| begin_rad).or_else(first_from_back).unwrap_or(0.0)
+}

@@ -1,0 +1,185 @@
+//! Messages that are parts of a turn, and beams that never return.
+
+use std::f32::consts::{PI, TAU};
+
+use crosscut_ingest::{ReadOptions, Recording};
+use crosscut_messages::{Header, LaserScan, Time};
+use crosscut_stage::{Beam, Notes, Revolution, Source, Value};
+
+use crate::flight::{Folder, Form, Read, Record, drain, open, record_at, sensor, time_ns};
+
+const PARTS: usize = 6;
+const PART_BEAMS: usize = 20;
+
+/// Part `part` of turn `turn`; each range tells both.
+fn part(turn: usize, part: usize, direction: f32, span_rad: f32) -> LaserScan {
+    let step = span_rad / (PARTS * PART_BEAMS) as f32;
+    let range = |beam: usize| 1.0 + turn as f32 / 64.0 + (part * PART_BEAMS + beam) as f32 / 1024.0;
+    LaserScan {
+        header: Header { stamp: Time::from_ns(part_ns(turn, part)), frame_id: "laser".to_owned() },
+        angle_min: direction * (part * PART_BEAMS) as f32 * step - direction * 0.5 * span_rad,
+        angle_increment: direction * step,
+        range_max: 30.0,
+        ranges: (0..PART_BEAMS).map(range).collect(),
+        ..LaserScan::default()
+    }
+}
+
+fn part_ns(turn: usize, part: usize) -> u64 {
+    time_ns(turn as u64) + part as u64 * 10_000_000
+}
+
+fn parts(turns: usize, direction: f32, span_rad: f32) -> Vec<Record> {
+    let all = (0..turns).flat_map(|turn| (0..PARTS).map(move |at| (turn, at)));
+    all.map(|(turn, at)| record_at("/scan", part_ns(turn, at), &part(turn, at, direction, span_rad))).collect()
+}
+
+fn read(records: &[Record]) -> Read {
+    let folder = Folder::new();
+    drain(&mut open(&folder.add("f.mcap", &Form::CHUNKED.write(records))).expect("a recording"))
+}
+
+fn bits(ranges: impl Iterator<Item = f32>) -> Vec<u32> {
+    ranges.map(f32::to_bits).collect()
+}
+
+fn whole(turn: usize) -> Vec<u32> {
+    bits((0..PARTS).flat_map(|at| part(turn, at, 1.0, 4.8).ranges))
+}
+
+#[test]
+fn parts_of_a_turn_become_one_revolution() {
+    for (direction, span_rad) in [(1.0, 4.8), (-1.0, 4.8), (1.0, TAU), (-1.0, TAU)] {
+        let read = read(&parts(30, direction, span_rad));
+        assert_eq!(read.seqs, (0..30).collect::<Vec<_>>(), "{direction} {span_rad}");
+        assert_eq!(read.stamps_ns, (0..30).map(|turn| part_ns(turn, 0)).collect::<Vec<_>>());
+        assert!((0..30).all(|turn| read.ranges[turn] == whole(turn)), "{direction} {span_rad}");
+        assert_eq!(read.notes[7], ["a revolution joined of 6 messages: seq counts revolutions"]);
+    }
+}
+
+#[test]
+fn a_missing_part_leaves_its_beams_unknown() {
+    let mut records = parts(30, 1.0, 4.8);
+    records.remove(10 * PARTS + 2);
+    let folder = Folder::new();
+    let mut recording = open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording");
+    let mut revolution = Revolution::default();
+    for turn in 0..30 {
+        let mut notes = Notes::default();
+        assert!(recording.next(&mut revolution, &mut notes).expect("readable"));
+        assert_eq!(revolution.seq, turn);
+        let beams = &revolution.sweep.as_ref().expect("beams").beams;
+        let unknown: Vec<usize> = (0..beams.len()).filter(|&beam| beams[beam] == Beam::Unknown).collect();
+        let expected = if turn == 10 { (40..60).collect() } else { Vec::new() };
+        assert_eq!(unknown, expected, "{turn}");
+        assert_eq!(notes.iter().any(|note| note.starts_with("20 beams of messages that are missing")), turn == 10);
+    }
+}
+
+#[test]
+fn a_part_that_cannot_be_decoded_is_a_loss_of_its_turn() {
+    let mut records = parts(30, 1.0, 4.8);
+    records[10 * PARTS + 2].data.truncate(30);
+    let folder = Folder::new();
+    let mut recording = open(&folder.add("f.mcap", &Form::CHUNKED.write(&records))).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!(read.len(), 30);
+    assert!(read.notes[10].iter().any(|note| note.starts_with("a message of this turn cannot be decoded")));
+    let text = recording.losses()[0].to_string();
+    assert!(text.starts_with("1 message of /scan cannot be decoded, the first is number 62"), "{text}");
+}
+
+#[test]
+fn times_select_revolutions_of_parts() {
+    let folder = Folder::new();
+    folder.add("f.mcap", &Form::CHUNKED.write(&parts(30, 1.0, 4.8)));
+    let options = ReadOptions {
+        from_s: Some(0.45),
+        to_s: Some(1.85),
+        every: std::num::NonZero::new(5).expect("not 0"),
+        ..ReadOptions::default()
+    };
+    let mut recording = Recording::open(&[folder.path().to_owned()], &options, sensor(&[])).expect("a flight");
+    assert_eq!(drain(&mut recording).seqs, [5, 10, 15]);
+}
+
+/// A scan of 360 beams; `range_m` gives the range of each.
+fn turn(number: u64, range_m: impl Fn(usize) -> f32) -> Record {
+    let scan = LaserScan {
+        header: Header { stamp: Time::from_ns(time_ns(number)), frame_id: "laser".to_owned() },
+        angle_min: -PI,
+        angle_increment: TAU / 360.0,
+        range_max: 30.0,
+        ranges: (0..360).map(range_m).collect(),
+        ..LaserScan::default()
+    };
+    record_at("/scan", time_ns(number), &scan)
+}
+
+/// How many beams of each scan are unknown, and whether the setting that masks them is noted.
+fn unknown(records: &[Record], find: bool) -> Vec<(usize, bool)> {
+    let folder = Folder::new();
+    let path = folder.add("f.mcap", &Form::CHUNKED.write(records));
+    let sensor = sensor(&[("find_blind_sectors", Value::Flag(find))]);
+    let mut recording = Recording::open(&[path], &ReadOptions::default(), sensor).expect("a recording");
+    let (mut revolution, mut out) = (Revolution::default(), Vec::new());
+    loop {
+        let mut notes = Notes::default();
+        if !recording.next(&mut revolution, &mut notes).expect("readable") {
+            return out;
+        }
+        let beams = &revolution.sweep.as_ref().expect("beams").beams;
+        let count = beams.iter().filter(|beam| **beam == Beam::Unknown).count();
+        out.push((count, notes.iter().any(|note| note.contains("ingest.masked_sectors_rad = [["))));
+    }
+}
+
+#[test]
+fn a_sector_that_is_always_0_is_unknown_and_named() {
+    let room = |beam: usize| if (45..135).contains(&beam) { 0.0 } else { 3.0 };
+    let records: Vec<_> = (0..20).map(|number| turn(number, room)).collect();
+    assert_eq!(unknown(&records, true), [(90, true); 20]);
+    assert_eq!(unknown(&records, false), [(0, false); 20]);
+}
+
+#[test]
+fn a_dark_passage_seen_from_one_place_stays_in_view() {
+    // Its walls are seen at a grazing angle; other beams get lost as well; or the driver says so in another way.
+    let grazing =
+        |beam: usize| if (50..130).contains(&beam) { 0.0 } else { 60.0 / (beam as f32 - 90.0).abs().powi(2) * 40.0 };
+    let lossy = |beam: usize| if (45..135).contains(&beam) || beam == 200 { 0.0 } else { 3.0 };
+    let infinite = |beam: usize| if (45..135).contains(&beam) { f32::INFINITY } else { 3.0 };
+    let places: [&dyn Fn(usize) -> f32; 3] = [&grazing, &lossy, &infinite];
+    for (place, range_m) in places.iter().enumerate() {
+        let records: Vec<_> = (0..20).map(|number| turn(number, range_m)).collect();
+        assert!(unknown(&records, true).iter().all(|&(unknown, is_noted)| unknown == 0 && !is_noted), "{place}");
+    }
+}
+
+#[test]
+fn a_post_is_told_from_a_dark_passage_by_the_motion() {
+    let range_m = |number: u64, beam: usize| 3.0 + (number as f32 * 0.1) + beam as f32 / 360.0;
+    let post = |number: u64| {
+        turn(number, |beam| if (100..106).contains(&beam) { f32::INFINITY } else { range_m(number, beam) })
+    };
+    let passage = |number: u64| {
+        let shift = number as usize / 2;
+        turn(
+            number,
+            |beam| if (100 + shift..130 + shift).contains(&beam) { f32::INFINITY } else { range_m(number, beam) },
+        )
+    };
+    assert_eq!(unknown(&(0..30).map(post).collect::<Vec<_>>(), true), [(6, true); 30]);
+    assert_eq!(unknown(&(0..30).map(passage).collect::<Vec<_>>(), true), [(0, false); 30]);
+}
+
+#[test]
+fn a_sector_that_returns_after_all_is_in_view_again() {
+    let room = |beam: usize| if (45..135).contains(&beam) { 0.0 } else { 3.0 };
+    let mut records: Vec<_> = (0..120).map(|number| turn(number, room)).collect();
+    records[110] = turn(110, |_| 3.0);
+    let unknown = unknown(&records, true);
+    assert!(unknown[..110].iter().all(|&(count, _)| count == 90));
+    assert!(unknown[110..].iter().all(|&(count, _)| count == 0));
+}
