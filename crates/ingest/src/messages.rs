@@ -40,9 +40,8 @@ impl Messages {
         decoder: ScanDecoder,
         losses: Vec<Loss>,
     ) -> Self {
-        let times_in = |container: &Box<dyn Container>| container.contents().log_times_ns.taken().to_vec();
         let mut messages = Self {
-            log_times_ns: containers.iter().flat_map(times_in).collect(),
+            log_times_ns: containers.iter().flat_map(|one| one.contents().log_times_ns.taken().to_vec()).collect(),
             parts: VecDeque::new(),
             part: 0,
             files: Vec::new(),

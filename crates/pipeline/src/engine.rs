@@ -84,10 +84,13 @@ impl Engine {
     }
 }
 
+/// Reads and writes the parts of a frame that belong to a stage.
+type Run = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
+
 /// A stage with the parts of a frame that it reads and writes.
 pub(crate) struct Worker {
     pub(crate) step: Step,
-    run: Box<dyn FnMut(&mut Frame) -> Result<(), StageError> + Send>,
+    run: Box<Run>,
 }
 
 impl Worker {
