@@ -293,12 +293,14 @@ fn a_recording_without_readable_scans_fails_and_keeps_old_results() {
 #[test]
 fn a_flight_of_which_no_scan_can_be_decoded_is_a_failure_and_older_results_stay() {
     let folder = folder();
-    let mut broken = tunnel(10, &Writing { chunked: false, ..Writing::default() });
-    // The header of CDR, and a stamp of less than a second.
-    let is_start = |bytes: &[u8]| bytes == [0, 1, 0, 0, 0, 0, 0, 0];
-    let starts: Vec<usize> =
-        broken.windows(8).enumerate().filter(|(_, bytes)| is_start(bytes)).map(|(at, _)| at).collect();
-    starts.into_iter().for_each(|at| broken[at + 1] = 0x77);
+    let mut broken = tunnel(9, &Writing { chunked: false, ..Writing::default() });
+    for scan in 0..9 {
+        // The header of CDR, and the stamp: seconds and nanoseconds.
+        let stamp_ns = tunnel_scan(scan).header.stamp.nanosec.to_le_bytes();
+        let start = [&[0, 1, 0, 0], &[0; 4], &stamp_ns[..]].concat();
+        let at = broken.windows(start.len()).position(|bytes| bytes == start).expect("less than a second");
+        broken[at + 1] = 0x77;
+    }
     let flight = file(folder.path(), "flight.mcap", &broken);
     let results = file(folder.path(), "results.jsonl", b"older\n");
     let ran = run(["run".as_ref(), flight.as_os_str(), "--results".as_ref(), results.as_os_str()]).expect_code(1);

@@ -111,9 +111,9 @@ fn a_full_disk_leaves_complete_results_and_a_readable_recording() {
     let saved = folder.path().join("flight.rrd");
     let arguments = ["run", "--preset", "paper", "--every", "2", "--quiet", "--results", "-", "--save"];
     let crosscut = crosscut(arguments);
-    // With SIGXFSZ ignored, a write beyond the limit (3000 blocks of 512 bytes or more) is an error as on a full disk.
+    // With SIGXFSZ ignored, a write beyond the limit (8000 blocks of 512 bytes or more) is an error as on a full disk.
     let mut limited = std::process::Command::new("sh");
-    limited.args(["-c", "trap '' XFSZ; ulimit -f 3000; exec \"$0\" \"$@\""]).arg(crosscut.get_program());
+    limited.args(["-c", "trap '' XFSZ; ulimit -f 8000; exec \"$0\" \"$@\""]).arg(crosscut.get_program());
     limited.args(crosscut.get_args()).arg(&saved).arg(shipped_flight());
     let ran = Ran::from(limited.output().expect("a shell")).expect_code(3);
     assert_eq!(lines(&ran.stdout).len(), 71);

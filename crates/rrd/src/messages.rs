@@ -9,7 +9,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
 use rerun::StoreKind;
-use rerun::external::arrow::ipc::{Buffer, root_as_message};
+use rerun::external::arrow::ipc::{Buffer, RecordBatch, root_as_message};
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::external::lz4_flex;
 use rerun::external::re_log_encoding::{
@@ -214,7 +214,7 @@ fn check_sizes(mut stream: &[u8]) -> Result<(), String> {
         stream.split_off(..body_bytes).ok_or_else(|| too_large(body_bytes))?;
         let batch = message.header_as_record_batch();
         let batch = batch.or_else(|| message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data()));
-        let mut buffers = batch.iter().flat_map(|batch| batch.buffers()).flatten();
+        let mut buffers = batch.iter().flat_map(RecordBatch::buffers).flatten();
         let is_inside = |buffer: &Buffer| {
             let end = buffer.offset().checked_add(buffer.length());
             buffer.offset() >= 0 && buffer.length() >= 0 && end.is_some_and(|end| end <= message.bodyLength())

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use rerun::external::arrow::array::{Array as _, ArrayRef, AsArray as _};
+use rerun::external::arrow::array::{Array as _, ArrayRef, AsArray};
 use rerun::external::arrow::compute::{CastOptions, cast_with_options};
 use rerun::external::arrow::datatypes::{DataType, Float32Type, Float64Type, Int64Type};
 use rerun::external::image;
@@ -180,8 +180,7 @@ fn tensor(values: &ArrayRef) -> Result<Array, String> {
         sizes.iter().map(|&size| usize::try_from(size)).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
     let names = field("names")?;
     let names = if names.is_null(0) { None } else { Some(first_list(names)?) };
-    let names: Vec<&str> =
-        names.iter().flat_map(|names| names.as_string::<i32>()).map(Option::unwrap_or_default).collect();
+    let names: Vec<&str> = names.iter().flat_map(AsArray::as_string::<i32>).map(Option::unwrap_or_default).collect();
     let unnamed = |i: usize| if shape.len() == 1 { "item".to_owned() } else { format!("dim_{i}") };
     let dims = (0..shape.len()).map(|i| names.get(i).map_or_else(|| unnamed(i), |&name| name.to_owned())).collect();
     Array::new(shape, dims, flat(&first_list(&buffer)?)?)

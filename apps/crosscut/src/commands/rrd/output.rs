@@ -28,7 +28,7 @@ enum Format {
     /// One number or text a line, with revolution, stamp and indices before it; 0 columns before the first value.
     Csv { file: BufWriter<File>, columns: usize },
     /// The table of a CSV file with types.
-    Parquet(ParquetFile),
+    Parquet(Box<ParquetFile>),
     /// One object a revolution.
     JsonLines(BufWriter<File>),
     /// Texts, those of several revolutions under headings.
@@ -48,7 +48,7 @@ impl Output {
         let format = match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
             Some("csv") => Format::Csv { file: BufWriter::new(create()?), columns: 0 },
-            Some("parquet") => Format::Parquet(ParquetFile::new(create()?)),
+            Some("parquet") => Format::Parquet(Box::new(ParquetFile::new(create()?))),
             Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
             Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
             _ => {
