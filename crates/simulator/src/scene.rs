@@ -7,7 +7,7 @@ use crosscut_messages::{
 use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
 use crate::noise::{Generator, generator};
-use crate::pose::Motion;
+use crate::pose::{Motion, Pose};
 use crate::reading::Reading;
 use crate::truth::Scenery;
 use crate::vehicle::{OdometryState, Vehicle};
@@ -26,6 +26,8 @@ pub struct Scene {
     pub truth: Truth,
     /// Odometry at the first beam, if the scene belongs to a flight.
     pub odometry: Option<Odometry>,
+    /// True pose at the first beam, if the scene belongs to a flight.
+    pub pose: Option<Pose>,
 }
 
 /// The noise-free view of one sweep.
@@ -47,7 +49,7 @@ impl<'a> View<'a> {
     pub(crate) fn scene(&self, mine: &Mine, stamp_ns: u64, rng: &mut Generator) -> Scene {
         let readings = self.lidar.read(mine.surface(), &self.echoes, rng);
         let scan = message(self.lidar, &readings, stamp_ns, self.is_moving);
-        Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None }
+        Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None, pose: None }
     }
 }
 
@@ -132,6 +134,7 @@ impl Iterator for Flight {
         let view = View::of(&self.mine, &self.lidar, &motion);
         let mut scene = view.scene(&self.mine, self.stamp_ns, &mut self.rng);
         scene.odometry = Some(odometry(&state, self.stamp_ns));
+        scene.pose = Some(motion.start);
         self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
         Some(scene)
     }

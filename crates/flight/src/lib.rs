@@ -1,0 +1,27 @@
+//! Where each revolution of a flight was taken.
+//!
+//! In: revolutions in order, and odometry where there is any. Out: poses in the plane, [`nalgebra::Isometry2`] in metres
+//! and radians, in the frame of the first revolution (x forward, y left), with covariances.
+//!
+//! - [`Odometry`] interpolates the poses of the vehicle's odometry to the time of a scan.
+//! - [`ScanMatcher`] matches each revolution to the walls seen before, point to line; odometry is its prediction where
+//!   there is any.
+//! - [`PoseTracker`] chooses among them by name ([`POSE_PARAMS`]) and notes slips, jumps and missing odometry.
+//! - [`PoseGraph`] corrects the poses once a place is known to be seen again; [`write_g2o`] and [`read_g2o`] exchange it
+//!   with other programs.
+//!
+//! All of it is deterministic: the same revolutions give the same poses.
+
+mod g2o;
+mod line_points;
+mod local_map;
+mod odometry;
+mod pose;
+mod pose_graph;
+mod scan_match;
+
+pub use g2o::{G2oError, read_g2o, write_g2o};
+pub use odometry::Odometry;
+pub use pose::{POSE_PARAMS, PoseTracker, Tracked};
+pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
+pub use scan_match::{Matched, Motion, ScanMatcher};

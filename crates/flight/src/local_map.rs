@@ -1,0 +1,97 @@
+//! The walls around the vehicle, as line points in square cells.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point2;
+
+use crate::line_points::LinePoint;
+
+/// Side of a cell; line points farther apart than this are never matched.
+pub(crate) const CELL_M: f64 = 0.5;
+
+/// A cell takes no more line points than this.
+const MAX_IN_CELL: usize = 16;
+
+/// Line points nearer to one that is there than this add nothing.
+const LEAST_APART_M: f64 = 0.08;
+
+/// Line points seen within a few scans of each other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LocalMap {
+    cells: BTreeMap<[i32; 2], Vec<LinePoint>>,
+}
+
+impl LocalMap {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.cells.clear();
+    }
+
+    pub(crate) fn insert(&mut self, point: LinePoint) {
+        let cell = self.cells.entry(cell_of(&point.position_m)).or_default();
+        let is_new = |other: &LinePoint| {
+            (other.position_m - point.position_m).norm() > LEAST_APART_M || other.normal.dot(&point.normal) < 0.5
+        };
+        if cell.len() < MAX_IN_CELL && cell.iter().all(is_new) {
+            cell.push(point);
+        }
+    }
+
+    /// Drops what lies farther than `radius_m` from `centre_m` along either axis.
+    pub(crate) fn keep_around(&mut self, centre_m: &Point2<f64>, radius_m: f64) {
+        let [x, y] = cell_of(centre_m);
+        let radius = (radius_m / CELL_M).ceil() as i32;
+        self.cells.retain(|cell, _| cell[0].abs_diff(x).max(cell[1].abs_diff(y)) <= radius.unsigned_abs());
+    }
+
+    /// The nearest line point within a cell's side whose normal points the same way.
+    pub(crate) fn nearest(&self, point: &LinePoint) -> Option<&LinePoint> {
+        let [x, y] = cell_of(&point.position_m);
+        let columns = (-1..=1).flat_map(|dx| self.cells.range([x + dx, y - 1]..=[x + dx, y + 1]));
+        let faces_alike = |other: &&LinePoint| other.normal.dot(&point.normal) > 0.7;
+        let candidates = columns.flat_map(|(_, cell)| cell).filter(faces_alike);
+        let by_distance = candidates.map(|other| ((other.position_m - point.position_m).norm_squared(), other));
+        let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (nearest.0 <= CELL_M * CELL_M).then_some(nearest.1)
+    }
+}
+
+fn cell_of(position_m: &Point2<f64>) -> [i32; 2] {
+    // `as` saturates: a position beyond 10^9 m shares the last cell.
+    [position_m.x, position_m.y].map(|value_m| ((value_m / CELL_M).floor() as i32).clamp(i32::MIN / 2, i32::MAX / 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Unit, Vector2};
+
+    use super::*;
+
+    fn facing(x: f64, y: f64, normal: [f64; 2]) -> LinePoint {
+        LinePoint { position_m: Point2::new(x, y), normal: Unit::new_normalize(Vector2::from(normal)) }
+    }
+
+    #[test]
+    fn the_nearest_line_point_is_found_across_cells_and_on_the_same_side() {
+        let mut map = LocalMap::default();
+        let (front, back) = (facing(0.49, 0.0, [0.0, -1.0]), facing(0.55, 0.05, [0.0, 1.0]));
+        map.insert(front);
+        map.insert(back);
+        assert_eq!(map.nearest(&facing(0.6, 0.05, [0.0, -1.0])), Some(&front));
+        assert_eq!(map.nearest(&facing(0.6, 0.05, [0.0, 1.0])), Some(&back));
+        assert_eq!(map.nearest(&facing(1.2, 0.0, [0.0, -1.0])), None, "too far");
+    }
+
+    #[test]
+    fn what_lies_far_from_the_vehicle_is_dropped() {
+        let mut map = LocalMap::default();
+        map.insert(facing(0.0, 0.0, [0.0, 1.0]));
+        map.insert(facing(30.0, 0.0, [0.0, 1.0]));
+        map.keep_around(&Point2::new(30.0, 0.0), 20.0);
+        assert_eq!(map.nearest(&facing(0.0, 0.0, [0.0, 1.0])), None);
+        assert!(map.nearest(&facing(30.0, 0.1, [0.0, 1.0])).is_some());
+    }
+}

@@ -1,0 +1,133 @@
+//! Where each revolution was taken, by the chosen kind of pose.
+
+use nalgebra::{Isometry2, Matrix3, Vector3};
+
+use crosscut_stage::{Number, ParamSpec, Params, Revolution, Word};
+
+use crate::{Matched, Motion, ScanMatcher};
+
+const KIND: Word = Word::one_of("kind", &["auto", "odometry", "scan_match", "odometry_scan_match"]).doc(
+    "odometry, scans matched to the walls seen before, or both; auto: both where there is odometry, scans elsewhere",
+);
+
+const ODOMETRY_SHARE: Number = Number::new("odometry_share", "", 0.05)
+    .above(0.0)
+    .to(1.0)
+    .doc("standard deviation of the odometry's motion between two revolutions, as a share of it");
+
+const ODOMETRY_FLOOR_M: Number = Number::new("odometry_floor_m", "m", 0.005)
+    .above(0.0)
+    .to(1.0)
+    .doc("added to that standard deviation, and in rad to that of its turn");
+
+/// Parameters of the pose.
+pub const POSE_PARAMS: &[ParamSpec] = &[KIND.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
+
+/// A motion farther than this many standard deviations from the predicted one is noted as a slip or a jump.
+const SURPRISING: f64 = 6.0;
+
+/// Gives each revolution of a flight its pose.
+#[derive(Clone, Debug)]
+pub struct PoseTracker {
+    kind: PoseKind,
+    odometry_share: f64,
+    odometry_floor_m: f64,
+    matcher: ScanMatcher,
+    /// The odometry of the revolution before.
+    odometry: Option<Isometry2<f64>>,
+    had_odometry: bool,
+    pose: Isometry2<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PoseKind {
+    Auto,
+    Odometry,
+    ScanMatch,
+    OdometryScanMatch,
+}
+
+/// The pose of one revolution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tracked {
+    /// In the frame of the first revolution.
+    pub pose: Isometry2<f64>,
+    /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the axes of the first revolution.
+    pub covariance: Matrix3<f64>,
+    /// What was odd: a slip or a jump, a lost map, missing odometry.
+    pub note: Option<String>,
+}
+
+impl PoseTracker {
+    /// From checked values of [`POSE_PARAMS`].
+    pub fn new(params: &Params) -> Self {
+        let kind = match params.get(KIND).as_str() {
+            "odometry" => PoseKind::Odometry,
+            "scan_match" => PoseKind::ScanMatch,
+            "odometry_scan_match" => PoseKind::OdometryScanMatch,
+            _ => PoseKind::Auto,
+        };
+        Self {
+            kind,
+            odometry_share: params.get(ODOMETRY_SHARE),
+            odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
+            matcher: ScanMatcher::default(),
+            odometry: None,
+            had_odometry: false,
+            pose: Isometry2::identity(),
+        }
+    }
+
+    /// The pose of the next revolution. `odometry` is the vehicle's pose at its time in any fixed frame, if known.
+    pub fn add(&mut self, revolution: &Revolution, odometry: Option<Isometry2<f64>>) -> Tracked {
+        let motion = match (self.odometry, odometry) {
+            (Some(before), Some(now)) => Some(self.motion(before.inv_mul(&now))),
+            _ => None,
+        };
+        let is_first = self.odometry.is_none() && !self.had_odometry;
+        let is_missing = odometry.is_none() && (self.had_odometry || self.kind == PoseKind::OdometryScanMatch);
+        self.odometry = odometry;
+        self.had_odometry |= odometry.is_some();
+        let tracked = match (self.kind, motion) {
+            (PoseKind::Odometry, motion) => self.by_odometry(motion, is_first),
+            (PoseKind::ScanMatch, _) => tracked(&self.matcher.add(revolution, None), None),
+            (_, motion) => {
+                let note = is_missing.then(|| "pose: no odometry at this time; by the scan alone".to_owned());
+                tracked(&self.matcher.add(revolution, motion), note)
+            }
+        };
+        self.pose = tracked.pose;
+        tracked
+    }
+
+    /// A step of the odometry with its covariance.
+    fn motion(&self, step: Isometry2<f64>) -> Motion {
+        let (moved_m, turned_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
+        let deviation_m = self.odometry_floor_m + self.odometry_share * moved_m;
+        let deviation_rad = self.odometry_floor_m + self.odometry_share * turned_rad;
+        let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
+        Motion { step, covariance: Matrix3::from_diagonal(&deviations.component_mul(&deviations)) }
+    }
+
+    /// Without a motion the vehicle is taken to have stood still.
+    fn by_odometry(&self, motion: Option<Motion>, is_first: bool) -> Tracked {
+        let note =
+            (motion.is_none() && !is_first).then(|| "pose: no odometry at this time; the pose before".to_owned());
+        let Motion { step, covariance } =
+            motion.unwrap_or(Motion { step: Isometry2::identity(), covariance: Matrix3::identity() });
+        let turn = self.pose.rotation.to_rotation_matrix().to_homogeneous();
+        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose(), note }
+    }
+}
+
+fn tracked(matched: &Matched, note: Option<String>) -> Tracked {
+    let odd = if matched.lost {
+        Some(format!("pose: {:.0} % of the walls match those before; the map begins here", 100.0 * matched.matched))
+    } else if matched.surprise > SURPRISING {
+        let times = matched.surprise;
+        Some(format!("pose: a slip or a jump, {times:.0} standard deviations from the predicted motion"))
+    } else {
+        None
+    };
+    Tracked { pose: matched.pose, covariance: matched.covariance, note: odd.or(note) }
+}

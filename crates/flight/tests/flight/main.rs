@@ -1,0 +1,5 @@
+//! Poses of flights: the pose graph against independent checks, scan matching in worlds made of straight walls.
+
+mod pose_graph;
+mod scan_match;
+mod simulated;

@@ -1,0 +1,79 @@
+//! Poses on simulated flights, against the true ones.
+
+use crosscut_flight::{POSE_PARAMS, PoseTracker, Tracked};
+use crosscut_ingest::{PARAMS, Sensor};
+use crosscut_simulator::{Scene, scenarios};
+use crosscut_stage::{Notes, Params, Revolution, Value};
+use nalgebra::{Isometry2, Vector2};
+
+fn flight(name: &str, seed: u64, revolutions: usize) -> Vec<Scene> {
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
+    (scenario.fly)(seed).take(revolutions).collect()
+}
+
+fn true_pose(scene: &Scene) -> Isometry2<f64> {
+    let pose = scene.pose.expect("a scene of a flight");
+    Isometry2::new(pose.position_m.coords, pose.heading_rad)
+}
+
+fn odometry(scene: &Scene) -> Isometry2<f64> {
+    let pose = scene.odometry.as_ref().expect("a scene of a flight").pose.pose;
+    let yaw_rad = 2.0 * pose.orientation.z.atan2(pose.orientation.w);
+    Isometry2::new(Vector2::new(pose.position.x, pose.position.y), yaw_rad)
+}
+
+fn track(flight: &[Scene], kind: &str, with_odometry: impl Fn(usize) -> bool) -> Vec<Tracked> {
+    let mut params = Params::defaults(POSE_PARAMS);
+    params.set("kind", Value::Text(kind.to_owned())).expect("a kind");
+    let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::new(&Params::defaults(PARAMS)));
+    let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+    let add = |(i, scene): (usize, &Scene)| {
+        sensor.revolution(&scene.scan, &mut revolution, &mut notes);
+        tracker.add(&revolution, with_odometry(i).then(|| odometry(scene)))
+    };
+    flight.iter().enumerate().map(add).collect()
+}
+
+/// How far the last pose is off, as a share of the way.
+fn drift(flight: &[Scene], found: &[Tracked]) -> f64 {
+    let first = true_pose(&flight[0]);
+    let way_m: f64 = flight
+        .windows(2)
+        .map(|pair| (true_pose(&pair[1]).translation.vector - true_pose(&pair[0]).translation.vector).norm())
+        .sum();
+    let off = first.inv_mul(&true_pose(flight.last().expect("some"))).inv_mul(&found.last().expect("some").pose);
+    off.translation.vector.norm() / way_m
+}
+
+#[test]
+fn walls_correct_the_drift_of_the_odometry() {
+    let (mut by_odometry, mut by_both, mut by_scans) = (0.0, 0.0, 0.0);
+    for seed in 1..=2 {
+        let flight = flight("tunnel", seed, 400);
+        let of = |kind: &str| drift(&flight, &track(&flight, kind, |_| true));
+        let drifts = [of("odometry"), of("odometry_scan_match"), of("scan_match")];
+        println!("seed {seed}: {drifts:.4?}");
+        by_odometry += drifts[0] / 2.0;
+        by_both += drifts[1] / 2.0;
+        by_scans += drifts[2] / 2.0;
+    }
+    println!("drift: odometry {by_odometry:.4}, both {by_both:.4}, scans alone {by_scans:.4}");
+    assert!(by_both < 0.5 * by_odometry, "{by_both} against {by_odometry}");
+    assert!(by_scans < 0.1, "{by_scans}");
+}
+
+#[test]
+fn the_kinds_treat_missing_odometry_as_they_state() {
+    let flight = flight("tee", 1, 20);
+    let notes = |kind: &str, with_odometry: fn(usize) -> bool| {
+        let found = track(&flight, kind, with_odometry);
+        found.iter().filter(|tracked| tracked.note.is_some()).count()
+    };
+    assert_eq!(notes("auto", |_| true), 0);
+    assert_eq!(notes("auto", |_| false), 0, "a recording of scans alone");
+    assert_eq!(notes("auto", |i| i != 7), 1, "a hole");
+    assert_eq!(notes("odometry", |i| i != 7), 2, "two motions are unknown");
+    assert_eq!(notes("odometry_scan_match", |_| false), 20);
+    let scans = |with_odometry| track(&flight, "scan_match", with_odometry);
+    assert_eq!(scans((|_| true) as fn(usize) -> bool), scans(|_| false));
+}
