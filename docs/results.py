@@ -137,7 +137,7 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
     "corridors": ("Real corridors", ["crosscut run FLIGHT.mcap --over-time FLIGHT.svg"], "corridors", corridors),
     "tolerance": ("The paper's rule by tolerance", ["crosscut paper --out target/docs/paper"], "paper/paper.md", tolerance),
     "speed": ("Speed beside scikit-learn", ["tests/foreign/run speed"], "speed.txt", speed),
-    "recording": ("Recording", ["cargo bench -p crosscut-recorder"], "recording.csv", recording),
+    "recording": ("Recording", ["cargo bench --workspace --bench recording"], "recording.csv", recording),
 }
 
 

@@ -1,6 +1,6 @@
 //! What a recording takes: processor time and bytes a revolution, memory.
 //!
-//! `cargo bench -p crosscut-recorder` records the shipped flight, 1200 revolutions at 10 Hz in a round; `... -- N` takes
+//! `cargo bench --workspace --bench recording` records the shipped flight, 1200 revolutions at 10 Hz in a round; `... -- N` takes
 //! N. Columns are parted by commas. Beside each recording, in turn, a plain loop of `RecordingStream::log` logs the same
 //! rows, which were read back from it: what Rerun itself takes to batch, encode and write them. Times are processor time
 //! of all threads, the medians of five rounds. `method` is the time of the stages without a recording.
