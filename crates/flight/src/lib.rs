@@ -1,4 +1,4 @@
-//! Where each revolution of a flight was taken.
+//! Where each revolution of a flight was taken, and what kind of place that is.
 //!
 //! In: revolutions in order, and odometry where there is any. Out: poses in the plane, [`nalgebra::Isometry2`] in metres
 //! and radians, in the frame of the first revolution (x forward, y left), with covariances.
@@ -7,12 +7,14 @@
 //! - [`ScanMatcher`] matches each revolution to the walls seen before, point to line; odometry is its prediction where
 //!   there is any.
 //! - [`PoseTracker`] chooses among them by name ([`POSE_PARAMS`]) and notes slips, jumps and missing odometry.
+//! - [`here()`] finds which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
 //! - [`PoseGraph`] corrects the poses once a place is known to be seen again; [`write_g2o`] and [`read_g2o`] exchange it
 //!   with other programs.
 //!
 //! All of it is deterministic: the same revolutions give the same poses.
 
 mod g2o;
+mod here;
 mod line_points;
 mod local_map;
 mod odometry;
@@ -21,6 +23,7 @@ mod pose_graph;
 mod scan_match;
 
 pub use g2o::{G2oError, read_g2o, write_g2o};
+pub use here::{Here, HereKind, here};
 pub use odometry::Odometry;
 pub use pose::{POSE_PARAMS, PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};

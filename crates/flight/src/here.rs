@@ -1,0 +1,230 @@
+//! The place that the vehicle is in, and which of the openings in view belong to it.
+//!
+//! From a passage the next junction is often in view: its openings are no ways of the passage. The place here is the free
+//! space within the look, a circle of [`LOOK_WIDTHS`] local widths around the sensor:
+//!
+//! ```text
+//!      ______|    |______         o  sensor
+//!   ..(.                .)..      .  the circle; where it crosses free space is a mouth
+//!   __(_      o         _)__      |  an opening whose edge lies inside the circle is a mouth, too
+//!      .________________.
+//! ```
+//!
+//! - The **local width** w is the shortest free line through the sensor.
+//! - A **mouth** is a run of beams that leave the circle, at least as wide there as the vehicle, with an opening behind it
+//!   or at least 3 m of passage that is seen to end.
+//! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
+//! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
+//!   twice as wide as they are, a chamber.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_stage::{Beam, Junction, Opening, Revolution, Sweep};
+
+/// Radius of the look in local widths.
+const LOOK_WIDTHS: f64 = 1.5;
+
+/// The place is judged in three looks; where they differ it is in doubt.
+const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
+
+/// The look is never shorter than this, in widths of the vehicle, nor longer, in metres.
+const LEAST_LOOK_VEHICLES: f64 = 2.5;
+const FARTHEST_LOOK_M: f64 = 12.0;
+
+/// A passage that is seen to end is a mouth if it continues this far beyond the circle.
+const DEPTH_M: f64 = 3.0;
+
+/// Rock between two mouths that is narrower than this on the circle does not part them.
+const LEAST_ROCK_M: f64 = 0.3;
+
+/// A place this many times wider than its ways is a chamber.
+const CHAMBER_WIDTHS: f64 = 2.0;
+
+/// The kind of place that the vehicle is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HereKind {
+    /// Three or more ways.
+    Junction,
+    /// Two ways.
+    Passage,
+    /// One way.
+    DeadEnd,
+    /// No way, or much wider than its one or two ways.
+    Chamber,
+}
+
+/// The place that the vehicle is in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Here {
+    /// Its kind, by the number of its mouths.
+    pub kind: HereKind,
+    /// Indices of the openings that are ways of this place, ascending.
+    pub ways: Vec<usize>,
+    /// Number of mouths without an opening: the passage behind them is seen to end.
+    pub closed: usize,
+    /// The confidence of the revolution, less where a shorter or a longer look sees another place. 0 to 1.
+    pub confidence: f64,
+}
+
+impl HereKind {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Junction => "junction",
+            Self::Passage => "passage",
+            Self::DeadEnd => "dead_end",
+            Self::Chamber => "chamber",
+        }
+    }
+}
+
+/// The place of a revolution with its report; `None` for a cloud, a limited view, and where no wall is in view.
+pub fn here(revolution: &Revolution, junction: &Junction, vehicle_width_m: f64) -> Option<Here> {
+    let outline = Outline::of(revolution, revolution.as_sweep()?, junction)?;
+    let width_m = outline.local_width_m();
+    let look_m = (LOOK_WIDTHS * width_m).clamp(LEAST_LOOK_VEHICLES * vehicle_width_m, FARTHEST_LOOK_M);
+    let places = LOOKS.map(|times| outline.place(times * look_m, width_m, vehicle_width_m, &junction.openings));
+    let alike = places.iter().filter(|(kind, mouths)| (*kind, mouths.len()) == (places[0].0, places[0].1.len()));
+    let confidence = junction.confidence * alike.count() as f64 / places.len() as f64;
+    let [(kind, mouths), ..] = places;
+    let mut ways: Vec<usize> = mouths.iter().copied().flatten().collect();
+    ways.sort_unstable();
+    Some(Here { kind, closed: mouths.len() - ways.len(), ways, confidence })
+}
+
+/// How far each direction is free.
+struct Outline {
+    /// Bearing, anticlockwise from the first, and free range, metres; ascending by bearing over less than a turn.
+    free: Vec<[f64; 2]>,
+}
+
+impl Outline {
+    /// By the returns of walls alone: islands and dust hide nothing that matters here.
+    fn of(revolution: &Revolution, sweep: &Sweep, junction: &Junction) -> Option<Self> {
+        let view = sweep.view();
+        if !view.full_turn || junction.walls.is_empty() {
+            return None;
+        }
+        let is_wall = |number: u32| {
+            let wall = junction.wall_of_return.get(number as usize).copied().flatten();
+            wall.is_some_and(|id| junction.walls.iter().any(|wall| wall.id == id && !wall.island))
+        };
+        let first_rad =
+            *if view.clockwise { sweep.bearings_rad.get(sweep.len() - 1)? } else { sweep.bearings_rad.first()? };
+        let free_m = |beam: Beam| match beam {
+            Beam::Return(number) if is_wall(number) => Some(revolution.range_m(number as usize)),
+            // A beam is often lost on a wall; where a dark sector leads on, the report has found an opening.
+            Beam::Return(_) | Beam::NoReturn | Beam::Unknown => None,
+        };
+        let beams = sweep.anticlockwise(view).enumerate();
+        let free = beams.filter_map(|(at, beam)| Some([first_rad + at as f64 * sweep.step_rad, free_m(beam)?]));
+        Some(Self { free: free.collect() }).filter(|outline| !outline.free.is_empty())
+    }
+
+    /// The free range of the sample that is nearest to a bearing.
+    fn at(&self, bearing_rad: f64) -> usize {
+        let turned_rad = self.free[0][0] + (bearing_rad - self.free[0][0]).rem_euclid(TAU);
+        let after = self.free.partition_point(|sample| sample[0] < turned_rad);
+        let (before, after) = (after.saturating_sub(1), after % self.free.len());
+        let apart_rad = |at: usize| {
+            let apart_rad = (self.free[at][0] - turned_rad).rem_euclid(TAU);
+            apart_rad.min(TAU - apart_rad)
+        };
+        if apart_rad(before) <= apart_rad(after) { before } else { after }
+    }
+
+    /// The shortest free line through the sensor.
+    fn local_width_m(&self) -> f64 {
+        let across_m = self.free.iter().map(|&[bearing_rad, free_m]| free_m + self.free[self.at(bearing_rad + PI)][1]);
+        across_m.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The kind of place within a circle, and its mouths, each with the opening behind it, if any.
+    fn place(
+        &self,
+        look_m: f64,
+        width_m: f64,
+        vehicle_width_m: f64,
+        openings: &[Opening],
+    ) -> (HereKind, Vec<Option<usize>>) {
+        let runs = self.runs(look_m, vehicle_width_m);
+        let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
+        let mut inside = Vec::new();
+        for (index, opening) in openings.iter().enumerate() {
+            let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
+            let near_m = ends_m[0].norm().min(ends_m[1].norm());
+            let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
+            let middle = self.at(opening.bearing_rad);
+            let run = far.chain([middle]).find_map(|at| runs.iter().position(|run| run.contains(at)));
+            match run {
+                Some(run) if nearest[run].is_none_or(|(other_m, _)| near_m < other_m) => {
+                    nearest[run] = Some((near_m, index));
+                }
+                Some(_) => {}
+                None if near_m <= look_m => inside.push(Some(index)),
+                None => {}
+            }
+        }
+        let is_deep = |run: &Run| run.reach_m >= look_m + DEPTH_M;
+        let behind = runs.iter().zip(&nearest).filter(|(run, opening)| opening.is_some() || is_deep(run));
+        let mouths: Vec<_> = behind.map(|(_, opening)| opening.map(|(_, index)| index)).chain(inside).collect();
+        let widest_m = mouths.iter().flatten().map(|&index| openings[index].width_m).fold(0.0, f64::max);
+        let is_wide = widest_m > 0.0 && width_m > CHAMBER_WIDTHS * widest_m;
+        let kind = match mouths.len() {
+            0 => HereKind::Chamber,
+            1 | 2 if is_wide => HereKind::Chamber,
+            1 => HereKind::DeadEnd,
+            2 => HereKind::Passage,
+            _ => HereKind::Junction,
+        };
+        (kind, mouths)
+    }
+
+    /// Runs of samples that leave the circle, wide enough for the vehicle.
+    fn runs(&self, look_m: f64, vehicle_width_m: f64) -> Vec<Run> {
+        let n = self.free.len();
+        let is_out = |at: usize| self.free[at % n][1] > look_m;
+        let Some(start) = (0..n).find(|&at| !is_out(at)) else {
+            return vec![Run { first: 0, len: n, of: n, reach_m: f64::INFINITY }];
+        };
+        let mut runs: Vec<Run> = Vec::new();
+        for at in (start..start + n).filter(|&at| is_out(at)) {
+            let reach_m = self.free[at % n][1];
+            let is_parted = |run: &Run| {
+                let last = run.first + run.len - 1;
+                at > last + 1 && self.arc_m(last, at, look_m) >= LEAST_ROCK_M
+            };
+            match runs.last_mut().filter(|run| !is_parted(run)) {
+                Some(run) => (run.len, run.reach_m) = (at + 1 - run.first, run.reach_m.max(reach_m)),
+                None => runs.push(Run { first: at, len: 1, of: n, reach_m }),
+            }
+        }
+        // From the blocked sample before a run to the one after it.
+        runs.retain(|run| self.arc_m(run.first - 1, run.first + run.len, look_m) >= vehicle_width_m);
+        runs
+    }
+
+    /// The length of the circle's arc from one sample to another, both counted beyond a turn.
+    fn arc_m(&self, from: usize, to: usize, look_m: f64) -> f64 {
+        let n = self.free.len();
+        let bearing_rad = |at: usize| self.free[at % n][0] + (at / n) as f64 * TAU;
+        look_m * (bearing_rad(to) - bearing_rad(from))
+    }
+}
+
+/// A run of samples that leave the circle.
+struct Run {
+    /// Its first sample, counted beyond the turn.
+    first: usize,
+    len: usize,
+    /// Number of samples in the turn.
+    of: usize,
+    /// The farthest of them.
+    reach_m: f64,
+}
+
+impl Run {
+    fn contains(&self, at: usize) -> bool {
+        (at + self.of - self.first % self.of) % self.of < self.len
+    }
+}
