@@ -6,13 +6,14 @@
 //! ```text
 //!      ______|    |______         o  sensor
 //!   ..(.                .)..      .  the circle; where it crosses free space is a mouth
-//!   __(_      o         _)__      |  an opening whose edge lies inside the circle is a mouth, too
+//!   __(_      o         _)__      |  rock
 //!      .________________.
 //! ```
 //!
-//! - The **local width** w is the shortest free line through the sensor.
-//! - A **mouth** is a run of beams that leave the circle, at least as wide there as the vehicle, with an opening behind it
-//!   or at least 3 m of passage that is seen to end.
+//! - The **local width** w is the shortest free line through the sensor. Beams without a return between two returns of
+//!   one wall end at the straight line from the one to the other: wet rock is no mouth.
+//! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
+//!   width. Some beam reaches 5 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
 //! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   twice as wide as they are, a chamber.
@@ -31,8 +32,14 @@ const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
 const LEAST_LOOK_VEHICLES: f64 = 2.5;
 const FARTHEST_LOOK_M: f64 = 12.0;
 
-/// A passage that is seen to end is a mouth if it continues this far beyond the circle.
-const DEPTH_M: f64 = 3.0;
+/// A mouth is at least this wide, in local widths.
+const LEAST_MOUTH_WIDTHS: f64 = 0.25;
+
+/// Behind a mouth without an opening some beam reaches this many times the radius of the circle.
+const LEAST_REACH: f64 = 1.05;
+
+/// Returns of one wall that are a wider angle apart are not joined.
+const MAX_JOINED_RAD: f64 = 2.6;
 
 /// Rock between two mouths that is narrower than this on the circle does not part them.
 const LEAST_ROCK_M: f64 = 0.3;
@@ -99,26 +106,41 @@ struct Outline {
 }
 
 impl Outline {
-    /// By the returns of walls alone: islands and dust hide nothing that matters here.
+    /// The returns of walls alone: islands and dust hide nothing that matters here.
     fn of(revolution: &Revolution, sweep: &Sweep, junction: &Junction) -> Option<Self> {
         let view = sweep.view();
-        if !view.full_turn || junction.walls.is_empty() {
-            return None;
+        let at_first = if view.clockwise { sweep.bearings_rad.last() } else { sweep.bearings_rad.first() };
+        let (&first_rad, step_rad) = (at_first.filter(|_| view.full_turn)?, sweep.step_rad);
+        let is_island = |id: u32| junction.walls.iter().any(|wall| wall.id == id && wall.island);
+        let wall_of = |number: u32| junction.wall_of_return.get(number as usize).copied().flatten();
+        let beams: Vec<Beam> = sweep.anticlockwise(view).collect();
+        let of_wall = |(at, beam): (usize, &Beam)| match *beam {
+            Beam::Return(number) => {
+                let wall = wall_of(number).filter(|&id| !is_island(id))?;
+                Some((at, wall, revolution.range_m(number as usize)))
+            }
+            Beam::NoReturn | Beam::Unknown => None,
+        };
+        let returns: Vec<(usize, u32, f64)> = beams.iter().enumerate().filter_map(of_wall).collect();
+        let dark_m = |beam: &Beam| (*beam == Beam::NoReturn).then_some(sweep.range_max_m);
+        let mut free_m: Vec<Option<f64>> = beams.iter().map(dark_m).collect();
+        for (&(at, wall, from_m), &(next, next_wall, to_m)) in returns.iter().zip(returns.iter().cycle().skip(1)) {
+            free_m[at] = Some(from_m);
+            let apart = if next > at { next - at } else { next + beams.len() - at };
+            let apart_rad = apart as f64 * step_rad;
+            if wall != next_wall || apart_rad > MAX_JOINED_RAD {
+                continue;
+            }
+            for beam in 1..apart {
+                let turn_rad = beam as f64 * step_rad;
+                // Where the beam meets the line from the one return to the other.
+                let across_m = from_m * turn_rad.sin() + to_m * (apart_rad - turn_rad).sin();
+                free_m[(at + beam) % beams.len()] = Some(from_m * to_m * apart_rad.sin() / across_m);
+            }
         }
-        let is_wall = |number: u32| {
-            let wall = junction.wall_of_return.get(number as usize).copied().flatten();
-            wall.is_some_and(|id| junction.walls.iter().any(|wall| wall.id == id && !wall.island))
-        };
-        let first_rad =
-            *if view.clockwise { sweep.bearings_rad.get(sweep.len() - 1)? } else { sweep.bearings_rad.first()? };
-        let free_m = |beam: Beam| match beam {
-            Beam::Return(number) if is_wall(number) => Some(revolution.range_m(number as usize)),
-            // A beam is often lost on a wall; where a dark sector leads on, the report has found an opening.
-            Beam::Return(_) | Beam::NoReturn | Beam::Unknown => None,
-        };
-        let beams = sweep.anticlockwise(view).enumerate();
-        let free = beams.filter_map(|(at, beam)| Some([first_rad + at as f64 * sweep.step_rad, free_m(beam)?]));
-        Some(Self { free: free.collect() }).filter(|outline| !outline.free.is_empty())
+        let bearing_rad = |at: usize| first_rad + at as f64 * step_rad;
+        let known = free_m.into_iter().enumerate().filter_map(|(at, free_m)| Some([bearing_rad(at), free_m?]));
+        (!returns.is_empty()).then(|| Self { free: known.collect() })
     }
 
     /// The free range of the sample that is nearest to a bearing.
@@ -147,9 +169,8 @@ impl Outline {
         vehicle_width_m: f64,
         openings: &[Opening],
     ) -> (HereKind, Vec<Option<usize>>) {
-        let runs = self.runs(look_m, vehicle_width_m);
+        let runs = self.runs(look_m, vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m));
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
-        let mut inside = Vec::new();
         for (index, opening) in openings.iter().enumerate() {
             let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
             let near_m = ends_m[0].norm().min(ends_m[1].norm());
@@ -161,13 +182,12 @@ impl Outline {
                     nearest[run] = Some((near_m, index));
                 }
                 Some(_) => {}
-                None if near_m <= look_m => inside.push(Some(index)),
                 None => {}
             }
         }
-        let is_deep = |run: &Run| run.reach_m >= look_m + DEPTH_M;
+        let is_deep = |run: &Run| run.reach_m >= LEAST_REACH * look_m;
         let behind = runs.iter().zip(&nearest).filter(|(run, opening)| opening.is_some() || is_deep(run));
-        let mouths: Vec<_> = behind.map(|(_, opening)| opening.map(|(_, index)| index)).chain(inside).collect();
+        let mouths: Vec<_> = behind.map(|(_, opening)| opening.map(|(_, index)| index)).collect();
         let widest_m = mouths.iter().flatten().map(|&index| openings[index].width_m).fold(0.0, f64::max);
         let is_wide = widest_m > 0.0 && width_m > CHAMBER_WIDTHS * widest_m;
         let kind = match mouths.len() {
@@ -180,8 +200,8 @@ impl Outline {
         (kind, mouths)
     }
 
-    /// Runs of samples that leave the circle, wide enough for the vehicle.
-    fn runs(&self, look_m: f64, vehicle_width_m: f64) -> Vec<Run> {
+    /// Runs of samples that leave the circle, at least this wide.
+    fn runs(&self, look_m: f64, least_m: f64) -> Vec<Run> {
         let n = self.free.len();
         let is_out = |at: usize| self.free[at % n][1] > look_m;
         let Some(start) = (0..n).find(|&at| !is_out(at)) else {
@@ -190,17 +210,17 @@ impl Outline {
         let mut runs: Vec<Run> = Vec::new();
         for at in (start..start + n).filter(|&at| is_out(at)) {
             let reach_m = self.free[at % n][1];
-            let is_parted = |run: &Run| {
+            let is_same = |run: &&mut Run| {
                 let last = run.first + run.len - 1;
-                at > last + 1 && self.arc_m(last, at, look_m) >= LEAST_ROCK_M
+                at == last + 1 || self.arc_m(last, at, look_m) < LEAST_ROCK_M
             };
-            match runs.last_mut().filter(|run| !is_parted(run)) {
+            match runs.last_mut().filter(is_same) {
                 Some(run) => (run.len, run.reach_m) = (at + 1 - run.first, run.reach_m.max(reach_m)),
                 None => runs.push(Run { first: at, len: 1, of: n, reach_m }),
             }
         }
         // From the blocked sample before a run to the one after it.
-        runs.retain(|run| self.arc_m(run.first - 1, run.first + run.len, look_m) >= vehicle_width_m);
+        runs.retain(|run| self.arc_m(run.first - 1, run.first + run.len, look_m) >= least_m);
         runs
     }
 

@@ -20,8 +20,17 @@ fn truth(network: &Network, at_m: &Point) -> Option<(HereKind, usize)> {
     };
     let (to_junction, junction) = by_distance(|degree| degree >= 3);
     let (to_end, _) = by_distance(|degree| degree == 1);
+    // A spur that hardly leaves the circle may be a way or a bay.
+    let spurs = network
+        .tunnels
+        .iter()
+        .filter(|tunnel| tunnel.ends.contains(&junction) && tunnel.ends.iter().any(|&end| network.degree(end) == 1));
+    let width_m = 2.0 * network.half_width_at_m(junction);
+    let length_m = |line: &[Point]| line.windows(2).map(|two| (two[1] - two[0]).norm()).sum::<f64>();
+    let is_short = spurs.into_iter().any(|spur| length_m(&spur.centreline_m) < 2.5 * width_m);
     match () {
-        () if to_junction < 0.6 => Some((HereKind::Junction, network.degree(junction))),
+        () if is_short && to_junction < 2.0 => None,
+        () if to_junction < 0.5 => Some((HereKind::Junction, network.degree(junction))),
         () if to_end < 0.8 && to_junction > 2.0 => Some((HereKind::DeadEnd, 1)),
         () if to_junction > 2.0 && to_end > 3.0 => Some((HereKind::Passage, 2)),
         () => None,
@@ -29,7 +38,7 @@ fn truth(network: &Network, at_m: &Point) -> Option<(HereKind, usize)> {
 }
 
 #[test]
-fn the_place_is_found_among_all_openings_in_view() {
+fn kind_and_ways_are_right_in_nine_of_ten_revolutions() {
     let mut right: BTreeMap<String, [usize; 2]> = BTreeMap::new();
     for (name, seed) in [("tunnel", 1), ("tunnel", 2), ("mine", 1), ("mine", 2)] {
         let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
@@ -37,8 +46,7 @@ fn the_place_is_found_among_all_openings_in_view() {
         let (sensor, mut frame) = (Sensor::new(&Params::defaults(PARAMS)), Frame::default());
         let flight = (scenario.fly)(seed);
         let network = flight.mine().network().clone();
-        let mut whole = 0;
-        for scene in flight.step_by(6) {
+        for scene in flight.step_by(3) {
             let pose = scene.pose.expect("of a flight");
             let Some((kind, ways)) = truth(&network, &pose.position_m) else { continue };
             frame.notes.clear();
@@ -49,14 +57,14 @@ fn the_place_is_found_among_all_openings_in_view() {
             let entry = right.entry(format!("{name} {kind:?} {ways}")).or_default();
             entry[0] += usize::from(is_right);
             entry[1] += 1;
-            whole += usize::from(frame.junction.openings.len() == ways);
         }
-        println!("{name} {seed}: by all openings in view {whole}");
     }
     for (of, [right, all]) in &right {
-        println!("{of}: {right} of {all}, {:.1} %", 100.0 * *right as f64 / *all as f64);
+        println!("{of}: {right} of {all}");
     }
-    let [right, all] = right.values().fold([0, 0], |sum, entry| [sum[0] + entry[0], sum[1] + entry[1]]);
-    // All openings in view give the number of ways in 70 % of them.
-    assert!(20 * right > 17 * all, "{right} of {all}");
+    // A place that has not been seen at all would make the bound below empty.
+    assert!(right.len() >= 6, "{right:?}");
+    for (of, [right, all]) in &right {
+        assert!(*right as f64 >= 0.9 * *all as f64, "{of}: {right} of {all}");
+    }
 }
