@@ -12,6 +12,7 @@ import elsewhere
 import formats
 import killing
 import mcap_io
+import messages
 import reading
 import recording
 import spectrum
@@ -32,6 +33,7 @@ CHECKS = {
     "elsewhere": elsewhere,
     "carmen": carmen,
     "formats": formats,
+    "messages": messages,
 }
 # Needs a program with the feature `web`, and a browser.
 ON_DEMAND = {"browser": web_viewer}

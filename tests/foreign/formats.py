@@ -25,8 +25,8 @@ from program import lines
 from verdicts import Verdicts
 from writing import Message
 
-SCANS = 30
-CUTS = 40
+SCANS = 20
+CUTS = 24
 ROS1_TYPES = get_typestore(Stores.ROS1_NOETIC)
 FIRST_RAD, RANGE_MAX_M = np.float32(-np.pi), scenes.RANGE_MAX_M
 
@@ -69,9 +69,10 @@ def containers(folder: Path, base: Path, messages: list[Message]) -> Iterator[tu
     for compression in (None, BagWriter.CompressionFormat.BZ2, BagWriter.CompressionFormat.LZ4):
         name = compression.name.lower() if compression else "none"
         path = folder / f"ros1_{name}.bag"
-        with BagWriter(path) as bag:
-            if compression:
-                bag.set_compression(compression)
+        bag = BagWriter(path)
+        if compression:
+            bag.set_compression(compression)
+        with bag:
             topic = bag.add_connection("/scan", writing.LASER_SCAN, typestore=ROS1_TYPES)
             for m in messages:
                 bag.write(topic, m.log_time_ns, writing.ros1(m).data)
@@ -81,9 +82,10 @@ def containers(folder: Path, base: Path, messages: list[Message]) -> Iterator[tu
         for version in (8, 9):
             for mode, words in modes:
                 path = folder / f"rosbag2_{storage.name}_{version}_{mode.name}".lower()
-                with Rosbag2Writer(path, version=version, storage_plugin=storage) as bag:
+                bag = Rosbag2Writer(path, version=version, storage_plugin=storage)
+                if mode != CompressionMode.NONE:
                     bag.set_compression(mode, CompressionFormat.ZSTD)
-                    bag.open() if bag.storage is None else None
+                with bag:
                     topic = bag.add_connection("/scan", writing.LASER_SCAN, typestore=writing.ROS2_TYPES)
                     for m in messages:
                         bag.write(topic, m.log_time_ns, m.data)
@@ -135,8 +137,9 @@ def write_table(path: Path, messages: list[Message]):
 
 
 def check_cuts(folder: Path, reference: bytes, flights: Flights, verdicts: Verdicts):
-    """A file that ends too early gives true results, as many as SQLite or a plain search would find or more."""
-    expected = reference.splitlines(keepends=True)
+    """A file that ends too early gives true results. Rows of a database fill a page from its end, so the first of a page
+    that is cut are missing and `seq` begins later."""
+    expected = unnumbered(reference)
     database = next((folder / "rosbag2_sqlite3_8_none").glob("*.db3"))
     for path in (folder / "ros1_none.bag", folder / "ros1_lz4.bag", database):
         whole, counts, wrong = path.read_bytes(), [], []
@@ -144,12 +147,18 @@ def check_cuts(folder: Path, reference: bytes, flights: Flights, verdicts: Verdi
             cut = folder / "cut"
             cut.write_bytes(whole[:end])
             ran = flights.crosscut.results(cut)
-            given = ran.stdout.splitlines(keepends=True)
+            given = unnumbered(ran.stdout)
             counts.append(len(given))
-            if given != expected[: len(given)] or ran.code != (3 if given else 1):
+            is_true = all(line in expected for line in given) if path == database else given == expected[: len(given)]
+            if not is_true or ran.code != (3 if given else 1):
                 wrong.append(f"{end} bytes: {len(given)} lines, exit code {ran.code}: {ran.words.strip()[:120]}")
         holds = not wrong and counts == sorted(counts)
         verdicts.that(holds, f"cut off, {path.name}", wrong[0] if wrong else f"{CUTS} cuts, {counts[CUTS // 2]} lines of the half")
+
+
+def unnumbered(results: bytes) -> list[dict]:
+    """The lines of results without the place of each scan among those that were read."""
+    return [{name: value for name, value in line.items() if name != "seq"} for line in lines(results)]
 
 
 def check_conversion(folder: Path, reference: bytes, flights: Flights, verdicts: Verdicts):

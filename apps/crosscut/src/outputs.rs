@@ -75,7 +75,8 @@ impl Write for OutputFile {
 /// Refuses an output that is one of the files `read`, or the same file as another output.
 pub(crate) fn refuse(outputs: &[&Path], read: &[PathBuf]) -> Result<(), UsageError> {
     for (i, output) in outputs.iter().enumerate() {
-        let is_read = read.iter().any(|read| is_same_file(read, output));
+        // `-` reads standard input and writes standard output.
+        let is_read = *output != Path::new("-") && read.iter().any(|read| is_same_file(read, output));
         if is_read || outputs[..i].iter().any(|other| is_same_file(other, output)) {
             return Err(UsageError(format!("{} would be overwritten; write to another file", output.display())));
         }
