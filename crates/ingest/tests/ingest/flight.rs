@@ -98,7 +98,18 @@ impl Form {
 
     /// An MCAP with five messages a chunk.
     pub(crate) fn write(self, records: &[Record]) -> Vec<u8> {
-        let options = WriteOptions::new()
+        self.write_with(WriteOptions::new(), records)
+    }
+
+    /// An MCAP with five messages a chunk and no checksums.
+    #[allow(dead_code)] // for the seeds of fuzzing
+    pub(crate) fn write_unchecked(self, records: &[Record]) -> Vec<u8> {
+        let options = WriteOptions::new().calculate_chunk_crcs(false).calculate_data_section_crc(false);
+        self.write_with(options.calculate_summary_section_crc(false), records)
+    }
+
+    fn write_with(self, options: WriteOptions, records: &[Record]) -> Vec<u8> {
+        let options = options
             .profile("ros2")
             .library("test")
             .compression(self.compression)
