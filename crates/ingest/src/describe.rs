@@ -9,12 +9,13 @@ use crosscut_stage::{Notes, Revolution, Sweep, counted};
 use crate::clock::Clock;
 use crate::container::{self, Contents, TopicReader};
 use crate::topics::topics_of;
+use crate::turns::{Turn, Turns};
 use crate::{IngestError, Loss, LossKind, ReadOptions, Sensor, TopicInfo};
 
 const NS_PER_S: f64 = 1e9;
 
 /// This many scans of a topic are looked at.
-const SCANS_SAMPLED: usize = 50;
+const SCANS_SAMPLED: usize = 100;
 
 /// What is in one file.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,10 +130,8 @@ fn describe_first(
     losses: &mut Vec<Loss>,
 ) -> Option<ScanDescription> {
     decoder.echo = sensor.echo();
-    let mut scan = ScanMessage::default();
-    let (mut first, mut seq) = (None, 0);
-    let (mut scans, mut beams, mut returns) = (0, 0, 0);
-    while scans < SCANS_SAMPLED {
+    let mut turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
+    for seq in 0..SCANS_SAMPLED as u64 {
         let message = reader.next();
         for loss in reader.take_losses() {
             if !losses.contains(&loss) {
@@ -140,21 +139,30 @@ fn describe_first(
             }
         }
         let Some(message) = message else { break };
+        let mut scan = turns.place();
         if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
             losses.push(Loss { file: reader.contents().path.clone(), kind });
             break;
         }
         if sensor.frame_id().is_none_or(|wanted| wanted == scan.header().frame_id) {
-            let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
-            sensor.message(&scan, &mut revolution, &mut notes);
-            scans += 1;
-            beams += revolution.sweep.as_ref().map_or(0, Sweep::len);
-            returns += revolution.len();
-            first.get_or_insert_with(|| describe_scan(&scan, &revolution, &notes));
+            turns.push(Turn { scan: Ok(scan), ..Turn::new(seq, 0) }, sensor);
         }
         reader.recycle(message);
-        seq += 1;
+    }
+    turns.finish(sensor);
+    let (mut first, mut beams, mut returns) = (None, 0, 0);
+    while let Some(turn) = turns.pop() {
+        let Ok(scan) = &turn.scan else { continue };
+        let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+        sensor.message(scan, &mut revolution, &mut notes);
+        notes.extend(turn.notes.iter().cloned());
+        if let Some(scan) = turn.laser_scan() {
+            turns.blind().hide(scan, &mut revolution, &mut notes);
+        }
+        beams += revolution.sweep.as_ref().map_or(0, Sweep::len);
+        returns += revolution.len();
+        first.get_or_insert_with(|| describe_scan(scan, &revolution, &notes));
     }
     let missing = if beams > 0 { 1.0 - returns as f64 / beams as f64 } else { 0.0 };
     first.map(|first| ScanDescription { missing, ..first })

@@ -75,6 +75,11 @@
 //! (`find_blind_sectors`), if their edges stay at the same beams while the ranges beside them change; for a vehicle that
 //! stands still, if the driver gives 0 for 60° or more of them and for no other beam, and the walls beside them go on.
 //!
+//! A vehicle that turns takes its sensor with it while a scan is taken. Where scans state the time from beam to beam
+//! (`time_increment`) and two that follow each other show how far the sensor turned, 9° or more in a scan, the beams are
+//! brought to the heading in the middle of the scan, with a note and a setting (`deskew`). Then beams beyond a full turn
+//! are left out, and a turn may fall short of 360° by the angle that the sensor turned.
+//!
 //! To add another kind of recording: implement `Container` in a file of its own under `container/`, and give it a line
 //! in `container::open`. To read something live: pass [`LaserScan`](crosscut_messages::LaserScan)s through
 //! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
@@ -95,6 +100,7 @@ mod recording;
 mod sensor;
 mod topics;
 mod truths;
+mod turning;
 mod turns;
 
 pub use container::{CSV_PARAMS, CsvGeometry};

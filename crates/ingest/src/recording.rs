@@ -4,13 +4,14 @@ use std::collections::VecDeque;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{DecodeError, ScanType};
+use crosscut_messages::{DecodeError, ScanMessage, ScanType};
 use crosscut_stage::{Beam, Notes, Revolution, Source, SourceError, counted};
 
 use crate::before::{Before, seconds};
 use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::topics::{scan_topic, topics_of};
+use crate::turning::Turning;
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
 
@@ -67,6 +68,7 @@ pub struct Recording {
     /// Whether any turn lay in the time asked for.
     any_selected: bool,
     before: Before,
+    turning: Turning,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -111,6 +113,7 @@ impl Recording {
             starts_at_s: None,
             any_selected: false,
             before: Before::default(),
+            turning: Turning::default(),
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
@@ -185,7 +188,12 @@ impl Recording {
     /// The next turn, whether it is asked for or not.
     fn next_turn(&mut self) -> Option<Turn> {
         loop {
-            if let Some(turn) = self.turns.pop() {
+            if let Some(mut turn) = self.turns.pop() {
+                if self.sensor.deskews()
+                    && let Some(scan) = turn.laser_scan()
+                {
+                    turn.rad_per_beam = self.turning.rad_per_beam(scan);
+                }
                 return Some(turn);
             }
             if self.has_ended {
@@ -258,7 +266,10 @@ impl Recording {
         match &turn.scan {
             Ok(scan) => {
                 notes.extend(turn.odd_time);
-                self.sensor.message(scan, out, notes);
+                match scan {
+                    ScanMessage::Scan(scan) => self.sensor.turning_revolution(scan, turn.rad_per_beam, out, notes),
+                    ScanMessage::Cloud(cloud) => self.sensor.cloud(cloud, out, notes),
+                }
                 notes.extend(turn.notes.drain(..));
                 if let (Some(sweep), Some(scan)) = (&mut out.sweep, turn.laser_scan()) {
                     let missing = sweep.beams.iter_mut().zip(&turn.missing).filter(|(_, is_missing)| **is_missing);

@@ -22,6 +22,8 @@ pub(super) struct Fan {
     increment_rad: f64,
     /// The beams before the one that would look again where the first one looks.
     beams_in_turn: usize,
+    /// A turn that is no shorter than by this is full.
+    short_rad: f64,
 }
 
 impl Fan {
@@ -39,18 +41,33 @@ impl Fan {
             return None;
         }
         if beams == 1 {
-            return Some(Self { first_rad, increment_rad: TAU, beams_in_turn: 1 });
+            return Some(Self { first_rad, increment_rad: TAU, beams_in_turn: 1, short_rad: SHORT_RAD });
         }
         let increment_rad = increment_rad(scan, notes)?;
-        // Half a step of room, since the increment is rounded to f32.
-        let steps_in_turn = TAU / increment_rad.abs() - 0.5;
-        let beams_in_turn = beams.min(steps_in_turn.ceil() as usize);
+        let beams_in_turn = in_turn(increment_rad, beams);
         match beams - beams_in_turn {
             0 => {}
             1 => notes.add("the last beam looks where the first one does: left out"),
             more => notes.add(format!("{more} beams beyond a full turn left out")),
         }
-        Some(Self { first_rad, increment_rad, beams_in_turn })
+        Some(Self { first_rad, increment_rad, beams_in_turn, short_rad: SHORT_RAD })
+    }
+
+    /// The bearings in the frame of the middle beam, if the sensor turns by `rad_per_beam` from one beam to the next. A
+    /// full turn stays one, also where it falls short of 360° by the angle that the sensor turned.
+    pub(super) fn turned(self, rad_per_beam: f64, beams: usize) -> Self {
+        let increment_rad = self.increment_rad + rad_per_beam;
+        let is_turned = rad_per_beam != 0.0 && increment_rad * self.increment_rad > 0.0;
+        if !is_turned {
+            return self;
+        }
+        let fell_short_rad = if self.missing().is_some() { beams as f64 * rad_per_beam.abs() } else { 0.0 };
+        Self {
+            first_rad: self.first_rad - 0.5 * (beams - 1) as f64 * rad_per_beam,
+            increment_rad,
+            beams_in_turn: in_turn(increment_rad, self.beams_in_turn),
+            short_rad: SHORT_RAD + fell_short_rad,
+        }
     }
 
     pub(super) fn angle_rad(&self, beam: usize) -> f64 {
@@ -69,8 +86,14 @@ impl Fan {
     /// that is a limited view.
     pub(super) fn missing(&self) -> Option<usize> {
         let steps = (TAU / self.step_rad() - self.beams_in_turn as f64).max(0.0).round();
-        (self.beams_in_turn > 2 && steps * self.step_rad() <= SHORT_RAD).then_some(steps as usize)
+        (self.beams_in_turn > 2 && steps * self.step_rad() <= self.short_rad).then_some(steps as usize)
     }
+}
+
+/// How many of `beams` are before the one that would look again where the first one looks. Half a step of room, since
+/// the increment is rounded to f32.
+fn in_turn(increment_rad: f64, beams: usize) -> usize {
+    beams.min((TAU / increment_rad.abs() - 0.5).ceil() as usize)
 }
 
 /// The increment as stated, else as it follows from the first and the last bearing; `None`, with a note, if neither

@@ -43,6 +43,9 @@ const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
 const FIND_BLIND_SECTORS: Flag = Flag::new("find_blind_sectors", true)
     .doc("beams that never return anything in the first scans, as where the driver leaves a sector out, are unknown");
 
+const DESKEW: Flag = Flag::new("deskew", true)
+    .doc("beams of a sensor that turns with its vehicle are brought to the heading in the middle of the scan");
+
 const FRAME_ID: Word = Word::any("frame_id", "")
     .doc("take only scans of this frame_id, where several sensors share a topic; empty takes all");
 
@@ -57,6 +60,7 @@ pub const PARAMS: &[ParamSpec] = &[
     MAX_RANGE_M.spec,
     MASKED_SECTORS_RAD.spec,
     FIND_BLIND_SECTORS.spec,
+    DESKEW.spec,
     FRAME_ID.spec,
     ECHO.spec,
 ];
@@ -94,6 +98,7 @@ pub struct Sensor {
     frame_id: String,
     echo: Echo,
     finds_blind_sectors: bool,
+    deskews: bool,
 }
 
 /// Mounted upright, looking ahead, with nothing left out.
@@ -113,6 +118,7 @@ impl Sensor {
             max_range_m: params.get(MAX_RANGE_M),
             masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
             finds_blind_sectors: params.get(FIND_BLIND_SECTORS),
+            deskews: params.get(DESKEW),
             frame_id: params.get(FRAME_ID),
             echo: match params.get(ECHO).as_str() {
                 "last" => Echo::Last,
@@ -125,6 +131,11 @@ impl Sensor {
     /// Whether sectors that never return anything are looked for in the first scans of a recording.
     pub(crate) fn finds_blind_sectors(&self) -> bool {
         self.finds_blind_sectors
+    }
+
+    /// Whether the turning of the vehicle during a scan is taken into account.
+    pub(crate) fn deskews(&self) -> bool {
+        self.deskews
     }
 
     /// Of several echoes of a beam, the one that is its range.
@@ -150,6 +161,12 @@ impl Sensor {
     ///
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
+        self.turning_revolution(scan, 0.0, out, notes);
+    }
+
+    /// Writes the revolution that `scan` shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
+    /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the frame of its middle beam.
+    pub fn turning_revolution(&self, scan: &LaserScan, rad_per_beam: f64, out: &mut Revolution, notes: &mut Notes) {
         out.clear();
         out.stamp_ns = scan.header.stamp.to_ns().unwrap_or(0);
         out.frame_id.push_str(&scan.header.frame_id);
@@ -169,6 +186,12 @@ impl Sensor {
             sweep.step_rad = TAU;
             return;
         };
+        let fan = fan.turned(rad_per_beam, scan.ranges.len());
+        if rad_per_beam != 0.0 {
+            let turned_deg = (rad_per_beam * scan.ranges.len() as f64).to_degrees();
+            let turned_deg = if self.upside_down { -turned_deg } else { turned_deg };
+            notes.add(format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
+        }
         sweep.step_rad = fan.step_rad();
         let missing = fan.missing();
         (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));

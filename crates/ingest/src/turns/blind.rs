@@ -39,6 +39,8 @@ pub(crate) struct BlindSectors {
     sectors: Vec<Sector>,
     /// `angle_min`, `angle_increment` and the number of beams of the scans that they were found in.
     geometry: (f32, f32, usize),
+    /// The beams of a turn in these scans.
+    turn_beams: usize,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,7 +83,7 @@ impl BlindSectors {
         }
         let Some(sweep) = &revolution.sweep else { return Self::default() };
         let first_scans = FirstScans { seen, scans: scans.len(), step_rad: sweep.step_rad, full_turn: sweep.full_turn };
-        Self { sectors: first_scans.sectors(), geometry }
+        Self { sectors: first_scans.sectors(), geometry, turn_beams: sweep.len() }
     }
 
     /// Takes what the beams of blind sectors saw as unknown. A sector that returns something after all is forgotten.
@@ -90,9 +92,10 @@ impl BlindSectors {
         if (scan.angle_min, scan.angle_increment, scan.ranges.len()) != self.geometry {
             return;
         }
-        let all = sweep.len();
+        // The last beams of a turn are left out while the vehicle turns towards them.
+        let (all, turn_beams) = (sweep.len(), self.turn_beams);
         self.sectors.retain(|sector| {
-            let beams = || sector.range().map(|beam| beam % all);
+            let beams = || sector.range().map(|beam| beam % turn_beams).filter(|beam| *beam < all);
             let returns = beams().filter(|&beam| matches!(sweep.beams[beam], Beam::Return(_))).count();
             if returns as f64 > REVOKED_SHARE * sector.beams as f64 {
                 notes.add("a sector that was taken as blind returns something: it is in view from here on");
@@ -106,7 +109,7 @@ impl BlindSectors {
                 }
             }
             if hidden > 0 {
-                let ends = [sector.first, sector.first + sector.beams - 1].map(|beam| sweep.bearings_rad[beam % all]);
+                let ends = [sector.first, sector.first + sector.beams - 1].map(|beam| sweep.bearings_rad[beam % turn_beams]);
                 let [from, to] = if sweep.view().clockwise { [ends[1], ends[0]] } else { ends };
                 let margin_rad = 0.5 * sweep.step_rad;
                 notes.add(format!(

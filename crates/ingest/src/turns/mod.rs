@@ -35,6 +35,8 @@ pub(crate) struct Turn {
     pub(crate) scan: Result<ScanMessage, DecodeError>,
     /// Beams whose messages are missing; empty if none is.
     pub(crate) missing: Vec<bool>,
+    /// The angle by which the sensor turned with its vehicle from beam to beam, rad.
+    pub(crate) rad_per_beam: f64,
     pub(crate) notes: Vec<String>,
     /// Messages of a joined turn that cannot be decoded: their index in the topic, and why.
     pub(crate) undecodable: Vec<(u64, DecodeError)>,
@@ -63,6 +65,7 @@ impl Turn {
             part,
             scan: Ok(ScanMessage::default()),
             missing: Vec::new(),
+            rad_per_beam: 0.0,
             notes: Vec::new(),
             undecodable: Vec::new(),
         }

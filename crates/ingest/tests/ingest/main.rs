@@ -11,4 +11,5 @@ mod recording;
 mod sensor;
 mod times;
 mod truths;
+mod turning;
 mod turns;

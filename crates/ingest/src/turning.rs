@@ -1,0 +1,96 @@
+//! How far the sensor turns with its vehicle while it takes a scan, by the scan before.
+//!
+//! Beam i of a scan is taken `time_increment`·i after its stamp. A sensor that turns at ω with its vehicle sees what was at
+//! beam i of the scan before, P earlier, at beam i + s now:
+//!
+//! ω·(P + s·time_increment) + s·angle_increment = 0
+//!
+//! The shift s is the one for which the ranges of the two scans agree best. All beams of a turn are then brought to the
+//! heading in the middle of the turn, which stretches or shrinks the angle between them. The distance that the vehicle
+//! drives during a turn is not taken into account.
+
+use std::f64::consts::FRAC_PI_4;
+
+use crosscut_messages::LaserScan;
+
+/// A sensor that turns by less than this during a scan is left alone, rad.
+const LEAST_TURN_RAD: f64 = 9.0 * DEGREE_RAD;
+/// A scan is looked for within this angle of the one before, rad.
+const FARTHEST_RAD: f64 = FRAC_PI_4;
+/// About this many beams are compared.
+const COMPARED_BEAMS: usize = 180;
+/// Fewer pairs of beams do not show a shift.
+const LEAST_PAIRS: usize = 60;
+/// Ranges that differ by more than this are of different walls, m.
+const OTHER_WALL_M: f64 = 0.5;
+/// The ranges at the best shift differ by at most this share of what they differ without a shift.
+const BETTER_SHARE: f64 = 0.5;
+/// The ranges at the best shift differ by at most this on average, m.
+const ALIKE_M: f64 = 0.2;
+/// Scans follow each other within this many times the duration of one.
+const LONGEST_PERIODS: f64 = 2.5;
+/// A stated duration that exceeds the time between the scans by more than this factor is wrong.
+const LONGEST_SCAN: f64 = 1.2;
+
+const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
+
+/// The scan before.
+#[derive(Debug, Default)]
+pub(crate) struct Turning {
+    before: LaserScan,
+}
+
+impl Turning {
+    /// The angle by which the sensor turned from one beam of `scan` to the next, anticlockwise, rad; 0 if that is not
+    /// known or makes no difference. `scan` is the scan before from now on.
+    pub(crate) fn rad_per_beam(&mut self, scan: &LaserScan) -> f64 {
+        let turned_rad = estimate(&self.before, scan).unwrap_or(0.0);
+        self.before.clone_from(scan);
+        if turned_rad.abs() * scan.ranges.len() as f64 >= LEAST_TURN_RAD { turned_rad } else { 0.0 }
+    }
+}
+
+fn estimate(before: &LaserScan, scan: &LaserScan) -> Option<f64> {
+    let geometry = |scan: &LaserScan| (scan.angle_min, scan.angle_increment, scan.ranges.len());
+    let (increment_rad, beam_s) = (f64::from(scan.angle_increment), f64::from(scan.time_increment));
+    let beams = scan.ranges.len();
+    if geometry(before) != geometry(scan) || !(increment_rad != 0.0 && beam_s > 0.0) {
+        return None;
+    }
+    let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.header.stamp.to_ns()?)?;
+    let (period_s, scan_s) = (period_ns as f64 * 1e-9, beam_s * beams as f64);
+    if scan_s > LONGEST_SCAN * period_s || period_s > LONGEST_PERIODS * scan_s {
+        return None;
+    }
+    let farthest = ((FARTHEST_RAD / increment_rad.abs()) as i64).min(beams as i64 / 2);
+    let coarse = (beams / COMPARED_BEAMS).max(1) as i64;
+    let difference_m = |shift: i64| difference_m(before, scan, shift, coarse as usize);
+    let best = |shifts: &mut dyn Iterator<Item = i64>| {
+        let of = shifts.filter_map(|shift| Some((shift, difference_m(shift)?)));
+        of.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.abs().cmp(&b.0.abs())))
+    };
+    let (near, _) = best(&mut (-farthest / coarse..=farthest / coarse).map(|step| step * coarse))?;
+    let (shift, least_m) = best(&mut (near - coarse..=near + coarse))?;
+    if least_m > ALIKE_M || least_m > BETTER_SHARE * difference_m(0)? {
+        return None;
+    }
+    let shift = shift as f64;
+    Some(-shift * increment_rad * beam_s / (period_s + shift * beam_s))
+}
+
+/// What the ranges of two scans differ by on average, if beam i of the earlier one is beam i + `shift` of the later one, m.
+fn difference_m(before: &LaserScan, scan: &LaserScan, shift: i64, every: usize) -> Option<f64> {
+    let is_range = |range_m: f32| range_m.is_finite() && range_m > scan.range_min && range_m < scan.range_max;
+    let (mut pairs, mut sum_m) = (0, 0.0);
+    for (beam, &earlier_m) in before.ranges.iter().enumerate().step_by(every) {
+        let later_m = usize::try_from(beam as i64 + shift).ok().and_then(|beam| scan.ranges.get(beam));
+        let Some(&later_m) = later_m else { continue };
+        sum_m += match (is_range(earlier_m), is_range(later_m)) {
+            (true, true) => f64::from(earlier_m - later_m).abs().min(OTHER_WALL_M),
+            (false, false) => continue,
+            _ => OTHER_WALL_M,
+        };
+        pairs += 1;
+    }
+    (pairs >= LEAST_PAIRS).then(|| sum_m / pairs as f64)
+}

@@ -1,0 +1,116 @@
+//! A vehicle that turns while its lidar takes a scan.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_ingest::{PARAMS, ReadOptions, Recording, Sensor};
+use crosscut_messages::{Header, LaserScan, Time};
+use crosscut_stage::{Notes, Params, Revolution, Source, Value};
+
+use crate::flight::{Folder, Form, STEP_NS, record_at, time_ns};
+
+const BEAMS: usize = 360;
+const SCANS: u64 = 8;
+/// Half of the sides of the room, m.
+const ROOM_M: [f64; 2] = [2.0, 6.0];
+
+/// From the middle of the room to its wall.
+fn wall_m(heading_rad: f64) -> f64 {
+    let (sin, cos) = heading_rad.sin_cos();
+    (ROOM_M[0] / sin.abs()).min(ROOM_M[1] / cos.abs())
+}
+
+/// The vehicle turns at `rate_rad_s` in the middle of the room; its lidar turns anticlockwise or (-1) clockwise.
+fn scan(number: u64, rate_rad_s: f64, direction: f64) -> LaserScan {
+    let increment_rad = direction * TAU / BEAMS as f64;
+    let beam_s = STEP_NS as f64 * 1e-9 / BEAMS as f64;
+    let range_m = |beam: usize| {
+        let heading_rad = rate_rad_s * (number as usize * BEAMS + beam) as f64 * beam_s;
+        wall_m(heading_rad + 0.4 + beam as f64 * increment_rad) as f32
+    };
+    LaserScan {
+        header: Header { stamp: Time::from_ns(time_ns(number)), frame_id: "laser".to_owned() },
+        angle_min: 0.0,
+        angle_max: ((BEAMS - 1) as f64 * increment_rad) as f32,
+        angle_increment: increment_rad as f32,
+        time_increment: beam_s as f32,
+        range_max: 30.0,
+        ranges: (0..BEAMS).map(range_m).collect(),
+        ..LaserScan::default()
+    }
+}
+
+/// The last scan of a flight, and its notes.
+fn last(scans: impl Iterator<Item = LaserScan>, settings: &[(&str, Value)]) -> (Revolution, Vec<String>) {
+    let records: Vec<_> = (0..).zip(scans).map(|(i, scan)| record_at("/scan", time_ns(i), &scan)).collect();
+    let folder = Folder::new();
+    let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
+    let mut params = Params::defaults(PARAMS);
+    for (name, value) in settings {
+        params.set(name, value.clone()).expect("a setting");
+    }
+    let mut recording = Recording::open(&[path], &ReadOptions::default(), Sensor::new(&params)).expect("a recording");
+    let (mut revolution, mut last) = (Revolution::default(), Vec::new());
+    loop {
+        let mut notes = Notes::default();
+        if !recording.next(&mut revolution, &mut notes).expect("readable") {
+            return (revolution, last);
+        }
+        last = notes.iter().map(str::to_owned).collect();
+    }
+}
+
+/// How far returns are from the walls at most, if the vehicle heads to `heading_rad`.
+fn farthest_from_walls_m(revolution: &Revolution, heading_rad: f64) -> f64 {
+    let off_m = |i: usize| {
+        let bearing_rad = revolution.bearing_rad(i) + heading_rad + 0.4;
+        let (sin, cos) = bearing_rad.sin_cos();
+        let (x_m, y_m) = (revolution.range_m(i) * cos, revolution.range_m(i) * sin);
+        (x_m.abs() - ROOM_M[1]).abs().min((y_m.abs() - ROOM_M[0]).abs())
+    };
+    (0..revolution.len()).map(off_m).fold(0.0, f64::max)
+}
+
+#[test]
+fn walls_are_straight_after_a_turn_of_the_vehicle() {
+    for (rate_rad_s, direction) in [(PI, 1.0), (-PI, 1.0), (PI, -1.0), (-PI, -1.0), (2.0, 1.0)] {
+        let scans = || (0..SCANS).map(|number| scan(number, rate_rad_s, direction));
+        let middle_s = ((SCANS - 1) as f64 + 0.5) * STEP_NS as f64 * 1e-9;
+        let (revolution, notes) = last(scans(), &[]);
+        let off_m = farthest_from_walls_m(&revolution, rate_rad_s * middle_s);
+        assert!(off_m < 0.1, "{rate_rad_s} {direction}: {off_m} m");
+        let turned = format!("turned by {:.0}", (rate_rad_s * 0.1).to_degrees());
+        assert!(notes.iter().any(|note| note.starts_with(&turned[..turned.len() - 1])), "{turned}: {notes:?}");
+        let sweep = revolution.sweep.as_ref().expect("beams");
+        assert!(sweep.full_turn);
+        let covered_rad = (sweep.len() + sweep.missing) as f64 * sweep.step_rad;
+        assert!((covered_rad - TAU).abs() < 0.02, "{covered_rad}");
+
+        let (skewed, notes) = last(scans(), &[("deskew", Value::Flag(false))]);
+        assert!(farthest_from_walls_m(&skewed, rate_rad_s * middle_s) > 0.2);
+        assert!(notes.is_empty(), "{notes:?}");
+    }
+}
+
+#[test]
+fn scans_without_times_of_beams_or_turning_stay_unchanged() {
+    let without_times = |scan: LaserScan| LaserScan { time_increment: 0.0, ..scan };
+    let flights: [Vec<LaserScan>; 3] = [
+        (0..SCANS).map(|number| without_times(scan(number, PI, 1.0))).collect(),
+        (0..SCANS).map(|number| scan(number, 0.0, 1.0)).collect(),
+        (0..SCANS).map(|number| scan(number, 1.2, 1.0)).collect(),
+    ];
+    for flight in flights {
+        let (with, notes) = last(flight.iter().cloned(), &[]);
+        let (without, _) = last(flight.iter().cloned(), &[("deskew", Value::Flag(false))]);
+        assert_eq!(with.points_m, without.points_m);
+        assert!(notes.is_empty(), "{notes:?}");
+    }
+}
+
+#[test]
+fn scans_longer_than_their_interval_stay_unchanged() {
+    // The duration of a scan exceeds the time between the stamps: one of them is wrong.
+    let slow = |number| LaserScan { time_increment: 1e-3, ..scan(number, PI, 1.0) };
+    let (_, notes) = last((0..SCANS).map(slow), &[]);
+    assert!(notes.is_empty(), "{notes:?}");
+}
