@@ -25,6 +25,8 @@ const LEAST_PAIRS: usize = 60;
 const OTHER_WALL_M: f64 = 0.5;
 /// The ranges at the best shift differ by at most this share of what they differ without a shift.
 const BETTER_SHARE: f64 = 0.5;
+/// The ranges of a vehicle that does not turn differ by less than this on average without a shift, m.
+const STILL_M: f64 = 0.05;
 /// The ranges at the best shift differ by at most this on average, m.
 const ALIKE_M: f64 = 0.2;
 /// Scans follow each other within this many times the duration of one.
@@ -65,13 +67,14 @@ fn estimate(before: &LaserScan, scan: &LaserScan) -> Option<f64> {
     let farthest = ((FARTHEST_RAD / increment_rad.abs()) as i64).min(beams as i64 / 2);
     let coarse = (beams / COMPARED_BEAMS).max(1) as i64;
     let difference_m = |shift: i64| difference_m(before, scan, shift, coarse as usize);
+    let unshifted_m = difference_m(0).filter(|difference_m| *difference_m >= STILL_M)?;
     let best = |shifts: &mut dyn Iterator<Item = i64>| {
         let of = shifts.filter_map(|shift| Some((shift, difference_m(shift)?)));
         of.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.abs().cmp(&b.0.abs())))
     };
     let (near, _) = best(&mut (-farthest / coarse..=farthest / coarse).map(|step| step * coarse))?;
     let (shift, least_m) = best(&mut (near - coarse..=near + coarse))?;
-    if least_m > ALIKE_M || least_m > BETTER_SHARE * difference_m(0)? {
+    if least_m > ALIKE_M || least_m > BETTER_SHARE * unshifted_m {
         return None;
     }
     let shift = shift as f64;
