@@ -35,7 +35,7 @@ pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, Wall};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use notes::{Notes, counted};
-pub use param::{Count, Flag, Follows, Interval, Number, Pairs, Param, ParamSpec, Shape, Word};
+pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
 pub use params::{ParamError, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use revolution::{Beam, Revolution, Sweep, View, widest_run, wrap_angle_rad};

@@ -39,6 +39,8 @@ pub type Flag = Param<bool>;
 pub type Word = Param<String>;
 /// A list of `[from, to]` pairs, empty by default.
 pub type Pairs = Param<Vec<[f64; 2]>>;
+/// A list of names, empty by default.
+pub type Names = Param<Vec<String>>;
 
 impl<T> Param<T> {
     const fn of(name: &'static str, unit: &'static str, shape: Shape) -> Self {
@@ -154,6 +156,13 @@ impl Pairs {
     }
 }
 
+impl Names {
+    /// Any of these names.
+    pub const fn any_of(name: &'static str, names: &'static [&'static str]) -> Self {
+        Self::of(name, "", Shape::Names { of: names })
+    }
+}
+
 /// The description of one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct ParamSpec {
@@ -219,6 +228,11 @@ pub enum Shape {
         /// Allowed values of both ends.
         range: Interval,
     },
+    /// A list of names, empty by default.
+    Names {
+        /// The names.
+        of: &'static [&'static str],
+    },
 }
 
 /// The allowed values of a real number. Infinity is allowed only as an end.
@@ -254,6 +268,7 @@ impl ParamSpec {
             Shape::Number { default, .. } => Value::Number(default),
             Shape::Choice { default, .. } | Shape::Text { default } => Value::Text(default.to_owned()),
             Shape::Pairs { .. } => Value::Pairs(Vec::new()),
+            Shape::Names { .. } => Value::Names(Vec::new()),
         }
     }
 
@@ -267,16 +282,19 @@ impl ParamSpec {
             Shape::Choice { of, .. } => format!("one of {}", of.join(", ")),
             Shape::Text { .. } => "a text; one that looks like a number in quotes of its own: '\"5\"'".to_owned(),
             Shape::Pairs { range } => format!("a list of [from, to] pairs, each in {range}"),
+            Shape::Names { of } => format!("a list of any of {}", of.join(", ")),
         }
     }
 
-    /// `value` if it is allowed here; a whole number serves where a real one is asked for.
+    /// `value` if it is allowed here; a whole number serves where a real one is asked for, and any empty list where
+    /// names are.
     ///
     /// # Errors
     /// When its type or its size is not allowed.
     pub fn check(&self, value: Value) -> Result<Value, ParamError> {
         let value = match (self.shape, value) {
             (Shape::Number { .. }, Value::Integer(i)) => Value::Number(i as f64),
+            (Shape::Names { .. }, Value::Pairs(pairs)) if pairs.is_empty() => Value::Names(Vec::new()),
             (_, value) => value,
         };
         let allowed = match (self.shape, &value) {
@@ -285,6 +303,7 @@ impl ParamSpec {
             (Shape::Number { range, .. }, Value::Number(x)) => range.contains(*x),
             (Shape::Choice { of, .. }, Value::Text(word)) => of.contains(&word.as_str()),
             (Shape::Pairs { range }, Value::Pairs(pairs)) => pairs.iter().flatten().all(|&x| range.contains(x)),
+            (Shape::Names { of }, Value::Names(names)) => names.iter().all(|name| of.contains(&name.as_str())),
             _ => false,
         };
         if allowed {

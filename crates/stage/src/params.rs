@@ -13,6 +13,7 @@ pub enum Value {
     Number(f64),
     Text(String),
     Pairs(Vec<[f64; 2]>),
+    Names(Vec<String>),
 }
 
 /// A value that its parameter does not allow.
@@ -36,6 +37,14 @@ impl fmt::Display for Value {
             // {:?} prints the shortest text that reads back as the same number: "1e-8", "1.5", "inf".
             Self::Number(x) => write!(f, "{x:?}"),
             Self::Text(text) => write_toml_text(f, text),
+            Self::Names(names) => {
+                f.write_char('[')?;
+                for (at, name) in names.iter().enumerate() {
+                    f.write_str(if at > 0 { ", " } else { "" })?;
+                    write_toml_text(f, name)?;
+                }
+                f.write_char(']')
+            }
             Self::Pairs(pairs) => write!(f, "{pairs:?}"),
         }
     }
@@ -126,6 +135,7 @@ values! {
     f64: Number(x) => Some(*x);
     String: Text(text) => Some(text.clone());
     Vec<[f64; 2]>: Pairs(pairs) => Some(pairs.clone());
+    Vec<String>: Names(names) => Some(names.clone());
 }
 
 impl From<bool> for Value {
@@ -155,12 +165,13 @@ impl From<&str> for Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Count, Number, Word};
+    use crate::{Count, Names, Number, Word};
 
     const SIGMA_PER_M2: Number = Number::new("sigma_per_m2", "1/m²", 1.5).above(0.0).to(1e6);
     const RESTARTS: Count = Count::new("restarts", "", 10).from(1).to(1000);
     const RULE: Word = Word::one_of("rule", &["a", "b"]);
-    const SPECS: &[ParamSpec] = &[SIGMA_PER_M2.spec, RESTARTS.spec, RULE.spec];
+    const WITHOUT: Names = Names::any_of("without", &["doors", "line"]);
+    const SPECS: &[ParamSpec] = &[SIGMA_PER_M2.spec, RESTARTS.spec, RULE.spec, WITHOUT.spec];
 
     #[test]
     fn each_value_outside_its_range_or_type_is_refused_with_what_is_allowed() {
@@ -172,6 +183,10 @@ mod tests {
         assert!(refused(1, Value::Integer(0)).contains("[1, 1000]"));
         assert!(refused(1, Value::Number(1.0)).contains("whole number"));
         assert!(refused(2, Value::Text("c".into())).contains("one of a, b"));
+        let names = Value::Names(vec!["doors".into(), "door\"".into()]);
+        let allowed = "a list of any of doors, line";
+        assert_eq!(refused(3, names), format!(r#"without = ["doors", "door\""] is not allowed: {allowed}"#));
+        assert!(refused(3, Value::Pairs(vec![[0.0, 1.0]])).contains(allowed));
     }
 
     #[test]
@@ -181,6 +196,10 @@ mod tests {
         params.set("restarts", 0).expect_err("less than 1");
         let (sigma, restarts, rule) = (params.get(SIGMA_PER_M2), params.get(RESTARTS), params.get(RULE));
         assert_eq!((sigma, restarts, rule.as_str()), (2.0, 10, "a"));
+        params.set("without", Value::Names(vec!["line".into()])).expect("allowed");
+        assert_eq!(params.get(WITHOUT), ["line"]);
+        params.set("without", Value::Pairs(Vec::new())).expect("an empty list is of any type");
+        assert_eq!(params.get(WITHOUT), [""; 0]);
     }
 
     #[test]

@@ -228,5 +228,5 @@ impl Chains {
 
 fn verdict(ring: &Ring, ends: [usize; 2], is_way: bool, decision: Decision) -> Verdict {
     let Decision { room_ratio, reason } = decision;
-    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason: reason.words() }
+    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason }
 }

@@ -44,25 +44,31 @@ const ACROSS: f64 = FRAC_1_SQRT_2;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
-/// How much room there is where nothing is seen and only a way on explains that: in a door, over an angle or far off
-/// over a patch that no lost beams explain, or at the dark end of a tunnel. No corner can be missing there, so the gap
-/// is as wide as its ends are apart.
+/// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
+/// apart.
+pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
+    let is_door = !gap.turns_back() && gap.site.lost.places <= LOSSY_PLACES && gap.is_door();
+    if is_door { gap.chord_m() / (DOOR_TIMES * gap.site.passage_m()) } else { 0.0 }
+}
+
+/// How much room there is where nothing is seen over an angle, or far off over a patch, that no lost beams explain.
 pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
-    if gap.turns.whole_rad <= -DARK_TURN_RAD {
+    if gap.turns_back() {
         return 0.0;
     }
-    let (site, size_m) = (gap.site, gap.site.scan.size_m);
+    let (ring, size_m) = (&gap.site.scan.ring, gap.site.scan.size_m);
     let (chord_m, dark_rad) = (gap.chord_m(), gap.dark_rad());
-    let is_door = site.lost.places <= LOSSY_PLACES && gap.is_door();
-    let door_m = is_door.then_some(DOOR_TIMES * site.passage_m());
-    let is_as_of_way = dark_rad * site.scan.ring.range_max_m < BEHIND_BLANK * chord_m;
+    let is_as_of_way = dark_rad * ring.range_max_m < BEHIND_BLANK * chord_m;
     let is_wide = dark_rad > BLANK_RAD && (is_as_of_way || gap.turns.whole_rad > DARK_TURN_RAD);
     let patch_m = if gap.near_m > FAR_OFF_SHARE * size_m { dark_rad * gap.near_m } else { 0.0 };
     let is_blank = is_wide || (patch_m > PATCH_SHARE * size_m && gap.is_not_lost());
-    let blank_m = is_blank.then_some(BLANK_SHARE * size_m);
-    let far_m = gap.is_dark_end().then_some(DARK_SHARE * size_m);
-    let needed_m = [door_m, blank_m, far_m].into_iter().flatten().min_by(f64::total_cmp);
-    needed_m.map_or(0.0, |needed_m| chord_m / needed_m)
+    if is_blank { chord_m / (BLANK_SHARE * size_m) } else { 0.0 }
+}
+
+/// How much room there is at the dark end of a tunnel.
+pub(super) fn room_at_dark_end(gap: &Gap<'_>) -> f64 {
+    let is_end = !gap.turns_back() && gap.is_dark_end();
+    if is_end { gap.chord_m() / (DARK_SHARE * gap.site.scan.size_m) } else { 0.0 }
 }
 
 impl Gap<'_> {
@@ -77,6 +83,11 @@ impl Gap<'_> {
     /// Whether so many of its beams came back with nothing that nothing is seen in it.
     pub(super) fn lacks_beams(&self) -> bool {
         self.dark_beams >= DARK_BEAMS && self.dark_rad() > DARK_RAD
+    }
+
+    /// Whether the wall turns right, so that a patch of it may be dark.
+    fn turns_back(&self) -> bool {
+        self.turns.whole_rad <= -DARK_TURN_RAD
     }
 
     /// Whether both ends lie at the end of the range, and nothing between them was lost.

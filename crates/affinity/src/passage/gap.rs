@@ -151,7 +151,8 @@ impl<'p> Gap<'p> {
         }
         let bumps = if self.turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
         self.bump_hides_m = self.shadow_m(BUMP_HIDES_M, bumps);
-        self.is_corner = self.turns_like_branch()
+        self.is_corner = !self.site.thresholds.without.corners
+            && self.turns_like_branch()
             && self.clear_m < INNER_CORNER_SHARE * self.site.scan.size_m
             && self.room_m() < self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
             && self.shows_other_side();

@@ -6,7 +6,7 @@ use crosscut_scan::{Directions, Position};
 
 use super::gap::{Gap, ends_run};
 use super::site::Site;
-use super::verdict::{Decision, Reason};
+use super::verdict::Decision;
 
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
@@ -108,9 +108,9 @@ impl<'s> Judge<'s> {
     /// by [`DOUBT_RAD`] less or more.
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> Decision {
         let Some(gap) = Gap::between(self.site, a, b, self.directions) else {
-            return Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason: Reason::NoDirection };
+            return Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason: "too little is seen for a direction" };
         };
-        let decisions = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide_by_end());
+        let decisions = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide());
         let least = decisions.iter().map(|decision| decision.room_ratio).fold(f64::INFINITY, f64::min);
         Decision { room_ratio: least.max(LEAST_ROOM_RATIO), reason: decisions[1].reason }
     }

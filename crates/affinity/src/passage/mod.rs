@@ -14,14 +14,15 @@ mod verdict;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Invariance, Kind, Notes, Number, Params, Point, Revolution, StageError, Storage,
-    Sweep, Verdict, counted,
+    Affinity, AffinityStage, Count, Invariance, Kind, Names, Notes, Number, Params, Point, Revolution, StageError,
+    Storage, Sweep, Verdict, counted,
 };
 
 use carrying::Carrying;
 use chains::Chains;
 use judge::Judge;
 use site::{Site, Thresholds};
+use verdict::Without;
 
 const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
     .above(0.0)
@@ -73,6 +74,9 @@ const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
     "the zero tolerance; gaps leak so that their eigenvalues come the nearer to it the less decided they are; 0: none",
 );
 
+const WITHOUT: Names =
+    Names::any_of("without", &verdict::NAMES).doc("rules and vetoes that are left out, to see what each is good for");
+
 /// The graph of the walls.
 pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     "passage",
@@ -90,6 +94,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     WALL_DEG.spec,
     NEIGHBOURS.spec,
     LEAK.spec,
+    WITHOUT.spec,
 ])
 // On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
 .storage(Storage::Sparse(|params, _| (2 * params.get(NEIGHBOURS) + 3).max(7)))
@@ -103,8 +108,9 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 /// 2. `Gap` measures each gap between two pieces: how much the wall turns, the clear width, the depth, what is dark.
 ///    With the directions t and t' of the two ends and the chord c between them, the wall turns by T = ∠(t, c) + ∠(c,
 ///    t').
-/// 3. The rules (`rules.rs`) say how much room there is for a way on, divided by how much one needs. At 1 and more a
-///    vehicle can pass. Vetoes (`line.rs`, `mouth.rs`) hold where the wall plainly goes on, or the gap is a slit.
+/// 3. A table (`verdict.rs`) lists the rules and the vetoes. Rules (`rules.rs`, `dark.rs`, `mouth.rs`) measure how much
+///    room there is for a way on, divided by how much one needs. At 1 and more a vehicle can pass. Vetoes (`line.rs`,
+///    `mouth.rs`) hold where the wall plainly goes on, or the gap is a slit. `without` leaves some of them out.
 /// 4. Pieces between which no vehicle can pass are joined, at the least |T| first, so that directions come from ever
 ///    longer walls (`joining.rs`). Then walls are cut where a vehicle can pass between all before a gap and all behind
 ///    it, and what is too small for a wall is joined again. What is left over goes to the nearer of the walls beside
@@ -150,6 +156,7 @@ impl Passage {
             straight_rad: params.get(STRAIGHT_DEG).to_radians(),
             way_rad: params.get(WAY_DEG).to_radians(),
             clear_share: params.get(CLEAR_SHARE),
+            without: Without::new(&params.get(WITHOUT)),
         };
         Self {
             thresholds,

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crosscut_scan::{Directions, Lengths, Pieces, Scan};
 
 use super::gap::Gap;
+use super::verdict::Without;
 
 /// A wall clearly goes on across a gap where it turns by less than this.
 const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
@@ -19,6 +20,7 @@ pub(super) struct Thresholds {
     pub(super) straight_rad: f64,
     pub(super) way_rad: f64,
     pub(super) clear_share: f64,
+    pub(super) without: Without,
 }
 
 /// Beams that come back with nothing where a wall clearly goes on.

@@ -1,43 +1,150 @@
-//! What is decided at a gap, and why.
+//! The table of rules and vetoes, and what is decided at a gap by it.
 
-/// What decides at a gap: why it is a way on, or why it is none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Reason {
-    NoDirection,
-    Line,
-    LongLine,
-    Slit,
-    Straight,
-    InnerCorner,
-    Width,
-    SeenInside,
-    Face,
-    SidePassage,
-    InFront,
-    PlainSight,
-    Mouth,
-    Blank,
+use super::gap::Gap;
+use super::{dark, mouth, rules};
+
+/// A way to find room at a gap.
+pub(super) struct Rule {
+    /// What `affinity.without` calls it.
+    name: &'static str,
+    /// The reason in a few words.
+    pub(super) words: &'static str,
+    /// How its room counts beside that of the others.
+    pub(super) room: Room,
+    /// The room that there is, divided by the room that a way on needs; 0 where the rule does not apply.
+    pub(super) room_ratio: fn(&Gap<'_>) -> f64,
 }
 
-impl Reason {
+/// How the room counts that a rule finds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Room {
+    /// Only where the clear width is that of a vehicle.
+    Clear,
+    /// Whatever the clear width is: no corner can be missing where nothing is seen.
+    Dark,
+    /// If no other rule finds enough.
+    Last,
+}
+
+/// What makes a gap no way on, whatever the rules find.
+pub(super) struct Veto {
+    /// What `affinity.without` calls it.
+    name: &'static str,
     /// The reason in a few words.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::NoDirection => "too little is seen for a direction",
-            Self::Line => "the line of the nearer wall goes on",
-            Self::LongLine => "the line of the nearer wall over 3 m goes on",
-            Self::Slit => "a slit",
-            Self::Straight => "the wall turns too little",
-            Self::InnerCorner => "an inner corner",
-            Self::Width => "width for the turn",
-            Self::SeenInside => "depth behind the nearer wall",
-            Self::Face => "the face of a corner",
-            Self::SidePassage => "the face of a side passage",
-            Self::InFront => "a wall in front",
-            Self::PlainSight => "width in plain sight",
-            Self::Mouth => "depth behind a mouth or a door",
-            Self::Blank => "nothing is seen",
-        }
+    words: &'static str,
+    over: Over,
+    holds: fn(&Gap<'_>) -> bool,
+}
+
+/// Which rules a veto is over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Over {
+    /// All. It is asked first.
+    All,
+    /// Those of [`Room::Clear`].
+    Clear,
+    /// All. It is asked only of ways on, because it takes time.
+    Ways,
+}
+
+/// The words of the rule that asks for a width.
+pub(super) const WIDTH: &str = "width for the turn";
+
+/// The rules. Of those whose room counts alike, the one that finds the most decides; of equal ones, the first.
+pub(super) const RULES: [Rule; 10] = [
+    Rule { name: "width", words: WIDTH, room: Room::Clear, room_ratio: rules::room_in_width },
+    Rule { name: "inside", words: "depth behind the nearer wall", room: Room::Clear, room_ratio: rules::room_inside },
+    Rule { name: "face", words: "the face of a corner", room: Room::Clear, room_ratio: rules::room_before_face },
+    Rule {
+        name: "in_front",
+        words: "a wall in front",
+        room: Room::Clear,
+        room_ratio: rules::room_behind_wall_in_front,
+    },
+    Rule {
+        name: "plain_sight",
+        words: "width in plain sight",
+        room: Room::Clear,
+        room_ratio: rules::room_in_plain_sight,
+    },
+    Rule {
+        name: "mouth",
+        words: "depth behind a mouth or a door",
+        room: Room::Clear,
+        room_ratio: mouth::room_behind_mouth,
+    },
+    Rule { name: "doors", words: "nothing is seen in a door", room: Room::Dark, room_ratio: dark::room_in_door },
+    Rule { name: "blank", words: "nothing is seen", room: Room::Dark, room_ratio: dark::room_in_blank },
+    Rule {
+        name: "dark_end",
+        words: "nothing is seen at the end of the range",
+        room: Room::Dark,
+        room_ratio: dark::room_at_dark_end,
+    },
+    Rule {
+        name: "side_passage",
+        words: "the face of a side passage",
+        room: Room::Last,
+        room_ratio: rules::room_into_side_passage,
+    },
+];
+
+/// The vetoes. The first that holds decides.
+const VETOES: [Veto; 4] = [
+    Veto { name: "line", words: "the line of the nearer wall goes on", over: Over::All, holds: |gap| gap.is_in_line() },
+    Veto { name: CORNER, words: "an inner corner", over: Over::Clear, holds: |gap| gap.is_corner },
+    Veto { name: "slit", words: "a slit", over: Over::Ways, holds: |gap| gap.is_clear() && gap.is_slit() },
+    Veto {
+        name: "long_line",
+        words: "the line of the nearer wall over 3 m goes on",
+        over: Over::Ways,
+        holds: |gap| gap.is_in_long_line(),
+    },
+];
+
+/// The veto of inner corners, which a side passage is not either.
+const CORNER: &str = "corner";
+
+/// The names of all rules and vetoes.
+pub(super) const NAMES: [&str; RULES.len() + VETOES.len()] = {
+    let mut names = [""; RULES.len() + VETOES.len()];
+    let mut at = 0;
+    while at < names.len() {
+        names[at] = if at < RULES.len() { RULES[at].name } else { VETOES[at - RULES.len()].name };
+        at += 1;
+    }
+    names
+};
+
+/// The rules and vetoes that are left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Without {
+    /// For each of [`NAMES`].
+    left_out: [bool; NAMES.len()],
+    /// Whether inner corners are left out.
+    pub(super) corners: bool,
+}
+
+impl Without {
+    /// Those of these names.
+    pub(super) fn new(names: &[String]) -> Self {
+        let has = |name: &str| names.iter().any(|other| other == name);
+        Self { left_out: NAMES.map(has), corners: has(CORNER) }
+    }
+
+    /// The rules that are left, of those whose room counts like this.
+    pub(super) fn rules(self, room: Room) -> impl Iterator<Item = &'static Rule> {
+        const { &RULES }
+            .iter()
+            .zip(self.left_out)
+            .filter_map(move |(rule, out)| (!out && rule.room == room).then_some(rule))
+    }
+
+    /// The reason of the first veto that holds, of those that are left and over these rules.
+    pub(super) fn veto(self, over: Over, gap: &Gap<'_>) -> Option<&'static str> {
+        let left = VETOES.iter().zip(&self.left_out[RULES.len()..]);
+        let mut asked = left.filter(|(veto, out)| !**out && veto.over == over);
+        asked.find(|(veto, _)| (veto.holds)(gap)).map(|(veto, _)| veto.words)
     }
 }
 
@@ -46,12 +153,13 @@ impl Reason {
 pub(super) struct Decision {
     /// The room that there is, divided by the room that a way on needs; 0 if the gap hides nothing.
     pub(super) room_ratio: f64,
-    pub(super) reason: Reason,
+    /// What decides, in a few words: why it is a way on, or why it is none.
+    pub(super) reason: &'static str,
 }
 
 impl Decision {
     /// No room, for this reason.
-    pub(super) fn no_room(reason: Reason) -> Self {
+    pub(super) fn no_room(reason: &'static str) -> Self {
         Self { room_ratio: 0.0, reason }
     }
 
@@ -59,8 +167,11 @@ impl Decision {
         self.room_ratio >= 1.0
     }
 
-    /// The one of the two that finds more room; this one if they find as much.
-    pub(super) fn or(self, reason: Reason, room_ratio: f64) -> Self {
-        if room_ratio > self.room_ratio { Self { room_ratio, reason } } else { self }
+    /// The decision of the rule that finds the most room; this one if none finds more.
+    pub(super) fn or_by<'r>(self, rules: impl Iterator<Item = &'r Rule>, gap: &Gap<'_>) -> Self {
+        rules.fold(self, |most, rule| {
+            let room_ratio = (rule.room_ratio)(gap);
+            if room_ratio > most.room_ratio { Self { room_ratio, reason: rule.words } } else { most }
+        })
     }
 }

@@ -3,7 +3,7 @@
 use crosscut_affinity::passage::KIND;
 use crosscut_stage::{Affinity, Notes, Revolution, Value};
 
-use crate::{LEAK, TUNNEL, all, bumps, scan, with_branch};
+use crate::{LEAK, TUNNEL, all, bumps, components, scan, with_branch};
 
 /// The edges weaker than any within a wall.
 fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {
@@ -42,4 +42,34 @@ fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
         let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
         assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room_ratio < 1.0), "{closed:?}");
     }
+}
+
+fn without(name: &str) -> [(&'static str, Value); 1] {
+    [("without", Value::Names(vec![name.to_owned()]))]
+}
+
+#[test]
+fn a_rule_left_out_by_name_finds_no_way() {
+    let face = [[[6.0, -2.0], [6.0, -0.7]], [[6.0, 0.7], [6.0, 2.0]]];
+    let door = scan(&[&TUNNEL[..], &face].concat(), all);
+    let walls = |settings: &[_]| components(&door, settings).len();
+    assert_eq!((walls(&[]), walls(&without("doors")), walls(&without("line"))), (2, 1, 2));
+}
+
+#[test]
+fn a_veto_left_out_by_name_is_no_reason_any_more() {
+    let reasons = |settings: &[_]| {
+        let mut affinity = Affinity::default();
+        let mut stage = KIND.with(settings).expect("allowed");
+        stage.affinity(&scan(&TUNNEL, all), &mut affinity, &mut Notes::default()).expect("a scan");
+        affinity.verdicts.iter().filter(|verdict| verdict.reason.starts_with("the line of the nearer wall")).count()
+    };
+    assert!(reasons(&[]) > 0);
+    assert_eq!(reasons(&without("line")), 0);
+}
+
+#[test]
+fn a_rule_that_does_not_exist_is_refused_with_those_that_do() {
+    let refused = KIND.with(&without("door")).err().expect("must be refused").to_string();
+    assert!(refused.contains(r#"without = ["door"]"#) && refused.contains("doors, blank, dark_end"), "{refused}");
 }

@@ -282,6 +282,9 @@ fn from_toml(value: &toml::Value) -> Option<Value> {
         toml::Value::Integer(i) => Value::Integer(*i),
         toml::Value::Float(x) => Value::Number(*x),
         toml::Value::String(text) => Value::Text(text.clone()),
+        toml::Value::Array(list) if list.iter().any(toml::Value::is_str) => {
+            Value::Names(list.iter().map(|name| name.as_str().map(str::to_owned)).collect::<Option<_>>()?)
+        }
         toml::Value::Array(pairs) => Value::Pairs(pairs.iter().map(pair).collect::<Option<_>>()?),
         toml::Value::Datetime(_) | toml::Value::Table(_) => return None,
     })
