@@ -116,7 +116,7 @@ pub fn text(words: &str, [x_px, y_px]: [f64; 2], anchor: &str) -> Text {
     Text::new(words).set("x", x_px).set("y", y_px).set("text-anchor", anchor).set("fill", INK)
 }
 
-/// A white page, so many pixels wide and high, to add charts to.
+/// A white page of this width and height in pixels, to add charts to.
 pub fn page(width_px: f64, height_px: f64, font_size_px: f64) -> Document {
     Document::new()
         .set("viewBox", (0, 0, width_px, height_px))

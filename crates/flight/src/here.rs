@@ -177,12 +177,10 @@ impl Outline {
             let far = ends_m.iter().filter(|end_m| end_m.norm() > look_m).map(|end_m| self.at(end_m.y.atan2(end_m.x)));
             let middle = self.at(opening.bearing_rad);
             let run = far.chain([middle]).find_map(|at| runs.iter().position(|run| run.contains(at)));
-            match run {
-                Some(run) if nearest[run].is_none_or(|(other_m, _)| near_m < other_m) => {
-                    nearest[run] = Some((near_m, index));
-                }
-                Some(_) => {}
-                None => {}
+            if let Some(run) = run
+                && nearest[run].is_none_or(|(other_m, _)| near_m < other_m)
+            {
+                nearest[run] = Some((near_m, index));
             }
         }
         let is_deep = |run: &Run| run.reach_m >= LEAST_REACH * look_m;

@@ -61,7 +61,7 @@ enum Kind {
     Scan(ScanDecoder),
     Odometry,
     Transforms,
-    /// Copied as it is.
+    /// The bytes are copied.
     Truth,
 }
 

@@ -78,7 +78,7 @@ impl Settings {
         Ok(Engine::new(&self.config(&registry)?, &registry))
     }
 
-    /// The sensor as it is mounted.
+    /// The sensor with its mounting.
     ///
     /// # Errors
     /// As [`Settings::config`].

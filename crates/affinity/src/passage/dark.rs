@@ -80,7 +80,7 @@ impl Gap<'_> {
         if self.is_far(self.far_m) { Some(DARK_SHARE) } else { self.is_not_lost().then_some(DARK_NEAR_SHARE) }
     }
 
-    /// Whether so many of its beams came back with nothing that nothing is seen in it.
+    /// Whether enough of its beams came back with nothing for it to be dark.
     pub(super) fn lacks_beams(&self) -> bool {
         self.dark_beams >= DARK_BEAMS && self.dark_rad() > DARK_RAD
     }

@@ -62,7 +62,7 @@ const WALL_DEG: Number = Number::new("wall_deg", "°", 3.0)
 const NEIGHBOURS: Count = Count::new("neighbours", "returns", 2)
     .from(1)
     .to(1000)
-    .doc("each return has an edge to so many of its wall on either side");
+    .doc("each return has edges to this many returns of its wall on either side");
 
 const HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
     .above(0.0)

@@ -62,7 +62,7 @@ impl TopicReader {
     }
 
     /// Decompresses a message of a recorder that compresses each one (`ros2 bag record --compression-mode message`). No
-    /// message in CDR begins like that. One that is damaged is left as it is, and cannot be decoded then.
+    /// message in CDR begins like that. A damaged one stays compressed, and cannot be decoded.
     fn decompress(&self, message: &mut Message) {
         let encoding = self.contents().channels.get(&message.channel).map(|topic| topic.encoding.as_str());
         if encoding != Some(CDR_ENCODING) || !message.data.starts_with(&ZSTD_SIGN) {

@@ -29,7 +29,7 @@ const SPARE: usize = 2;
 const EIGENVALUES: Count = Count::new("eigenvalues", "", 1)
     .from(1)
     .to(1000)
-    .doc("so many of the smallest are computed at least, and always the zeros and the next");
+    .doc("at least this many of the smallest are computed, and always the zeros and the next");
 
 /// The fast solver of dense graphs.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
