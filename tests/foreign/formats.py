@@ -16,7 +16,6 @@ import zstandard
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
-from rosbags.typesys import Stores, get_typestore
 
 import scenes
 import writing
@@ -27,7 +26,6 @@ from writing import Message
 
 SCANS = 20
 CUTS = 24
-ROS1_TYPES = get_typestore(Stores.ROS1_NOETIC)
 FIRST_RAD, RANGE_MAX_M = np.float32(-np.pi), scenes.RANGE_MAX_M
 
 
@@ -72,10 +70,8 @@ def containers(folder: Path, base: Path, messages: list[Message]) -> Iterator[tu
         bag = BagWriter(path)
         if compression:
             bag.set_compression(compression)
-        with bag:
-            topic = bag.add_connection("/scan", writing.LASER_SCAN, typestore=ROS1_TYPES)
-            for m in messages:
-                bag.write(topic, m.log_time_ns, writing.ros1(m).data)
+        timed = [(m.log_time_ns, writing.ros1(m).data) for m in messages]
+        writing.write_bag(bag, writing.LASER_SCAN, writing.ROS1_TYPES, timed)
         yield f"ROS 1 bag, {name}", path
     modes = [(CompressionMode.NONE, "plain"), (CompressionMode.FILE, "files in zstd"), (CompressionMode.MESSAGE, "messages in zstd")]
     for storage in (StoragePlugin.SQLITE3, StoragePlugin.MCAP):
@@ -85,10 +81,8 @@ def containers(folder: Path, base: Path, messages: list[Message]) -> Iterator[tu
                 bag = Rosbag2Writer(path, version=version, storage_plugin=storage)
                 if mode != CompressionMode.NONE:
                     bag.set_compression(mode, CompressionFormat.ZSTD)
-                with bag:
-                    topic = bag.add_connection("/scan", writing.LASER_SCAN, typestore=writing.ROS2_TYPES)
-                    for m in messages:
-                        bag.write(topic, m.log_time_ns, m.data)
+                timed = [(m.log_time_ns, m.data) for m in messages]
+                writing.write_bag(bag, writing.LASER_SCAN, writing.ROS2_TYPES, timed)
                 yield f"rosbag2 {version}, {storage.name.lower()}, {words}", path
     (folder / "rosbag2_sqlite3_9_none/metadata.yaml").rename(folder / "metadata.yaml")
     yield "rosbag2 without metadata.yaml", folder / "rosbag2_sqlite3_9_none"

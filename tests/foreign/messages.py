@@ -4,7 +4,7 @@ the same bytes of results. Clouds are compared with clouds."""
 import base64
 import json
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,6 @@ from mcap_protobuf.writer import Writer as ProtobufWriter
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
-from rosbags.typesys import Stores, get_typestore
 
 import scenes
 import writing
@@ -27,7 +26,6 @@ from verdicts import Verdicts
 from writing import Message
 
 SCANS = 5
-ROS1_TYPES = get_typestore(Stores.ROS1_NOETIC)
 ROS2_TYPES = writing.ROS2_TYPES
 FLOAT32 = 7  # in PackedElementField and in PointField
 SCAN, ECHOES, CLOUD = (f"sensor_msgs/msg/{name}" for name in ("LaserScan", "MultiEchoLaserScan", "PointCloud2"))
@@ -81,22 +79,15 @@ def ros(folder: Path, messages: list[Message], schema: str, decoded: list) -> It
         path = folder / f"{short}_{name}.mcap"
         writing.write_raw(path, as_messages(messages, schema, encoding, datas))
         yield f"MCAP, {short}, {name}", path
-    bag = BagWriter(folder / f"{short}.bag")
-    write(bag, lambda: bag.add_connection("/scan", schema, typestore=ROS1_TYPES), messages, ros1)
+    times_ns = [m.log_time_ns for m in messages]
+    writing.write_bag(BagWriter(folder / f"{short}.bag"), schema, writing.ROS1_TYPES, zip(times_ns, ros1))
     yield f"ROS 1 bag, {short}, ROS 1", folder / f"{short}.bag"
     for storage in (StoragePlugin.SQLITE3, StoragePlugin.MCAP):
         for endian, datas in cdr.items():
             path = folder / f"{short}_{storage.name.lower()}_{endian}"
-            rosbag2 = Rosbag2Writer(path, version=9, storage_plugin=storage)
-            write(rosbag2, lambda: rosbag2.add_connection("/scan", schema, typestore=ROS2_TYPES), messages, datas)
+            bag = Rosbag2Writer(path, version=9, storage_plugin=storage)
+            writing.write_bag(bag, schema, ROS2_TYPES, zip(times_ns, datas))
             yield f"rosbag2 {storage.name.lower()}, {short}, CDR, {endian}", path
-
-
-def write(bag: BagWriter | Rosbag2Writer, connect: Callable, messages: list[Message], datas: list[bytes]):
-    with bag:
-        topic = connect()
-        for m, data in zip(messages, datas):
-            bag.write(topic, m.log_time_ns, data)
 
 
 def as_messages(messages: list[Message], schema: str, encoding: str, datas: list[bytes]) -> list[Message]:

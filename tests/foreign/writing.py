@@ -9,7 +9,10 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 from mcap_ros2.writer import Writer as Ros2Writer
 from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1 import Writer as BagWriter
+from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
 
 from scenes import BEAMS, RANGE_MAX_M, Scene
 
@@ -42,6 +45,7 @@ STRING = "std_msgs/msg/String"
 STRING_DEFINITION = "string data\n"
 # Converts between the encodings of ROS 1 and ROS 2.
 ROS2_TYPES = get_typestore(Stores.ROS2_HUMBLE)
+ROS1_TYPES = get_typestore(Stores.ROS1_NOETIC)
 
 
 def message_of(scene: Scene, stamp_ns: int) -> dict:
@@ -145,6 +149,14 @@ def write_raw(path: Path, messages: Iterable[Message], profile: str = "ros2", **
                 channels[m.topic] = writer.register_channel(m.topic, m.encoding, schemas[m.schema_name])
             writer.add_message(channels[m.topic], m.log_time_ns, m.data, m.log_time_ns, m.sequence)
         writer.finish()
+
+
+def write_bag(bag: BagWriter | Rosbag2Writer, schema: str, typestore: Typestore, timed: Iterable[tuple[int, bytes]]):
+    """Messages of one topic, each with its log time, in a bag that is not open yet."""
+    with bag:
+        topic = bag.add_connection("/scan", schema, typestore=typestore)
+        for log_time_ns, data in timed:
+            bag.write(topic, log_time_ns, data)
 
 
 def bag_messages(path: Path) -> list[Message]:
