@@ -18,6 +18,7 @@ mod reading;
 #[cfg(feature = "rerun")]
 mod recording;
 mod results;
+mod sensors;
 #[cfg(feature = "rerun")]
 mod serving;
 mod simulation;

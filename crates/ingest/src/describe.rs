@@ -14,8 +14,8 @@ use crate::{IngestError, Loss, LossKind, ReadOptions, Sensor, TopicInfo};
 
 const NS_PER_S: f64 = 1e9;
 
-/// This many scans of a topic are looked at.
-const SCANS_SAMPLED: usize = 100;
+/// At least this many revolutions of a topic are looked at, and as many as show its parts of turns and blind sectors.
+const SCANS_SAMPLED: usize = 50;
 
 /// What is in one file.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,7 +121,7 @@ fn span(contents: &Contents) -> (Option<[u64; 2]>, bool) {
     }
 }
 
-/// Describes the first scan of a topic that `sensor` takes.
+/// Describes the first scan of a topic that `sensor` takes; messages that are parts of a turn are joined.
 fn describe_first(
     reader: &mut TopicReader,
     topic: &TopicInfo,
@@ -131,7 +131,8 @@ fn describe_first(
 ) -> Option<ScanDescription> {
     decoder.echo = sensor.echo();
     let mut turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
-    for seq in 0..SCANS_SAMPLED as u64 {
+    let (mut sample, mut seq) = (Sample::default(), 0);
+    while sample.scans < SCANS_SAMPLED || !turns.is_settled() {
         let message = reader.next();
         for loss in reader.take_losses() {
             if !losses.contains(&loss) {
@@ -147,25 +148,53 @@ fn describe_first(
         }
         if sensor.frame_id().is_none_or(|wanted| wanted == scan.header().frame_id) {
             turns.push(Turn { scan: Ok(scan), ..Turn::new(seq, 0) }, sensor);
+            sample.take(&mut turns, sensor);
         }
         reader.recycle(message);
+        seq += 1;
     }
     turns.finish(sensor);
-    let (mut first, mut beams, mut returns) = (None, 0, 0);
-    while let Some(turn) = turns.pop() {
-        let Ok(scan) = &turn.scan else { continue };
-        let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
-        sensor.message(scan, &mut revolution, &mut notes);
-        notes.extend(turn.notes.iter().cloned());
-        if let Some(scan) = turn.laser_scan() {
-            turns.blind().hide(scan, &mut revolution, &mut notes);
+    sample.take(&mut turns, sensor);
+    sample.describe()
+}
+
+/// The first revolutions of a topic.
+#[derive(Default)]
+struct Sample {
+    scans: usize,
+    beams: usize,
+    returns: usize,
+    first: Option<ScanDescription>,
+    /// Whether messages of the first revolution are missing, as where a recording begins within a turn.
+    is_first_partial: bool,
+}
+
+impl Sample {
+    /// Looks at the revolutions that are complete. One with missing messages counts only if there is no other.
+    fn take(&mut self, turns: &mut Turns, sensor: &Sensor) {
+        while let Some(turn) = turns.pop() {
+            let is_partial = turn.missing.contains(&true);
+            if let Ok(scan) = &turn.scan
+                && (self.first.is_none() || !is_partial)
+            {
+                let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+                turns.show(&turn, scan, sensor, &mut revolution, &mut notes);
+                if self.first.is_none() || self.is_first_partial {
+                    self.first = Some(describe_scan(scan, &revolution, &notes));
+                    (self.is_first_partial, self.beams, self.returns) = (is_partial, 0, 0);
+                }
+                self.scans += 1;
+                self.beams += revolution.sweep.as_ref().map_or(0, Sweep::len);
+                self.returns += revolution.len();
+            }
+            turns.recycle(turn);
         }
-        beams += revolution.sweep.as_ref().map_or(0, Sweep::len);
-        returns += revolution.len();
-        first.get_or_insert_with(|| describe_scan(scan, &revolution, &notes));
     }
-    let missing = if beams > 0 { 1.0 - returns as f64 / beams as f64 } else { 0.0 };
-    first.map(|first| ScanDescription { missing, ..first })
+
+    fn describe(self) -> Option<ScanDescription> {
+        let missing = if self.beams > 0 { 1.0 - self.returns as f64 / self.beams as f64 } else { 0.0 };
+        self.first.map(|first| ScanDescription { missing, ..first })
+    }
 }
 
 fn describe_scan(scan: &ScanMessage, revolution: &Revolution, notes: &Notes) -> ScanDescription {

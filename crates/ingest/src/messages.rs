@@ -1,21 +1,22 @@
 //! The messages of the scan topic, from one part of a flight after the other, with the time at which each was recorded.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use crosscut_messages::{ScanDecoder, ScanMessage};
+use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage};
 
-use crate::Loss;
 use crate::clock::{Clock, Times};
 use crate::container::{Container, Message, TopicReader};
 use crate::topics::TopicInfo;
 use crate::turns::Turn;
+use crate::{Loss, LossKind};
 
 /// This many messages are read ahead to find out about the clocks of a recording.
 const READ_AHEAD: usize = 64;
 
 /// The messages of one topic over all parts of a flight.
 pub(crate) struct Messages {
+    topic: String,
     parts: VecDeque<TopicReader>,
     /// Number of the part that is read, and the file of each.
     part: usize,
@@ -41,6 +42,7 @@ impl Messages {
         losses: Vec<Loss>,
     ) -> Self {
         let mut messages = Self {
+            topic: topic.name.clone(),
             log_times_ns: containers.iter().flat_map(|one| one.contents().log_times_ns.taken().to_vec()).collect(),
             parts: VecDeque::new(),
             part: 0,
@@ -71,18 +73,25 @@ impl Messages {
         &self.without_topic
     }
 
-    /// The file that is part number `part` of the flight.
-    pub(crate) fn file(&self, part: usize) -> &Path {
-        &self.files[part]
-    }
-
     /// What was lost up to now.
     pub(crate) fn losses(&self) -> &[Loss] {
         &self.losses
     }
 
-    pub(crate) fn losses_mut(&mut self) -> &mut Vec<Loss> {
-        &mut self.losses
+    /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are.
+    pub(crate) fn lose(&mut self, part: usize, seq: u64, cause: DecodeError) {
+        let file = &self.files[part];
+        let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
+            LossKind::Messages { count, .. } => Some(count),
+            _ => None,
+        });
+        match known {
+            Some(count) => *count += 1,
+            None => {
+                let kind = LossKind::Messages { topic: self.topic.clone(), first_seq: seq, count: 1, cause };
+                self.losses.push(Loss { file: file.clone(), kind });
+            }
+        }
     }
 
     /// The clock of the recording. For that its first messages are read ahead.

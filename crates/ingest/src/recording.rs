@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::{DecodeError, ScanMessage, ScanType};
-use crosscut_stage::{Beam, Notes, Revolution, Source, SourceError, counted};
+use crosscut_messages::ScanType;
+use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
 use crate::before::{Before, seconds};
 use crate::container::{self, Container};
@@ -13,7 +13,7 @@ use crate::messages::Messages;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
 use crate::turns::{Turn, Turns};
-use crate::{CsvGeometry, IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -63,7 +63,7 @@ pub struct Recording {
     first_ns: Option<u64>,
     /// When the last turn was recorded that was looked at, seconds after the first.
     since_first_s: f64,
-    /// The same of the first revolution that was given.
+    /// When the first revolution was recorded that was given, seconds after the first scan.
     starts_at_s: Option<f64>,
     /// Whether any turn lay in the time asked for.
     any_selected: bool,
@@ -261,21 +261,12 @@ impl Recording {
     }
 
     /// Writes what `turn` shows into `out`.
-    fn give(&mut self, turn: &mut Turn, out: &mut Revolution, notes: &mut Notes) {
+    fn give(&mut self, turn: &Turn, out: &mut Revolution, notes: &mut Notes) {
         self.note_order(turn.log_time_ns, notes);
         match &turn.scan {
             Ok(scan) => {
                 notes.extend(turn.odd_time);
-                match scan {
-                    ScanMessage::Scan(scan) => self.sensor.turning_revolution(scan, turn.rad_per_beam, out, notes),
-                    ScanMessage::Cloud(cloud) => self.sensor.cloud(cloud, out, notes),
-                }
-                notes.extend(turn.notes.drain(..));
-                if let (Some(sweep), Some(scan)) = (&mut out.sweep, turn.laser_scan()) {
-                    let missing = sweep.beams.iter_mut().zip(&turn.missing).filter(|(_, is_missing)| **is_missing);
-                    missing.for_each(|(beam, _)| *beam = Beam::Unknown);
-                    self.turns.blind().hide(scan, out, notes);
-                }
+                self.turns.show(turn, scan, &self.sensor, out, notes);
                 let (stamp_ns, note) = self.messages.clock().stamp_ns(out.stamp_ns, turn.recorded_ns);
                 out.stamp_ns = stamp_ns;
                 notes.extend(note);
@@ -301,32 +292,15 @@ impl Recording {
         self.last_log_time_ns = log_time_ns;
         self.starts_at_s.get_or_insert(self.since_first_s);
     }
-
-    /// Messages that cannot be decoded are one loss a file, however many they are.
-    fn lose_message(&mut self, part: usize, seq: u64, cause: DecodeError) {
-        let file = self.messages.file(part).to_owned();
-        let of_file = self.messages.losses_mut().iter_mut().filter(|loss| loss.file == file);
-        let known = of_file.filter_map(|loss| match &mut loss.kind {
-            LossKind::Messages { count, .. } => Some(count),
-            _ => None,
-        });
-        match known.last() {
-            Some(count) => *count += 1,
-            None => {
-                let kind = LossKind::Messages { topic: self.topic.name.clone(), first_seq: seq, count: 1, cause };
-                self.messages.losses_mut().push(Loss { file, kind });
-            }
-        }
-    }
 }
 
 impl Source for Recording {
     fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<bool, SourceError> {
         loop {
             if self.any_decoded
-                && let Some(mut turn) = self.selected.pop_front()
+                && let Some(turn) = self.selected.pop_front()
             {
-                self.give(&mut turn, out, notes);
+                self.give(&turn, out, notes);
                 self.turns.recycle(turn);
                 return Ok(true);
             }
@@ -337,7 +311,7 @@ impl Source for Recording {
             }
             let undecodable = turn.scan.as_ref().err().map(|cause| (turn.seq, cause.clone()));
             for (seq, cause) in std::mem::take(&mut turn.undecodable).into_iter().chain(undecodable) {
-                self.lose_message(turn.part, seq, cause);
+                self.messages.lose(turn.part, seq, cause);
             }
             self.any_decoded |= turn.scan.is_ok();
             self.selected.push_back(turn);

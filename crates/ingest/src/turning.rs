@@ -11,7 +11,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use crosscut_messages::LaserScan;
+use crosscut_messages::{LaserScan, Time};
 
 /// A sensor that turns by less than this during a scan is left alone, rad.
 const LEAST_TURN_RAD: f64 = 9.0 * DEGREE_RAD;
@@ -39,7 +39,15 @@ const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 /// The scan before.
 #[derive(Debug, Default)]
 pub(crate) struct Turning {
-    before: LaserScan,
+    before: Before,
+}
+
+#[derive(Debug, Default)]
+struct Before {
+    stamp: Time,
+    /// `angle_min` and `angle_increment`.
+    angles_rad: (f32, f32),
+    ranges_m: Vec<f32>,
 }
 
 impl Turning {
@@ -47,26 +55,28 @@ impl Turning {
     /// known or makes no difference. `scan` is the scan before from now on.
     pub(crate) fn rad_per_beam(&mut self, scan: &LaserScan) -> f64 {
         let turned_rad = estimate(&self.before, scan).unwrap_or(0.0);
-        self.before.clone_from(scan);
+        self.before.stamp = scan.header.stamp;
+        self.before.angles_rad = (scan.angle_min, scan.angle_increment);
+        self.before.ranges_m.clone_from(&scan.ranges);
         if turned_rad.abs() * scan.ranges.len() as f64 >= LEAST_TURN_RAD { turned_rad } else { 0.0 }
     }
 }
 
-fn estimate(before: &LaserScan, scan: &LaserScan) -> Option<f64> {
-    let geometry = |scan: &LaserScan| (scan.angle_min, scan.angle_increment, scan.ranges.len());
+fn estimate(before: &Before, scan: &LaserScan) -> Option<f64> {
     let (increment_rad, beam_s) = (f64::from(scan.angle_increment), f64::from(scan.time_increment));
     let beams = scan.ranges.len();
-    if geometry(before) != geometry(scan) || !(increment_rad != 0.0 && beam_s > 0.0) {
+    let is_alike = before.angles_rad == (scan.angle_min, scan.angle_increment) && before.ranges_m.len() == beams;
+    if !(is_alike && increment_rad != 0.0 && beam_s > 0.0) {
         return None;
     }
-    let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.header.stamp.to_ns()?)?;
+    let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.stamp.to_ns()?)?;
     let (period_s, scan_s) = (period_ns as f64 * 1e-9, beam_s * beams as f64);
     if scan_s > LONGEST_SCAN * period_s || period_s > LONGEST_PERIODS * scan_s {
         return None;
     }
     let farthest = ((FARTHEST_RAD / increment_rad.abs()) as i64).min(beams as i64 / 2);
     let coarse = (beams / COMPARED_BEAMS).max(1) as i64;
-    let difference_m = |shift: i64| difference_m(before, scan, shift, coarse as usize);
+    let difference_m = |shift: i64| difference_m(&before.ranges_m, scan, shift, coarse as usize);
     let unshifted_m = difference_m(0).filter(|difference_m| *difference_m >= STILL_M)?;
     let best = |shifts: &mut dyn Iterator<Item = i64>| {
         let of = shifts.filter_map(|shift| Some((shift, difference_m(shift)?)));
@@ -82,10 +92,10 @@ fn estimate(before: &LaserScan, scan: &LaserScan) -> Option<f64> {
 }
 
 /// What the ranges of two scans differ by on average, if beam i of the earlier one is beam i + `shift` of the later one, m.
-fn difference_m(before: &LaserScan, scan: &LaserScan, shift: i64, every: usize) -> Option<f64> {
+fn difference_m(before_m: &[f32], scan: &LaserScan, shift: i64, every: usize) -> Option<f64> {
     let is_range = |range_m: f32| range_m.is_finite() && range_m > scan.range_min && range_m < scan.range_max;
     let (mut pairs, mut sum_m) = (0, 0.0);
-    for (beam, &earlier_m) in before.ranges.iter().enumerate().step_by(every) {
+    for (beam, &earlier_m) in before_m.iter().enumerate().step_by(every) {
         let later_m = usize::try_from(beam as i64 + shift).ok().and_then(|beam| scan.ranges.get(beam));
         let Some(&later_m) = later_m else { continue };
         sum_m += match (is_range(earlier_m), is_range(later_m)) {

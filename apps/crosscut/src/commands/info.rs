@@ -1,6 +1,6 @@
 //! `crosscut info`: the contents of a recording, and how ingest reads its first scan.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 
 use anyhow::Context;
@@ -25,7 +25,7 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     let options = ReadOptions { read_as: args.read_as, csv, ..ReadOptions::default() };
     let (mut diagnostics, mut described) = (Diagnostics::default(), 0);
     let Parts { files, missing } = parts_in(&args.input)?;
-    let mut scan_topics = BTreeMap::new();
+    let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
         match describe(part, &sensor, &options) {
             Ok(description) => {
@@ -34,6 +34,8 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
                 for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
                     *scan_topics.entry(topic.info.name.clone()).or_default() += topic.info.messages.unwrap_or(1);
                 }
+                let unknown = description.topics.into_iter().filter(|topic| topic.info.type_name.is_empty());
+                unknown_topics.extend(unknown.map(|topic| topic.info.name));
                 described += 1;
             }
             Err(error) if files.len() == 1 => return Err(error.into()),
@@ -46,6 +48,9 @@ pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
     diagnostics.lost_all(missing);
     if let Some(line) = run_line(args, &scan_topics) {
         print(&format!("\nnext: {line}\n"))?;
+    } else if !unknown_topics.is_empty() && args.read_as.is_none() {
+        let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
+        print(&format!("\nno schema tells the type of {names}; for laser scans add: --as LaserScan\n"))?;
     }
     Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
 }

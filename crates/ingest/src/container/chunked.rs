@@ -52,6 +52,32 @@ pub(super) enum Progress {
     Stopped { at_byte: u64, damage: Damage },
 }
 
+impl Progress {
+    /// What the record at `at_byte` came to once it was visited; `visitor` is settled by that. If the file ends in the
+    /// record, what is whole in it is kept.
+    pub(super) fn settled(
+        visited: Result<(), Damage>,
+        at_byte: u64,
+        is_cut_off: bool,
+        visitor: &mut impl Visitor,
+    ) -> Self {
+        match visited {
+            Ok(()) | Err(Damage::Ended) if is_cut_off => {
+                visitor.settle(true);
+                Self::Stopped { at_byte, damage: Damage::Ended }
+            }
+            Ok(()) => {
+                visitor.settle(true);
+                Self::Whole
+            }
+            Err(damage) => {
+                visitor.settle(false);
+                Self::Lost { at_byte, damage }
+            }
+        }
+    }
+}
+
 /// Receives what a file holds, record by record.
 pub(super) trait Visitor {
     /// A channel is defined.

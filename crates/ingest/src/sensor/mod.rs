@@ -4,7 +4,7 @@ mod cloud;
 mod fan;
 mod limits;
 
-use crosscut_messages::{Echo, LaserScan, ScanMessage};
+use crosscut_messages::{Echo, LaserScan};
 use crosscut_stage::{
     Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted, wrap_angle_rad,
 };
@@ -143,14 +143,6 @@ impl Sensor {
         self.echo
     }
 
-    /// Writes the revolution that `message` shows into `out`, as [`Sensor::revolution`] or [`Sensor::cloud`] does.
-    pub fn message(&self, message: &ScanMessage, out: &mut Revolution, notes: &mut Notes) {
-        match message {
-            ScanMessage::Scan(scan) => self.revolution(scan, out, notes),
-            ScanMessage::Cloud(cloud) => self.cloud(cloud, out, notes),
-        }
-    }
-
     /// The only `frame_id` that is asked for, if any.
     pub fn frame_id(&self) -> Option<&str> {
         (!self.frame_id.is_empty()).then_some(self.frame_id.as_str())
@@ -166,7 +158,13 @@ impl Sensor {
 
     /// Writes the revolution that `scan` shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
     /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the frame of its middle beam.
-    pub fn turning_revolution(&self, scan: &LaserScan, rad_per_beam: f64, out: &mut Revolution, notes: &mut Notes) {
+    pub(crate) fn turning_revolution(
+        &self,
+        scan: &LaserScan,
+        rad_per_beam: f64,
+        out: &mut Revolution,
+        notes: &mut Notes,
+    ) {
         out.clear();
         out.stamp_ns = scan.header.stamp.to_ns().unwrap_or(0);
         out.frame_id.push_str(&scan.header.frame_id);

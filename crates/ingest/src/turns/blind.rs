@@ -116,13 +116,19 @@ impl BlindSectors {
                     "{} never returned anything in the first scans, taken as blind: \
                      ingest.masked_sectors_rad = [[{:.3}, {:.3}]] masks them, ingest.find_blind_sectors = false does not",
                     counted(hidden, "beam"),
-                    crosscut_stage::wrap_angle_rad(from - margin_rad),
-                    crosscut_stage::wrap_angle_rad(to + margin_rad)
+                    as_setting_rad(from - margin_rad),
+                    as_setting_rad(to + margin_rad)
                 ));
             }
             true
         });
     }
+}
+
+/// A bearing that the setting accepts after rounding to three decimals: π itself would become 3.142.
+fn as_setting_rad(bearing_rad: f64) -> f64 {
+    let limit_rad = std::f64::consts::PI - 1e-3;
+    crosscut_stage::wrap_angle_rad(bearing_rad).clamp(-limit_rad, limit_rad)
 }
 
 impl Sector {

@@ -9,8 +9,9 @@ mod segments;
 use std::collections::VecDeque;
 
 use crosscut_messages::{DecodeError, LaserScan, ScanMessage};
+use crosscut_stage::{Beam, Notes, Revolution};
 
-pub(crate) use self::blind::BlindSectors;
+use self::blind::BlindSectors;
 use self::segments::Joiner;
 use crate::Sensor;
 
@@ -132,9 +133,26 @@ impl Turns {
         if self.is_settled() { self.turns.pop_front() } else { None }
     }
 
-    /// The blind sectors of the sensor.
-    pub(crate) fn blind(&mut self) -> &mut BlindSectors {
-        &mut self.blind
+    /// Writes the revolution that `scan`, which is that of `turn`, shows into `out`. Beams whose messages are missing and
+    /// those of blind sectors are unknown.
+    pub(crate) fn show(
+        &mut self,
+        turn: &Turn,
+        scan: &ScanMessage,
+        sensor: &Sensor,
+        out: &mut Revolution,
+        notes: &mut Notes,
+    ) {
+        match scan {
+            ScanMessage::Scan(scan) => sensor.turning_revolution(scan, turn.rad_per_beam, out, notes),
+            ScanMessage::Cloud(cloud) => sensor.cloud(cloud, out, notes),
+        }
+        notes.extend(turn.notes.iter().cloned());
+        if let (Some(sweep), ScanMessage::Scan(scan)) = (&mut out.sweep, scan) {
+            let missing = sweep.beams.iter_mut().zip(&turn.missing).filter(|(_, is_missing)| **is_missing);
+            missing.for_each(|(beam, _)| *beam = Beam::Unknown);
+            self.blind.hide(scan, out, notes);
+        }
     }
 
     /// A place for the next message.

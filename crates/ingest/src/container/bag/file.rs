@@ -115,20 +115,9 @@ impl ChunkedFile for BagFile {
             Err(damage) => return Progress::Stopped { at_byte, damage },
         };
         let (end, visited) = self.visit(opcode, visitor);
-        match visited {
-            // The file ends in this record. What is whole in it is kept.
-            Ok(()) | Err(Damage::Ended) if end > self.length => {
-                visitor.settle(true);
-                Progress::Stopped { at_byte, damage: Damage::Ended }
-            }
-            Ok(()) => {
-                visitor.settle(true);
-                self.proceed(Progress::Whole, end)
-            }
-            Err(damage) => {
-                visitor.settle(false);
-                self.proceed(Progress::Lost { at_byte, damage }, end.min(self.length))
-            }
+        match Progress::settled(visited, at_byte, end > self.length, visitor) {
+            stopped @ Progress::Stopped { .. } => stopped,
+            progress => self.proceed(progress, end.min(self.length)),
         }
     }
 

@@ -138,20 +138,10 @@ impl ChunkedFile for DataSection {
             let damage = Damage::Record("a record of type 0 cannot be".to_owned());
             return Progress::Stopped { at_byte, damage };
         }
-        match self.visit_record((opcode, length), visitor) {
-            // The file ends in this record. What is whole in it is kept, though there is no checksum of a part.
-            Ok(()) | Err(Damage::Ended) if end > self.length => {
-                visitor.settle(true);
-                Progress::Stopped { at_byte, damage: Damage::Ended }
-            }
-            Ok(()) => {
-                visitor.settle(true);
-                self.proceed(Progress::Whole, end)
-            }
-            Err(damage) => {
-                visitor.settle(false);
-                self.proceed(Progress::Lost { at_byte, damage }, end)
-            }
+        let visited = self.visit_record((opcode, length), visitor);
+        match Progress::settled(visited, at_byte, end > self.length, visitor) {
+            stopped @ Progress::Stopped { .. } => stopped,
+            progress => self.proceed(progress, end),
         }
     }
 

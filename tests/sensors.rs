@@ -1,0 +1,153 @@
+//! Recordings of different sensors through the program: parts of turns, blind sectors, clouds, topics without a schema.
+
+use std::f32::consts::TAU;
+use std::io::Cursor;
+use std::path::Path;
+
+use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message, NumberType, PointCloud2, PointField, Time};
+use mcap::records::MessageHeader;
+
+use crate::flight::{PERIOD_NS, file, tunnel_scan};
+use crate::program::{column, results_of, run};
+
+/// An MCAP of messages on one topic, `interval_ns` apart; an empty `type_name` stands for no schema.
+fn recorded(type_name: &str, interval_ns: u64, messages: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
+    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).expect("memory");
+    let schema = if type_name.is_empty() { 0 } else { writer.add_schema(type_name, "ros2msg", b"").expect("memory") };
+    let channel_id = writer.add_channel(schema, "/seen", CDR_ENCODING, &Default::default()).expect("memory");
+    for (i, data) in messages.enumerate() {
+        let time = PERIOD_NS + i as u64 * interval_ns;
+        let header = MessageHeader { channel_id, sequence: i as u32, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, &data).expect("memory");
+    }
+    writer.finish().expect("memory");
+    writer.into_inner().into_inner()
+}
+
+fn shown(flight: &Path, options: &[&str]) -> String {
+    let arguments = ["info".as_ref(), flight.as_os_str()].into_iter().chain(options.iter().map(AsRef::as_ref));
+    run(arguments).expect_code(0).stdout
+}
+
+fn stamp(time_ns: u64) -> Header {
+    Header { stamp: Time::from_ns(time_ns), frame_id: "lidar".into() }
+}
+
+/// The tunnel seen in twelve messages a turn.
+fn parts() -> Vec<u8> {
+    let part_ns = PERIOD_NS / 12;
+    let part = |i: u64| {
+        let whole = tunnel_scan(i / 12);
+        let beams = (i % 12 * 15) as usize..(i % 12 * 15 + 15) as usize;
+        let angle_min = whole.angle_min + beams.start as f32 * whole.angle_increment;
+        let angle_max = angle_min + 14.0 * whole.angle_increment;
+        let ranges = whole.ranges[beams].to_vec();
+        LaserScan { header: stamp(PERIOD_NS + i * part_ns), angle_min, angle_max, ranges, ..whole }
+    };
+    recorded(LaserScan::SCHEMA_NAME, part_ns, (0..240).map(|i| part(i).encode(Endian::Little)))
+}
+
+/// A closed room, of which the driver leaves out a quarter of the turn as zeros.
+fn quarter_left_out() -> Vec<u8> {
+    let scan = |i: u64| {
+        let mut scan = tunnel_scan(i);
+        let bearing = |beam: usize| scan.angle_min + beam as f32 * scan.angle_increment;
+        let room = |beam: usize| 3.0 / bearing(beam).sin().abs().max(bearing(beam).cos().abs());
+        scan.ranges = (0..180).map(|beam| if beam < 45 { 0.0 } else { room(beam) }).collect();
+        scan
+    };
+    recorded(LaserScan::SCHEMA_NAME, PERIOD_NS, (0..20).map(|i| scan(i).encode(Endian::Little)))
+}
+
+/// A tunnel 6 m wide, 3 m high, seen by a rotating lidar of 16 rings 1 m above the floor.
+fn clouds() -> Vec<u8> {
+    let mut data = Vec::new();
+    for (ring, azimuth) in (0..16u16).flat_map(|ring| (0..360u16).map(move |azimuth| (ring, azimuth))) {
+        let elevation = (f32::from(ring) * 2.0 - 15.0).to_radians();
+        let (sin, cos) = (TAU * (f32::from(azimuth) + 0.5) / 360.0).sin_cos();
+        let limit = if elevation < 0.0 { 1.0 } else { 2.0 };
+        let level_m = (3.0 / sin.abs()).min(limit / elevation.tan().abs());
+        let point =
+            if level_m < 12.0 { [level_m * cos, level_m * sin, level_m * elevation.tan()] } else { [f32::NAN; 3] };
+        data.extend(point.into_iter().flat_map(f32::to_le_bytes));
+    }
+    let field = |(name, offset): (&str, u32)| PointField::new(name, offset, NumberType::F32);
+    let cloud = |i: u64| PointCloud2 {
+        header: stamp(PERIOD_NS + i * PERIOD_NS),
+        height: 16,
+        width: 360,
+        fields: [("x", 0), ("y", 4), ("z", 8)].into_iter().map(field).collect(),
+        point_step: 12,
+        row_step: 12 * 360,
+        data: data.as_slice().into(),
+        ..PointCloud2::default()
+    };
+    recorded(PointCloud2::SCHEMA_NAME, PERIOD_NS, (0..5).map(|i| cloud(i).encode(Endian::Little)))
+}
+
+#[test]
+fn info_shows_a_whole_turn_of_segmented_scans() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "parts.mcap", &parts());
+    let shown = shown(&flight, &[]);
+    assert!(shown.contains("180 beams") && shown.contains("all the way round"), "{shown}");
+    assert!(shown.contains("a revolution joined of 12 messages"), "{shown}");
+    let (ran, lines) = results_of(&flight, &["--quiet"]);
+    ran.expect_code(0);
+    assert_eq!(column(&lines, "junctions"), [2; 20]);
+}
+
+#[test]
+fn info_names_the_setting_that_masks_a_blind_sector() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "quarter.mcap", &quarter_left_out());
+    let seen = shown(&flight, &[]);
+    let masks = "ingest.masked_sectors_rad = [[3.141, -1.571]]";
+    assert!(seen.contains("45 beams never returned") && seen.contains(masks), "{seen}");
+    let named = "ingest.masked_sectors_rad=[[3.141, -1.571]]";
+    assert!(
+        shown(&flight, &["--set", named]).contains("45 beams in masked sectors"),
+        "{}",
+        shown(&flight, &["--set", named])
+    );
+    assert!(!shown(&flight, &["--set", "ingest.find_blind_sectors=false"]).contains("never returned"));
+    let (ran, lines) = results_of(&flight, &["--quiet"]);
+    ran.expect_code(0);
+    assert!(lines.iter().all(|line| line["openings"] == serde_json::json!([])), "{:?}", lines[0]["openings"]);
+}
+
+#[test]
+fn info_says_how_a_topic_without_a_schema_is_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scans = (0..5).map(|i| tunnel_scan(i).encode(Endian::Little));
+    let flight = file(folder.path(), "bare.mcap", &recorded("", PERIOD_NS, scans));
+    assert!(shown(&flight, &[]).ends_with("no schema tells the type of /seen; for laser scans add: --as LaserScan\n"));
+    let told = shown(&flight, &["--as", "LaserScan"]);
+    assert!(told.contains("next: crosscut run") && told.ends_with("LaserScan\n"), "{told}");
+    let (ran, lines) = results_of(&flight, &["--quiet", "--as", "LaserScan"]);
+    ran.expect_code(0);
+    assert_eq!(lines.len(), 5);
+}
+
+#[test]
+fn each_cloud_of_a_rotating_lidar_is_a_revolution() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "clouds.mcap", &clouds());
+    assert!(shown(&flight, &[]).contains("next: crosscut run"));
+    let (ran, lines) = results_of(&flight, &["--quiet"]);
+    ran.expect_code(0);
+    assert_eq!(column(&lines, "seq"), [0, 1, 2, 3, 4]);
+    assert_eq!(column(&lines, "junctions"), [2; 5]);
+}
+
+#[test]
+fn info_finds_a_frame_that_begins_late() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = |i: u64| {
+        let mut scan = tunnel_scan(i);
+        scan.header.frame_id = if i < 150 { "front".into() } else { "rear".into() };
+        scan.encode(Endian::Little)
+    };
+    let flight = file(folder.path(), "late.mcap", &recorded(LaserScan::SCHEMA_NAME, PERIOD_NS, (0..160).map(scan)));
+    assert!(shown(&flight, &["--set", "ingest.frame_id=rear"]).contains("frame \"rear\""));
+}
