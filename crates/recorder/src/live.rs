@@ -269,6 +269,7 @@ impl Shared {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Read as _;
     use std::net::TcpListener;
 
     use rerun::external::re_uri::ProxyUri;
@@ -320,17 +321,20 @@ mod tests {
         let short = TcpListener::bind("127.0.0.1:0").unwrap();
         let (live, rec) = connected(&short);
         log_megabytes(&rec, 1);
-        drop(short.accept().unwrap());
-        log_megabytes(&rec, 20);
+        // Some of the message must have come: a connection that closes before it is made anew, and is then deaf.
+        short.accept().unwrap().0.read_exact(&mut [0; 4096]).unwrap();
+        drop(short);
+        let start = Instant::now();
+        while live.queue.0.lock().connection != Connection::Closed && start.elapsed() < Duration::from_secs(30) {
+            log_megabytes(&rec, 1);
+        }
         assert!(matches!(live.end(), Err(RecorderError::Viewer(text)) if text.contains("closed")));
     }
 
     #[test]
     fn a_viewer_that_never_answers_ends_as_an_error() {
-        let nobody = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = nobody.local_addr().unwrap();
-        drop(nobody);
-        let uri: ProxyUri = format!("rerun+http://{address}/proxy").parse().unwrap();
+        // A port that is free now may be another test's a moment later; nothing listens at port 1.
+        let uri: ProxyUri = "rerun+http://127.0.0.1:1/proxy".parse().unwrap();
         let live = Live::within(HASTY, Outlet::Viewer(GrpcSink::new(uri))).unwrap();
         let rec =
             RecordingStreamBuilder::new("test").set_sinks(vec![Box::new(live.sink()) as Box<dyn LogSink>]).unwrap();
