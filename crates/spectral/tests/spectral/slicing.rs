@@ -1,15 +1,13 @@
 //! `slicing` against the full decomposition, on the dense W of walls that leak into each other.
 
-mod solving;
-
 use std::cell::Cell;
 
+use crate::solving::{solver, spectrum};
 use crosscut_spectral::{faer_evd, slicing};
 use crosscut_stage::{Affinity, SpectralStage};
 use proptest::collection::vec;
 use proptest::prelude::Strategy;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use solving::{solver, spectrum};
 
 const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;

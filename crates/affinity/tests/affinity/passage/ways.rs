@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::{
+use super::{
     Segment, TUNNEL, all, bumps, components, mixed, scan, scan_as_far_as, scan_by, walls, with_branch, with_branch_at,
 };
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crosscut_stage::Beam;
 use nalgebra::Vector2;
 
-use crate::{Segment, TUNNEL, all, components, mixed, scan, walls};
+use super::{Segment, TUNNEL, all, components, mixed, scan, walls};
 
 /// With twelve corners.
 fn pillar(centre_m: [f64; 2], radius_m: f64) -> Vec<Segment> {

@@ -1,7 +1,5 @@
 //! `kmeans++` against every possible partition, and its stated rules.
 
-mod embeddings;
-
 use crosscut_kmeans::kmeans_plus_plus::KIND;
 use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
 use faer::Mat;
@@ -9,7 +7,7 @@ use proptest::test_runner::{Config, RngSeed, TestRunner};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use embeddings::{arbitrary, spectrum};
+use crate::embeddings::{arbitrary, spectrum};
 
 fn run(seed: u32, restarts: u32, max_iterations: u32, spectrum: &Spectrum) -> (Partition, Notes) {
     let (mut out, mut notes) = (Partition::default(), Notes::default());

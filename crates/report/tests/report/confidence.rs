@@ -1,11 +1,9 @@
 //! What the confidence of a scene rests on, on scenes computed by hand.
 
+use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
 use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution};
-use scenes::{Segment, scan, tee, tunnel};
-
-mod scenes;
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 

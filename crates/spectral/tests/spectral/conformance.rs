@@ -1,8 +1,6 @@
 //! One body of tests for every solver in `KINDS`, and the Laplacian that they share, against a decomposition and a
 //! component count of the test's own.
 
-mod graphs;
-
 use std::fmt::Debug;
 
 use crosscut_spectral::{KINDS, Laplacian};
@@ -11,7 +9,7 @@ use faer::Mat;
 use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-use graphs::{Graph, graph};
+use crate::graphs::{self, Graph, graph};
 
 type SpectralKind = Kind<dyn SpectralStage>;
 

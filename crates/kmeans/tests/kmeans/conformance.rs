@@ -1,7 +1,5 @@
 //! One body of tests for every assignment in `KINDS`: what the rest of the program relies on.
 
-mod embeddings;
-
 use std::fmt::Debug;
 use std::ops::Range;
 
@@ -12,7 +10,7 @@ use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-use embeddings::{arbitrary, spectrum};
+use crate::embeddings::{arbitrary, spectrum};
 
 type AssignmentKind = Kind<dyn KmeansStage>;
 

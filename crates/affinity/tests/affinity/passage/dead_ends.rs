@@ -1,6 +1,6 @@
 //! Walls that go on: dead ends, bumps, lost beams.
 
-use crate::{Segment, TUNNEL, all, components, scan, scan_as_far_as, scan_by};
+use super::{Segment, TUNNEL, all, components, scan, scan_as_far_as, scan_by};
 
 #[test]
 fn a_wall_goes_on_across_beams_that_were_lost_and_behind_a_bump() {

@@ -1,17 +1,15 @@
 //! What `blocks` does beyond the shared tests: it needs no full decomposition for the graphs that it is made for,
 //! and proves its bounds on weak edges.
 
-mod solving;
-
 use std::cell::Cell;
 
+use crate::solving::{solver, spectrum};
 use crosscut_spectral::{blocks, faer_evd, nalgebra_evd};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use solving::{solver, spectrum};
 
 fn blocks(tolerance: f64, weak_link: f64) -> Box<dyn SpectralStage> {
     let values = [("zero_tolerance", tolerance.into()), ("weak_link", weak_link.into())];

@@ -3,12 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
+use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::Outline;
 use crosscut_report::openings::{OpeningRule, find};
 use crosscut_stage::{Beam, Evidence, Opening, Revolution};
-use scenes::{Segment, scan, tee, tunnel};
-
-mod scenes;
 
 fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
     openings_of(&scan(segments, 360, |_| false))

@@ -3,7 +3,7 @@
 use crosscut_affinity::passage::KIND;
 use crosscut_stage::{Affinity, Notes, Revolution, Value};
 
-use crate::{LEAK, TUNNEL, all, bumps, components, scan, with_branch};
+use super::{LEAK, TUNNEL, all, bumps, components, scan, with_branch};
 
 /// The edges weaker than any within a wall.
 fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {

@@ -1,0 +1,4 @@
+//! Every message type and encoding, whole and damaged.
+
+mod decoding;
+mod scans;
