@@ -14,4 +14,34 @@ pub(crate) const DECOMPRESSED_BYTES: u64 = 64 << 30;
 /// Bytes of a line in a text file.
 pub(crate) const LINE_BYTES: u64 = 16 << 20;
 /// Beams of one scan.
-pub(crate) const BEAMS: usize = 1 << 20;
+pub(crate) const BEAMS: usize = crosscut_messages::MOST_BEAMS;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_in_the_documentation_states_these_limits() {
+        let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/recordings.md"));
+        let page = page.expect("the documentation");
+        let with_commas = |count: usize| {
+            let digits = count.to_string();
+            let groups: Vec<&[u8]> = digits.as_bytes().rchunks(3).rev().collect();
+            String::from_utf8(groups.join(&b',')).expect("digits")
+        };
+        let mib = |bytes: u64| format!("{} MiB", bytes >> 20);
+        let gib = |bytes: u64| format!("{} GiB", bytes >> 30);
+        for (what, limit) in [
+            ("message", mib(MESSAGE_BYTES)),
+            ("record that is no message", mib(RECORD_BYTES)),
+            ("chunk after decompression", gib(CHUNK_BYTES)),
+            ("beams of a scan", with_commas(BEAMS)),
+            ("points of a cloud", with_commas(crosscut_messages::MOST_POINTS)),
+            ("line of a text file", mib(LINE_BYTES)),
+            ("channels of a file", with_commas(CHANNELS)),
+            ("file after decompression, standard input", format!("{} on disk", gib(DECOMPRESSED_BYTES))),
+        ] {
+            assert!(page.contains(&format!("\n| {what} | {limit} |")), "no row `| {what} | {limit} |`");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Point clouds, as the packed points of a message give them.
 
-use crate::{DecodeError, Header};
+use crate::{DecodeError, Header, MOST_POINTS};
 
 /// Points measured more than this before or after the stamp are not of one turn: their times are of another unit.
 const LONGEST_TURN_S: f64 = 10.0;
@@ -113,7 +113,8 @@ impl<'a> PackedPoints<'a> {
     /// Writes the points into `out`, whose header is there already, whatever else it held before.
     ///
     /// # Errors
-    /// When there is no x or y, a field that is used lies beyond its point, or the data is shorter than the points are.
+    /// When there is no x or y, a field that is used lies beyond its point, the data is shorter than the points are, or
+    /// there are more than [`MOST_POINTS`].
     pub(crate) fn write(&self, out: &mut Cloud) -> Result<(), DecodeError> {
         out.points_m.clear();
         out.times_s.clear();
@@ -182,6 +183,11 @@ impl<'a> PackedPoints<'a> {
                 self.point_bytes,
                 self.data.len()
             );
+            return Err(DecodeError::Value { field: "data", cause });
+        }
+        let points = u64::from(self.rows) * u64::from(self.columns);
+        if points > MOST_POINTS as u64 {
+            let cause = format!("{points} points are more than {MOST_POINTS}");
             return Err(DecodeError::Value { field: "data", cause });
         }
         Ok(())

@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::foxglove::{FoxgloveCloud, FoxgloveScan, of_json, of_protobuf};
 use crate::{
-    CDR_ENCODING, Cloud, DecodeError, Echo, Fields, Header, JSON_ENCODING, LaserScan, Message as _, MultiEchoLaserScan,
-    PROTOBUF_ENCODING, PointCloud2, ROS1_ENCODING,
+    CDR_ENCODING, Cloud, DecodeError, Echo, Fields, Header, JSON_ENCODING, LaserScan, MOST_BEAMS, Message as _,
+    MultiEchoLaserScan, PROTOBUF_ENCODING, PointCloud2, ROS1_ENCODING,
 };
 
 /// What a message of a scan topic holds.
@@ -187,8 +187,20 @@ impl ScanDecoder {
     /// Reads a message into `out`, whatever it held before, keeping its buffers.
     ///
     /// # Errors
-    /// When it is not of the type, or cut; `out` is then partly overwritten.
+    /// When it is not of the type, cut, or has more than [`MOST_BEAMS`] or [`MOST_POINTS`]; `out` is then partly
+    /// overwritten.
     pub fn decode_into(self, message: &[u8], out: &mut ScanMessage) -> Result<(), DecodeError> {
+        self.read(message, out)?;
+        match out {
+            ScanMessage::Scan(scan) if scan.ranges.len() > MOST_BEAMS => {
+                let cause = format!("{} are more than {MOST_BEAMS}", scan.ranges.len());
+                Err(DecodeError::Value { field: "ranges", cause })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn read(self, message: &[u8], out: &mut ScanMessage) -> Result<(), DecodeError> {
         let fields = || match self.encoding {
             Encoding::Ros1 => Ok(Fields::ros1(message)),
             _ => Fields::cdr(message),

@@ -57,7 +57,11 @@ pub(super) fn decompress(file: File, compression: Compression) -> io::Result<Spo
 ///
 /// # Errors
 /// When there is no place on the disk for it.
-pub(super) fn copy(mut input: impl Read) -> io::Result<Spooled> {
+pub(super) fn copy(input: impl Read) -> io::Result<Spooled> {
+    copy_up_to(input, limits::DECOMPRESSED_BYTES)
+}
+
+fn copy_up_to(mut input: impl Read, limit: u64) -> io::Result<Spooled> {
     let mut file = NamedTempFile::new()?;
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;
@@ -66,8 +70,8 @@ pub(super) fn copy(mut input: impl Read) -> io::Result<Spooled> {
             Ok(0) => break None,
             Ok(count) => {
                 bytes += count as u64;
-                if bytes > limits::DECOMPRESSED_BYTES {
-                    break Some(Damage::TooLarge { bytes, limit: limits::DECOMPRESSED_BYTES });
+                if bytes > limit {
+                    break Some(Damage::TooLarge { bytes, limit });
                 }
                 file.write_all(&buffer[..count])?;
             }
@@ -76,4 +80,16 @@ pub(super) fn copy(mut input: impl Read) -> io::Result<Spooled> {
         }
     };
     Ok(Spooled { path: file.into_temp_path(), damage })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_endless_input_ends_at_the_limit() {
+        let spooled = copy_up_to(io::repeat(7), 1 << 20).expect("room on the disk");
+        assert_eq!(std::fs::metadata(&spooled.path).expect("a file").len(), 1 << 20);
+        assert!(matches!(spooled.damage, Some(Damage::TooLarge { limit: 0x10_0000, .. })));
+    }
 }

@@ -4,6 +4,7 @@ mod bags;
 mod damaged;
 mod flight;
 mod formats;
+mod limits;
 mod messages;
 mod parts;
 mod real;

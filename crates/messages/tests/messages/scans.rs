@@ -2,8 +2,8 @@
 
 use base64::Engine as _;
 use crosscut_messages::{
-    Cloud, DecodeError, Echo, Endian, Header, LaserEcho, LaserScan, Message, MultiEchoLaserScan, NumberType,
-    PointCloud2, PointField, ScanDecoder, ScanMessage, Time,
+    Cloud, DecodeError, Echo, Endian, Header, LaserEcho, LaserScan, MOST_BEAMS, MOST_POINTS, Message,
+    MultiEchoLaserScan, NumberType, PointCloud2, PointField, ScanDecoder, ScanMessage, Time,
 };
 use proptest::prelude::{any, prop, prop_assert, prop_assert_eq, proptest};
 
@@ -104,6 +104,25 @@ fn clouds_that_claim_more_than_they_have_are_refused() {
     let mut unknown = packed(false);
     unknown.fields[0].datatype = 9;
     assert!(refused(&unknown).contains("type of `x`"));
+}
+
+#[test]
+fn more_points_beams_or_levels_than_the_limit_are_refused() {
+    let fields = vec![PointField::new("x", 0, NumberType::I8), PointField::new("y", 1, NumberType::I8)];
+    let (width, data) = (MOST_POINTS as u32 + 1, vec![0; 2 * MOST_POINTS + 2].into());
+    let large = PointCloud2 { height: 1, width, fields, point_step: 2, data, ..PointCloud2::default() };
+    let error = decode(PointCloud2::SCHEMA_NAME, "cdr", &large.encode(Endian::Little)).expect_err("too many");
+    assert!(error.to_string().contains("16777217 points are more than 16777216"), "{error}");
+    let wide = LaserScan { ranges: vec![1.0; MOST_BEAMS + 1], ..LaserScan::default() };
+    let error = decode(LaserScan::SCHEMA_NAME, "cdr", &wide.encode(Endian::Little)).expect_err("too many");
+    assert!(error.to_string().contains("1048577 are more than 1048576"), "{error}");
+    let levels = 1 << 20;
+    let unknown = format!("{{\"other\":{}{}}}", "[".repeat(levels), "]".repeat(levels));
+    assert!(decode("foxglove.LaserScan", "json", unknown.as_bytes()).is_ok(), "passed over without recursion");
+    // Group 15 in group 15, which no field of the schema is.
+    let groups = |count: usize| [vec![0x7b; count], vec![0x7c; count]].concat();
+    assert!(decode("foxglove.LaserScan", "protobuf", &groups(100)).is_ok());
+    assert!(decode("foxglove.LaserScan", "protobuf", &groups(101)).is_err());
 }
 
 #[test]

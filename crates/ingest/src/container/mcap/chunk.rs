@@ -3,8 +3,8 @@
 use std::io::{self, BufRead, BufReader, Read};
 
 use super::records::{Schemas, read_body, read_head, skip, visit};
-use crate::Damage;
 use crate::container::chunked::Visitor;
+use crate::{Damage, limits};
 
 const BUFFER_BYTES: usize = 64 * 1024;
 
@@ -46,6 +46,9 @@ pub(super) fn visit_chunk(
     visitor: &mut impl Visitor,
 ) -> Result<(), Damage> {
     let header = ChunkHeader::read(&mut input)?;
+    if header.uncompressed_bytes > limits::CHUNK_BYTES {
+        return Err(Damage::TooLarge { bytes: header.uncompressed_bytes, limit: limits::CHUNK_BYTES });
+    }
     let compressed = input.take(header.compressed_bytes);
     let plain: Box<dyn Read + '_> = match header.compression.as_str() {
         "" => Box::new(compressed),

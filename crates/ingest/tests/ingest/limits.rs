@@ -1,0 +1,116 @@
+//! Files that exceed a limit: what is too large is lost, and takes no memory.
+
+use crosscut_ingest::{Damage, LossKind, Recording};
+
+use crate::bags::{Built, ros1_bag};
+use crate::flight::{
+    Folder, Form, Record, drain, expected, open, plain_flight, record_at, ros1_record_at, scan, time_ns,
+};
+
+const FOUR_GIB: u64 = 1 << 32;
+
+fn place_of(bytes: &[u8], what: &[u8]) -> usize {
+    bytes.windows(what.len()).position(|found| found == what).expect("it is in the file")
+}
+
+fn is_too_large(recording: &Recording) -> bool {
+    recording.losses().iter().any(|loss| match &loss.kind {
+        LossKind::Part { damage, .. } | LossKind::Rest { damage, .. } | LossKind::Index { damage } => {
+            matches!(damage, Damage::TooLarge { .. })
+        }
+        _ => false,
+    })
+}
+
+fn ros1_flight(count: u64) -> Vec<Record> {
+    (0..count).map(|i| ros1_record_at("/scan", time_ns(i), &scan(i))).collect()
+}
+
+#[test]
+fn a_chunk_of_an_mcap_that_claims_too_much_is_lost_alone() {
+    let folder = Folder::new();
+    let mut bytes = Form::CHUNKED.write(&plain_flight(15));
+    // The first chunk: opcode, length, two times, size.
+    let header_at = mcap::MAGIC.len();
+    let header_bytes = u64::from_le_bytes(bytes[header_at + 1..header_at + 9].try_into().expect("8 bytes")) as usize;
+    let chunk_at = header_at + 9 + header_bytes;
+    assert_eq!(bytes[chunk_at], mcap::records::op::CHUNK);
+    bytes[chunk_at + 25..chunk_at + 33].copy_from_slice(&(5 * (FOUR_GIB / 4)).to_le_bytes());
+    let mut recording = open(&folder.add("flight.mcap", &bytes)).expect("a recording");
+    assert_eq!(drain(&mut recording).seqs, (5..15).collect::<Vec<_>>());
+    assert!(is_too_large(&recording), "{:?}", recording.losses());
+}
+
+#[test]
+fn a_message_that_claims_too_much_costs_no_memory() {
+    let folder = Folder::new();
+    let form = Form { chunked: false, summary: false, ..Form::CHUNKED };
+    let mut bytes = form.write(&plain_flight(10));
+    let first_range = |i| scan(i).ranges[0].to_le_bytes();
+    // Before the first range are the other fields of the scan, the header of the message and that of its record.
+    let opcode = place_of(&bytes, &first_range(7)) - 56 - 22 - 9;
+    assert_eq!(bytes[opcode], mcap::records::op::MESSAGE);
+    bytes[opcode + 1..opcode + 9].copy_from_slice(&FOUR_GIB.to_le_bytes());
+    let mut recording = open(&folder.add("flight.mcap", &bytes)).expect("a recording");
+    assert_eq!(drain(&mut recording), expected(7));
+    assert!(!recording.losses().is_empty());
+
+    let Built { bytes: mut bag, ends } = ros1_bag(&ros1_flight(10), "none", true);
+    let data_bytes = ros1_flight(1)[0].data.len();
+    let length_at = ends[7] - data_bytes - 4;
+    bag[length_at..length_at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+    let mut recording = open(&folder.add("flight.bag", &bag)).expect("a recording");
+    assert_eq!(drain(&mut recording).seqs, [0, 1, 2, 3, 4]);
+    assert!(is_too_large(&recording), "{:?}", recording.losses());
+}
+
+#[test]
+fn a_bag_of_too_many_channels_is_read_without_its_index() {
+    let folder = Folder::new();
+    let mut bytes = ros1_bag(&ros1_flight(8), "lz4", true).bytes;
+    let count_at = place_of(&bytes, b"conn_count=") + b"conn_count=".len();
+    bytes[count_at..count_at + 4].copy_from_slice(&65_537u32.to_le_bytes());
+    let mut recording = open(&folder.add("flight.bag", &bytes)).expect("a recording");
+    assert_eq!(drain(&mut recording), expected(8));
+    assert!(matches!(recording.losses(), [loss] if matches!(loss.kind, LossKind::Index { .. })));
+}
+
+#[test]
+fn a_scan_of_too_many_beams_is_an_empty_revolution() {
+    let folder = Folder::new();
+    let mut large = scan(1);
+    large.ranges = vec![1.0; (1 << 20) + 1];
+    let mut flight = plain_flight(3);
+    flight[1] = record_at("/scan", time_ns(1), &large);
+    let mut recording = open(&folder.add("flight.mcap", &Form::CHUNKED.write(&flight))).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!(read.ranges.iter().map(Vec::len).collect::<Vec<_>>(), [8, 0, 8]);
+    assert!(read.notes[1][0].contains("more than 1048576"), "{:?}", read.notes[1]);
+}
+
+#[test]
+fn a_message_that_decompresses_to_too_much_is_an_empty_revolution() {
+    let folder = Folder::new();
+    let mut flight = plain_flight(3);
+    // 257 MiB of a text that the scan claims as the name of its frame.
+    let text_bytes = 257u32 << 20;
+    let mut bomb = zstd::stream::Encoder::new(Vec::new(), 1).expect("in memory");
+    let start = [&[0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0][..], &text_bytes.to_le_bytes()].concat();
+    let rest = std::io::repeat(0);
+    let all = std::io::Read::take(std::io::Read::chain(&start[..], rest), u64::from(text_bytes) + 1000);
+    std::io::copy(&mut { all }, &mut bomb).expect("in memory");
+    flight[1].data = bomb.finish().expect("in memory");
+    let mut recording = open(&folder.add("flight.mcap", &Form::CHUNKED.write(&flight))).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!(read.seqs, [0, 1, 2]);
+    assert!(read.notes[1][0].contains("claims"), "{:?}", read.notes[1]);
+}
+
+#[test]
+fn a_line_without_end_is_cut_and_the_lines_behind_it_are_read() {
+    let folder = Folder::new();
+    let line = |second: u64| format!("FLASER 3 1 2 3 0 0 0 0 0 0 {second}.5 host 0\n");
+    let text = [line(1), "9".repeat(16 << 20), line(2), line(3)].concat();
+    let mut recording = open(&folder.add("log.clf", text.as_bytes())).expect("a log");
+    assert_eq!(drain(&mut recording).len(), 3, "the second begins where the long line is cut");
+}
