@@ -118,9 +118,11 @@ fn with_truth(
 }
 
 /// Notes settings of ingest: the truth belongs to the scans as they were recorded, in the body frame of the sensor.
+/// Deskewing leaves each beam the wall that it hit.
 fn note_changed_scans(columns: &[Configuration], diagnostics: &mut Diagnostics) {
     for Configuration { name, config } in columns {
-        let changed = config.changed("ingest");
+        let mut changed = config.changed("ingest");
+        changed.retain(|setting| !setting.starts_with("ingest.deskew="));
         if !changed.is_empty() {
             let changed = changed.join(", ");
             diagnostics.note(format_args!("{name} sets {changed}; the truth may not hold for scans read that way"));
