@@ -11,6 +11,9 @@ Kinds, each a plane of free space with smooth walls in half of the places and ro
 - rooms         a building: rooms and corridors behind doors of 1 to 3 m
 - caves         wandering centreline, width that varies, branches
 - mines         room and pillar
+- halls         beside a wall of a hall wider than most ranges, a straight one, a corner or a bay; boxes stand before some
+- dark_doors    a room with one or two doors of 1 to 3 m into a hall whose far side is mostly out of range
+- niches        corridors with niches of 0.2 to 0.4 m; they go on, end, meet another corridor or have a side passage
 
 The sensor stands anywhere in the free space near the middle, 0.5 m from all walls, and looks anywhere; beams, view,
 range and noise vary from place to place; beams are lost, and in some places dust is seen. Truth is what `sight` says of
@@ -162,6 +165,62 @@ def mine(rng: np.random.Generator) -> Ground:
     return Ground(mined.difference(shapely.union_all(pillars)))
 
 
+def hall(rng: np.random.Generator) -> Ground:
+    """The origin is 1.5 to 4 m from the wall."""
+    reach_m, off_m = 2.5 * ARM_M, rng.uniform(1.5, 4)
+    match rng.choice(["straight", "corner", "bay"]):
+        case "straight":
+            tilt_m = rng.uniform(-0.1, 0.1, 2) * reach_m
+            solid = Polygon([(-reach_m, off_m + tilt_m[0]), (0, off_m), (reach_m, off_m + tilt_m[1]), (0, 2 * reach_m)])
+        case "corner":
+            solid = box(-reach_m, off_m, reach_m, reach_m).union(box(rng.uniform(2, 6), -reach_m, reach_m, reach_m))
+        case "bay":
+            half_m, depth_m = rng.uniform(2, 5), off_m + rng.uniform(0, 3)
+            bay = box(-half_m, off_m - depth_m, half_m, off_m)
+            solid = box(-reach_m, off_m - depth_m, reach_m, reach_m).difference(bay)
+    boxes = []
+    for _ in range(rng.choice([0, 0, 1, 2])):
+        x_m, half_m, depth_m = rng.uniform(-6, 6), *rng.uniform(0.3, 0.6, 2)
+        boxes.append(box(x_m - half_m, off_m - depth_m, x_m + half_m, off_m + 0.1))
+    free = box(-reach_m, -reach_m, reach_m, reach_m).difference(shapely.union_all([solid, *boxes]))
+    return Ground(free, near_m=3)
+
+
+def dark_door(rng: np.random.Generator) -> Ground:
+    """A room around the origin; its doors are in opposite walls."""
+    half_m, wall_m = rng.uniform(2, 5, 2), rng.uniform(0.1, 0.4)
+    parts = [box(*-half_m, *half_m)]
+    for side in (1, -1)[: rng.integers(1, 3)]:
+        door_half_m = min(rng.uniform(0.5, 1.5), 0.4 * half_m[1])
+        middle_m = rng.uniform(-0.8, 0.8) * (half_m[1] - door_half_m)
+        x_m = side * (half_m[0] + wall_m)
+        parts.append(passage((0, middle_m), (x_m + 0.01 * side, middle_m), 2 * door_half_m))
+        parts.append(passage((x_m, middle_m), (x_m + ARM_M * side, middle_m), rng.uniform(20, 2 * ARM_M)))
+    free = affinity.rotate(shapely.union_all(parts), rng.uniform(0, 90), origin=(0, 0))
+    return Ground(free, near_m=1.5 * half_m.min(), roughest_m=0.05)
+
+
+def niches(rng: np.random.Generator) -> Ground:
+    half_m, depth_m = rng.uniform(1.2, 2.6), rng.uniform(0.2, 0.4)
+    parts = [box(-ARM_M, -half_m, ARM_M, half_m)]
+    for side in (1, -1)[: rng.integers(1, 3)]:
+        starts_m = spaced(rng, 1.5, 3)
+        for x_m, length_m in zip(starts_m, rng.uniform(0.5, 1.2, len(starts_m))):
+            low_m, high_m = sorted((0, side * (half_m + depth_m)))
+            parts.append(box(x_m, low_m, x_m + length_m, high_m))
+    free, end_m, across_m = shapely.union_all(parts), rng.uniform(2, 8), rng.uniform(1.5, 3)
+    match rng.choice(["on", "ends", "ahead", "aside"]):
+        case "ends":
+            free = free.intersection(box(-ARM_M, -ARM_M, end_m, ARM_M))
+        case "ahead":
+            across = box(end_m, -ARM_M, end_m + across_m, ARM_M)
+            free = free.intersection(box(-ARM_M, -ARM_M, end_m, ARM_M)).union(across)
+        case "aside":
+            side_m = rng.choice([ARM_M, -ARM_M])
+            free = free.union(passage((end_m, 0), (end_m + rng.uniform(-3, 3), side_m), across_m))
+    return Ground(free, near_m=4, roughest_m=0.05)
+
+
 KINDS: dict[str, Callable[[np.random.Generator], Ground]] = {
     "tunnels": tunnel,
     "dead_ends": dead_end,
@@ -173,6 +232,9 @@ KINDS: dict[str, Callable[[np.random.Generator], Ground]] = {
     "rooms": rooms,
     "caves": cave,
     "mines": mine,
+    "halls": hall,
+    "dark_doors": dark_door,
+    "niches": niches,
 }
 
 

@@ -8,7 +8,8 @@
 //!    line: either the two belong to different walls and beams between them came back with nothing
 //!    ([`Evidence::NoReturn`]), or neither wall goes on along its own line across the edge: the nearer end clears the
 //!    line of the farther wall by the vehicle's width, and the farther end leaves the line of the nearer wall by half
-//!    of it;
+//!    of it. An edge that is seen over half a turn or more, most of it with nothing in it, is none such a stretch: the
+//!    line of a wall would pass on the other side of the sensor;
 //! 3. a strip of the vehicle's width that leaves the edge outward meets no return for [`DEPTH_M`];
 //! 4. some beam between them is known: a masked sector is no opening, nor is what lies outside the view
 //!    ([`Sweep::view`](crosscut_stage::Sweep::view)).
@@ -220,6 +221,10 @@ impl Outlook<'_> {
         let edge_m = sides.edge_m();
         if (edge_m[0] - edge_m[1]).norm() < self.vehicle_width_m || !sides.is_known() {
             return false;
+        }
+        // The strip behind so wide an edge would begin on the other side of the sensor.
+        if sides.is_open_side() {
+            return true;
         }
         let dark_between_two = sides.are_two_walls() && sides.is_dark();
         let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());

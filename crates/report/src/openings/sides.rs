@@ -1,6 +1,6 @@
 //! The two walls beside an opening: how wide the branch between them is, and where it leads.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crosscut_scan::{Position, Return};
 use crosscut_stage::Beam;
@@ -117,11 +117,27 @@ impl<'a> Sides<'a> {
         across_m.fold(0.0, f64::max)
     }
 
+    /// The angle over which the edge is seen, anticlockwise.
+    fn seen_at_rad(&self) -> f64 {
+        let [from_m, to_m] = self.edge_m();
+        from_m.perp(&to_m).atan2(from_m.dot(&to_m)).rem_euclid(TAU)
+    }
+
     /// The direction in which the middle of the edge is seen.
     pub(super) fn towards(&self) -> Position {
-        let [from_m, to_m] = self.edge_m();
-        let seen_at_rad = from_m.perp(&to_m).atan2(from_m.dot(&to_m)).rem_euclid(TAU);
-        nalgebra::Rotation2::new(0.5 * seen_at_rad) * from_m.normalize()
+        let [from_m, _] = self.edge_m();
+        nalgebra::Rotation2::new(0.5 * self.seen_at_rad()) * from_m.normalize()
+    }
+
+    /// Whether the edge spans half a turn or more, and most beams into it came back with nothing. A wall that went on
+    /// straight across it would have to pass on the other side of the sensor.
+    pub(super) fn is_open_side(&self) -> bool {
+        let (mut dark, mut beams) = (0, 0);
+        for beam in self.between() {
+            beams += 1;
+            dark += usize::from(beam == Beam::NoReturn);
+        }
+        self.seen_at_rad() >= PI && 2 * dark > beams
     }
 
     /// What the beams between the two returns saw.

@@ -94,6 +94,22 @@ fn a_closed_room_is_not_open() {
 }
 
 #[test]
+fn one_wall_with_nothing_over_half_a_turn_is_open_there() {
+    // Straight; with an end turned a little towards the sensor; seen aslant.
+    for [left_m, right_m] in [[2.0, 2.0], [2.0, 1.0], [1.0, 8.0]] {
+        let wall = [(Segment([12.0, right_m], [0.0, 2.0]), 0), (Segment([0.0, 2.0], [-12.0, left_m]), 0)];
+        for rule in [OpeningRule::FreeSpace, OpeningRule::BetweenWalls] {
+            let found = openings_by(rule, &scan(&wall, 360, |_| false));
+            assert_eq!(found.len(), 1, "{left_m} {right_m}: {found:#?}");
+            assert!((found[0].bearing_rad + FRAC_PI_2).abs() < 0.5, "{found:#?}");
+        }
+    }
+    let masked = scan(&[(Segment([12.0, 2.0], [-12.0, 2.0]), 0)], 360, |bearing_rad| bearing_rad < 0.0);
+    let found = openings_by(OpeningRule::BetweenWalls, &masked);
+    assert!(found.iter().all(|opening| opening.cut_by_view), "of the masked side nothing is known: {found:#?}");
+}
+
+#[test]
 fn a_gap_narrower_than_the_vehicle_is_not_open() {
     let mut slit = vec![
         (Segment([-4.0, 2.0], [4.0, 2.0]), 0),
