@@ -11,8 +11,8 @@ use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};
 
 /// Prints the resolved configuration.
-pub(crate) fn print(args: &ConfigArgs) -> anyhow::Result<Outcome> {
-    let config = resolve(args, &Registry::standard())?;
+pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = resolve(args, registry)?;
     write!(std::io::stdout(), "{config}").context("standard output")?;
     Ok(Outcome::Done)
 }

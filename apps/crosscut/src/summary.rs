@@ -28,10 +28,15 @@ pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
 }
 
 fn counts(summary: &Summary) -> Table {
-    let mut table = plain(&["walls", "revolutions", "share"]);
-    for (junctions, revolutions) in &summary.junctions {
-        let share = 100.0 * *revolutions as f64 / summary.revolutions as f64;
-        table.add_row([junctions.to_string(), revolutions.to_string(), format!("{share:.1} %")]);
+    let mut table = plain(&["walls", "revolutions", "share", "of these, sure"]);
+    let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);
+    for (junctions, answers) in &summary.junctions {
+        table.add_row([
+            junctions.to_string(),
+            answers.revolutions.to_string(),
+            share(answers.revolutions, summary.revolutions),
+            share(answers.sure, answers.revolutions),
+        ]);
     }
     table
 }
@@ -51,8 +56,8 @@ fn notes(summary: &Summary) -> String {
 fn times(summary: &Summary) -> Table {
     let mut table = plain(&["stage", "median ms", "p99 ms"]);
     let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
-    // From the arrival of the scan until its results are written.
-    let latency = ("latency", summary.times.latency_median_and_p99_ns());
+    // From the arrival of the scan until its results are written: longer than the stages where scans wait for each other.
+    let latency = ("with waiting", summary.times.latency_median_and_p99_ns());
     for (name, times) in steps.into_iter().chain([latency]) {
         if let Some((median_ns, p99_ns)) = times {
             let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);

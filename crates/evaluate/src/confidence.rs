@@ -1,11 +1,9 @@
 //! Calibration of the confidence, and the ranking of answers by it.
 
+use crosscut_stage::SURE;
 use serde::Serialize;
 
 use crate::Proportion;
-
-/// Answers of at least this confidence are called sure.
-pub const SURE: f64 = 0.9;
 
 /// Number of bins of the reliability table.
 pub const BINS: usize = 10;

@@ -95,7 +95,8 @@ mod scoreboard;
 pub mod tables;
 
 pub use agreement::Agreement;
-pub use confidence::{BINS, Confidence, ReliabilityBin, SURE};
+pub use confidence::{BINS, Confidence, ReliabilityBin};
+pub use crosscut_stage::SURE;
 pub use differences::{Differences, Stretch};
 pub use evaluation::{Confusion, Evaluation, Figures, Labels, Openings};
 pub use flips::{AROUND, Flip, flips};

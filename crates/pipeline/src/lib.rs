@@ -40,4 +40,4 @@ pub use registry::Registry;
 pub use settings::Settings;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
-pub use summary::{End, StageTimes, Summary};
+pub use summary::{Answers, End, StageTimes, Summary};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_stage::{Failure, Frame, Step};
+use crosscut_stage::{Failure, Frame, SURE, Step};
 
 use crate::note_counts::NoteCounts;
 use crate::quantiles::Quantiles;
@@ -12,8 +12,8 @@ use crate::quantiles::Quantiles;
 pub struct Summary {
     /// Revolutions whose results were written.
     pub revolutions: u64,
-    /// Number of them with each number of junctions.
-    pub junctions: BTreeMap<usize, u64>,
+    /// Those with each number of junctions.
+    pub junctions: BTreeMap<usize, Answers>,
     /// Number of them with a note.
     pub noted: u64,
     /// Their notes.
@@ -24,6 +24,15 @@ pub struct Summary {
     pub end: End,
     /// Observers that gave up on the way, and why.
     pub observer_errors: Vec<String>,
+}
+
+/// Revolutions of one number of junctions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Answers {
+    /// All of them.
+    pub revolutions: u64,
+    /// Those with a confidence of [`SURE`] or more.
+    pub sure: u64,
 }
 
 /// How a run ended. What was written before stays.
@@ -69,7 +78,9 @@ impl StageTimes {
 impl Summary {
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.revolutions += 1;
-        *self.junctions.entry(frame.junction.junctions).or_default() += 1;
+        let answers = self.junctions.entry(frame.junction.junctions).or_default();
+        answers.revolutions += 1;
+        answers.sure += u64::from(frame.junction.confidence >= SURE);
         self.noted += u64::from(!frame.notes.is_empty());
         self.notes.add(self.revolutions, &frame.notes);
         self.times.add(frame);

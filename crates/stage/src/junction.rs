@@ -4,6 +4,9 @@ use std::fmt;
 
 use crate::Point;
 
+/// Answers of at least this confidence are called sure.
+pub const SURE: f64 = 0.9;
+
 /// The answer for one revolution.
 #[derive(Clone, Debug, Default)]
 pub struct Junction {

@@ -32,7 +32,7 @@ pub use affinity::{Affinity, Csr, Verdict, Weights};
 pub use embedding::Embedding;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
-pub use junction::{Evidence, Junction, Opening, Place, Wall};
+pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use notes::{Notes, counted};
 pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};

@@ -1,16 +1,25 @@
-//! An affinity of one's own: W_ij = 1 / (1 + (‖x_i - x_j‖ / scale)⁴). `cargo run` in this folder; `cargo test` holds it to
-//! what the rest of the program relies on.
+//! An affinity of one's own, and the whole program with it:
+//!
+//! ```text
+//! F=../../recordings/tee.mcap
+//! cargo run -- run $F --preset paper --set affinity.kind=quartic --set spectral.zero_tolerance=0.003
+//! cargo run -- compare $F --with paper --with paper,affinity.kind=quartic,spectral.zero_tolerance=0.003
+//! cargo run -- config --preset paper --set affinity.kind=quartic
+//! ```
+//!
+//! `cargo test` holds it to what the rest of the program relies on.
 
-use std::error::Error;
+use std::process::ExitCode;
 
+use crosscut_pipeline::Registry;
 use crosscut_pipeline::stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Point, Revolution, StageError, Storage,
+    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage,
 };
-use crosscut_pipeline::{Engine, Frame, Preset, Registry, Settings};
 
 const SCALE_M: Number = Number::new("scale_m", "m", 0.5).above(0.0).to(100.0).doc("distance at which W_ij is 1/2");
 
-const KIND: Kind<dyn AffinityStage> =
+/// W_ij = 1 / (1 + (‖x_i - x_j‖ / scale)⁴).
+const QUARTIC: Kind<dyn AffinityStage> =
     Kind::affinity("quartic", "every pair of returns, falling with the fourth power of their distance", |params| {
         Box::new(Quartic { scale_m: params.get(SCALE_M) })
     })
@@ -35,22 +44,13 @@ impl AffinityStage for Quartic {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
     let mut registry = Registry::standard();
-    registry.affinity.push(KIND);
-    let settings = Settings::new(Preset::Paper).set("affinity.kind", "quartic").set("spectral.zero_tolerance", 0.05);
-    let mut engine = Engine::new(&settings.config(&registry)?, &registry);
-
-    // Two walls, 6 m apart: each a row of returns 20 cm apart.
-    let mut frame = Frame::default();
-    let rows = [-3.0, 3.0].into_iter().flat_map(|y| (0..20).map(move |i| Point::new(0.2 * f64::from(i), y, 0.0)));
-    frame.revolution.points_m.extend(rows);
-    engine.process(&mut frame)?;
-    println!("{} walls", frame.junction.junctions);
-    Ok(())
+    registry.affinity.push(QUARTIC);
+    crosscut::main(&registry)
 }
 
 #[test]
 fn the_rest_of_the_program_can_rely_on_it() {
-    crosscut_conformance::affinity::all(&KIND);
+    crosscut_conformance::affinity::all(&QUARTIC);
 }

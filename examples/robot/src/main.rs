@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (sensor, mut engine) = (settings.sensor()?, settings.engine()?);
     let mut frame = Frame::default();
 
-    // For every scan that the driver delivers; the frame's buffers are used again.
+    // For every `scan: LaserScan` that the driver delivers; the frame's buffers are used again.
     for scan in [tunnel_scan(6.0), tunnel_scan(8.0)] {
         frame.notes.clear();
         sensor.revolution(&scan, &mut frame.revolution, &mut frame.notes);

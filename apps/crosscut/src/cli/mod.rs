@@ -258,7 +258,7 @@ pub(crate) struct PaperArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// MCAP recordings or folders of them.
+    /// Recordings of any format, or folders of them.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Type of the messages on topics without a schema, such as LaserScan.

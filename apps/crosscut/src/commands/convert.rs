@@ -15,8 +15,8 @@ use crate::say::say;
 use crate::{config, outputs};
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
-pub(crate) fn convert(args: &ConvertArgs) -> anyhow::Result<Outcome> {
-    let config = config::resolve(&args.config, &Registry::standard())?;
+pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, registry)?;
     outputs::refuse(&[&args.out], &recordings_in(&args.input)?)?;
     let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions { topic: args.topic.clone(), csv, ..ReadOptions::default() };

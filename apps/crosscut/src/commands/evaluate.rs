@@ -20,11 +20,10 @@ use crate::scoring::{self, Scored};
 use crate::{outputs, progress, typeset};
 
 /// Runs every configuration on every recording and compares the results with the truth.
-pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
-    let registry = Registry::standard();
+pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let default = ["default".to_owned()];
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
-    let columns = configurations::named(with, &args.set, &registry)?;
+    let columns = configurations::named(with, &args.set, registry)?;
     let input = recordings_in(&args.input)?;
     refuse_equal("families", input.iter().map(|path| family_of(path)))?;
     refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
@@ -46,7 +45,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> anyhow::Result<Outcome> {
                 interrupt(path, &column.name, &mut diagnostics);
                 break 'all;
             }
-            let scored = scoring::score(path, &options, &column.config, &registry, &stop, &bar)?;
+            let scored = scoring::score(path, &options, &column.config, registry, &stop, &bar)?;
             bar.suspend(|| report(path, &column.name, &scored, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some(folder) = &args.draw_wrong {

@@ -18,8 +18,8 @@ use crate::exit::Outcome;
 use crate::say::printable;
 
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
-pub(crate) fn info(args: &InfoArgs) -> anyhow::Result<Outcome> {
-    let config = config::resolve(&args.config, &Registry::standard())?;
+pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, registry)?;
     let sensor = Sensor::new(config.params("ingest"));
     let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions { read_as: args.read_as, csv, ..ReadOptions::default() };

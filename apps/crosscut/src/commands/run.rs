@@ -20,9 +20,8 @@ use crate::say::say;
 use crate::{config, flight, outputs, progress, summary};
 
 /// Runs the flight. The results of a revolution are on disk before any observer sees it.
-pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
-    let registry = Registry::standard();
-    let config = config::resolve(&args.config, &registry)?;
+pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, registry)?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(args.config.config.clone());
     refuse_overwriting(args, &read)?;
@@ -43,7 +42,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<Outcome> {
         written.take(frame)
     };
     let options = StreamOptions { rate: args.rate, stop: stop.clone() };
-    let ran = stream(&mut recording, &config, &registry, &mut sink, &mut observers.list, &options);
+    let ran = stream(&mut recording, &config, registry, &mut sink, &mut observers.list, &options);
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
     if !args.quiet {

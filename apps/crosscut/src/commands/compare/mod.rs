@@ -43,9 +43,8 @@ struct Compared {
 }
 
 /// Runs every configuration over the flight at the same time, and compares the answers scan by scan.
-pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
-    let registry = Registry::standard();
-    let configurations = configurations::named(&args.with, &args.set, &registry)?;
+pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let configurations = configurations::named(&args.with, &args.set, registry)?;
     if configurations.len() < 2 {
         let usage = "compare needs at least two configurations: --with default --with paper";
         return Err(UsageError(usage.to_owned()).into());
@@ -59,7 +58,7 @@ pub(crate) fn compare(args: &CompareArgs) -> anyhow::Result<Outcome> {
     stop_on_interrupt(stop.clone())?;
 
     let bar = progress::bar(recordings[0].total_revolutions(), args.quiet);
-    let compared = side_by_side(&configurations, &mut recordings, &registry, &stop, &bar)?;
+    let compared = side_by_side(&configurations, &mut recordings, registry, &stop, &bar)?;
     bar.finish_and_clear();
 
     let mut diagnostics = Diagnostics::default();

@@ -18,18 +18,17 @@ use crate::progress;
 use crate::say::say;
 
 /// Writes the figures, the tables, and a page that shows them. The same program always writes the same bytes.
-pub(crate) fn paper(args: &PaperArgs) -> anyhow::Result<Outcome> {
-    let registry = Registry::standard();
-    let tolerance_of_preset = Config::preset(Preset::Paper, &registry)?.params("spectral").get(ZERO_TOLERANCE);
+pub(crate) fn paper(args: &PaperArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let tolerance_of_preset = Config::preset(Preset::Paper, registry)?.params("spectral").get(ZERO_TOLERANCE);
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make the folder {}", args.out.display()))?;
-    let figures = figures::figures(&registry)?;
+    let figures = figures::figures(registry)?;
     for figure in &figures {
         write(&args.out.join(figure.file()), &figure.svg())?;
     }
     let bar = progress::bar(Some((args.scenes * suites().len()) as u64), args.quiet);
-    let families = tolerance::families(args.scenes, &registry, &stop, &bar)?;
+    let families = tolerance::families(args.scenes, registry, &stop, &bar)?;
     bar.finish_and_clear();
     let Some(families) = families else {
         say(format_args!(

@@ -81,19 +81,18 @@ pub(super) struct Recomputation<'a> {
 
 impl<'a> Recomputation<'a> {
     /// Prepares to recompute `entity` with the recorded configuration.
-    pub(super) fn new(recording: &'a Recording, entity: &str) -> anyhow::Result<Self> {
+    pub(super) fn new(recording: &'a Recording, entity: &str, registry: &Registry) -> anyhow::Result<Self> {
         let Some((_, read_values)) = ENTITIES.into_iter().find(|(known, _)| known.path == entity) else {
             let names = ENTITIES.map(|(known, _)| known.path).join(", ");
             return Err(UsageError(format!("{entity} cannot be recomputed; {names} can")).into());
         };
         let toml = recording.config_toml().context("the recording has no /config")?;
-        let registry = Registry::standard();
         let layer = Layer::file(Path::new("/config"), &toml)?;
-        let config = Config::resolve(&registry, &[layer]).context("it was recorded by another version of crosscut")?;
+        let config = Config::resolve(registry, &[layer]).context("it was recorded by another version of crosscut")?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
             upside_down: config.params("ingest").get(UPSIDE_DOWN),
-            engine: Engine::new(&config, &registry),
+            engine: Engine::new(&config, registry),
             frame: Frame::default(),
             read_values,
             bearings_rad: LatestAt::new(recording, schema::SCAN_BEAMS)?,

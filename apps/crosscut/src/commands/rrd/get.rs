@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Context;
+use crosscut_pipeline::Registry;
 use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 
@@ -17,14 +18,14 @@ use crate::{flight, outputs};
 
 /// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
 /// with it.
-pub(super) fn get(args: &RrdGetArgs) -> anyhow::Result<Outcome> {
+pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     flight::refuse_empty_span(args.from, args.to)?;
     outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;
     let entity = format!("/{}", args.entity.trim_start_matches('/'));
     let (output, lost) = if args.exact {
-        recompute(args, &recording, &entity, &selection)?
+        recompute(args, &recording, &entity, &selection, registry)?
     } else {
         (copy(args, &recording, &entity, &selection)?, Vec::new())
     };
@@ -98,8 +99,9 @@ fn recompute(
     recording: &Recording,
     entity: &str,
     selection: &Selection,
+    registry: &Registry,
 ) -> anyhow::Result<(Output, Vec<String>)> {
-    let recomputation = Recomputation::new(recording, entity)?;
+    let recomputation = Recomputation::new(recording, entity, registry)?;
     let ranges = rows(recording, schema::SCAN_RANGES.path)?;
     let mut output = Output::create(&args.out, selection.is_one())?;
     let lost = recomputation.run(ranges, selection, |row, value| output.add(Some(row), &value))?;

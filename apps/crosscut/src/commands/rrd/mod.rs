@@ -13,6 +13,7 @@ mod unfinished;
 
 use std::path::Path;
 
+use crosscut_pipeline::Registry;
 use crosscut_rrd::{ReadError, Recording};
 
 use crate::cli::RrdCommand;
@@ -20,10 +21,10 @@ use crate::exit::{Outcome, UsageError};
 use crate::say::say;
 
 /// Lists, exports or compares.
-pub(crate) fn rrd(command: &RrdCommand) -> anyhow::Result<Outcome> {
+pub(crate) fn rrd(command: &RrdCommand, registry: &Registry) -> anyhow::Result<Outcome> {
     match command {
         RrdCommand::Ls(args) => ls::ls(args),
-        RrdCommand::Get(args) => get::get(args),
+        RrdCommand::Get(args) => get::get(args, registry),
         RrdCommand::Diff(args) => diff::diff(args),
     }
 }

@@ -1,0 +1,70 @@
+//! The command line of crosscut: counts the walls in 2D lidar scans and finds the openings between them.
+//!
+//! [`main`] is the whole program, with the stages of a [`Registry`]. A program of one's own calls it with a registry that
+//! holds stages of its own too; they are then chosen, compared, evaluated and recorded as those that ship.
+//!
+//! Each command has a file or folder in `commands`. Results go to files or standard output, messages to standard error.
+
+// These macros panic when they cannot write. Messages go through `say`, and writing results returns its error.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
+mod cli;
+mod commands;
+mod config;
+mod configurations;
+mod diagnostics;
+mod exit;
+mod figure;
+mod flight;
+mod interrupt;
+mod observers;
+mod outputs;
+mod over_time;
+mod progress;
+mod say;
+mod scoring;
+mod summary;
+mod typeset;
+mod wrong;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use crosscut_pipeline::Registry;
+
+use crate::cli::{Cli, Command};
+
+/// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
+pub fn main(registry: &Registry) -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(args) => commands::run::run(&args, registry),
+        Command::View(args) => view(&args),
+        Command::Simulate(args) => commands::simulate::simulate(&args),
+        Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
+        Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Paper(args) => commands::paper::paper(&args, registry),
+        Command::Info(args) => commands::info::info(&args, registry),
+        Command::Convert(args) => commands::convert::convert(&args, registry),
+        Command::Rrd(command) => rrd(&command, registry),
+        Command::Config(args) => config::print(&args, registry),
+    };
+    match outcome {
+        Ok(outcome) => outcome.into(),
+        Err(error) => exit::report(&error),
+    }
+}
+
+#[cfg(feature = "rerun")]
+use commands::rrd::rrd;
+#[cfg(feature = "rerun")]
+use commands::view::view;
+
+#[cfg(not(feature = "rerun"))]
+fn rrd(_: &cli::RrdCommand, _: &Registry) -> anyhow::Result<exit::Outcome> {
+    Err(exit::without_rerun())
+}
+
+#[cfg(not(feature = "rerun"))]
+fn view(_: &cli::ViewArgs) -> anyhow::Result<exit::Outcome> {
+    Err(exit::without_rerun())
+}
