@@ -138,6 +138,12 @@ impl Form {
     }
 }
 
+/// Where each message ends in a file that does not compress them.
+pub(crate) fn message_ends(bytes: &[u8], records: &[Record]) -> Vec<usize> {
+    let end_of = |data: &[u8]| bytes.windows(data.len()).position(|found| found == data).map(|at| at + data.len());
+    records.iter().map(|record| end_of(&record.data).expect("the message is there")).collect()
+}
+
 /// A folder that goes away with the test.
 pub(crate) struct Folder(tempfile::TempDir);
 
@@ -152,6 +158,8 @@ impl Folder {
 
     pub(crate) fn add(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.path().join(name);
+        // Some file systems write a file to the disk at once if it was emptied first; a new one may wait.
+        let _ = std::fs::remove_file(&path);
         std::fs::write(&path, bytes).expect("a temporary file");
         path
     }

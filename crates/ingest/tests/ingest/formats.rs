@@ -1,12 +1,15 @@
 //! One flight in every format: the same revolutions, and everything that is whole before a cut.
 
+use std::io::Write as _;
+
 use crosscut_ingest::{CSV_PARAMS, CsvGeometry, Found, IngestError, LossKind, ReadOptions, Recording};
 use crosscut_messages::LaserScan;
 use crosscut_stage::{Params, Value};
 
 use crate::bags::{BAG_COMPRESSIONS, Built, ros1_bag, rosbag2};
 use crate::flight::{
-    Folder, Form, Read, Record, drain, expected, open, plain_flight, record_at, ros1_record_at, scan, sensor, time_ns,
+    Folder, Form, Read, Record, drain, expected, message_ends, open, plain_flight, record_at, ros1_record_at, scan,
+    sensor, time_ns,
 };
 
 const SCANS: u64 = 13;
@@ -123,6 +126,39 @@ fn a_cut_at_any_byte_costs_no_revolution_that_was_whole() {
             }
             let is_text = name.ends_with("csv") || name.ends_with("clf");
             assert!(is_text || !recording.losses().is_empty(), "{name} cut at {cut}: nothing is reported");
+        }
+    }
+}
+
+#[test]
+fn a_compressed_file_cut_at_any_byte_gives_what_can_be_decompressed() {
+    let folder = Folder::new();
+    let form = Form { chunked: false, summary: false, ..Form::CHUNKED };
+    let Built { bytes: bag, ends } = ros1_bag(&ros1_flight(8), "none", false);
+    let mcap = form.write(&plain_flight(8));
+    let mcap_ends = message_ends(&mcap, &plain_flight(8));
+    let files = [("mcap", mcap, mcap_ends), ("bag", bag, ends)];
+    for (name, plain, ends) in files {
+        // A block for every 100 bytes, each with other bytes than the one before.
+        let mut encoder = zstd::stream::write::Encoder::new(Vec::new(), 1).expect("in memory");
+        let mut after = Vec::new();
+        for block in plain.chunks(100) {
+            encoder.write_all(block).expect("in memory");
+            encoder.flush().expect("in memory");
+            after.push(encoder.get_ref().len());
+        }
+        let packed = encoder.finish().expect("in memory");
+        for cut in 0..packed.len() {
+            let there = after.iter().filter(|end| **end <= cut).count() * 100;
+            let whole = ends.iter().filter(|end| **end <= there).count();
+            let Ok(mut recording) = opened(&folder.add("cut", &packed[..cut])) else {
+                assert_eq!(whole, 0, "{name} cut at {cut}: refused");
+                continue;
+            };
+            let read = drain(&mut recording);
+            assert!(read.len() >= whole, "{name} cut at {cut}: {} of {whole}", read.len());
+            assert_eq!(read, expected(read.len() as u64), "{name} cut at {cut}");
+            assert!(!recording.losses().is_empty(), "{name} cut at {cut}: nothing is reported");
         }
     }
 }
