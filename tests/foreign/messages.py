@@ -14,6 +14,9 @@ from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud as ProtobufCloud
 from google.protobuf.json_format import MessageToDict
 from mcap_protobuf.writer import Writer as ProtobufWriter
+from plyfile import PlyData, PlyElement
+from pypcd4 import Encoding as PcdEncoding
+from pypcd4 import PointCloud as PcdCloud
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Rosbag2Writer
@@ -54,6 +57,12 @@ def check(flights: Flights, verdicts: Verdicts):
     for name, path in [*ros(folder, messages, CLOUD, clouds), *packed]:
         of_clouds = of_clouds or flights.crosscut.results(path).expect(0).stdout
         verdict(name, path, of_clouds, flights, verdicts)
+    expected = timeless(of_clouds)[0]
+    for name, path in single_clouds(folder, clouds[0]):
+        for read in (path, convert(path, flights)):
+            ran = flights.crosscut.results(read)
+            holds = ran.code == 0 and timeless(ran.stdout) == [expected]
+            verdicts.that(holds, f"{name}, {read.suffix}", f"exit code {ran.code}{ran.words.strip()[:160]}")
 
 
 def verdict(name: str, path: Path, reference: bytes, flights: Flights, verdicts: Verdicts):
@@ -65,6 +74,30 @@ def verdict(name: str, path: Path, reference: bytes, flights: Flights, verdicts:
 
 def counts(results: bytes) -> list[int]:
     return [line["junctions"] for line in lines(results)]
+
+
+def timeless(results: bytes) -> list[dict]:
+    """The lines without stamps, which files of one cloud do not have, and the notes on them."""
+    return [{name: value for name, value in line.items() if name not in ("stamp_ns", "notes")} for line in lines(results)]
+
+
+def single_clouds(folder: Path, cloud) -> Iterator[tuple[str, Path]]:
+    points = np.frombuffer(cloud.data.tobytes(), "<f4").reshape(-1, 3)
+    for encoding in (PcdEncoding.ASCII, PcdEncoding.BINARY, PcdEncoding.BINARY_COMPRESSED):
+        path = folder / f"{encoding.value}.pcd"
+        PcdCloud.from_xyz_points(points).save(path, encoding=encoding)
+        yield f"PCD, {encoding.value}", path
+    vertices = np.array(np.rec.fromarrays(points.T, names="x,y,z"))
+    for name, options in (("ascii", {"text": True}), ("little-endian", {"byte_order": "<"}), ("big-endian", {"byte_order": ">"})):
+        path = folder / f"{name}.ply"
+        PlyData([PlyElement.describe(vertices, "vertex")], **options).write(path)
+        yield f"PLY, {name}", path
+
+
+def convert(path: Path, flights: Flights) -> Path:
+    out = path.with_suffix(".mcap")
+    flights.crosscut("convert", path, "--out", out).expect(0)
+    return out
 
 
 def ros(folder: Path, messages: list[Message], schema: str, decoded: list) -> Iterator[tuple[str, Path]]:
@@ -133,13 +166,15 @@ def echoes(scan):
 
 
 def cloud(scan):
-    """The returns of a scan in a plane, then those of the same places 0.1 m higher."""
+    """The returns of a scan in a plane, then those of the same places 0.1 m higher; in 1/1024 m, so that a text has them
+    exactly."""
     types = ROS2_TYPES.types
     field = types["sensor_msgs/msg/PointField"]
     bearings_rad = scan.angle_min + np.arange(len(scan.ranges)) * scan.angle_increment
     hit = np.isfinite(scan.ranges)
     across = [scan.ranges[hit] * trig(bearings_rad[hit]) for trig in (np.cos, np.sin)]
-    points = np.vstack([np.column_stack([*across, np.full(hit.sum(), z_m)]) for z_m in (0.0, 0.1)]).astype("<f4")
+    points = np.vstack([np.column_stack([*across, np.full(hit.sum(), z_m)]) for z_m in (0.0, 0.1)])
+    points = (np.round(points * 1024) / 1024).astype("<f4")
     return types[CLOUD](
         header=scan.header, height=1, width=len(points),
         fields=[field(name=name, offset=4 * i, datatype=FLOAT32, count=1) for i, name in enumerate("xyz")],

@@ -1,12 +1,12 @@
-//! Any recording as a clean MCAP of ROS 2: scans, odometry and transforms in CDR, and the truth if there is one.
+//! Any recording as a clean MCAP of ROS 2: scans or clouds, odometry and transforms in CDR, and the truth if there is one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Seek, Write};
 use std::path::PathBuf;
 
 use crosscut_messages::{
-    CDR_ENCODING, DecodeError, Endian, LaserScan, Message, ODOMETRY_TOPIC, Odometry, ROS1_ENCODING, SCAN_TOPIC,
-    SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_TOPIC, TfMessage,
+    CDR_ENCODING, DecodeError, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC, PointCloud2,
+    ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_TOPIC, TfMessage,
 };
 use mcap::records::MessageHeader;
 
@@ -28,12 +28,6 @@ pub enum ConvertError {
     /// The MCAP cannot be written.
     #[error("the MCAP cannot be written")]
     Write(#[from] mcap::McapError),
-    /// The scan topic carries clouds.
-    #[error("{topic} carries point clouds, which are not converted; `crosscut run` reads them as they are")]
-    Clouds {
-        /// The topic.
-        topic: String,
-    },
     /// Not one scan can be decoded.
     #[error("none of the {messages} messages of {topic} can be decoded")]
     NoScan {
@@ -72,8 +66,8 @@ struct Route {
     to: String,
 }
 
-/// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` name on `/scan`, odometry on
-/// `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are.
+/// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` name on `/scan`, clouds on
+/// `/points`, odometry on `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are.
 ///
 /// # Errors
 /// When there are no scans that can be read, or `out` cannot be written.
@@ -107,22 +101,21 @@ pub fn convert(inputs: &[PathBuf], options: &ReadOptions, out: impl Write + Seek
         converted.losses.extend(reader.take_losses());
     }
     mcap.finish()?;
-    if !converted.messages.contains_key(SCAN_TOPIC) {
-        let messages = converted.undecodable.get(SCAN_TOPIC).copied().unwrap_or(0);
-        let scans = routes.into_iter().find(|route| matches!(route.kind, Kind::Scan(_)));
-        let topic = scans.map(|route| route.from.name).unwrap_or_default();
-        return Err(ConvertError::NoScan { topic, messages });
+    let scans = routes.into_iter().find(|route| matches!(route.kind, Kind::Scan(_)));
+    match scans.filter(|route| !converted.messages.contains_key(&route.to)) {
+        Some(Route { from, to, .. }) => {
+            let messages = converted.undecodable.get(&to).copied().unwrap_or(0);
+            Err(ConvertError::NoScan { topic: from.name, messages })
+        }
+        None => Ok(converted),
     }
-    Ok(converted)
 }
 
 /// The topics that are converted: one of scans, one of odometry, and those of transforms and truth.
 fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, ConvertError> {
     let (scans, decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
-    if decoder.gives_clouds() {
-        return Err(ConvertError::Clouds { topic: scans.name });
-    }
-    let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: SCAN_TOPIC.to_owned() }];
+    let to = if decoder.gives_clouds() { POINTS_TOPIC } else { SCAN_TOPIC };
+    let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: to.to_owned() }];
     let odometry = topics.iter().find(|topic| is_of::<Odometry>(topic));
     routes.extend(odometry.map(|topic| Route {
         kind: Kind::Odometry,
@@ -170,9 +163,12 @@ fn recoded(route: &Route, message: &container::Message) -> Result<Vec<u8>, Decod
         Kind::Scan(decoder) => {
             let mut scan = ScanMessage::default();
             decoder.decode_into(&message.data, &mut scan)?;
-            match scan {
-                ScanMessage::Scan(scan) => Ok(scan.encode(Endian::Little)),
-                ScanMessage::Cloud(_) => unreachable!("topics of clouds are refused"),
+            match (scan, route.from.encoding.as_str()) {
+                (ScanMessage::Scan(scan), _) => Ok(scan.encode(Endian::Little)),
+                // Other fields of the points are kept.
+                (_, ROS1_ENCODING) => Ok(PointCloud2::read(&mut Fields::ros1(&message.data))?.encode(Endian::Little)),
+                (_, CDR_ENCODING) => Ok(PointCloud2::read(&mut Fields::cdr(&message.data)?)?.encode(Endian::Little)),
+                (ScanMessage::Cloud(cloud), _) => Ok(PointCloud2::from(&cloud).encode(Endian::Little)),
             }
         }
         Kind::Odometry => in_cdr::<Odometry>(&route.from, &message.data),
@@ -183,6 +179,7 @@ fn recoded(route: &Route, message: &container::Message) -> Result<Vec<u8>, Decod
 
 fn add_channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, route: &Route) -> Result<u16, mcap::McapError> {
     let (type_name, text) = match route.kind {
+        Kind::Scan(decoder) if decoder.gives_clouds() => (PointCloud2::SCHEMA_NAME, PointCloud2::SCHEMA_TEXT),
         Kind::Scan(_) => (LaserScan::SCHEMA_NAME, LaserScan::SCHEMA_TEXT),
         Kind::Odometry => (Odometry::SCHEMA_NAME, Odometry::SCHEMA_TEXT),
         Kind::Transforms => (TfMessage::SCHEMA_NAME, TfMessage::SCHEMA_TEXT),

@@ -125,7 +125,7 @@ fn without_recordings(files: usize, folders: usize) -> String {
     match (files, folders) {
         (0, 0) => "the folder is empty".to_owned(),
         (0, _) => format!("no file in this folder, but {}; name that of the flight", counted(folders as u64, "folder")),
-        _ => format!("none of the {files} files in this folder is a recording (.mcap, .db3, .bag, .clf)"),
+        _ => format!("none of the {files} files in this folder is a recording (.mcap, .db3, .bag, .clf, .pcd, .ply)"),
     }
 }
 

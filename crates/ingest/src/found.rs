@@ -34,6 +34,10 @@ pub enum Found {
     Json,
     /// Read by a container; never reported.
     Table,
+    /// Read by a container; never reported.
+    Pcd,
+    /// Read by a container; never reported.
+    Ply,
     /// Its first bytes.
     Unknown(Vec<u8>),
 }
@@ -55,6 +59,11 @@ const SIGNS: &[(&[u8], Found)] = &[
     (b"\xa1\xb2\xc3\xd4", Found::Pcap),
     (b"\x0a\x0d\x0d\x0a", Found::Pcap),
     (b"ULog", Found::ULog),
+    (b"# .PCD", Found::Pcd),
+    (b"VERSION .", Found::Pcd),
+    (b"VERSION 0.", Found::Pcd),
+    (b"ply\n", Found::Ply),
+    (b"ply\r\n", Found::Ply),
     (b"version https://git-lfs.github.com/", Found::LfsPointer),
 ];
 
@@ -155,6 +164,8 @@ impl fmt::Display for Found {
             Self::Carmen => "it is a CARMEN log",
             Self::Json => "it is JSON, such as results of crosscut; give the recording that they were made of",
             Self::Table => "it is a table of ranges",
+            Self::Pcd => "it is a point cloud in PCD",
+            Self::Ply => "it is a point cloud in PLY",
             Self::Unknown(start) => {
                 return write!(f, "it begins with the bytes {start:02x?}, which is no known format");
             }
@@ -197,6 +208,8 @@ mod tests {
         assert_eq!(Found::in_file(b"\xfd7zXZ\0\0"), Found::Xz);
         assert_eq!(Found::in_file(&[&[b'n'; 257][..], b"ustar"].concat()), Found::Tar);
         assert_eq!(Found::in_file(b"RRF2\0\0"), Found::Rerun);
+        assert_eq!(Found::in_file(b"# .PCD v0.7 - Point Cloud Data\n"), Found::Pcd);
+        assert_eq!(Found::in_file(b"ply\r\nformat binary_little_endian 1.0\r\n"), Found::Ply);
         assert_eq!(Found::in_file(b"\xff\xfe\xfd"), Found::Unknown(vec![0xff, 0xfe, 0xfd]));
     }
 }

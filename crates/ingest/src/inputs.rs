@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::{IngestError, Loss, LossKind, metadata};
 
 /// Endings of recordings. Of a folder that has several kinds, the first kind counts: the others are copies.
-const KINDS: [&str; 4] = ["mcap", "db3", "bag", "clf"];
+const KINDS: [&str; 6] = ["mcap", "db3", "bag", "clf", "pcd", "ply"];
 
 /// What may follow these: files that are compressed (rosbag2 has the first), and those that a recorder did not close.
 const AFTER_KIND: [&str; 5] = ["zstd", "zst", "lz4", "bz2", "active"];
@@ -23,7 +23,7 @@ pub struct Parts {
 }
 
 /// The recordings in `inputs`, in the order given. A folder stands for the .mcap files in it; if there are none, for the
-/// .db3 files; then .bag; then .clf. They come in the order in which its `metadata.yaml` names them, others by name,
+/// .db3 files; then .bag, .clf, .pcd, .ply. They come in the order in which its `metadata.yaml` names them, others by name,
 /// `flight_2` before `flight_10`.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! Recordings to revolutions.
 //!
-//! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges), with scans or
-//! clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows.
+//! In: recordings, whole or damaged (MCAP, bags of ROS 1 and rosbag2, CARMEN logs, tables of ranges, PCD, PLY), with
+//! scans or clouds of any type that [`ScanDecoder`](crosscut_messages::ScanDecoder) knows.
 //! Out: one [`Revolution`](crosscut_stage::Revolution) for each scan message, empty ones too: n returns in the
 //! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
 //! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].

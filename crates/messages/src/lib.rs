@@ -84,6 +84,8 @@ pub const JSON_ENCODING: &str = "json";
 pub const JSON_SCHEMA_ENCODING: &str = "jsonschema";
 /// Where scans are written; recordings may name their scan topic otherwise.
 pub const SCAN_TOPIC: &str = "/scan";
+/// Where clouds are written.
+pub const POINTS_TOPIC: &str = "/points";
 /// Where odometry is written.
 pub const ODOMETRY_TOPIC: &str = "/odom";
 /// Where transforms are written.

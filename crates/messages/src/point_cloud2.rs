@@ -85,6 +85,40 @@ impl PointField {
     }
 }
 
+impl From<&Cloud> for PointCloud2<'static> {
+    /// A message of the same points: `x`, `y`, `z`, and `ring` and `time` if the cloud has them.
+    fn from(cloud: &Cloud) -> Self {
+        let has_rings = !cloud.rings.is_empty();
+        let has_times = !cloud.times_s.is_empty();
+        let columns = [("x", 8, true), ("y", 8, true), ("z", 8, true), ("ring", 4, has_rings), ("time", 8, has_times)];
+        let (mut fields, mut point_step) = (Vec::new(), 0);
+        for (name, bytes, is_there) in columns {
+            if is_there {
+                let number = if bytes == 4 { NumberType::U32 } else { NumberType::F64 };
+                fields.push(PointField::new(name, point_step, number));
+                point_step += bytes;
+            }
+        }
+        let mut data = Vec::with_capacity(cloud.points_m.len() * point_step as usize);
+        for (i, point_m) in cloud.points_m.iter().enumerate() {
+            data.extend(point_m.iter().flat_map(|value| value.to_le_bytes()));
+            data.extend(cloud.rings.get(i).into_iter().flat_map(|ring| ring.to_le_bytes()));
+            data.extend(cloud.times_s.get(i).into_iter().flat_map(|time_s| time_s.to_le_bytes()));
+        }
+        Self {
+            header: cloud.header.clone(),
+            height: 1,
+            width: cloud.points_m.len() as u32,
+            fields,
+            is_bigendian: false,
+            point_step,
+            row_step: data.len() as u32,
+            data: data.into(),
+            is_dense: false,
+        }
+    }
+}
+
 impl<'a> PointCloud2<'a> {
     /// Its type, as ROS 2 names it.
     pub const SCHEMA_NAME: &'static str = "sensor_msgs/msg/PointCloud2";

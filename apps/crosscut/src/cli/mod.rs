@@ -78,7 +78,7 @@ pub(crate) struct RunArgs {
 /// Selects a recorded flight, or a part of it.
 #[derive(Debug, Args)]
 pub(crate) struct FlightArgs {
-    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV) or folders of them: the parts of one flight, in this
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them: the parts of one flight, in this
     /// order; `-` is standard input.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
@@ -105,7 +105,7 @@ pub(crate) struct ConvertArgs {
     /// Recordings or folders of them: the parts of one flight, in this order.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// MCAP file for the scans (/scan), odometry (/odom) and transforms (/tf).
+    /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
     #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: PathBuf,
     /// Topic of the scans; may be omitted when there is only one.

@@ -12,6 +12,7 @@ mod lines;
 mod mcap;
 mod resting_file;
 mod rosbag2;
+mod single_cloud;
 mod spool;
 mod sqlite;
 mod survey;
@@ -27,6 +28,7 @@ use self::carmen::Carmen;
 use self::lines::Lines;
 use self::resting_file::RestingFile;
 use self::rosbag2::Rosbag2;
+use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
 use crate::{Found, IngestError, Loss, LossKind};
@@ -135,15 +137,15 @@ fn open_plain(
 ) -> Result<Box<dyn Container>, IngestError> {
     let failed = |source| IngestError::Open { path: path.to_owned(), source };
     let no_recording = |found| IngestError::NotRecording { path: path.to_owned(), found };
+    let unreadable = |damage| {
+        let kind = LossKind::Rest { at_byte: 0, damage };
+        IngestError::NothingReadable { losses: vec![Loss { file: path.to_owned(), kind }] }
+    };
     if start.starts_with(::mcap::MAGIC) {
         Ok(Box::new(mcap::open(path, file).map_err(failed)?))
     } else if start.starts_with(bag::MAGIC) {
         Ok(Box::new(bag::open(path, file).map_err(failed)?))
     } else if start.starts_with(sqlite::MAGIC) {
-        let unreadable = |damage| {
-            let kind = LossKind::Rest { at_byte: 0, damage };
-            IngestError::NothingReadable { losses: vec![Loss { file: path.to_owned(), kind }] }
-        };
         let bag = Rosbag2::open(path, on_disk, file).map_err(unreadable)?;
         Ok(Box::new(bag.ok_or_else(|| no_recording(Found::Sqlite))?))
     } else {
@@ -151,6 +153,8 @@ fn open_plain(
             Found::Carmen => Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?)),
             Found::Table if !csv.is_known() => Err(IngestError::NoGeometry { path: path.to_owned() }),
             Found::Table => Ok(Box::new(Lines::open(path, file, Table::new(*csv)).map_err(failed)?)),
+            Found::Pcd => Ok(Box::new(SingleCloud::open(path, file, Format::Pcd).map_err(unreadable)?)),
+            Found::Ply => Ok(Box::new(SingleCloud::open(path, file, Format::Ply).map_err(unreadable)?)),
             found => Err(no_recording(found)),
         }
     }

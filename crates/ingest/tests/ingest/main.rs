@@ -10,6 +10,7 @@ mod parts;
 mod real;
 mod recording;
 mod sensor;
+mod single_clouds;
 mod times;
 mod truths;
 mod turning;

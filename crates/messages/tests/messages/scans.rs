@@ -90,6 +90,15 @@ fn fields_of_any_order_type_and_byte_order_are_unpacked() {
 }
 
 #[test]
+fn a_cloud_written_as_a_message_is_read_back() {
+    let bare = Cloud { times_s: Vec::new(), rings: Vec::new(), ..unpacked() };
+    for cloud in [unpacked(), bare, Cloud::default()] {
+        let bytes = PointCloud2::from(&cloud).encode(Endian::Little);
+        assert_eq!(cloud_of(decode(PointCloud2::SCHEMA_NAME, "cdr", &bytes).expect("a cloud")), cloud);
+    }
+}
+
+#[test]
 fn clouds_that_claim_more_than_they_have_are_refused() {
     let refused = |cloud: &PointCloud2| {
         decode(PointCloud2::SCHEMA_NAME, "cdr", &cloud.encode(Endian::Little)).expect_err("must be refused").to_string()

@@ -1,0 +1,144 @@
+//! Files that hold one point cloud: PCD and PLY. Such a file is one message, a PointCloud2 without a stamp.
+//!
+//! The crates for PCD and PLY reserve memory on the word of the header and end at the first damage; of LZF, which PCD is
+//! compressed with, the only pure Rust crate is no longer kept.
+
+mod layout;
+mod pcd;
+mod ply;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read as _, Seek as _};
+use std::mem;
+use std::path::Path;
+
+use crosscut_messages::{CDR_ENCODING, Endian, POINTS_TOPIC, PointCloud2, SCHEMA_ENCODING};
+use crosscut_stage::counted;
+
+use super::resting_file::RestingFile;
+use super::{ChannelId, Container, Contents, Message, Topic};
+use crate::{Damage, Loss, LossKind, limits};
+
+/// The only channel.
+const POINTS: ChannelId = 0;
+
+/// What the bytes of a file hold.
+struct Parsed<'a> {
+    cloud: PointCloud2<'a>,
+    /// `ascii`, `binary`...
+    encoding: String,
+    losses: Vec<LossKind>,
+}
+
+/// A format of files with one cloud.
+#[derive(Clone, Copy)]
+pub(super) enum Format {
+    Pcd,
+    Ply,
+}
+
+/// A file with one cloud.
+pub(super) struct SingleCloud {
+    file: RestingFile,
+    format: Format,
+    contents: Contents,
+    is_due: bool,
+    losses: Vec<Loss>,
+}
+
+impl SingleCloud {
+    /// Looks through `file`; `path` names it in losses.
+    ///
+    /// # Errors
+    /// When no point can be found.
+    pub(super) fn open(path: &Path, mut file: RestingFile, format: Format) -> Result<Self, Damage> {
+        let name = match format {
+            Format::Pcd => "PCD",
+            Format::Ply => "PLY",
+        };
+        let length = file.length()?;
+        let mut contents = Contents { path: path.to_owned(), bytes: length, format: name, ..Contents::default() };
+        let bytes = bytes_of(&mut file)?;
+        let Parsed { cloud, encoding, losses } = format.parse(&bytes)?;
+        contents.properties = vec![("encoding", encoding), ("points", counted(u64::from(cloud.width), "point"))];
+        contents.losses = losses.into_iter().map(|kind| Loss { file: path.to_owned(), kind }).collect();
+        let [name, type_name, encoding, schema_encoding] =
+            [POINTS_TOPIC, PointCloud2::SCHEMA_NAME, CDR_ENCODING, SCHEMA_ENCODING].map(str::to_owned);
+        contents.channels.insert(POINTS, Topic { name, type_name, encoding, schema_encoding });
+        contents.counts = Some(BTreeMap::from([(POINTS, 1)]));
+        contents.log_time_ns = Some([0; 2]);
+        contents.log_times_ns.add(0);
+        file.rest()?;
+        Ok(Self { file, format, contents, is_due: false, losses: Vec::new() })
+    }
+
+    fn read(&mut self) -> Result<Vec<u8>, Damage> {
+        let bytes = bytes_of(&mut self.file)?;
+        self.file.rest()?;
+        Ok(self.format.parse(&bytes)?.cloud.encode(Endian::Little))
+    }
+}
+
+impl Format {
+    fn parse(self, bytes: &[u8]) -> Result<Parsed<'_>, Damage> {
+        match self {
+            Self::Pcd => pcd::parse(bytes),
+            Self::Ply => ply::parse(bytes),
+        }
+    }
+}
+
+/// All bytes of a file that is no larger than a message may be.
+fn bytes_of(file: &mut RestingFile) -> Result<Vec<u8>, Damage> {
+    let (bytes, limit) = (file.length()?, limits::MESSAGE_BYTES);
+    if bytes > limit {
+        return Err(Damage::TooLarge { bytes, limit });
+    }
+    let mut read = Vec::new();
+    file.rewind()?;
+    file.take(limit).read_to_end(&mut read)?;
+    Ok(read)
+}
+
+impl Container for SingleCloud {
+    fn contents(&self) -> &Contents {
+        &self.contents
+    }
+
+    fn contents_mut(&mut self) -> &mut Contents {
+        &mut self.contents
+    }
+
+    fn select(&mut self, channels: &BTreeSet<ChannelId>) {
+        self.is_due = channels.contains(&POINTS);
+    }
+
+    fn next(&mut self) -> Option<Message> {
+        if !mem::take(&mut self.is_due) {
+            return None;
+        }
+        match self.read() {
+            Ok(data) => Some(Message { channel: POINTS, log_time_ns: 0, data }),
+            // The file was whole when it was looked through: since then it has changed, or it has gone.
+            Err(damage) => {
+                let kind = LossKind::Rest { at_byte: 0, damage };
+                self.losses.push(Loss { file: self.contents.path.clone(), kind });
+                None
+            }
+        }
+    }
+
+    fn recycle(&mut self, _: Message) {}
+
+    fn is_by_log_time(&self) -> bool {
+        true
+    }
+
+    fn take_skipped(&mut self) -> u64 {
+        0
+    }
+
+    fn take_losses(&mut self) -> Vec<Loss> {
+        mem::take(&mut self.losses)
+    }
+}
