@@ -74,8 +74,9 @@ impl Fan {
         self.first_rad + beam as f64 * self.increment_rad
     }
 
-    pub(super) fn in_turn(&self, beam: usize) -> bool {
-        beam < self.beams_in_turn
+    /// How many beams there are before the one that would look again where the first one looks.
+    pub(super) fn beams_in_turn(&self) -> usize {
+        self.beams_in_turn
     }
 
     pub(super) fn step_rad(&self) -> f64 {

@@ -1,14 +1,14 @@
 //! One laser scan to one revolution: mounting, clean-up, and the rules for odd values.
 
 mod cloud;
+mod directions;
 mod fan;
 mod limits;
 
 use crosscut_messages::{Echo, LaserScan};
-use crosscut_stage::{
-    Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted, wrap_angle_rad,
-};
+use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
+pub(crate) use self::directions::Directions;
 use self::fan::Fan;
 use self::limits::{Limits, Reading, Tally};
 use std::f64::consts::{PI, TAU};
@@ -153,15 +153,16 @@ impl Sensor {
     ///
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
-        self.turning_revolution(scan, 0.0, out, notes);
+        self.turning_revolution(scan, 0.0, &mut Directions::default(), out, notes);
     }
 
     /// Writes the revolution that `scan` shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
-    /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the frame of its middle beam.
+    /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the frame of its middle beam. `directions` are those of the scan before.
     pub(crate) fn turning_revolution(
         &self,
         scan: &LaserScan,
         rad_per_beam: f64,
+        directions: &mut Directions,
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
@@ -198,14 +199,10 @@ impl Sensor {
             notes.add(format!("{beams} short of a full turn: walls are followed across"));
         }
         let mut tally = Tally::default();
-        for (i, &range_m) in scan.ranges.iter().enumerate() {
-            let angle_rad = self.in_body_frame_rad(fan.angle_rad(i));
-            let bearing_rad = wrap_angle_rad(angle_rad);
-            sweep.bearings_rad.push(bearing_rad);
-            if !fan.in_turn(i) {
-                continue;
-            }
-            let reading = if self.masks(bearing_rad) {
+        directions.update(self, fan, scan.ranges.len());
+        sweep.bearings_rad.extend_from_slice(&directions.bearings_rad);
+        for (&range_m, direction) in scan.ranges.iter().zip(&directions.beams).take(fan.beams_in_turn()) {
+            let reading = if direction.is_masked {
                 tally.masked += 1;
                 Reading::Unknown
             } else {
@@ -213,8 +210,7 @@ impl Sensor {
             };
             sweep.beams.push(match reading {
                 Reading::Return(range_m) => {
-                    let (sin, cos) = angle_rad.sin_cos();
-                    out.points_m.push(Point::new(range_m * cos, range_m * sin, 0.0));
+                    out.points_m.push(Point::new(range_m * direction.cos, range_m * direction.sin, 0.0));
                     Beam::Return(out.points_m.len() as u32 - 1)
                 }
                 Reading::Nothing => Beam::NoReturn,

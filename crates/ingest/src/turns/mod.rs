@@ -14,6 +14,7 @@ use crosscut_stage::{Beam, Notes, Revolution};
 use self::blind::BlindSectors;
 use self::segments::Joiner;
 use crate::Sensor;
+use crate::sensor::Directions;
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
@@ -53,6 +54,7 @@ pub(crate) struct Turns {
     knows_parts: bool,
     knows_blind: bool,
     blind: BlindSectors,
+    directions: Directions,
     spare: Vec<ScanMessage>,
 }
 
@@ -90,6 +92,7 @@ impl Turns {
             knows_parts: !are_scans,
             knows_blind: !are_scans || !finds_blind,
             blind: BlindSectors::default(),
+            directions: Directions::default(),
             spare: Vec::new(),
         }
     }
@@ -144,7 +147,9 @@ impl Turns {
         notes: &mut Notes,
     ) {
         match scan {
-            ScanMessage::Scan(scan) => sensor.turning_revolution(scan, turn.rad_per_beam, out, notes),
+            ScanMessage::Scan(scan) => {
+                sensor.turning_revolution(scan, turn.rad_per_beam, &mut self.directions, out, notes);
+            }
             ScanMessage::Cloud(cloud) => sensor.cloud(cloud, out, notes),
         }
         notes.extend(turn.notes.iter().cloned());
