@@ -5,6 +5,7 @@ mod configuration;
 mod evaluation;
 mod figures;
 mod flight;
+mod following;
 mod headline;
 mod input;
 mod interruption;

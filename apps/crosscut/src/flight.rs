@@ -1,7 +1,7 @@
 //! The flight that a command reads.
 
-use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Sensor};
-use crosscut_pipeline::Config;
+use crosscut_ingest::{CsvGeometry, Following, ReadOptions, Recording, Sensor};
+use crosscut_pipeline::{Config, StopFlag};
 
 use crate::cli::FlightArgs;
 use crate::exit::UsageError;
@@ -9,16 +9,35 @@ use crate::exit::UsageError;
 /// Opens the recordings of a flight, read with the settings of the sensor in `config`.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
     refuse_empty_span(args.from, args.to)?;
+    Ok(Recording::open(&args.input, &options(args, config), sensor(config))?)
+}
+
+/// Opens a recording that is still being written, which ends at the latest when `stop` is set.
+pub(crate) fn follow(args: &FlightArgs, config: &Config, stop: StopFlag) -> anyhow::Result<Recording> {
+    let [path] = &args.input[..] else {
+        return Err(UsageError("--follow reads one MCAP".to_owned()).into());
+    };
+    if path.as_os_str() == "-" {
+        return Err(UsageError("--follow reads a file; standard input is read up to its end anyway".to_owned()).into());
+    }
+    let following = Following::until(move || stop.is_set());
+    Ok(Recording::follow(path, &options(args, config), &sensor(config), &following)?)
+}
+
+fn sensor(config: &Config) -> Sensor {
+    Sensor::new(config.params("ingest"))
+}
+
+fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
     let csv = CsvGeometry::new(config.params("csv"));
-    let options = ReadOptions {
+    ReadOptions {
         topic: args.topic.clone(),
         read_as: args.read_as,
         from_s: args.from,
         to_s: args.to,
         every: args.every,
         csv,
-    };
-    Ok(Recording::open(&args.input, &options, Sensor::new(config.params("ingest")))?)
+    }
 }
 
 /// Refuses a span of time that ends before it begins.

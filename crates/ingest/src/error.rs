@@ -27,6 +27,12 @@ pub enum IngestError {
         /// What was named.
         path: PathBuf,
     },
+    /// A file of a format that is read only once it is complete.
+    #[error("only an MCAP can be followed while it is written: {}", path.display())]
+    CannotFollow {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder without recordings.
     #[error("{}: {}", without_recordings(*files, *folders), path.display())]
     NoRecordings {
@@ -107,6 +113,18 @@ pub enum IngestError {
 }
 
 impl IngestError {
+    /// Whether a recording that is still being written may have been looked at before its first scan.
+    pub(crate) fn may_be_too_early(&self) -> bool {
+        match self {
+            Self::NotRecording { found, .. } => matches!(found, Found::Empty | Found::CutMcap),
+            Self::NothingReadable { .. }
+            | Self::NoScans { .. }
+            | Self::NoScanTopic { .. }
+            | Self::NoSuchTopic { .. } => true,
+            _ => false,
+        }
+    }
+
     /// As a loss, if the run can go on without this file when others can be read: a crash may have left it behind, or it
     /// was not named itself (`is_named`) but lies in a folder that was.
     pub fn as_loss(&self, is_named: bool) -> Option<Loss> {

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crosscut_messages::ScanType;
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
@@ -13,7 +13,7 @@ use crate::messages::Messages;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
 use crate::turns::{Turn, Turns};
-use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
+use crate::{CsvGeometry, Following, IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -84,6 +84,15 @@ impl Recording {
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
+        Self::of(containers, losses, options, sensor)
+    }
+
+    fn of(
+        containers: Vec<Box<dyn Container>>,
+        losses: Vec<Loss>,
+        options: &ReadOptions,
+        sensor: Sensor,
+    ) -> Result<Self, IngestError> {
         let contents = || containers.iter().map(|container| container.contents());
         let topics = topics_of(contents());
         let damage = || {
@@ -119,6 +128,38 @@ impl Recording {
             of_other_frames: 0,
             last_other_frame: String::new(),
         })
+    }
+
+    /// Opens an MCAP that is still being written, and waits for its first scan. The recording ends where its recorder
+    /// closes it, or when `following` is over; it has no index to be read by until then.
+    ///
+    /// # Errors
+    /// When it cannot be opened or is no MCAP, or waiting is over before there is a scan.
+    pub fn follow(
+        path: &Path,
+        options: &ReadOptions,
+        sensor: &Sensor,
+        following: &Following,
+    ) -> Result<Self, IngestError> {
+        loop {
+            let error = match container::open(path, &options.csv) {
+                Ok(mut container) => {
+                    let is_cut = |loss: &Loss| matches!(loss.kind, LossKind::CutOff { .. });
+                    let is_unfinished = container.contents().losses.iter().any(is_cut);
+                    if !container.follow(following) {
+                        return Err(IngestError::CannotFollow { path: path.to_owned() });
+                    }
+                    match Self::of(vec![container], Vec::new(), options, sensor.clone()) {
+                        Err(error) if is_unfinished => error,
+                        opened => return opened,
+                    }
+                }
+                Err(error) => error,
+            };
+            if !error.may_be_too_early() || !following.wait() {
+                return Err(error);
+            }
+        }
     }
 
     /// The topic that the scans are of.

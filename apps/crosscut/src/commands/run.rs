@@ -27,7 +27,11 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     refuse_overwriting(args, &read)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?; // before any file is opened, so that none is left half written
-    let mut recording = flight::open(&args.flight, &config)?;
+    let mut recording = if args.follow {
+        flight::follow(&args.flight, &config, stop.clone())?
+    } else {
+        flight::open(&args.flight, &config)?
+    };
     let mut diagnostics = Diagnostics::default();
     let mut written = Written::open(args, &config, &read, &mut diagnostics)?;
     let mut observers = observers::open(args, &config, &mut diagnostics)?;
@@ -36,7 +40,8 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     }
 
     let start = Instant::now();
-    let bar = progress::bar(recording.total_revolutions(), args.quiet);
+    let total = if args.follow { None } else { recording.total_revolutions() };
+    let bar = progress::bar(total, args.quiet);
     let mut sink = |frame: &Frame| {
         bar.inc(1);
         written.take(frame)
@@ -58,6 +63,9 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
         note_empty_outputs(written.returns, &observers, &mut diagnostics);
     }
     report_end(&summary, args, &mut diagnostics);
+    if args.follow && stop.is_set() {
+        diagnostics.interrupt(); // the recording ended because of that
+    }
     if observers.served {
         serve_until_interrupt(&stop);
     }

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::{io, mem};
 
+use super::contents::TimeSample;
 use super::{ChannelId, Container, Contents, Message, Topic};
-use crate::{Damage, Loss, LossKind};
+use crate::{Damage, Following, Loss, LossKind};
 
 /// A file whose messages stand in chunks, one after the other.
 pub(super) trait ChunkedFile: Send {
@@ -19,6 +20,11 @@ pub(super) trait ChunkedFile: Send {
 
     /// Hands all records of the chunk at `at_byte` to `visitor`, and settles it.
     fn chunk(&mut self, at_byte: u64, visitor: &mut impl Visitor) -> Result<(), Damage>;
+
+    /// Whether the file can be read on while it is written: from now on [`step`](Self::step) waits for the next record.
+    fn follow(&mut self, _: &Following) -> bool {
+        false
+    }
 
     /// How many messages of these channels are in a chunk, by the index alone.
     fn messages_in(&mut self, chunk: &ChunkPlace, channels: &BTreeSet<ChannelId>) -> Option<u64>;
@@ -101,6 +107,8 @@ pub(super) struct Chunked<F> {
     skipped: u64,
     /// It was reported already that nothing can be read from some place on.
     rest_is_lost: bool,
+    /// The file grows while it is read, so that its damage was not found when it was looked through.
+    is_followed: bool,
     losses: Vec<Loss>,
 }
 
@@ -115,7 +123,8 @@ impl<F: ChunkedFile> Chunked<F> {
         let rest_is_lost = contents.losses.iter().any(|loss| matches!(loss.kind, LossKind::Rest { .. }));
         let plan = if chunks.is_empty() { Plan::InFileOrder { ended: true } } else { Plan::ByLogTime(VecDeque::new()) };
         let collector = Collector::default();
-        Self { file, contents, chunks, plan, collector, skipped: 0, rest_is_lost, losses: Vec::new() }
+        let (skipped, is_followed, losses) = (0, false, Vec::new());
+        Self { file, contents, chunks, plan, collector, skipped, rest_is_lost, is_followed, losses }
     }
 
     fn lose(&mut self, kind: LossKind) {
@@ -147,11 +156,18 @@ impl<F: ChunkedFile> Chunked<F> {
         {
             let progress = self.file.step(&mut self.collector);
             *ended = matches!(progress, Progress::End { .. } | Progress::Stopped { .. });
-            // Damage was found when the file was looked through. Since then the file may have gone.
-            if let Progress::Stopped { at_byte, damage: damage @ Damage::Unreadable(_) } = progress
-                && !mem::replace(&mut self.rest_is_lost, true)
-            {
-                self.lose(LossKind::Rest { at_byte, damage });
+            match progress {
+                Progress::Lost { at_byte, damage } if self.is_followed => {
+                    self.lose(LossKind::Part { at_byte, scans: None, damage });
+                }
+                // Damage was found when the file was looked through. Since then the file may have gone.
+                Progress::Stopped { at_byte, damage }
+                    if (self.is_followed || matches!(damage, Damage::Unreadable(_)))
+                        && !mem::replace(&mut self.rest_is_lost, true) =>
+                {
+                    self.lose(LossKind::Rest { at_byte, damage });
+                }
+                _ => {}
             }
         }
     }
@@ -164,6 +180,21 @@ impl<F: ChunkedFile> Container for Chunked<F> {
 
     fn contents_mut(&mut self) -> &mut Contents {
         &mut self.contents
+    }
+
+    fn follow(&mut self, following: &Following) -> bool {
+        if !self.chunks.is_empty() {
+            return true; // it has an index, so it is complete
+        }
+        self.is_followed = self.file.follow(following);
+        if self.is_followed {
+            // What was there when the file was looked through depends on that moment, and must not change results.
+            self.contents.losses.clear();
+            self.contents.counts = None;
+            self.contents.log_times_ns = TimeSample::default();
+            self.rest_is_lost = false;
+        }
+        self.is_followed
     }
 
     fn select(&mut self, channels: &BTreeSet<ChannelId>) {

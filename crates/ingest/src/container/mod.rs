@@ -31,7 +31,7 @@ use self::rosbag2::Rosbag2;
 use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
-use crate::{Found, IngestError, Loss, LossKind};
+use crate::{Following, Found, IngestError, Loss, LossKind};
 
 pub use self::table::{CSV_PARAMS, CsvGeometry};
 
@@ -57,6 +57,12 @@ pub(crate) trait Container: Send {
     /// From now on, [`next`](Self::next) gives the messages of these channels, from the first. The file stays closed
     /// until then: a flight may have more parts than a process may have files open.
     fn select(&mut self, channels: &BTreeSet<ChannelId>);
+
+    /// Whether the file can be read on while it is written. From now on [`next`](Self::next) waits for more at the end of a
+    /// file that its recorder has not closed.
+    fn follow(&mut self, _: &Following) -> bool {
+        false
+    }
 
     /// The next message of the selected channels; give it back by [`recycle`](Self::recycle).
     fn next(&mut self) -> Option<Message>;

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeSet;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::mem;
 
 use mcap::records::{Record, op};
 
 use super::chunk::{Checked, check, visit_chunk};
 use super::records::{HEAD_BYTES, Schemas, parse, read_body, read_head, skip, visit};
-use crate::Damage;
 use crate::container::ChannelId;
 use crate::container::chunked::{ChunkPlace, ChunkedFile, Progress, Visitor};
 use crate::container::resting_file::RestingFile;
+use crate::{Damage, Following};
 
 const DATA_END_BYTES: u64 = 4;
 pub(super) const FOOTER_BYTES: u64 = 20;
@@ -22,13 +23,21 @@ pub(in crate::container) struct DataSection {
     length: u64,
     schemas: Schemas,
     body: Vec<u8>,
+    /// Set while the file is being written.
+    following: Option<Following>,
 }
 
 impl DataSection {
     /// At the first record after the magic bytes.
     pub(super) fn new(file: RestingFile, length: u64) -> io::Result<Self> {
-        let mut section =
-            Self { input: BufReader::new(file), at_byte: 0, length, schemas: Schemas::new(), body: Vec::new() };
+        let mut section = Self {
+            input: BufReader::new(file),
+            at_byte: 0,
+            length,
+            schemas: Schemas::new(),
+            body: Vec::new(),
+            following: None,
+        };
         section.rewind()?;
         Ok(section)
     }
@@ -74,6 +83,24 @@ impl DataSection {
             Damage::Ended if is_there => Damage::Record("what is in it does not fit its length".to_owned()),
             damage => damage,
         })
+    }
+
+    /// Waits until the record here is written; its length may be written last. `false` if waiting is over.
+    fn wait_for_record(&mut self, following: &Following) -> io::Result<bool> {
+        loop {
+            if self.at_byte + HEAD_BYTES <= self.length
+                && let Ok(Some((_, length))) = read_head(&mut self.input)
+                && self.end_of_record(length) <= self.length
+            {
+                self.input.seek_relative(-(HEAD_BYTES as i64))?;
+                return Ok(true);
+            }
+            self.go_to(self.at_byte)?; // forgets what was read here, which may be written again
+            let length = self.input.get_ref().length()?;
+            if mem::replace(&mut self.length, length) == length && !following.wait() {
+                return Ok(false);
+            }
+        }
     }
 
     /// Where the recording ends whose messages end at `end_of_data`: behind its footer and magic bytes, if these can be
@@ -124,6 +151,13 @@ impl ChunkedFile for DataSection {
 
     fn step(&mut self, visitor: &mut impl Visitor) -> Progress {
         let at_byte = self.at_byte;
+        if let Some(following) = self.following.clone() {
+            match self.wait_for_record(&following) {
+                Ok(true) => {}
+                Ok(false) => return Progress::End { at_byte },
+                Err(error) => return Progress::Stopped { at_byte, damage: error.into() },
+            }
+        }
         let (opcode, length) = match read_head(&mut self.input) {
             Ok(Some(head)) => head,
             Ok(None) => return Progress::Stopped { at_byte, damage: Damage::Ended },
@@ -143,6 +177,11 @@ impl ChunkedFile for DataSection {
             stopped @ Progress::Stopped { .. } => stopped,
             progress => self.proceed(progress, end),
         }
+    }
+
+    fn follow(&mut self, following: &Following) -> bool {
+        self.following = Some(following.clone());
+        true
     }
 
     fn chunk(&mut self, at_byte: u64, visitor: &mut impl Visitor) -> Result<(), Damage> {
