@@ -37,6 +37,7 @@ fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
         to_s: args.to,
         every: args.every,
         csv,
+        odometry: true,
     }
 }
 

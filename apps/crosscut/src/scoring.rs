@@ -58,7 +58,7 @@ pub(crate) fn score(
         bar.inc(1);
         Ok(())
     };
-    let options = StreamOptions { rate: None, stop: stop.clone() };
+    let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
     let summary = stream(&mut source, config, registry, &mut results, &mut [], &options);
     let end = summary.context("a thread could not be started")?.end;
     let lost = source.recording.losses().iter().map(ToString::to_string);

@@ -58,7 +58,8 @@ fn times(summary: &Summary) -> Table {
     let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
     // From the arrival of the scan until its results are written: longer than the stages where scans wait for each other.
     let latency = ("with waiting", summary.times.latency_median_and_p99_ns());
-    for (name, times) in steps.into_iter().chain([latency]) {
+    let flight = ("flight", summary.times.flight_median_and_p99_ns());
+    for (name, times) in steps.into_iter().chain([flight, latency]) {
         if let Some((median_ns, p99_ns)) = times {
             let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
             table.add_row([name.to_owned(), ms(median_ns), ms(p99_ns)]);

@@ -1,7 +1,7 @@
 //! The place that the vehicle is in, and which of the openings in view belong to it.
 //!
 //! From a passage the next junction is often in view: its openings are no ways of the passage. The place here is the free
-//! space within the look, a circle of [`LOOK_WIDTHS`] local widths around the sensor:
+//! space within the look, a circle of 1.5 local widths (`look_widths`) around the sensor:
 //!
 //! ```text
 //!      ______|    |______         o  sensor
@@ -18,19 +18,33 @@
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   twice as wide as they are, a chamber.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crosscut_stage::{Beam, Junction, Opening, Revolution, Sweep};
+use crosscut_stage::{
+    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, Way, wrap_angle_rad,
+};
 
-/// Radius of the look in local widths.
-const LOOK_WIDTHS: f64 = 1.5;
+const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
+    .from(0.6)
+    .to(10.0)
+    .doc("the place is what lies this many local widths around; a shorter look misses mouths, a longer one sees the next junction");
+
+const LEAST_LOOK_M: Number = Number::new("least_look_m", "m", 1.5)
+    .above(0.0)
+    .to(100.0)
+    .follows("vehicle.width_m", 2.5)
+    .doc("the look is never shorter, so that it reaches past the vehicle in narrow places");
+
+const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
+    .above(0.0)
+    .to(1000.0)
+    .doc("the look is never longer, so that in a hall it stays where walls have enough returns");
+
+/// Parameters of the place.
+pub(crate) const PLACE_PARAMS: [ParamSpec; 3] = [LOOK_WIDTHS.spec, LEAST_LOOK_M.spec, FARTHEST_LOOK_M.spec];
 
 /// The place is judged in three looks; where they differ it is in doubt.
 const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
-
-/// The look is never shorter than this, in widths of the vehicle, nor longer, in metres.
-const LEAST_LOOK_VEHICLES: f64 = 2.5;
-const FARTHEST_LOOK_M: f64 = 12.0;
 
 /// A mouth is at least this wide, in local widths.
 const LEAST_MOUTH_WIDTHS: f64 = 0.25;
@@ -47,56 +61,38 @@ const LEAST_ROCK_M: f64 = 0.3;
 /// A place this many times wider than its ways is a chamber.
 const CHAMBER_WIDTHS: f64 = 2.0;
 
-/// The kind of place that the vehicle is in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HereKind {
-    /// Three or more ways.
-    Junction,
-    /// Two ways.
-    Passage,
-    /// One way.
-    DeadEnd,
-    /// No way, or much wider than its one or two ways.
-    Chamber,
+/// Finds the place that the vehicle is in.
+#[derive(Clone, Debug)]
+pub struct Places {
+    look_widths: f64,
+    least_look_m: f64,
+    farthest_look_m: f64,
+    vehicle_width_m: f64,
 }
 
-/// The place that the vehicle is in.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Here {
-    /// Its kind, by the number of its mouths.
-    pub kind: HereKind,
-    /// Indices of the openings that are ways of this place, ascending.
-    pub ways: Vec<usize>,
-    /// Number of mouths without an opening: the passage behind them is seen to end.
-    pub closed: usize,
-    /// The confidence of the revolution, less where a shorter or a longer look sees another place. 0 to 1.
-    pub confidence: f64,
-}
-
-impl HereKind {
-    /// Its name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Junction => "junction",
-            Self::Passage => "passage",
-            Self::DeadEnd => "dead_end",
-            Self::Chamber => "chamber",
+impl Places {
+    /// From checked values of [`PARAMS`](crate::PARAMS), for a vehicle of this width.
+    pub fn new(params: &Params, vehicle_width_m: f64) -> Self {
+        Self {
+            look_widths: params.get(LOOK_WIDTHS),
+            least_look_m: params.get(LEAST_LOOK_M),
+            farthest_look_m: params.get(FARTHEST_LOOK_M),
+            vehicle_width_m,
         }
     }
-}
 
-/// The place of a revolution with its report; `None` for a cloud, a limited view, and where no wall is in view.
-pub fn here(revolution: &Revolution, junction: &Junction, vehicle_width_m: f64) -> Option<Here> {
-    let outline = Outline::of(revolution, revolution.as_sweep()?, junction)?;
-    let width_m = outline.local_width_m();
-    let look_m = (LOOK_WIDTHS * width_m).clamp(LEAST_LOOK_VEHICLES * vehicle_width_m, FARTHEST_LOOK_M);
-    let places = LOOKS.map(|times| outline.place(times * look_m, width_m, vehicle_width_m, &junction.openings));
-    let alike = places.iter().filter(|(kind, mouths)| (*kind, mouths.len()) == (places[0].0, places[0].1.len()));
-    let confidence = junction.confidence * alike.count() as f64 / places.len() as f64;
-    let [(kind, mouths), ..] = places;
-    let mut ways: Vec<usize> = mouths.iter().copied().flatten().collect();
-    ways.sort_unstable();
-    Some(Here { kind, closed: mouths.len() - ways.len(), ways, confidence })
+    /// The place of a revolution with its report; `None` for a cloud, a limited view, and where no wall is in view.
+    pub fn here(&self, revolution: &Revolution, junction: &Junction) -> Option<Here> {
+        let outline = Outline::of(revolution, revolution.as_sweep()?, junction)?;
+        let width_m = outline.local_width_m();
+        let look_m = (self.look_widths * width_m).max(self.least_look_m).min(self.farthest_look_m);
+        let places =
+            LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
+        let alike = places.iter().filter(|(kind, ways)| (*kind, ways.len()) == (places[0].0, places[0].1.len()));
+        let confidence = junction.confidence * alike.count() as f64 / places.len() as f64;
+        let [(kind, ways), ..] = places;
+        Some(Here { kind, look_m, ways, confidence })
+    }
 }
 
 /// How far each direction is free.
@@ -161,14 +157,8 @@ impl Outline {
         across_m.fold(f64::INFINITY, f64::min)
     }
 
-    /// The kind of place within a circle, and its mouths, each with the opening behind it, if any.
-    fn place(
-        &self,
-        look_m: f64,
-        width_m: f64,
-        vehicle_width_m: f64,
-        openings: &[Opening],
-    ) -> (HereKind, Vec<Option<usize>>) {
+    /// The kind of place within a circle, and its ways by bearing.
+    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> (HereKind, Vec<Way>) {
         let runs = self.runs(look_m, vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m));
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
         for (index, opening) in openings.iter().enumerate() {
@@ -185,17 +175,28 @@ impl Outline {
         }
         let is_deep = |run: &Run| run.reach_m >= LEAST_REACH * look_m;
         let behind = runs.iter().zip(&nearest).filter(|(run, opening)| opening.is_some() || is_deep(run));
-        let mouths: Vec<_> = behind.map(|(_, opening)| opening.map(|(_, index)| index)).collect();
-        let widest_m = mouths.iter().flatten().map(|&index| openings[index].width_m).fold(0.0, f64::max);
+        let way = |run: &Run, opening: &Option<(f64, usize)>| {
+            let arc_m = self.arc_m(run.first - 1, run.first + run.len, look_m);
+            let from_rad = self.bearing_rad(run.first - 1);
+            Way {
+                bearing_rad: wrap_angle_rad(from_rad + arc_m / look_m / 2.0),
+                width_m: 2.0 * look_m * (arc_m / look_m / 2.0).min(FRAC_PI_2).sin(),
+                opening: opening.map(|(_, index)| index),
+            }
+        };
+        let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).collect();
+        ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+        let opening_m = |way: &Way| way.opening.map(|index| openings[index].width_m);
+        let widest_m = ways.iter().filter_map(opening_m).fold(0.0, f64::max);
         let is_wide = widest_m > 0.0 && width_m > CHAMBER_WIDTHS * widest_m;
-        let kind = match mouths.len() {
+        let kind = match ways.len() {
             0 => HereKind::Chamber,
             1 | 2 if is_wide => HereKind::Chamber,
             1 => HereKind::DeadEnd,
             2 => HereKind::Passage,
             _ => HereKind::Junction,
         };
-        (kind, mouths)
+        (kind, ways)
     }
 
     /// Runs of samples that leave the circle, at least this wide.
@@ -203,7 +204,7 @@ impl Outline {
         let n = self.free.len();
         let is_out = |at: usize| self.free[at % n][1] > look_m;
         let Some(start) = (0..n).find(|&at| !is_out(at)) else {
-            return vec![Run { first: 0, len: n, of: n, reach_m: f64::INFINITY }];
+            return vec![Run { first: n, len: n - 1, of: n, reach_m: f64::INFINITY }];
         };
         let mut runs: Vec<Run> = Vec::new();
         for at in (start..start + n).filter(|&at| is_out(at)) {
@@ -224,9 +225,12 @@ impl Outline {
 
     /// The length of the circle's arc from one sample to another, both counted beyond a turn.
     fn arc_m(&self, from: usize, to: usize, look_m: f64) -> f64 {
-        let n = self.free.len();
-        let bearing_rad = |at: usize| self.free[at % n][0] + (at / n) as f64 * TAU;
-        look_m * (bearing_rad(to) - bearing_rad(from))
+        look_m * (self.bearing_rad(to) - self.bearing_rad(from))
+    }
+
+    /// The bearing of a sample counted beyond a turn.
+    fn bearing_rad(&self, at: usize) -> f64 {
+        self.free[at % self.free.len()][0] + (at / self.free.len()) as f64 * TAU
     }
 }
 

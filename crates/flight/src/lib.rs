@@ -3,28 +3,30 @@
 //! In: revolutions in order, and odometry where there is any. Out: poses in the plane, [`nalgebra::Isometry2`] in metres
 //! and radians, in the frame of the first revolution (x forward, y left), with covariances.
 //!
-//! - [`Odometry`] interpolates the poses of the vehicle's odometry to the time of a scan.
+//! - [`Flight`] adds all of this to the frames of a flight, in order.
 //! - [`ScanMatcher`] matches each revolution to the walls seen before, point to line; odometry is its prediction where
 //!   there is any.
-//! - [`PoseTracker`] chooses among them by name ([`POSE_PARAMS`]) and notes slips, jumps and missing odometry.
-//! - [`here()`] finds which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
+//! - [`PoseTracker`] chooses between odometry, scans and both by name, and notes slips, jumps and missing odometry.
+//! - [`Places`] finds which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
 //! - [`PoseGraph`] corrects the poses once a place is known to be seen again; [`write_g2o`] and [`read_g2o`] exchange it
 //!   with other programs.
 //!
 //! All of it is deterministic: the same revolutions give the same poses.
 
+mod belief;
+mod flight;
 mod g2o;
 mod here;
 mod line_points;
 mod local_map;
-mod odometry;
 mod pose;
 mod pose_graph;
 mod scan_match;
+mod steady;
 
+pub use flight::{Flight, PARAMS};
 pub use g2o::{G2oError, read_g2o, write_g2o};
-pub use here::{Here, HereKind, here};
-pub use odometry::Odometry;
-pub use pose::{POSE_PARAMS, PoseTracker, Tracked};
+pub use here::Places;
+pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
 pub use scan_match::{Matched, Motion, ScanMatcher};

@@ -2,13 +2,12 @@
 
 use nalgebra::{Isometry2, Matrix3, Vector3};
 
-use crosscut_stage::{Number, ParamSpec, Params, Revolution, Word};
+use crosscut_stage::{Notes, Number, ParamSpec, Params, Revolution, Word};
 
 use crate::{Matched, Motion, ScanMatcher};
 
-const KIND: Word = Word::one_of("kind", &["auto", "odometry", "scan_match", "odometry_scan_match"]).doc(
-    "odometry, scans matched to the walls seen before, or both; auto: both where there is odometry, scans elsewhere",
-);
+const POSE: Word = Word::one_of("pose", &["auto", "odometry", "scan_match", "odometry_scan_match", "none"])
+    .doc("odometry, scans matched to the walls seen before, or both; auto: both where there is odometry, else scans");
 
 const ODOMETRY_SHARE: Number = Number::new("odometry_share", "", 0.05)
     .above(0.0)
@@ -21,7 +20,7 @@ const ODOMETRY_FLOOR_M: Number = Number::new("odometry_floor_m", "m", 0.005)
     .doc("added to that standard deviation, and in rad to that of its turn");
 
 /// Parameters of the pose.
-pub const POSE_PARAMS: &[ParamSpec] = &[KIND.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
+pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
 
 /// A motion farther than this many standard deviations from the predicted one is noted as a slip or a jump.
 const SURPRISING: f64 = 6.0;
@@ -45,26 +44,26 @@ enum PoseKind {
     Odometry,
     ScanMatch,
     OdometryScanMatch,
+    None,
 }
 
 /// The pose of one revolution.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracked {
     /// In the frame of the first revolution.
     pub pose: Isometry2<f64>,
     /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the axes of the first revolution.
     pub covariance: Matrix3<f64>,
-    /// What was odd: a slip or a jump, a lost map, missing odometry.
-    pub note: Option<String>,
 }
 
 impl PoseTracker {
-    /// From checked values of [`POSE_PARAMS`].
+    /// From checked values of [`PARAMS`](crate::PARAMS).
     pub fn new(params: &Params) -> Self {
-        let kind = match params.get(KIND).as_str() {
+        let kind = match params.get(POSE).as_str() {
             "odometry" => PoseKind::Odometry,
             "scan_match" => PoseKind::ScanMatch,
             "odometry_scan_match" => PoseKind::OdometryScanMatch,
+            "none" => PoseKind::None,
             _ => PoseKind::Auto,
         };
         Self {
@@ -78,26 +77,43 @@ impl PoseTracker {
         }
     }
 
-    /// The pose of the next revolution. `odometry` is the vehicle's pose at its time in any fixed frame, if known.
-    pub fn add(&mut self, revolution: &Revolution, odometry: Option<Isometry2<f64>>) -> Tracked {
-        let motion = match (self.odometry, odometry) {
-            (Some(before), Some(now)) => Some(self.motion(before.inv_mul(&now))),
-            _ => None,
-        };
-        let is_first = self.odometry.is_none() && !self.had_odometry;
-        let is_missing = odometry.is_none() && (self.had_odometry || self.kind == PoseKind::OdometryScanMatch);
+    /// The pose of the next revolution, with what was odd in `notes`: a slip or a jump, a lost map, missing odometry.
+    /// `None` where nothing tells it; scans of clouds are not matched.
+    pub fn add(&mut self, revolution: &Revolution, notes: &mut Notes) -> Option<Tracked> {
+        if self.kind == PoseKind::None {
+            return None;
+        }
+        let odometry = revolution.odometry;
+        let motion = self.odometry.zip(odometry).map(|(before, now)| self.motion(before.inv_mul(&now)));
+        let is_first = !self.had_odometry;
         self.odometry = odometry;
         self.had_odometry |= odometry.is_some();
-        let tracked = match (self.kind, motion) {
-            (PoseKind::Odometry, motion) => self.by_odometry(motion, is_first),
-            (PoseKind::ScanMatch, _) => tracked(&self.matcher.add(revolution, None), None),
-            (_, motion) => {
-                let note = is_missing.then(|| "pose: no odometry at this time; by the scan alone".to_owned());
-                tracked(&self.matcher.add(revolution, motion), note)
+        let tracked = if self.kind == PoseKind::Odometry || revolution.as_sweep().is_none() {
+            if !self.had_odometry {
+                if self.kind != PoseKind::Auto {
+                    notes.add("pose: no odometry yet");
+                }
+                return None;
             }
+            if motion.is_none() && !is_first {
+                notes.add("pose: no odometry at this time; the pose before");
+            }
+            self.by_odometry(motion)
+        } else {
+            let motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
+            let is_expected = match self.kind {
+                PoseKind::Auto => self.had_odometry,
+                kind => kind == PoseKind::OdometryScanMatch,
+            };
+            let matched = self.matcher.add(revolution, motion);
+            notes.extend(odd(&matched));
+            if odometry.is_none() && is_expected {
+                notes.add("pose: no odometry at this time; by the scan alone");
+            }
+            Tracked { pose: matched.pose, covariance: matched.covariance }
         };
         self.pose = tracked.pose;
-        tracked
+        Some(tracked)
     }
 
     /// A step of the odometry with its covariance.
@@ -110,24 +126,22 @@ impl PoseTracker {
     }
 
     /// Without a motion the vehicle is taken to have stood still.
-    fn by_odometry(&self, motion: Option<Motion>, is_first: bool) -> Tracked {
-        let note =
-            (motion.is_none() && !is_first).then(|| "pose: no odometry at this time; the pose before".to_owned());
-        let Motion { step, covariance } =
-            motion.unwrap_or(Motion { step: Isometry2::identity(), covariance: Matrix3::identity() });
+    fn by_odometry(&self, motion: Option<Motion>) -> Tracked {
+        let still = Motion { step: Isometry2::identity(), covariance: Matrix3::identity() };
+        let Motion { step, covariance } = motion.unwrap_or(still);
         let turn = self.pose.rotation.to_rotation_matrix().to_homogeneous();
-        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose(), note }
+        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose() }
     }
 }
 
-fn tracked(matched: &Matched, note: Option<String>) -> Tracked {
-    let odd = if matched.lost {
+/// What is odd about a match.
+fn odd(matched: &Matched) -> Option<String> {
+    if matched.lost {
         Some(format!("pose: {:.0} % of the walls match those before; the map begins here", 100.0 * matched.matched))
     } else if matched.surprise > SURPRISING {
         let times = matched.surprise;
         Some(format!("pose: a slip or a jump, {times:.0} standard deviations from the predicted motion"))
     } else {
         None
-    };
-    Tracked { pose: matched.pose, covariance: matched.covariance, note: odd.or(note) }
+    }
 }

@@ -11,12 +11,10 @@ use crosscut_messages::{
 use mcap::records::MessageHeader;
 
 use crate::container::{self, ChannelId, Contents, TopicReader};
+use crate::odometry_reader::{is_odometry, is_transforms};
 use crate::recording::open_all;
 use crate::topics::{scan_topic, topics_of};
 use crate::{IngestError, Loss, ReadOptions, TopicInfo};
-
-/// The type of transforms before tf2.
-const OLD_TF_TYPE: &str = "tf/tfMessage";
 
 /// Why a recording could not be converted.
 #[derive(Debug, thiserror::Error)]
@@ -116,13 +114,13 @@ fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, C
     let (scans, decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
     let to = if decoder.gives_clouds() { POINTS_TOPIC } else { SCAN_TOPIC };
     let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: to.to_owned() }];
-    let odometry = topics.iter().find(|topic| is_of::<Odometry>(topic));
+    let odometry = topics.iter().find(|topic| is_odometry(topic));
     routes.extend(odometry.map(|topic| Route {
         kind: Kind::Odometry,
         from: topic.clone(),
         to: ODOMETRY_TOPIC.to_owned(),
     }));
-    for topic in topics.iter().filter(|topic| is_of::<TfMessage>(topic) || topic.type_name == OLD_TF_TYPE) {
+    for topic in topics.iter().filter(|topic| is_transforms(topic)) {
         let is_static = topic.name.ends_with("_static");
         let to = if is_static { format!("{TF_TOPIC}_static") } else { TF_TOPIC.to_owned() };
         routes.push(Route { kind: Kind::Transforms, from: topic.clone(), to });
@@ -130,15 +128,6 @@ fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, C
     let truth = topics.iter().find(|topic| topic.name == TRUTH_TOPIC);
     routes.extend(truth.map(|topic| Route { kind: Kind::Truth, from: topic.clone(), to: TRUTH_TOPIC.to_owned() }));
     Ok(routes)
-}
-
-/// Whether a topic carries messages of this type, of ROS 2 or of ROS 1.
-fn is_of<M: Message>(topic: &TopicInfo) -> bool {
-    match topic.encoding.as_str() {
-        CDR_ENCODING => topic.type_name == M::SCHEMA_NAME,
-        ROS1_ENCODING => topic.type_name == M::SCHEMA_NAME.replace("/msg/", "/"),
-        _ => false,
-    }
 }
 
 /// The message in CDR, whether it is of ROS 2 or of ROS 1.

@@ -10,6 +10,7 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 use crate::before::{Before, seconds};
 use crate::container::{self, Container};
 use crate::messages::Messages;
+use crate::odometry_reader::OdometryReader;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
 use crate::turns::{Turn, Turns};
@@ -32,6 +33,8 @@ pub struct ReadOptions {
     pub every: NonZero<u64>,
     /// Where the beams of a table of ranges look.
     pub csv: CsvGeometry,
+    /// Each revolution gets the vehicle's pose by the odometry beside the scans, if there is any.
+    pub odometry: bool,
 }
 
 impl Default for ReadOptions {
@@ -43,6 +46,7 @@ impl Default for ReadOptions {
             to_s: None,
             every: NonZero::<u64>::MIN,
             csv: CsvGeometry::default(),
+            odometry: false,
         }
     }
 }
@@ -50,6 +54,7 @@ impl Default for ReadOptions {
 /// A recorded flight. It gives one revolution for each turn of the lidar that is selected, empty ones too.
 pub struct Recording {
     messages: Messages,
+    odometry: Option<OdometryReader>,
     turns: Turns,
     options: ReadOptions,
     sensor: Sensor,
@@ -107,9 +112,12 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
+        let odometry =
+            options.odometry.then(|| OdometryReader::new(&containers, &options.csv, sensor.odometry_topic()));
         let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
         Ok(Self {
             messages: Messages::new(containers, &topic, decoder, losses),
+            odometry: odometry.flatten(),
             turns,
             options: options.clone(),
             sensor,
@@ -149,7 +157,9 @@ impl Recording {
                     if !container.follow(following) {
                         return Err(IngestError::CannotFollow { path: path.to_owned() });
                     }
-                    match Self::of(vec![container], Vec::new(), options, sensor.clone()) {
+                    // Odometry is read from the file a second time, which would end where the file ends now.
+                    let options = ReadOptions { odometry: false, ..options.clone() };
+                    match Self::of(vec![container], Vec::new(), &options, sensor.clone()) {
                         Err(error) if is_unfinished => error,
                         opened => return opened,
                     }
@@ -321,6 +331,7 @@ impl Recording {
             }
         }
         out.seq = turn.seq;
+        out.odometry = self.odometry.as_mut().and_then(|odometry| odometry.at(out.stamp_ns, turn.recorded_ns));
     }
 
     /// Notes a turn that was recorded before the one that was given last.

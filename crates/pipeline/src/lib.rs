@@ -27,6 +27,7 @@ mod stop;
 mod stream;
 mod summary;
 
+pub use crosscut_flight::Flight;
 pub use crosscut_ingest::Sensor;
 pub use crosscut_messages::LaserScan;
 pub use crosscut_spectral::ZERO_TOLERANCE;

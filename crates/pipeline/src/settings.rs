@@ -1,6 +1,8 @@
 //! The settings of a program of one's own.
 
+use crosscut_flight::Flight;
 use crosscut_ingest::Sensor;
+use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Value;
 
 use crate::{Config, ConfigError, Engine, Layer, Preset, Registry};
@@ -76,6 +78,15 @@ impl Settings {
     pub fn engine(&self) -> Result<Engine, ConfigError> {
         let registry = Registry::standard();
         Ok(Engine::new(&self.config(&registry)?, &registry))
+    }
+
+    /// The flight, which adds poses, places and the steady answer to frames in order, after the engine.
+    ///
+    /// # Errors
+    /// As [`Settings::config`].
+    pub fn flight(&self) -> Result<Flight, ConfigError> {
+        let config = self.config(&Registry::standard())?;
+        Ok(Flight::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M)))
     }
 
     /// The sensor with its mounting.

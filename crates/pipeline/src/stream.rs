@@ -10,6 +10,8 @@ use std::thread::{Builder, Scope};
 use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
+use crosscut_flight::Flight;
+use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
 use crate::engine::{Engine, Worker, elapsed_ns, panic_text};
@@ -28,6 +30,8 @@ pub struct StreamOptions {
     pub rate: Option<f64>,
     /// Asks the run to stop.
     pub stop: StopFlag,
+    /// The revolutions are those of a flight: each frame gets its pose, its place and the steady answer.
+    pub flight: bool,
 }
 
 /// Runs every revolution of `source` through the stages of `config`, and gives each in order to `results`, then to the
@@ -75,7 +79,9 @@ pub fn stream(
         let observing = Observing { observers, finished, pool: pool_in };
         let observing = Builder::new().name("observers".into()).spawn_scoped(scope, move || observing.run())?;
 
-        let collect = Collect { report, lanes: from_lanes, results, observers: to_observers, ended };
+        let vehicle_width_m = config.params("vehicle").get(VEHICLE_WIDTH_M);
+        let flight = options.flight.then(|| Flight::new(config.params("flight"), vehicle_width_m));
+        let collect = Collect { report, flight, lanes: from_lanes, results, observers: to_observers, ended };
         let collect = Builder::new().name("report".into()).spawn_scoped(scope, move || collect.run())?;
 
         let mut summary = collect.join().expect("the report thread catches panics");
@@ -172,9 +178,10 @@ impl Ingest<'_> {
     }
 }
 
-/// The report thread: collects the lanes in rotation, runs the last stage, writes results, passes frames on.
+/// The report thread: collects the lanes in rotation, runs the last stage and the flight, writes results, passes frames on.
 struct Collect<'a> {
     report: Worker,
+    flight: Option<Flight>,
     lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
@@ -194,6 +201,10 @@ impl Collect<'_> {
                 summary.end = End::Failed(failure);
                 break;
             }
+            if let Err(failure) = self.fly(&mut frame) {
+                summary.end = End::Failed(failure);
+                break;
+            }
             if let Err(error) = self.write(&frame) {
                 summary.end = End::ResultsLost(error);
                 break;
@@ -208,6 +219,20 @@ impl Collect<'_> {
         }
         self.ended.set(); // ingest may be waiting for its next revolution to be due
         summary
+    }
+
+    /// Adds what the flight shows. Frames come from a pool: without a flight, nothing of an earlier one stays.
+    fn fly(&mut self, frame: &mut Frame) -> Result<(), Failure> {
+        (frame.pose, frame.here, frame.steady) = (None, None, None);
+        frame.timings.set_flight_ns(None);
+        let Some(flight) = &mut self.flight else { return Ok(()) };
+        let start = Instant::now();
+        let flown = catch_unwind(AssertUnwindSafe(|| flight.add(frame)));
+        frame.timings.set_flight_ns(Some(elapsed_ns(start)));
+        flown.map_err(|panic| {
+            let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
+            Failure { step: Step::Report, seq: frame.revolution.seq, cause }
+        })
     }
 
     fn write(&mut self, frame: &Frame) -> io::Result<()> {

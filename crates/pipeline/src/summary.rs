@@ -53,6 +53,7 @@ pub enum End {
 #[derive(Debug, Default)]
 pub struct StageTimes {
     steps: [Quantiles; Step::ALL.len()],
+    flight: Quantiles,
     latency: Quantiles,
 }
 
@@ -60,6 +61,11 @@ impl StageTimes {
     /// Median and 99th percentile of a step in nanoseconds, nearest rank, to 1 %; `None` if it never ran.
     pub fn median_and_p99_ns(&self, step: Step) -> Option<(u64, u64)> {
         self.steps[step as usize].median_and_p99()
+    }
+
+    /// Median and 99th percentile of the time of the flight, as above.
+    pub fn flight_median_and_p99_ns(&self) -> Option<(u64, u64)> {
+        self.flight.median_and_p99()
     }
 
     /// Median and 99th percentile of the time from a scan's arrival to its written results, as above.
@@ -71,6 +77,7 @@ impl StageTimes {
         for step in Step::ALL {
             self.steps[step as usize].add(frame.timings.ns(step));
         }
+        frame.timings.flight_ns().into_iter().for_each(|ns| self.flight.add(ns));
         frame.timings.latency_ns().into_iter().for_each(|ns| self.latency.add(ns));
     }
 }

@@ -26,4 +26,6 @@ mod walls;
 
 pub use outline::Outline;
 pub use reporter::{PARAMS, Reporter, VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
-pub use results::{MAX_EIGENVALUES, OpeningLine, ResultsLine, WallLine};
+pub use results::{
+    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, ResultsLine, SteadyLine, SteadyOpeningLine, WallLine,
+};

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, Here};
 use serde::{Deserialize, Serialize};
 
 /// At most this many eigenvalues stand in a line.
@@ -34,6 +34,15 @@ pub struct ResultsLine {
     pub walls: Vec<WallLine>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
+    /// The place that the vehicle is in; null for a cloud, a limited view, and where no wall is in view.
+    #[serde(default)]
+    pub here: Option<HereLine>,
+    /// The answer over the last revolutions; null without a flight.
+    #[serde(default)]
+    pub steady: Option<SteadyLine>,
+    /// Where the scan was taken; null where that is not known.
+    #[serde(default)]
+    pub pose: Option<PoseLine>,
     /// Per beam, in message order: wall id, [`Frame::NO_RETURN`] or [`Frame::NO_WALL`]. Per point for a cloud.
     pub labels: Vec<i32>,
     /// What was dropped, repaired or fallen back to.
@@ -69,6 +78,58 @@ pub struct OpeningLine {
     pub cut_by_view: bool,
 }
 
+/// The place that the vehicle is in, in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HereLine {
+    /// `junction`, `passage`, `dead_end` or `chamber`.
+    pub kind: String,
+    /// By bearing ascending: the index of the opening that a way of the place leads to, or null where no opening lies behind its
+    /// mouth.
+    pub ways: Vec<Option<usize>>,
+    /// 0 to 1.
+    pub confidence: f64,
+}
+
+/// The answer over the last revolutions, in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SteadyLine {
+    /// The number of walls, islands left out.
+    pub junctions: usize,
+    /// The place; its ways are indices of the openings below.
+    pub here: Option<HereLine>,
+    /// Openings that are followed, by bearing ascending.
+    pub openings: Vec<SteadyOpeningLine>,
+}
+
+/// An opening that is followed from scan to scan, in the results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SteadyOpeningLine {
+    /// Its number in the flight.
+    pub track: u64,
+    /// Direction towards the branch.
+    pub bearing_rad: f64,
+    /// Clear width across the branch.
+    pub width_m: f64,
+}
+
+/// A pose in the frame of the flight's first one, in the results.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseLine {
+    /// Forward of the first pose.
+    pub x_m: f64,
+    /// To the left of the first pose.
+    pub y_m: f64,
+    /// Anticlockwise from the first pose, in (-π, π].
+    pub yaw_rad: f64,
+}
+
+impl HereLine {
+    fn of(here: &Here) -> Self {
+        let ways = here.ways.iter().map(|way| way.opening).collect();
+        Self { kind: here.kind.name().to_owned(), ways, confidence: here.confidence }
+    }
+}
+
 impl ResultsLine {
     /// The line of a finished frame.
     pub fn of(frame: &Frame) -> Self {
@@ -99,6 +160,21 @@ impl ResultsLine {
                     cut_by_view: o.cut_by_view,
                 })
                 .collect(),
+            here: frame.here.as_ref().map(HereLine::of),
+            steady: frame.steady.as_ref().map(|steady| SteadyLine {
+                junctions: steady.junctions,
+                here: steady.here.as_ref().map(HereLine::of),
+                openings: steady
+                    .openings
+                    .iter()
+                    .map(|o| SteadyOpeningLine { track: o.track, bearing_rad: o.bearing_rad, width_m: o.width_m })
+                    .collect(),
+            }),
+            pose: frame.pose.map(|pose| PoseLine {
+                x_m: pose.translation.x,
+                y_m: pose.translation.y,
+                yaw_rad: pose.rotation.angle(),
+            }),
             labels: frame.labels(),
             notes: frame.notes.iter().map(str::to_owned).collect(),
         }
@@ -126,7 +202,7 @@ mod tests {
             String::from_utf8(out).expect("text"),
             concat!(
                 r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":0.0,"#,
-                r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"labels":[],"notes":[]}"#,
+                r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"here":null,"steady":null,"pose":null,"labels":[],"notes":[]}"#,
                 "\n"
             )
         );

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use crate::{Affinity, Beam, Junction, Notes, Partition, Revolution, Spectrum};
+use nalgebra::Isometry2;
+
+use crate::{Affinity, Beam, Here, Junction, Notes, Partition, Revolution, Spectrum, Steady};
 
 /// All that is known of one revolution. It passes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +19,13 @@ pub struct Frame {
     pub partition: Partition,
     /// Walls and openings, from the report stage.
     pub junction: Junction,
+    /// Where the revolution was taken, metres and radians in the frame of the flight's first pose, from the flight;
+    /// `None` where that is not known.
+    pub pose: Option<Isometry2<f64>>,
+    /// The place that the vehicle is in, from the flight; `None` for a cloud, a limited view, and where no wall is in view.
+    pub here: Option<Here>,
+    /// The answer over the last revolutions, from the flight.
+    pub steady: Option<Steady>,
     /// What was dropped, repaired or fallen back to on the way.
     pub notes: Notes,
     /// How long each step took, measured by the worker around it.
@@ -84,6 +93,7 @@ impl fmt::Display for Step {
 pub struct Timings {
     /// Of each step, in the order of [`Step::ALL`].
     steps_ns: [u64; Step::ALL.len()],
+    flight_ns: Option<u64>,
     latency_ns: Option<u64>,
 }
 
@@ -96,6 +106,16 @@ impl Timings {
     /// The time of a step.
     pub fn ns(&self, step: Step) -> u64 {
         self.steps_ns[step as usize]
+    }
+
+    /// Sets the time that the flight took.
+    pub fn set_flight_ns(&mut self, ns: Option<u64>) {
+        self.flight_ns = ns;
+    }
+
+    /// The time that the flight took; `None` without a flight.
+    pub fn flight_ns(&self) -> Option<u64> {
+        self.flight_ns
     }
 
     /// Sets the latency, or that there is none.

@@ -3,6 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::iter::repeat_n;
 
+use nalgebra::Isometry2;
+
 use crate::Point;
 
 /// One revolution: n returns in the body frame (x forward, y left), in message beam order.
@@ -18,6 +20,8 @@ pub struct Revolution {
     pub points_m: Vec<Point>,
     /// The beams behind the returns; a point cloud has none.
     pub sweep: Option<Sweep>,
+    /// The vehicle's pose at the stamp by its odometry, in the odometry's frame, metres and radians; `None` if not known.
+    pub odometry: Option<Isometry2<f64>>,
 }
 
 /// The beams of a 2D sweep, in message order. Where a message continues beyond a full turn, `beams` leaves those beams
@@ -100,6 +104,7 @@ impl Revolution {
         self.stamp_ns = 0;
         self.frame_id.clear();
         self.points_m.clear();
+        self.odometry = None;
         if let Some(sweep) = &mut self.sweep {
             sweep.clear();
         }

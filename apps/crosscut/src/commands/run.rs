@@ -46,7 +46,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
         bar.inc(1);
         written.take(frame)
     };
-    let options = StreamOptions { rate: args.rate, stop: stop.clone() };
+    let options = StreamOptions { rate: args.rate, stop: stop.clone(), flight: true };
     let ran = stream(&mut recording, &config, registry, &mut sink, &mut observers.list, &options);
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;

@@ -33,6 +33,9 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         eigenvalues: Vec::new(),
         walls,
         openings: Vec::new(),
+        here: None,
+        steady: None,
+        pose: None,
         labels: labels.to_vec(),
         notes: Vec::new(),
     }

@@ -4,3 +4,4 @@ mod places;
 mod pose_graph;
 mod scan_match;
 mod simulated;
+mod steady;

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_flight::{HereKind, here};
+use crosscut_flight::Places;
 use crosscut_ingest::{PARAMS, Sensor};
 use crosscut_pipeline::{Preset, Settings};
 use crosscut_simulator::{network::Network, network::Point, scenarios};
-use crosscut_stage::{Frame, Params};
+use crosscut_stage::{Frame, HereKind, Params};
 
 /// What lies at a position: kind and number of ways; `None` between two kinds of place.
 fn truth(network: &Network, at_m: &Point) -> Option<(HereKind, usize)> {
@@ -39,6 +39,7 @@ fn truth(network: &Network, at_m: &Point) -> Option<(HereKind, usize)> {
 
 #[test]
 fn kind_and_ways_are_right_in_nine_of_ten_revolutions() {
+    let places = Places::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
     let mut right: BTreeMap<String, [usize; 2]> = BTreeMap::new();
     for (name, seed) in [("tunnel", 1), ("tunnel", 2), ("mine", 1), ("mine", 2)] {
         let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
@@ -52,8 +53,8 @@ fn kind_and_ways_are_right_in_nine_of_ten_revolutions() {
             frame.notes.clear();
             sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
             engine.process(&mut frame).expect("no failure");
-            let found = here(&frame.revolution, &frame.junction, 0.6).expect("a full turn");
-            let is_right = found.kind == kind && found.ways.len() + found.closed == ways;
+            let found = places.here(&frame.revolution, &frame.junction).expect("a full turn");
+            let is_right = found.kind == kind && found.ways.len() == ways;
             let entry = right.entry(format!("{name} {kind:?} {ways}")).or_default();
             entry[0] += usize::from(is_right);
             entry[1] += 1;

@@ -1,6 +1,6 @@
 //! Poses on simulated flights, against the true ones.
 
-use crosscut_flight::{POSE_PARAMS, PoseTracker, Tracked};
+use crosscut_flight::{PoseTracker, Tracked};
 use crosscut_ingest::{PARAMS, Sensor};
 use crosscut_simulator::{Scene, scenarios};
 use crosscut_stage::{Notes, Params, Revolution, Value};
@@ -22,16 +22,22 @@ fn odometry(scene: &Scene) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(pose.position.x, pose.position.y), yaw_rad)
 }
 
-fn track(flight: &[Scene], kind: &str, with_odometry: impl Fn(usize) -> bool) -> Vec<Tracked> {
-    let mut params = Params::defaults(POSE_PARAMS);
-    params.set("kind", Value::Text(kind.to_owned())).expect("a kind");
+/// The poses of a flight, and how many revolutions have a note.
+fn track(flight: &[Scene], kind: &str, with_odometry: impl Fn(usize) -> bool) -> (Vec<Tracked>, usize) {
+    let mut params = Params::defaults(crosscut_flight::PARAMS);
+    params.set("pose", Value::Text(kind.to_owned())).expect("a kind");
     let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::new(&Params::defaults(PARAMS)));
-    let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+    let (mut revolution, mut noted) = (Revolution::default(), 0);
     let add = |(i, scene): (usize, &Scene)| {
-        sensor.revolution(&scene.scan, &mut revolution, &mut notes);
-        tracker.add(&revolution, with_odometry(i).then(|| odometry(scene)))
+        sensor.revolution(&scene.scan, &mut revolution, &mut Notes::default());
+        revolution.odometry = with_odometry(i).then(|| odometry(scene));
+        let mut notes = Notes::default();
+        let tracked = tracker.add(&revolution, &mut notes);
+        noted += usize::from(!notes.is_empty());
+        tracked
     };
-    flight.iter().enumerate().map(add).collect()
+    let tracked = flight.iter().enumerate().filter_map(add).collect();
+    (tracked, noted)
 }
 
 /// How far the last pose is off, as a share of the way.
@@ -50,7 +56,7 @@ fn walls_correct_the_drift_of_the_odometry() {
     let (mut by_odometry, mut by_both, mut by_scans) = (0.0, 0.0, 0.0);
     for seed in 1..=2 {
         let flight = flight("tunnel", seed, 400);
-        let of = |kind: &str| drift(&flight, &track(&flight, kind, |_| true));
+        let of = |kind: &str| drift(&flight, &track(&flight, kind, |_| true).0);
         let drifts = [of("odometry"), of("odometry_scan_match"), of("scan_match")];
         println!("seed {seed}: {drifts:.4?}");
         by_odometry += drifts[0] / 2.0;
@@ -65,15 +71,14 @@ fn walls_correct_the_drift_of_the_odometry() {
 #[test]
 fn the_kinds_treat_missing_odometry_as_they_state() {
     let flight = flight("tee", 1, 20);
-    let notes = |kind: &str, with_odometry: fn(usize) -> bool| {
-        let found = track(&flight, kind, with_odometry);
-        found.iter().filter(|tracked| tracked.note.is_some()).count()
-    };
+    let notes = |kind: &str, with_odometry: fn(usize) -> bool| track(&flight, kind, with_odometry).1;
     assert_eq!(notes("auto", |_| true), 0);
     assert_eq!(notes("auto", |_| false), 0, "a recording of scans alone");
     assert_eq!(notes("auto", |i| i != 7), 1, "a hole");
     assert_eq!(notes("odometry", |i| i != 7), 2, "two motions are unknown");
     assert_eq!(notes("odometry_scan_match", |_| false), 20);
+    assert_eq!(notes("odometry", |_| false), 20);
+    assert!(track(&flight, "odometry", |_| false).0.is_empty() && track(&flight, "none", |_| true).0.is_empty());
     let scans = |with_odometry| track(&flight, "scan_match", with_odometry);
     assert_eq!(scans((|_| true) as fn(usize) -> bool), scans(|_| false));
 }

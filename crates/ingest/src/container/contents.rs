@@ -2,6 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
+
+use tempfile::TempPath;
 
 use crate::Loss;
 
@@ -12,6 +15,8 @@ pub(crate) type ChannelId = u32;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Contents {
     pub(crate) path: PathBuf,
+    /// Where its bytes are, if it is compressed as a whole, or standard input.
+    pub(crate) temporary: Option<Arc<TempPath>>,
     /// Size of the file.
     pub(crate) bytes: u64,
     /// Name of the format, such as `MCAP`.

@@ -23,6 +23,7 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
+use std::sync::Arc;
 
 use self::carmen::Carmen;
 use self::lines::Lines;
@@ -110,6 +111,18 @@ pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>,
     open_plain(path, path, RestingFile::new(path.to_owned(), file), &start, csv)
 }
 
+/// Opens a file again that was opened before, to read other messages of it at the same time.
+pub(crate) fn reopen(contents: &Contents, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
+    let path = &contents.path;
+    let failed = |source| IngestError::Open { path: path.clone(), source };
+    let (on_disk, mut file) = match &contents.temporary {
+        Some(temporary) => (temporary.to_path_buf(), RestingFile::temporary(Arc::clone(temporary))),
+        None => (path.clone(), RestingFile::new(path.clone(), File::open(path).map_err(failed)?)),
+    };
+    let start = start_of(&mut file).map_err(failed)?;
+    open_plain(path, &on_disk, file, &start, csv)
+}
+
 /// Opens a temporary copy of `path`.
 fn open_spooled(
     path: &Path,
@@ -118,11 +131,12 @@ fn open_spooled(
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
     let failed = |source| IngestError::Open { path: path.to_owned(), source };
-    let name = temporary.to_path_buf();
-    let mut file = RestingFile::temporary(temporary);
+    let (name, temporary) = (temporary.to_path_buf(), Arc::new(temporary));
+    let mut file = RestingFile::temporary(Arc::clone(&temporary));
     let start = start_of(&mut file).map_err(failed)?;
     let mut container = open_plain(path, &name, file, &start, csv)?;
     let contents = container.contents_mut();
+    contents.temporary = Some(temporary);
     if let Some(compression) = compression {
         contents.properties.push(("compressed", format!("as a whole, with {}", compression.name())));
     }

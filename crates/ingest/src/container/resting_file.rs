@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use tempfile::TempPath;
 
@@ -13,7 +14,7 @@ pub(super) struct RestingFile {
     /// Where reading goes on after a rest.
     at_byte: u64,
     /// Removes the file, if it is a temporary one, when nobody reads it any more.
-    _temporary: Option<TempPath>,
+    _temporary: Option<Arc<TempPath>>,
 }
 
 impl RestingFile {
@@ -21,8 +22,8 @@ impl RestingFile {
         Self { path, file: Some(file), at_byte: 0, _temporary: None }
     }
 
-    /// A file that goes away with this value.
-    pub(super) fn temporary(path: TempPath) -> Self {
+    /// A file that goes away with the last value that names it.
+    pub(super) fn temporary(path: Arc<TempPath>) -> Self {
         Self { path: path.to_path_buf(), file: None, at_byte: 0, _temporary: Some(path) }
     }
 

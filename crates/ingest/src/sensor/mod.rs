@@ -52,6 +52,10 @@ const FRAME_ID: Word = Word::any("frame_id", "")
 const ECHO: Word = Word::one_of("echo", &["first", "last", "strongest"])
     .doc("of several echoes of a beam (MultiEchoLaserScan), the one that is its range");
 
+const ODOMETRY: Word = Word::any("odometry", "").doc(
+    "topic of the vehicle's odometry; empty takes /odom, another topic of nav_msgs/Odometry, or the frame odom of /tf",
+);
+
 /// The `ingest` section of the configuration.
 pub const PARAMS: &[ParamSpec] = &[
     YAW_RAD.spec,
@@ -63,6 +67,7 @@ pub const PARAMS: &[ParamSpec] = &[
     DESKEW.spec,
     FRAME_ID.spec,
     ECHO.spec,
+    ODOMETRY.spec,
 ];
 
 /// Bearings of f32 angles are known to within this: the beam at f32 -π is the one at π.
@@ -96,6 +101,7 @@ pub struct Sensor {
     max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
     frame_id: String,
+    odometry_topic: String,
     echo: Echo,
     finds_blind_sectors: bool,
     deskews: bool,
@@ -120,6 +126,7 @@ impl Sensor {
             finds_blind_sectors: params.get(FIND_BLIND_SECTORS),
             deskews: params.get(DESKEW),
             frame_id: params.get(FRAME_ID),
+            odometry_topic: params.get(ODOMETRY),
             echo: match params.get(ECHO).as_str() {
                 "last" => Echo::Last,
                 "strongest" => Echo::Strongest,
@@ -146,6 +153,11 @@ impl Sensor {
     /// The only `frame_id` that is asked for, if any.
     pub fn frame_id(&self) -> Option<&str> {
         (!self.frame_id.is_empty()).then_some(self.frame_id.as_str())
+    }
+
+    /// The topic of odometry that is asked for; empty if none is.
+    pub(crate) fn odometry_topic(&self) -> &str {
+        &self.odometry_topic
     }
 
     /// Writes the revolution that `scan` shows into `out`, whatever `out` held before, and says in `notes` what was

@@ -6,6 +6,7 @@ mod flight;
 mod formats;
 mod limits;
 mod messages;
+mod odometry;
 mod parts;
 mod real;
 mod recording;

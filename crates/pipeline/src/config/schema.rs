@@ -42,8 +42,8 @@ pub(super) struct Choice {
     pub(super) params: &'static [ParamSpec],
 }
 
-/// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `pipeline`.
-pub(super) fn sections(registry: &Registry) -> [Section; 8] {
+/// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `flight`, `pipeline`.
+pub(super) fn sections(registry: &Registry) -> [Section; 9] {
     let fixed = |name, params| Section { name, body: Body::Fixed(params) };
     [
         fixed("ingest", crosscut_ingest::PARAMS),
@@ -53,6 +53,7 @@ pub(super) fn sections(registry: &Registry) -> [Section; 8] {
         chosen(&registry.kmeans),
         fixed("report", crosscut_report::PARAMS),
         fixed("vehicle", crosscut_report::VEHICLE_PARAMS),
+        fixed("flight", crosscut_flight::PARAMS),
         fixed("pipeline", PIPELINE_PARAMS),
     ]
 }

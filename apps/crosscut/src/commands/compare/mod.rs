@@ -90,7 +90,7 @@ fn side_by_side(
         let (mut answers, mut streams) = (Vec::new(), Vec::new());
         for (Configuration { name, config }, recording) in configurations.iter().zip(recordings) {
             let (answer, answers_of_one) = bounded(AHEAD);
-            let options = StreamOptions { rate: None, stop: stop.clone() };
+            let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
             let run = move || {
                 let mut results = |frame: &Frame| answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other);
                 let summary = stream(recording, config, registry, &mut results, &mut [], &options)?;

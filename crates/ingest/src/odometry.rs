@@ -24,6 +24,21 @@ impl Odometry {
         is_later && is_finite
     }
 
+    /// The stamp of the last pose.
+    pub fn last_ns(&self) -> Option<u64> {
+        self.poses.last().map(|&(pose_ns, _)| pose_ns)
+    }
+
+    /// How many poses are kept.
+    pub fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// Whether no pose is kept.
+    pub fn is_empty(&self) -> bool {
+        self.poses.is_empty()
+    }
+
     /// The pose at `stamp_ns`, on the straight line and the shorter turn between the poses before and after; `None`
     /// outside the odometry or in a gap of more than half a second.
     pub fn at(&self, stamp_ns: u64) -> Option<Isometry2<f64>> {

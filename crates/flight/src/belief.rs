@@ -1,0 +1,137 @@
+//! Which of several answers holds, by the answers of single revolutions: the forward step of a hidden Markov model.
+//!
+//! With b_k the belief in answer k, d metres of way and t seconds since the revolution before, and an answer a of which
+//! the revolution is sure by q:
+//!
+//! ```text
+//! b_k <- (1 - p) b_k + p / K,   p = 1 - exp(-d / D - t / T)      the vehicle may have come to another place
+//! b_k <- b_k · (q if k = a, else (1 - q) / (K - 1)),   then Σ b = 1
+//! ```
+
+/// The place changes once in this way (D), and in this time (T) also if the vehicle stands: people and doors move.
+const WAY_M: f64 = 3.0;
+const TIME_S: f64 = 50.0;
+
+/// This many answers are taken to be possible (K).
+const ANSWERS: f64 = 6.0;
+
+/// q is the confidence of the revolution within these bounds: errors of revolutions that follow each other are alike.
+const LEAST_SURE: f64 = 0.4;
+const MOST_SURE: f64 = 0.8;
+
+/// Revolutions nearer in time than this see the same, and count less.
+const INDEPENDENT_S: f64 = 0.1;
+
+/// Answers that are no longer likely are forgotten beyond this number of them.
+const MOST_KEPT: usize = 16;
+
+/// What has happened since the revolution before.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Since {
+    pub(crate) way_m: f64,
+    pub(crate) time_s: f64,
+}
+
+/// The beliefs in the answers that were given, and the answer that holds.
+#[derive(Clone, Debug)]
+pub(crate) struct Belief<A> {
+    /// Another answer holds once it is believed this many times as much as the one that held.
+    odds: f64,
+    holds: Option<A>,
+    beliefs: Vec<(A, f64)>,
+}
+
+impl<A: Copy + PartialEq> Belief<A> {
+    pub(crate) fn new(odds: f64) -> Self {
+        Self { odds, holds: None, beliefs: Vec::new() }
+    }
+
+    /// The answer that holds, and the belief in it; `None` before the first.
+    pub(crate) fn holds(&self) -> Option<(A, f64)> {
+        self.holds.map(|answer| (answer, self.belief_in(answer)))
+    }
+
+    /// Takes the answer of the next revolution. The answer that holds changes to this one or not at all.
+    pub(crate) fn add(&mut self, answer: A, confidence: f64, since: Since) {
+        let change = 1.0 - (-since.way_m / WAY_M - since.time_s / TIME_S).exp();
+        for (_, belief) in &mut self.beliefs {
+            *belief = (1.0 - change) * *belief + change / ANSWERS;
+        }
+        if !self.beliefs.iter().any(|(known, _)| *known == answer) {
+            self.beliefs.push((answer, (change / ANSWERS).max(f64::MIN_POSITIVE)));
+        }
+        let sure = confidence.clamp(LEAST_SURE, MOST_SURE);
+        let weight = (since.time_s / INDEPENDENT_S).min(1.0);
+        for (known, belief) in &mut self.beliefs {
+            let likelihood = if *known == answer { sure } else { (1.0 - sure) / (ANSWERS - 1.0) };
+            *belief *= likelihood.powf(weight);
+        }
+        let sum: f64 = self.beliefs.iter().map(|(_, belief)| belief).sum();
+        self.beliefs.iter_mut().for_each(|(_, belief)| *belief /= sum);
+        let held = self.holds.map_or(0.0, |holds| self.belief_in(holds));
+        if self.belief_in(answer) > self.odds * held {
+            self.holds = Some(answer);
+        }
+        if self.beliefs.len() > MOST_KEPT {
+            self.beliefs.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let holds = self.holds;
+            let mut kept = 0;
+            self.beliefs.retain(|(known, _)| {
+                kept += 1;
+                kept < MOST_KEPT || Some(*known) == holds
+            });
+        }
+    }
+
+    fn belief_in(&self, answer: A) -> f64 {
+        self.beliefs.iter().find(|(known, _)| *known == answer).map_or(0.0, |(_, belief)| *belief)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STANDING: Since = Since { way_m: 0.0, time_s: 0.1 };
+    const FLYING: Since = Since { way_m: 0.15, time_s: 0.1 };
+
+    /// The answers that hold after each of those of the revolutions.
+    fn held(answers: &[(usize, f64)], since: Since) -> Vec<usize> {
+        let mut belief = Belief::new(100.0);
+        let held = |&(answer, confidence): &(usize, f64)| {
+            belief.add(answer, confidence, since);
+            belief.holds().expect("there is an answer").0
+        };
+        answers.iter().map(held).collect()
+    }
+
+    #[test]
+    fn single_deviations_change_nothing_and_a_lasting_change_is_seen_in_half_a_second() {
+        let mut answers = vec![(2, 0.9); 20];
+        answers[10] = (3, 0.9);
+        assert_eq!(held(&answers, FLYING), [2; 20]);
+        answers[12..].fill((3, 0.9));
+        let held = held(&answers, FLYING);
+        assert_eq!((held[11], held[16..].to_vec()), (2, vec![3; 4]), "{held:?}");
+    }
+
+    #[test]
+    fn doubtful_answers_in_turn_do_not_move_a_standing_vehicle() {
+        let answers: Vec<_> = (0..200).map(|i| (2 + usize::from(i % 3 == 1), 0.5)).collect();
+        let held = held(&answers, STANDING);
+        assert!(held[10..].iter().all(|held| *held == 2), "{held:?}");
+    }
+
+    #[test]
+    fn one_clear_view_weighs_more_than_a_doubtful_one() {
+        let after = |confidence| held(&[(2, 0.6), (3, confidence), (3, confidence), (3, confidence)], FLYING)[3];
+        assert_eq!((after(0.9), after(0.3)), (3, 2));
+    }
+
+    #[test]
+    fn the_number_of_answers_that_are_kept_is_bounded() {
+        let mut belief = Belief::new(100.0);
+        (0..1000).for_each(|i| belief.add(i, 0.9, FLYING));
+        assert!(belief.beliefs.len() <= MOST_KEPT && belief.holds().is_some());
+    }
+}

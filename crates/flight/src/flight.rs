@@ -1,0 +1,52 @@
+//! A whole flight, revolution by revolution.
+
+use crosscut_stage::{Frame, ParamSpec, Params};
+
+use crate::here::{PLACE_PARAMS, Places};
+use crate::pose::{POSE_PARAMS, PoseTracker};
+use crate::steady::Steadier;
+
+/// Section `flight` of the configuration.
+pub const PARAMS: &[ParamSpec] = &{
+    let [pose, share, floor] = POSE_PARAMS;
+    let [widths, least, farthest] = PLACE_PARAMS;
+    [pose, share, floor, widths, least, farthest]
+};
+
+/// Adds to each frame of a flight what the flight so far shows.
+///
+/// ```
+/// use crosscut_flight::{Flight, PARAMS};
+/// use crosscut_stage::{Frame, Params};
+///
+/// let mut flight = Flight::new(&Params::defaults(PARAMS), 0.6);
+/// let mut frame = Frame::default(); // filled by the four stages
+/// flight.add(&mut frame);
+/// assert_eq!(frame.here, None, "there is no wall");
+/// ```
+#[derive(Clone, Debug)]
+pub struct Flight {
+    poses: PoseTracker,
+    places: Places,
+    steadier: Steadier,
+}
+
+impl Flight {
+    /// From checked values of [`PARAMS`], for a vehicle of this width.
+    pub fn new(params: &Params, vehicle_width_m: f64) -> Self {
+        Self {
+            poses: PoseTracker::new(params),
+            places: Places::new(params, vehicle_width_m),
+            steadier: Steadier::default(),
+        }
+    }
+
+    /// Fills the pose, the place and the steady answer of the next frame, which the four stages have filled. Notes are
+    /// added to those that are there.
+    pub fn add(&mut self, frame: &mut Frame) {
+        let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
+        frame.pose = tracked.map(|tracked| tracked.pose);
+        frame.here = self.places.here(&frame.revolution, &frame.junction);
+        frame.steady = self.steadier.add(&frame.revolution, &frame.junction, frame.here.as_ref(), frame.pose);
+    }
+}

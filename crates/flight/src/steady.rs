@@ -1,0 +1,174 @@
+//! The answer over the last revolutions, and openings that are followed from one to the next.
+
+use nalgebra::Isometry2;
+
+use crosscut_stage::{Here, HereKind, Junction, Opening, Revolution, Steady, SteadyOpening, Way, wrap_angle_rad};
+
+use crate::belief::{Belief, Since};
+
+/// Another count, and another place, hold once they are believed this many times as much as those that held.
+const COUNT_ODDS: f64 = 100.0;
+const PLACE_ODDS: f64 = 20.0;
+
+/// The way of a vehicle whose pose is not known, in a second.
+const USUAL_SPEED_M_S: f64 = 1.0;
+
+/// A turn of a radian shows as much as this way.
+const WAY_M_PER_RAD: f64 = 0.5;
+
+/// Between two revolutions no more time is taken to have passed: the recording has a hole, or its stamps jump.
+const LONGEST_S: f64 = 1.0;
+
+/// An opening is the one seen before if its bearing, in fixed axes, differs by no more than this.
+const MOST_TURNED_RAD: f64 = 0.35;
+
+/// A track ends if its opening is missing in more revolutions than this.
+const MOST_MISSED: u32 = 10;
+
+/// Follows the answers of a flight.
+#[derive(Clone, Debug)]
+pub(crate) struct Steadier {
+    before: Option<(u64, Option<Isometry2<f64>>)>,
+    junctions: Belief<usize>,
+    place: Belief<(HereKind, usize)>,
+    tracks: Vec<Track>,
+    next_track: u64,
+    /// The tracks of the openings of the last revolution whose count held.
+    shown: Vec<u64>,
+    /// The place of the last revolution whose place held, its ways in fixed axes, and the track of each of them.
+    here: Option<(Here, Vec<Option<u64>>)>,
+}
+
+/// An opening that is followed.
+#[derive(Clone, Debug)]
+struct Track {
+    id: u64,
+    /// Its bearing in fixed axes.
+    direction_rad: f64,
+    width_m: f64,
+    /// Revolutions since it was seen.
+    missed: u32,
+}
+
+impl Default for Steadier {
+    fn default() -> Self {
+        Self {
+            before: None,
+            junctions: Belief::new(COUNT_ODDS),
+            place: Belief::new(PLACE_ODDS),
+            tracks: Vec::new(),
+            next_track: 0,
+            shown: Vec::new(),
+            here: None,
+        }
+    }
+}
+
+impl Steadier {
+    /// The steady answer at the next revolution; `None` until a revolution has returns.
+    pub(crate) fn add(
+        &mut self,
+        revolution: &Revolution,
+        junction: &Junction,
+        here: Option<&Here>,
+        pose: Option<Isometry2<f64>>,
+    ) -> Option<Steady> {
+        let since = self.since(revolution.stamp_ns, pose);
+        let yaw_rad = pose.map_or(0.0, |pose| pose.rotation.angle());
+        // A scan without returns, such as one that cannot be decoded, shows nothing.
+        if !revolution.is_empty() {
+            let tracks = self.follow(&junction.openings, yaw_rad);
+            self.junctions.add(junction.junctions, junction.confidence, since);
+            if self.junctions.holds().is_some_and(|(junctions, _)| junctions == junction.junctions) {
+                self.shown.clone_from(&tracks);
+            }
+            if let Some(here) = here {
+                let place = (here.kind, here.ways.len());
+                self.place.add(place, here.confidence, since);
+                if self.place.holds().is_some_and(|(held, _)| held == place) {
+                    let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();
+                    let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
+                    let ways = here.ways.iter().map(fixed).collect();
+                    self.here = Some((Here { ways, ..*here }, of_ways));
+                }
+            }
+            self.tracks.retain(|track| track.missed <= MOST_MISSED || self.shown.contains(&track.id));
+        }
+        let (junctions, _) = self.junctions.holds()?;
+        let openings = self.openings(yaw_rad);
+        let here = self.place(&openings, yaw_rad);
+        Some(Steady { junctions, here, openings })
+    }
+
+    fn since(&mut self, stamp_ns: u64, pose: Option<Isometry2<f64>>) -> Since {
+        let Some((before_ns, before)) = self.before.replace((stamp_ns, pose)) else {
+            return Since { way_m: 0.0, time_s: LONGEST_S };
+        };
+        let time_s = (stamp_ns.saturating_sub(before_ns) as f64 * 1e-9).min(LONGEST_S);
+        let way_m = before.zip(pose).map_or(USUAL_SPEED_M_S * time_s, |(before, pose)| {
+            let step = before.inv_mul(&pose);
+            step.translation.vector.norm() + WAY_M_PER_RAD * step.rotation.angle().abs()
+        });
+        Since { way_m, time_s }
+    }
+
+    /// The track of each opening. The nearest in bearing are joined first.
+    fn follow(&mut self, openings: &[Opening], yaw_rad: f64) -> Vec<u64> {
+        let direction_rad = |opening: &Opening| wrap_angle_rad(opening.bearing_rad + yaw_rad);
+        let turned_rad =
+            |track: &Track, opening: &Opening| wrap_angle_rad(direction_rad(opening) - track.direction_rad);
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for (at, track) in self.tracks.iter().enumerate() {
+            let near =
+                openings.iter().enumerate().map(|(index, opening)| (turned_rad(track, opening).abs(), at, index));
+            pairs.extend(near.filter(|(turned_rad, ..)| *turned_rad <= MOST_TURNED_RAD));
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.tracks.iter_mut().for_each(|track| track.missed = track.missed.saturating_add(1));
+        let mut tracks: Vec<Option<u64>> = vec![None; openings.len()];
+        for (_, at, index) in pairs {
+            let track = &mut self.tracks[at];
+            if track.missed > 0 && tracks[index].is_none() {
+                tracks[index] = Some(track.id);
+                (track.direction_rad, track.missed) = (direction_rad(&openings[index]), 0);
+                track.width_m = openings[index].width_m;
+            }
+        }
+        let mut new_track = |opening: &Opening| {
+            let id = self.next_track;
+            self.next_track += 1;
+            let width_m = opening.width_m;
+            self.tracks.push(Track { id, direction_rad: direction_rad(opening), width_m, missed: 0 });
+            id
+        };
+        tracks.iter().zip(openings).map(|(track, opening)| track.unwrap_or_else(|| new_track(opening))).collect()
+    }
+
+    /// The openings that are shown, in the present heading.
+    fn openings(&self, yaw_rad: f64) -> Vec<SteadyOpening> {
+        let shown = self.tracks.iter().filter(|track| self.shown.contains(&track.id));
+        let mut openings: Vec<_> = shown
+            .map(|&Track { id, direction_rad, width_m, .. }| SteadyOpening {
+                track: id,
+                bearing_rad: wrap_angle_rad(direction_rad - yaw_rad),
+                width_m,
+            })
+            .collect();
+        openings.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+        openings
+    }
+
+    /// The place that holds, in the present heading.
+    fn place(&self, openings: &[SteadyOpening], yaw_rad: f64) -> Option<Here> {
+        let ((here, tracks), (_, confidence)) = self.here.as_ref().zip(self.place.holds())?;
+        let index = |id: u64| openings.iter().position(|opening| opening.track == id);
+        let way = |(way, track): (&Way, &Option<u64>)| Way {
+            bearing_rad: wrap_angle_rad(way.bearing_rad - yaw_rad),
+            opening: track.and_then(index),
+            ..*way
+        };
+        let mut ways: Vec<Way> = here.ways.iter().zip(tracks).map(way).collect();
+        ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+        Some(Here { confidence, ways, ..*here })
+    }
+}

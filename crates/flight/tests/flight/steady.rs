@@ -1,0 +1,80 @@
+//! The steady answer on simulated flights, against the truth of each revolution.
+
+use std::collections::BTreeSet;
+
+use crosscut_flight::Flight;
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Preset, Settings};
+use crosscut_simulator::scenarios;
+use crosscut_stage::{Frame, Params, Steady};
+
+struct Flown {
+    truth: usize,
+    single: usize,
+    here: Option<(&'static str, usize)>,
+    steady: Steady,
+}
+
+fn fly(name: &str, seed: u64, revolutions: usize) -> Vec<Flown> {
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
+    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
+    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
+    let mut frame = Frame::default();
+    let fly = |scene: crosscut_simulator::Scene| {
+        frame.notes.clear();
+        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+        engine.process(&mut frame).expect("no failure");
+        flight.add(&mut frame);
+        let here = frame.here.as_ref().map(|here| (here.kind.name(), here.ways.len()));
+        let steady = frame.steady.clone().expect("there are returns");
+        Flown { truth: scene.truth.walls as usize, single: frame.junction.junctions, here, steady }
+    };
+    (scenario.fly)(seed).take(revolutions).map(fly).collect()
+}
+
+/// Revolutions whose answer is not that before, although that after is.
+fn flicker<A: PartialEq>(answers: &[A]) -> usize {
+    answers.windows(3).filter(|three| three[0] == three[2] && three[0] != three[1]).count()
+}
+
+#[test]
+fn the_steady_answer_does_not_flicker_and_is_right_as_often() {
+    for (name, seed) in [("tunnel", 1), ("mine", 1)] {
+        let flown = fly(name, seed, 800);
+        let right = |of: fn(&Flown) -> usize| flown.iter().filter(|flown| of(flown) == flown.truth).count();
+        let (single, steady) = (right(|flown| flown.single), right(|flown| flown.steady.junctions));
+        assert!(steady + 8 >= single, "{name}: single {single}, steady {steady}");
+        let counts = |of: fn(&Flown) -> usize| flicker(&flown.iter().map(of).collect::<Vec<_>>());
+        let (single, steady) = (counts(|flown| flown.single), counts(|flown| flown.steady.junctions));
+        assert!(single > 10 && steady == 0, "{name}: single {single}, steady {steady}");
+        let places: Vec<_> = flown
+            .iter()
+            .map(|flown| flown.steady.here.as_ref().map(|here| (here.kind.name(), here.ways.len())))
+            .collect();
+        assert_eq!(flicker(&places), 0, "{name}");
+        let alike = flown.iter().zip(&places).filter(|(flown, place)| flown.here == **place).count();
+        assert!(alike as f64 > 0.9 * flown.len() as f64, "{name}: {alike} places are those of the revolution");
+    }
+}
+
+#[test]
+fn openings_keep_their_tracks_and_ways_lead_to_them() {
+    let flown = fly("tunnel", 1, 400);
+    let mut tracks = BTreeSet::new();
+    let mut kept = [0, 0];
+    let mut before: BTreeSet<u64> = BTreeSet::new();
+    for Flown { steady, .. } in &flown {
+        let now: BTreeSet<u64> = steady.openings.iter().map(|opening| opening.track).collect();
+        assert_eq!(now.len(), steady.openings.len(), "a track stands for one opening");
+        kept[0] += now.intersection(&before).count();
+        kept[1] += now.len();
+        tracks.extend(now.iter().copied());
+        before = now;
+        assert!(steady.openings.is_sorted_by(|a, b| a.bearing_rad <= b.bearing_rad));
+        let ways = steady.here.iter().flat_map(|here| here.ways.iter().filter_map(|way| way.opening));
+        assert!(ways.into_iter().all(|opening| opening < steady.openings.len()));
+    }
+    let share = kept[0] as f64 / kept[1] as f64;
+    println!("{share:.3} of the openings have the track of the revolution before; {} tracks", tracks.len());
+    assert!(share > 0.9 && tracks.len() < 60, "{share} {}", tracks.len());
+}

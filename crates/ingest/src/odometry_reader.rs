@@ -1,0 +1,134 @@
+//! The odometry that a recording holds beside its scans: `nav_msgs/Odometry`, or transforms from the frame `odom`.
+
+use std::collections::VecDeque;
+
+use crosscut_messages::{
+    CDR_ENCODING, DecodeError, ODOMETRY_TOPIC, Odometry as OdometryMessage, Quaternion, ROS1_ENCODING, TfMessage,
+    Vector3,
+};
+use nalgebra::{Isometry2, Vector2};
+
+use crate::container::{self, Container, Contents, Message, TopicReader};
+use crate::topics::topics_of;
+use crate::{CsvGeometry, Odometry, TopicInfo};
+
+/// The type of transforms before tf2.
+const OLD_TF_TYPE: &str = "tf/tfMessage";
+
+/// The frame in which odometry is kept (REP 105).
+const ODOMETRY_FRAME: &str = "odom";
+
+/// Odometry recorded this long after a scan is not read for it: its stamps are of another clock.
+const AHEAD_NS: u64 = 2_000_000_000;
+
+/// This many poses are read ahead at most, where the times of recording are of no use.
+const MOST_AHEAD: usize = 100_000;
+
+/// Whether a topic carries odometry messages.
+pub(crate) fn is_odometry(topic: &TopicInfo) -> bool {
+    is_of::<OdometryMessage>(topic)
+}
+
+/// Whether a topic carries transforms.
+pub(crate) fn is_transforms(topic: &TopicInfo) -> bool {
+    is_of::<TfMessage>(topic) || topic.type_name == OLD_TF_TYPE
+}
+
+/// Whether a topic carries messages of this type, of ROS 2 or of ROS 1.
+fn is_of<M: crosscut_messages::Message>(topic: &TopicInfo) -> bool {
+    match topic.encoding.as_str() {
+        CDR_ENCODING => topic.type_name == M::SCHEMA_NAME,
+        ROS1_ENCODING => topic.type_name == M::SCHEMA_NAME.replace("/msg/", "/"),
+        _ => false,
+    }
+}
+
+/// Gives the pose of the vehicle at the time of each scan.
+pub(crate) struct OdometryReader {
+    topic: TopicInfo,
+    csv: CsvGeometry,
+    /// Files that are not opened yet.
+    files: VecDeque<Contents>,
+    reader: Option<TopicReader>,
+    poses: Odometry,
+}
+
+impl OdometryReader {
+    /// Of the topic `wanted`, else of `/odom`, else of the first topic of odometry, else of the transforms on `/tf`; `None`
+    /// if there is none. The files are opened a second time.
+    pub(crate) fn new(containers: &[Box<dyn Container>], csv: &CsvGeometry, wanted: &str) -> Option<Self> {
+        let contents = || containers.iter().map(|container| container.contents());
+        let topics = topics_of(contents());
+        let is_dynamic = |topic: &&TopicInfo| is_transforms(topic) && !topic.name.ends_with("_static");
+        let candidates = topics.iter().filter(|topic| is_odometry(topic)).chain(topics.iter().filter(is_dynamic));
+        let candidates = candidates.filter(|topic| topic.messages != Some(0));
+        let is_wanted = |topic: &&TopicInfo| wanted.is_empty() || topic.name == wanted;
+        let rank = |topic: &&TopicInfo| (!is_odometry(topic), topic.name != ODOMETRY_TOPIC);
+        let topic = candidates.filter(is_wanted).min_by_key(rank)?.clone();
+        let files = contents().filter(|contents| !topic.channels_in(contents).is_empty()).cloned().collect();
+        Some(Self { topic, csv: *csv, files, reader: None, poses: Odometry::default() })
+    }
+
+    /// The pose at `stamp_ns`, for a scan that was recorded at `recorded_ns`. Scans are asked for in order.
+    pub(crate) fn at(&mut self, stamp_ns: u64, recorded_ns: u64) -> Option<Isometry2<f64>> {
+        self.poses.forget_before(stamp_ns);
+        while self.poses.last_ns().is_none_or(|last_ns| last_ns < stamp_ns) && self.poses.len() < MOST_AHEAD {
+            let Some(message) = self.next_message() else { break };
+            let log_time_ns = message.log_time_ns;
+            if let Ok(Some((pose_ns, pose))) = self.pose(&message) {
+                self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
+            }
+            if let Some(reader) = &mut self.reader {
+                reader.recycle(message);
+            }
+            if log_time_ns > recorded_ns.saturating_add(AHEAD_NS) {
+                break;
+            }
+        }
+        self.poses.at(stamp_ns)
+    }
+
+    /// The next message, from whichever file is at hand. A file that can no longer be opened has none.
+    fn next_message(&mut self) -> Option<Message> {
+        loop {
+            if let Some(message) = self.reader.as_mut().and_then(TopicReader::next) {
+                return Some(message);
+            }
+            let contents = self.files.pop_front()?;
+            let channels = self.topic.channels_in(&contents);
+            self.reader = container::reopen(&contents, &self.csv).ok().map(|file| TopicReader::new(file, channels));
+        }
+    }
+
+    /// Stamp and pose of a message, if it holds one.
+    fn pose(&self, message: &Message) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
+        if is_odometry(&self.topic) {
+            let odometry: OdometryMessage = self.decode(message)?;
+            let pose = odometry.pose.pose;
+            let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
+            return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
+        }
+        let transforms: TfMessage = self.decode(message)?;
+        let is_odometry = |frame: &str| frame.trim_start_matches('/') == ODOMETRY_FRAME;
+        let found = transforms.transforms.iter().find(|one| is_odometry(&one.header.frame_id));
+        Ok(found.map(|one| {
+            let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
+            (stamp_ns, planar(one.transform.translation, &one.transform.rotation))
+        }))
+    }
+
+    fn decode<M: crosscut_messages::Message>(&self, message: &Message) -> Result<M, DecodeError> {
+        let mut value = M::default();
+        if self.topic.encoding == ROS1_ENCODING {
+            value.decode_ros1_into(&message.data)?;
+        } else {
+            value.decode_into(&message.data)?;
+        }
+        Ok(value)
+    }
+}
+
+/// The pose in the plane.
+fn planar(position: Vector3, orientation: &Quaternion) -> Isometry2<f64> {
+    Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad())
+}

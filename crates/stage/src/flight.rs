@@ -1,0 +1,72 @@
+//! What the flight so far adds to the answer for one revolution.
+
+/// The kind of place that the vehicle is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum HereKind {
+    /// Three or more ways.
+    Junction,
+    /// Two ways.
+    Passage,
+    /// One way.
+    DeadEnd,
+    /// No way, or much wider than its one or two ways.
+    Chamber,
+}
+
+impl HereKind {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Junction => "junction",
+            Self::Passage => "passage",
+            Self::DeadEnd => "dead_end",
+            Self::Chamber => "chamber",
+        }
+    }
+}
+
+/// The place that the vehicle is in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Here {
+    /// Its kind, by the number of its ways.
+    pub kind: HereKind,
+    /// What was looked at: everything within this distance of the sensor, metres.
+    pub look_m: f64,
+    /// Where the place continues, by bearing ascending.
+    pub ways: Vec<Way>,
+    /// The confidence of the revolution, less where a shorter or a longer look sees another place. 0 to 1.
+    pub confidence: f64,
+}
+
+/// Where a place continues.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Direction of the middle of its mouth.
+    pub bearing_rad: f64,
+    /// Width of its mouth, metres.
+    pub width_m: f64,
+    /// Index of the opening that it leads to; `None` if no opening lies behind the mouth: the passage is seen to end.
+    pub opening: Option<usize>,
+}
+
+/// The answer over the last revolutions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// The number of walls, as [`Junction::junctions`](crate::Junction::junctions).
+    pub junctions: usize,
+    /// The place; its ways lead to the openings below.
+    pub here: Option<Here>,
+    /// The openings, by bearing ascending.
+    pub openings: Vec<SteadyOpening>,
+}
+
+/// An opening that is followed from revolution to revolution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyOpening {
+    /// Its number in the flight.
+    pub track: u64,
+    /// Direction towards the branch.
+    pub bearing_rad: f64,
+    /// Clear width across the branch, metres.
+    pub width_m: f64,
+}
