@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn one_clear_view_weighs_more_than_a_doubtful_one() {
-        let after = |confidence| held(&[(2, 0.6), (3, confidence), (3, confidence), (3, confidence)], FLYING)[3];
+        let after = |confidence| held(&[&[(2, 0.6)], &[(3, confidence); 4][..]].concat(), FLYING)[4];
         assert_eq!((after(0.9), after(0.3)), (3, 2));
     }
 
