@@ -61,6 +61,7 @@ mod tests {
             .map(|b| OpeningLine {
                 bearing_rad: b.to_radians(),
                 width_m: 3.0,
+                range_m: 5.0,
                 walls: [0, 1],
                 evidence: String::new(),
                 cut_by_view: false,
@@ -95,8 +96,14 @@ mod tests {
     fn width_errors_are_relative_to_the_true_width() {
         assert_eq!(scored(&[0.0], &[0.0]).matched[0].width_error, Some(0.25));
         let closed = TruthOpening { bearing_rad: 0.0, width_m: 0.0 };
-        let line =
-            OpeningLine { bearing_rad: 0.0, width_m: 3.0, walls: [0, 1], evidence: String::new(), cut_by_view: false };
+        let line = OpeningLine {
+            bearing_rad: 0.0,
+            width_m: 3.0,
+            range_m: 5.0,
+            walls: [0, 1],
+            evidence: String::new(),
+            cut_by_view: false,
+        };
         assert_eq!(score(&[closed], &[line]).matched[0].width_error, None);
     }
 }

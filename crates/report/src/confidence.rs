@@ -9,7 +9,8 @@
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)
 //! ```
 //! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
-//! clear may not be, and P is lowered by a factor of its own. β is a logistic regression of right against wrong over
+//! clear may not be, and P is lowered by a factor of its own. So it is where a dark gap in the line of a wall could be a
+//! doorway. β is a logistic regression of right against wrong over
 //! the development scenes and places of another generator. The example `confidence` checks it and writes what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -35,6 +36,9 @@ pub const BETA: [f64; Grounds::INPUTS] = [-2.36, 0.63, -0.62, -0.33, -0.39, 0.33
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
+
+/// About this share of the answers is right that one scan leaves open, because a gap in a wall could be a doorway.
+const OF_DOORWAY: f64 = 0.6;
 
 /// What an answer rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,11 +153,12 @@ fn apart_rad(answer: &Junction) -> f64 {
 }
 
 /// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
-/// islands, and [`spacing_rad`] of it is given.
+/// islands, [`spacing_rad`] of it is given, and whether a gap in a wall could be a doorway.
 pub(crate) fn of_scene(
     revolution: &Revolution,
     outline: &Outline,
     spacing_rad: f64,
+    may_have_doorway: bool,
     vehicle_width_m: f64,
     margin_decades: Option<f64>,
     answer: &Junction,
@@ -161,7 +166,8 @@ pub(crate) fn of_scene(
     let grounds = Grounds::on(outline, revolution, vehicle_width_m, margin_decades, answer);
     grounds.map_or(0.0, |grounds| {
         let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-        of_spacing(spacing_rad) / (1.0 + (-logit).exp())
+        let doubt = if may_have_doorway { OF_DOORWAY } else { 1.0 };
+        doubt * of_spacing(spacing_rad) / (1.0 + (-logit).exp())
     })
 }
 
@@ -238,7 +244,10 @@ mod tests {
     #[test]
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
-        assert_eq!(of_scene(&Revolution::default(), &Outline::default(), 0.0, 0.6, None, &Junction::default()), 0.0);
+        assert_eq!(
+            of_scene(&Revolution::default(), &Outline::default(), 0.0, false, 0.6, None, &Junction::default()),
+            0.0
+        );
         assert_eq!(
             Grounds::of(&cloud, 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
             None

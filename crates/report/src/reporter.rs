@@ -26,8 +26,12 @@ const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"]).doc(
     "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
 );
 
+const MAX_RANGE_M: Number = Number::new("max_range_m", "m", 0.0).from(0.0).to(1000.0).doc(
+    "openings whose nearer end is farther away are left out of the list; place and count do not change; 0: none is",
+);
+
 /// Section `report` of the configuration.
-pub const PARAMS: &[ParamSpec] = &[MIN_RETURNS.spec, ISLAND_M.spec, OPENINGS.spec, CONFIDENCE.spec];
+pub const PARAMS: &[ParamSpec] = &[MIN_RETURNS.spec, ISLAND_M.spec, OPENINGS.spec, MAX_RANGE_M.spec, CONFIDENCE.spec];
 
 /// The width of the vehicle.
 pub const VEHICLE_WIDTH_M: Number =
@@ -47,6 +51,7 @@ pub const VEHICLE_PARAMS: &[ParamSpec] = &[VEHICLE_WIDTH_M.spec, VEHICLE_HEIGHT_
 pub struct Reporter {
     min_returns: usize,
     island_m: f64,
+    max_range_m: f64,
     confidence_of_scene: bool,
     vehicle_width_m: f64,
     vehicle_height_m: f64,
@@ -61,6 +66,7 @@ impl Reporter {
         Self {
             min_returns: report.get(MIN_RETURNS),
             island_m: report.get(ISLAND_M),
+            max_range_m: report.get(MAX_RANGE_M),
             confidence_of_scene: report.get(CONFIDENCE) == "scene",
             vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
             vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
@@ -119,10 +125,30 @@ impl Reporter {
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            confidence::of_scene(revolution, outline, spacing_rad, vehicle_width_m, spectrum.margin_decades, out)
+            let doorway = openings::doorway(outline, vehicle_width_m);
+            if let Some(gap) = &doorway {
+                let [from_m, to_m] = gap.edge_m();
+                notes.add(format!(
+                    "report: nothing is seen in {:.1} m of a wall, a doorway or a dark surface: less confidence",
+                    (to_m - from_m).norm()
+                ));
+            }
+            let margin_decades = spectrum.margin_decades;
+            confidence::of_scene(
+                revolution,
+                outline,
+                spacing_rad,
+                doorway.is_some(),
+                vehicle_width_m,
+                margin_decades,
+                out,
+            )
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };
+        if self.max_range_m > 0.0 {
+            out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
+        }
         Ok(())
     }
 

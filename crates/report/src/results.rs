@@ -69,6 +69,9 @@ pub struct OpeningLine {
     pub bearing_rad: f64,
     /// Clear width across the branch.
     pub width_m: f64,
+    /// How far its nearer end is from the sensor.
+    #[serde(default)]
+    pub range_m: f64,
     /// The walls on its clockwise and anticlockwise side.
     pub walls: [u32; 2],
     /// `seen_through` or `no_return`.
@@ -155,6 +158,7 @@ impl ResultsLine {
                 .map(|o| OpeningLine {
                     bearing_rad: o.bearing_rad,
                     width_m: o.width_m,
+                    range_m: o.range_m(),
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
                     cut_by_view: o.cut_by_view,

@@ -69,7 +69,8 @@ fn company(ring: &Ring, i: usize) -> usize {
     neighbours.filter(|&j| touch(ring, i, j)).count()
 }
 
-fn touch(ring: &Ring, i: usize, j: usize) -> bool {
+/// Whether two returns may be of one surface.
+pub(crate) fn touch(ring: &Ring, i: usize, j: usize) -> bool {
     let spacing_m = ring.range_m(i).min(ring.range_m(j)) * ring.step_rad * ring.beams_apart(i, j) as f64;
     ring.distance_m(i, j) < SPACINGS * spacing_m.max(LEAST_SPACING_M)
 }

@@ -26,6 +26,7 @@ mod pieces;
 mod ring;
 mod roughness;
 mod scan;
+mod vehicle;
 
 pub use direction::{Directions, direction};
 pub use islands::{BEHIND_M, Islands};

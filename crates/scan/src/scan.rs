@@ -8,6 +8,7 @@ use crate::median;
 use crate::pieces::Pieces;
 use crate::ring::Ring;
 use crate::roughness::Roughness;
+use crate::vehicle;
 
 /// Tunnels are not wider than this to either side. Where the median range is larger, the place is a hall, and its ways
 /// on are no wider for that.
@@ -17,7 +18,7 @@ const HALL_M: f64 = 4.5;
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
     /// Where two neighbouring returns are this far apart, a vehicle could pass, and the ring is cut. What is nearer to
-    /// the sensor than half of it is the vehicle itself.
+    /// the sensor than half of it is the vehicle itself, unless it goes on as a wall.
     pub passage_m: f64,
     /// Islands are shorter than this.
     pub island_m: f64,
@@ -44,6 +45,8 @@ pub struct Scan {
     /// How many returns are of the vehicle itself.
     pub of_vehicle: usize,
     dust: Dust,
+    /// For each return.
+    are_of_vehicle: Vec<bool>,
 }
 
 impl Scan {
@@ -52,11 +55,11 @@ impl Scan {
     /// # Errors
     /// When the beams do not list all points in message order.
     pub fn make(&mut self, sweep: &Sweep, points_m: &[Point], lengths: &Lengths) -> Result<(), StageError> {
-        let Self { ring, pieces, islands, dust, .. } = self;
+        let Self { ring, pieces, islands, dust, are_of_vehicle, .. } = self;
         ring.fill(sweep, points_m)?;
         let hangs = dust.find(ring, lengths);
-        let vehicle_m = lengths.passage_m / 2.0;
-        pieces.fill(ring, (0..ring.len()).filter(|&i| !hangs[i] && ring.range_m(i) > vehicle_m), lengths.passage_m);
+        vehicle::find(ring, lengths.passage_m / 2.0, are_of_vehicle);
+        pieces.fill(ring, (0..ring.len()).filter(|&i| !hangs[i] && !are_of_vehicle[i]), lengths.passage_m);
         self.in_air = hangs.iter().filter(|hangs| **hangs).count();
         self.of_vehicle = ring.len() - self.in_air - pieces.returns().len();
         self.roughness = Roughness::of(ring, pieces);

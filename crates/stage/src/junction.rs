@@ -55,6 +55,15 @@ pub struct Opening {
     pub cut_by_view: bool,
 }
 
+impl Opening {
+    /// How far the nearer end of its edge is from the sensor, metres. What is far is a glimpse, and decided by few
+    /// returns.
+    pub fn range_m(&self) -> f64 {
+        let [from_m, to_m] = self.edge_m.map(|end_m| end_m.coords.norm());
+        from_m.min(to_m)
+    }
+}
+
 /// Why an opening is believed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence {

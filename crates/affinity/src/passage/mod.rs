@@ -28,7 +28,7 @@ const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
     .above(0.0)
     .to(100.0)
     .follows("vehicle.width_m", 1.0)
-    .doc("vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none");
+    .doc("vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none, unless they go on as a wall");
 
 const STRETCH_M: Number = Number::new("stretch_m", "m", 0.85)
     .above(0.0)

@@ -43,6 +43,7 @@ fn openings_are_missing_or_added_relative_to_the_first_answer() {
         let opening = |&bearing_rad: &f64| OpeningLine {
             bearing_rad,
             width_m: 3.0,
+            range_m: 5.0,
             walls: [0, 0],
             evidence: String::new(),
             cut_by_view: false,

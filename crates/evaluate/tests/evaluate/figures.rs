@@ -55,6 +55,7 @@ fn openings_are_summed_over_revolutions() {
     let line = |bearing_rad, width_m| OpeningLine {
         bearing_rad,
         width_m,
+        range_m: 5.0,
         walls: [0, 0],
         evidence: String::new(),
         cut_by_view: false,

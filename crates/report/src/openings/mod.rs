@@ -22,7 +22,9 @@
 //! - one in no shadow of a pillar, if there is one; in such a shadow the wall may turn a corner, so the walls there
 //!   leave each other's line by [`SHADED_TIMES`] times the vehicle's width, or the dark part is as wide as the vehicle;
 //! - of those, the one with the widest stretch of beams that came back with nothing;
-//! - of equal ones, the widest.
+//! - of equal ones, the widest;
+//! - if there is none, a gap in the line of the wall that could be a doorway, as nothing is seen in it although no other
+//!   beams get lost: the vehicle came in somewhere.
 //!
 //! By either rule no opening is narrower than the vehicle.
 //!
@@ -47,6 +49,7 @@
 //! ahead, the bearing is that of the middle of the edge. Bearing and width of a branch that the end of the view cuts
 //! are those of the part in view.
 
+mod doorway;
 mod edge;
 mod sides;
 
@@ -55,6 +58,7 @@ use std::cmp::Ordering;
 use crosscut_scan::Position;
 use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution};
 
+pub(crate) use self::doorway::doorway;
 pub(crate) use self::edge::{clearance_m, depth_m};
 use self::sides::Side;
 pub(crate) use self::sides::Sides;
@@ -97,7 +101,8 @@ pub fn find(
         OpeningRule::FreeSpace => outlook.in_free_space(1.0),
         OpeningRule::BetweenWalls if !is_one_wall => outlook.between_walls(),
         OpeningRule::BetweenWalls if outline.ring.full_turn => {
-            plainest(outlook.in_free_space(SHADED_TIMES), vehicle_width_m)
+            let plainest = plainest(outlook.in_free_space(SHADED_TIMES), vehicle_width_m);
+            if plainest.is_empty() { outlook.doorway() } else { plainest }
         }
         OpeningRule::BetweenWalls => Vec::new(),
     };
@@ -230,6 +235,14 @@ impl Outlook<'_> {
         let returns_m = self.revolution.points_m.iter().map(|point| point.coords.xy());
         (dark_between_two || clearance_m(sides) >= times * self.vehicle_width_m)
             && depth_m(returns_m, edge_m, self.vehicle_width_m) >= DEPTH_M
+    }
+
+    /// The gap in the line of a wall that could be a doorway, if nothing is seen behind it either.
+    fn doorway(&self) -> Vec<Branch> {
+        let returns_m = || self.revolution.points_m.iter().map(|point| point.coords.xy());
+        let is_deep = |sides: &Sides<'_>| depth_m(returns_m(), sides.edge_m(), self.vehicle_width_m) >= DEPTH_M;
+        let doorway = doorway(self.outline, self.vehicle_width_m).filter(is_deep);
+        doorway.map(|sides| self.branch(&sides)).into_iter().collect()
     }
 
     fn branch(&self, sides: &Sides<'_>) -> Branch {

@@ -118,7 +118,7 @@ impl<'a> Sides<'a> {
     }
 
     /// The angle over which the edge is seen, anticlockwise.
-    fn seen_at_rad(&self) -> f64 {
+    pub(super) fn seen_at_rad(&self) -> f64 {
         let [from_m, to_m] = self.edge_m();
         from_m.perp(&to_m).atan2(from_m.dot(&to_m)).rem_euclid(TAU)
     }
@@ -132,12 +132,17 @@ impl<'a> Sides<'a> {
     /// Whether the edge spans half a turn or more, and most beams into it came back with nothing. A wall that went on
     /// straight across it would have to pass on the other side of the sensor.
     pub(super) fn is_open_side(&self) -> bool {
+        self.seen_at_rad() >= PI && self.is_mostly_dark()
+    }
+
+    /// Whether more than half of the beams between them came back with nothing.
+    pub(super) fn is_mostly_dark(&self) -> bool {
         let (mut dark, mut beams) = (0, 0);
         for beam in self.between() {
             beams += 1;
             dark += usize::from(beam == Beam::NoReturn);
         }
-        self.seen_at_rad() >= PI && 2 * dark > beams
+        2 * dark > beams
     }
 
     /// What the beams between the two returns saw.

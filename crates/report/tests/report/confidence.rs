@@ -16,7 +16,16 @@ fn answer_with_margin(
     (revolution, walls): (Revolution, Vec<Option<u32>>),
     margin_decades: Option<f64>,
 ) -> (Revolution, Junction) {
+    answer_by(&[], (revolution, walls), margin_decades)
+}
+
+fn answer_by(
+    settings: &[(&str, f64)],
+    (revolution, walls): (Revolution, Vec<Option<u32>>),
+    margin_decades: Option<f64>,
+) -> (Revolution, Junction) {
     let mut params = Params::defaults(PARAMS);
+    settings.iter().for_each(|(name, value)| params.set(name, *value).expect("allowed"));
     params.set("island_m", 2.0).expect("allowed");
     params.set("openings", "between_walls").expect("allowed");
     params.set("confidence", "scene").expect("allowed");
@@ -28,6 +37,15 @@ fn answer_with_margin(
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
     reporter.report(revolution, spectrum, partition, junction, notes).expect("as many labels as returns");
     (frame.revolution, frame.junction)
+}
+
+#[test]
+fn openings_beyond_the_range_that_is_set_are_left_out_and_nothing_else_changes() {
+    let by = |settings: &[(&str, f64)]| answer_by(settings, scan(&tee(), 360, |_| false), None).1;
+    let (all, near) = (by(&[]), by(&[("max_range_m", 5.0)]));
+    assert_eq!((all.openings.len(), near.openings.len()), (3, 1), "the ends of the tunnel are farther");
+    assert_eq!((near.junctions, near.place, near.confidence), (all.junctions, all.place, all.confidence));
+    assert_eq!(near.openings[0], *all.openings.iter().min_by(|a, b| a.range_m().total_cmp(&b.range_m())).expect("3"));
 }
 
 fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
@@ -61,6 +79,16 @@ fn plain_places_are_surer_than_those_with_a_gap_that_a_vehicle_might_pass() {
     // From the corner (1, 1.75) the far side of the pocket is seen 1.2 m away.
     assert!((with_gap.most_within_walls_m - 1.2).abs() < 0.2, "{with_gap:?}");
     assert!(sure > 0.9 && unsure < sure, "{sure} and {unsure}");
+}
+
+#[test]
+fn no_answer_is_sure_while_a_dark_gap_may_be_a_doorway() {
+    let with_gap = |half_m: f64| {
+        let left = [(Segment([-30.0, 1.75], [-half_m, 1.75]), 0), (Segment([half_m, 1.75], [30.0, 1.75]), 0)];
+        grounds(&left.into_iter().chain([(Segment([-30.0, -1.75], [30.0, -1.75]), 1)]).collect::<Vec<_>>()).1
+    };
+    assert!(with_gap(0.2) > 0.9, "too narrow for the vehicle");
+    assert!(with_gap(0.6) < 0.7, "it may pass");
 }
 
 #[test]

@@ -109,6 +109,41 @@ fn one_wall_with_nothing_over_half_a_turn_is_open_there() {
     assert!(found.iter().all(|opening| opening.cut_by_view), "of the masked side nothing is known: {found:#?}");
 }
 
+/// A closed room with a gap in the right-hand wall, and, in the left-hand one, gaps of this width.
+fn room_with_door(door_m: f64, others_m: f64) -> Vec<(Segment, u32)> {
+    let [door, other] = [door_m / 2.0, others_m / 2.0];
+    vec![
+        (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
+        (Segment([3.0, 3.0], [3.0, door]), 0),
+        (Segment([3.0, -door], [3.0, -3.0]), 0),
+        (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
+        (Segment([-3.0, -3.0], [-3.0, -1.0 - other]), 0),
+        (Segment([-3.0, -1.0 + other], [-3.0, 1.0 - other]), 0),
+        (Segment([-3.0, 1.0 + other], [-3.0, 3.0]), 0),
+    ]
+}
+
+#[test]
+fn a_room_whose_one_dark_gap_lets_the_vehicle_pass_is_open_there() {
+    for door_m in [0.7, 1.0, 2.0, 3.0] {
+        let found = openings_by(OpeningRule::BetweenWalls, &scan(&room_with_door(door_m, 0.0), 720, |_| false));
+        assert_eq!(found.len(), 1, "{door_m} m");
+        assert_opening(&found[0], 0.0, door_m);
+    }
+    let closed = |door_m, others_m| {
+        openings_by(OpeningRule::BetweenWalls, &scan(&room_with_door(door_m, others_m), 720, |_| false)).is_empty()
+    };
+    assert!(closed(0.4, 0.0), "no vehicle passes");
+    assert!(closed(1.0, 0.5), "other beams get lost as well");
+}
+
+#[test]
+fn the_range_of_an_opening_is_that_of_its_nearer_end() {
+    let found = openings(&tee());
+    let side = found.iter().find(|o| o.evidence == Evidence::SeenThrough).expect("the passage");
+    assert!((side.range_m() - 3.0f64.hypot(1.75)).abs() < 0.1, "from the corner (3, 1.75): {}", side.range_m());
+}
+
 #[test]
 fn a_gap_narrower_than_the_vehicle_is_not_open() {
     let mut slit = vec![

@@ -160,6 +160,14 @@ fn a_few_returns_amid_a_limited_view_are_no_wall_though_the_view_ends_without_a_
 }
 
 #[test]
+fn a_wall_nearer_than_half_the_vehicle_is_a_wall() {
+    let near = [TUNNEL[0], [[-30.0, -0.25], [30.0, -0.25]]];
+    assert_eq!(components(&scan(&near, all), &[]).len(), 2, "beside a vehicle narrower than the default");
+    let mast = |beam: usize, range_m| if (85..95).contains(&beam) { Some(0.2) } else { range_m };
+    assert_eq!(components(&scan(&TUNNEL, mast), &[])[2..], [1; 10], "what stands before a wall is of the vehicle");
+}
+
+#[test]
 fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
     let sizes = components(&scan(&TUNNEL, dusty), &[]);
