@@ -26,9 +26,10 @@ const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"]).doc(
     "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
 );
 
-const MAX_RANGE_M: Number = Number::new("max_range_m", "m", 0.0).from(0.0).to(1000.0).doc(
-    "openings whose nearer end is farther away are left out of the list; place and count do not change; 0: none is",
-);
+const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
+    .above(0.0)
+    .to(f64::INFINITY)
+    .doc("openings whose nearer end is farther than this are left out of the list; place and count do not change");
 
 /// Section `report` of the configuration.
 pub const PARAMS: &[ParamSpec] = &[MIN_RETURNS.spec, ISLAND_M.spec, OPENINGS.spec, MAX_RANGE_M.spec, CONFIDENCE.spec];
@@ -146,9 +147,7 @@ impl Reporter {
         } else {
             confidence::of_margin(spectrum.margin_decades)
         };
-        if self.max_range_m > 0.0 {
-            out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
-        }
+        out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
     }
 
