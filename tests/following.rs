@@ -90,6 +90,7 @@ fn what_cannot_be_followed_is_refused() {
     run(["run".as_ref(), log.as_os_str(), "--follow".as_ref()]).expect_code(1);
     run(["run", "-", "--follow"]).expect_code(2);
     run(["run", "a.mcap", "b.mcap", "--follow"]).expect_code(2);
+    run(["run", "a.mcap", "--follow", "--topic", "/front", "--topic", "/rear"]).expect_code(2);
     let empty = folder.path().join("empty.mcap");
     std::fs::write(&empty, tunnel(0, &Writing::default())).expect("writable");
     run(["run".as_ref(), empty.as_os_str(), "--follow".as_ref()]).expect_code(1);

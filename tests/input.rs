@@ -347,3 +347,20 @@ fn info_describes_the_first_scan_of_the_selected_frame() {
     assert!(shown("rear").contains("frame \"rear\"") && shown("lidar").contains("frame \"lidar\""));
     assert!(shown("front").contains("no selected scan on /scan"), "{}", shown("front"));
 }
+
+#[test]
+fn every_topic_that_is_named_is_joined_to_the_first() {
+    let folder = folder();
+    let two = Writing { topics: &["/front", "/rear"], ..Writing::default() };
+    let flight = file(folder.path(), "flight.mcap", &tunnel(4, &two));
+    let notes_of = |topics: &[&str]| {
+        let (ran, lines) = results_of(&flight, topics);
+        ran.expect_code(0);
+        lines.iter().map(|line| line["notes"].to_string()).collect::<Vec<_>>()
+    };
+    let alone = notes_of(&["--topic", "/front"]);
+    let both = notes_of(&["--topic", "/front", "--topic", "/rear"]);
+    assert_eq!((alone.len(), both.len()), (4, 4));
+    assert!(both.iter().all(|notes| notes.contains("joined with /rear in frame `lidar`")), "{both:?}");
+    assert!(alone.iter().all(|notes| !notes.contains("joined")), "{alone:?}");
+}

@@ -17,6 +17,9 @@ pub(crate) fn follow(args: &FlightArgs, config: &Config, stop: StopFlag) -> anyh
     let [path] = &args.input[..] else {
         return Err(UsageError("--follow reads one MCAP".to_owned()).into());
     };
+    if args.topic.len() > 1 {
+        return Err(UsageError("--follow reads one topic".to_owned()).into());
+    }
     if path.as_os_str() == "-" {
         return Err(UsageError("--follow reads a file; standard input is read up to its end anyway".to_owned()).into());
     }
@@ -31,7 +34,8 @@ fn sensor(config: &Config) -> Sensor {
 fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
     let csv = CsvGeometry::new(config.params("csv"));
     ReadOptions {
-        topic: args.topic.clone(),
+        topic: args.topic.first().cloned(),
+        beside: args.topic.iter().skip(1).cloned().collect(),
         read_as: args.read_as,
         from_s: args.from,
         to_s: args.to,

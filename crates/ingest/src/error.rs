@@ -73,7 +73,7 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// More than one topic with scans.
-    #[error("there are several scan topics; name one with --topic:\n{topics}")]
+    #[error("there are several scan topics; name one with --topic, or each of a vehicle's scanners:\n{topics}")]
     SeveralScanTopics {
         /// The topics with scans.
         topics: TopicList,

@@ -80,6 +80,12 @@
 //! brought to the heading in the middle of the scan, with a note and a setting (`deskew`). Then beams beyond a full turn
 //! are left out, and a turn may fall short of 360° by the angle that the sensor turned.
 //!
+//! # Several scanners
+//! Scans of several topics ([`ReadOptions::beside`]) become one revolution in the nearest frame in which all scanners lie
+//! by the transforms of the recording, static or moving: each scan of the first topic with that of every other whose stamp
+//! is nearest, 0.1 s apart at most. The revolution has beams all around, as wide as two steps of the coarsest scanner; each
+//! sees the nearest return in it. What was joined, and what cannot be, is noted.
+//!
 //! To add another kind of recording: implement `Container` in a file of its own under `container/`, and give it a line
 //! in `container::open`. To read something live: pass [`LaserScan`](crosscut_messages::LaserScan)s through
 //! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
@@ -100,6 +106,7 @@ mod metadata;
 mod odometry;
 mod odometry_reader;
 mod recording;
+mod scanners;
 mod sensor;
 mod topics;
 mod truths;

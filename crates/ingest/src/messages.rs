@@ -78,6 +78,15 @@ impl Messages {
         &self.losses
     }
 
+    /// Adds losses that are not among those that are known.
+    pub(crate) fn add_losses<'a>(&mut self, losses: impl Iterator<Item = &'a Loss>) {
+        for loss in losses {
+            if !self.losses.contains(loss) {
+                self.losses.push(loss.clone());
+            }
+        }
+    }
+
     /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are.
     pub(crate) fn lose(&mut self, part: usize, seq: u64, cause: DecodeError) {
         let file = &self.files[part];

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::num::NonZero;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crosscut_messages::ScanType;
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
@@ -11,10 +11,11 @@ use crate::before::{Before, seconds};
 use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
+use crate::scanners::Scanners;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
 use crate::turns::{Turn, Turns};
-use crate::{CsvGeometry, Following, IngestError, Loss, LossKind, Parts, Sensor, TopicInfo, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -23,6 +24,8 @@ const NS_PER_S: f64 = 1e9;
 pub struct ReadOptions {
     /// The scan topic; `None` takes the only one there is.
     pub topic: Option<String>,
+    /// Topics of other scanners of the vehicle, which are joined to the first by the transforms of the recording.
+    pub beside: Vec<String>,
     /// What its messages are, whatever the recording calls them; `None` believes the recording.
     pub read_as: Option<ScanType>,
     /// From this many seconds after the first scan was recorded.
@@ -41,6 +44,7 @@ impl Default for ReadOptions {
     fn default() -> Self {
         Self {
             topic: None,
+            beside: Vec::new(),
             read_as: None,
             from_s: None,
             to_s: None,
@@ -74,6 +78,8 @@ pub struct Recording {
     any_selected: bool,
     before: Before,
     turning: Turning,
+    /// The other scanners of the vehicle.
+    scanners: Option<Scanners>,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -89,10 +95,11 @@ impl Recording {
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
-        Self::of(containers, losses, options, sensor)
+        let scanners = Scanners::open(inputs, options, &sensor)?;
+        Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
     }
 
-    fn of(
+    pub(crate) fn of(
         containers: Vec<Box<dyn Container>>,
         losses: Vec<Loss>,
         options: &ReadOptions,
@@ -131,45 +138,12 @@ impl Recording {
             any_selected: false,
             before: Before::default(),
             turning: Turning::default(),
+            scanners: None,
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
             last_other_frame: String::new(),
         })
-    }
-
-    /// Opens an MCAP that is still being written, and waits for its first scan. The recording ends where its recorder
-    /// closes it, or when `following` is over; it has no index to be read by until then.
-    ///
-    /// # Errors
-    /// When it cannot be opened or is no MCAP, or waiting is over before there is a scan.
-    pub fn follow(
-        path: &Path,
-        options: &ReadOptions,
-        sensor: &Sensor,
-        following: &Following,
-    ) -> Result<Self, IngestError> {
-        loop {
-            let error = match container::open(path, &options.csv) {
-                Ok(mut container) => {
-                    let is_cut = |loss: &Loss| matches!(loss.kind, LossKind::CutOff { .. });
-                    let is_unfinished = container.contents().losses.iter().any(is_cut);
-                    if !container.follow(following) {
-                        return Err(IngestError::CannotFollow { path: path.to_owned() });
-                    }
-                    // Odometry is read from the file a second time, which would end where the file ends now.
-                    let options = ReadOptions { odometry: false, ..options.clone() };
-                    match Self::of(vec![container], Vec::new(), &options, sensor.clone()) {
-                        Err(error) if is_unfinished => error,
-                        opened => return opened,
-                    }
-                }
-                Err(error) => error,
-            };
-            if !error.may_be_too_early() || !following.wait() {
-                return Err(error);
-            }
-        }
     }
 
     /// The topic that the scans are of.
@@ -353,6 +327,10 @@ impl Source for Recording {
                 && let Some(turn) = self.selected.pop_front()
             {
                 self.give(&turn, out, notes);
+                if let Some(scanners) = &mut self.scanners {
+                    scanners.join(out, notes);
+                    self.messages.add_losses(scanners.losses());
+                }
                 self.turns.recycle(turn);
                 return Ok(true);
             }

@@ -85,9 +85,10 @@ pub(crate) struct FlightArgs {
     /// order; `-` is standard input.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
-    /// Topic of the scans; may be omitted when there is only one.
+    /// Topic of the scans; may be omitted when there is only one. Given several times, the scans of these scanners become
+    /// one revolution, by the transforms in the recording (/tf, /tf_static).
     #[arg(long)]
-    pub(crate) topic: Option<String>,
+    pub(crate) topic: Vec<String>,
     /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
     /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]

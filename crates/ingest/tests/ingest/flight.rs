@@ -15,6 +15,7 @@ pub(crate) const STEP_NS: u64 = 100_000_000;
 const SCAN_TYPE: (&str, &str) = (LaserScan::SCHEMA_NAME, "cdr");
 
 /// A message as it goes into a recording.
+#[derive(Clone)]
 pub(crate) struct Record {
     pub(crate) topic: &'static str,
     pub(crate) type_name: &'static str,

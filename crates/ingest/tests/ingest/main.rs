@@ -10,6 +10,7 @@ mod odometry;
 mod parts;
 mod real;
 mod recording;
+mod scanners;
 mod sensor;
 mod single_clouds;
 mod times;

@@ -124,7 +124,7 @@ fn several_scan_topics_have_to_be_told_apart_by_name() {
     let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
     assert_eq!(
         refused(&folder, None).to_string(),
-        "there are several scan topics; name one with --topic:\n  \
+        "there are several scan topics; name one with --topic, or each of a vehicle's scanners:\n  \
          /front  sensor_msgs/msg/LaserScan  cdr  1 message\n  /rear  sensor_msgs/msg/LaserScan  cdr  1 message"
     );
     let mut rear = Recording::open(&[path], &options(Some("/rear")), sensor(&[])).expect("named");

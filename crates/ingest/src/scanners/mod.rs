@@ -1,0 +1,124 @@
+//! Several scanners of one vehicle as one revolution.
+//!
+//! The scans of the first topic lead. Each is joined with that scan of every other topic whose stamp is nearest, in the
+//! nearest frame in which all scanners lie by the transforms of the recording.
+
+mod around;
+mod frames;
+
+use std::path::PathBuf;
+
+use crosscut_stage::{Notes, Revolution, Source as _};
+
+use self::around::Around;
+use self::frames::Frames;
+use crate::recording::open_all;
+use crate::{IngestError, Loss, ReadOptions, Recording, Sensor};
+
+/// Scans of two scanners whose stamps are further apart than this are of different revolutions.
+const FARTHEST_NS: u64 = 100_000_000;
+
+/// The scanners beside the first one.
+pub(crate) struct Scanners {
+    others: Vec<Scanner>,
+    frames: Frames,
+    around: Around,
+    joined: Revolution,
+}
+
+/// One scanner, and its scans around the time of the last revolution.
+struct Scanner {
+    recording: Recording,
+    before: Option<Revolution>,
+    after: Option<Revolution>,
+    has_ended: bool,
+}
+
+impl Scanners {
+    /// Opens the topics beside the first one; `None` if there are none.
+    ///
+    /// # Errors
+    /// When one of them carries no scans.
+    pub(crate) fn open(
+        inputs: &[PathBuf],
+        options: &ReadOptions,
+        sensor: &Sensor,
+    ) -> Result<Option<Self>, IngestError> {
+        if options.beside.is_empty() {
+            return Ok(None);
+        }
+        let open = |topic: &String| {
+            let (csv, read_as) = (options.csv, options.read_as);
+            let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
+            let recording = Recording::open(inputs, &options, sensor.clone())?;
+            Ok(Scanner { recording, before: None, after: None, has_ended: false })
+        };
+        let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
+        let frames = Frames::read(open_all(inputs, &options.csv)?.0);
+        Ok(Some(Self { others, frames, around: Around::default(), joined: Revolution::default() }))
+    }
+
+    /// What was lost of the other topics.
+    pub(crate) fn losses(&self) -> impl Iterator<Item = &Loss> {
+        self.others.iter().flat_map(|scanner| scanner.recording.losses())
+    }
+
+    /// Joins the other scanners to `first`, a scan of the first one. Notes say what was joined, and what cannot be.
+    pub(crate) fn join(&mut self, first: &mut Revolution, notes: &mut Notes) {
+        let stamp_ns = first.stamp_ns;
+        let Self { others, frames, around, joined } = self;
+        others.iter_mut().for_each(|scanner| scanner.read_to(stamp_ns));
+        let mut near = Vec::new();
+        for scanner in others.iter() {
+            let topic = scanner.recording.topic();
+            match scanner.nearest(stamp_ns) {
+                None => notes.add(format!("{topic} is not joined: it has no scan within 0.1 s")),
+                Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(format!(
+                    "{topic} is not joined: no transforms lead from `{}` to `{}`",
+                    seen.frame_id, first.frame_id
+                )),
+                Some(seen) => near.push((topic, seen)),
+            }
+        }
+        let seen = || std::iter::once(&*first).chain(near.iter().map(|(_, seen)| *seen));
+        let names: Vec<&str> = seen().map(|seen| seen.frame_id.as_str()).collect();
+        let Some(frame) = frames.common(&names).filter(|_| !near.is_empty()) else { return };
+        let Some(pose) = frames.pose(&first.frame_id, &frame, stamp_ns) else {
+            notes.add(format!("no scanner is joined: the pose of `{}` is not known at this time", first.frame_id));
+            return;
+        };
+        let mut placed = vec![(pose, &*first)];
+        for (topic, seen) in near {
+            match frames.pose(&seen.frame_id, &frame, seen.stamp_ns) {
+                Some(pose) => {
+                    placed.push((pose, seen));
+                    notes.add(format!("joined with {topic} in frame `{frame}`"));
+                }
+                None => notes.add(format!("{topic} is not joined: its pose is not known at this time")),
+            }
+        }
+        around.look(&placed, joined);
+        std::mem::swap(&mut first.points_m, &mut joined.points_m);
+        std::mem::swap(&mut first.sweep, &mut joined.sweep);
+        first.frame_id = frame;
+    }
+}
+
+impl Scanner {
+    /// Reads on until a scan is later than `stamp_ns`.
+    fn read_to(&mut self, stamp_ns: u64) {
+        while !self.has_ended && self.after.as_ref().is_none_or(|after| after.stamp_ns <= stamp_ns) {
+            let mut next = self.before.take().unwrap_or_default();
+            self.before = self.after.take();
+            // A topic that cannot be read on has ended; its losses say why.
+            self.has_ended = !matches!(self.recording.next(&mut next, &mut Notes::default()), Ok(true));
+            self.after = Some(next).filter(|_| !self.has_ended);
+        }
+    }
+
+    fn nearest(&self, stamp_ns: u64) -> Option<&Revolution> {
+        let apart_ns = |seen: &&Revolution| seen.stamp_ns.abs_diff(stamp_ns);
+        let seen = self.before.iter().chain(&self.after);
+        seen.min_by_key(apart_ns).filter(|seen| apart_ns(seen) <= FARTHEST_NS)
+    }
+}
