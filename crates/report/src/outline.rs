@@ -88,6 +88,15 @@ impl Outline {
         onward.take_while(move |&other| self.walls[other] == self.walls[at]).map(|at| &self.ring.returns[at])
     }
 
+    /// The first return after a wall, from one of its returns on; `None` if no other wall follows.
+    pub(crate) fn beyond(&self, at: usize, anticlockwise: bool) -> Option<usize> {
+        let returns = self.wall_from(at, anticlockwise).count();
+        let n = self.len();
+        let beyond = if anticlockwise { at + returns } else { at + n - returns };
+        let is_in_view = self.ring.full_turn || (if anticlockwise { beyond < n } else { beyond >= n });
+        (returns < n && is_in_view).then_some(beyond % n)
+    }
+
     /// The next return anticlockwise.
     fn after(&self, at: usize) -> usize {
         if at + 1 == self.len() { 0 } else { at + 1 }

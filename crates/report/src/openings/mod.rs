@@ -43,6 +43,9 @@
 //! ```
 //! The beam through n is where sight into the branch ends if N turns a corner there: there the centreline is last seen.
 //!
+//! A way into a room behind a doorway, between walls, is no wider than the doorway: at most [`DOORWAY_TIMES`] the
+//! vehicle's width from the end of the nearer wall to the next wall beyond the farther one, with that one behind.
+//!
 //! Behind an edge more than 8 m away, walls may lead around a chamber instead of along a branch. Where n and f lie on
 //! the other side of the sensor, or farther from each other than [`WIDENS`] times the width of the edge, the ends of
 //! the edge take their place. If the line across the branch does not lie ahead, the edge replaces it. If x does not lie
@@ -73,6 +76,9 @@ pub const LOOKOUT_M: f64 = 8.0;
 /// In the shadow of a pillar, one wall all around leads on if the walls leave each other's line by this many times the
 /// vehicle's width: it may turn a corner there, or have a step.
 pub const SHADED_TIMES: f64 = 3.0;
+
+/// A doorway is at most this many times as wide as the vehicle.
+pub const DOORWAY_TIMES: f64 = 4.0;
 
 /// Walls this many times farther from each other than at the edge are no longer those of the branch.
 pub const WIDENS: f64 = 2.5;
@@ -188,7 +194,14 @@ impl Outlook<'_> {
     fn between_walls(&self) -> Vec<Branch> {
         sides(self.outline, self.vehicle_width_m)
             .filter(|sides| sides.are_two_walls() && sides.is_known())
-            .map(|sides| self.branch(&sides))
+            .map(|sides| {
+                let mut branch = self.branch(&sides);
+                let is_doorway = |m: &f64| (self.vehicle_width_m..=DOORWAY_TIMES * self.vehicle_width_m).contains(m);
+                if let Some(doorway_m) = sides.doorway_m().filter(is_doorway) {
+                    branch.opening.width_m = branch.opening.width_m.min(doorway_m);
+                }
+                branch
+            })
             .collect()
     }
 

@@ -117,6 +117,20 @@ impl<'a> Sides<'a> {
         across_m.fold(0.0, f64::max)
     }
 
+    /// The width of the doorway through which the farther wall is seen, if it is: from the end of the nearer wall to the
+    /// wall on the other side of the farther one, which lies behind the line between the two as far as it is seen.
+    pub(super) fn doorway_m(&self) -> Option<f64> {
+        let [near, far] = self.by_range();
+        let [jamb_m, other_m] =
+            [near.at, self.outline.beyond(far.at, near.clockwise)?].map(|at| self.outline.position_m(at));
+        let across = other_m - jamb_m;
+        let behind = |one: &Return| {
+            let left = across.perp(&(one.position_m - jamb_m));
+            if near.clockwise { left < 0.0 } else { left > 0.0 }
+        };
+        far.along(self.outline).all(behind).then_some(across.norm())
+    }
+
     /// The angle over which the edge is seen, anticlockwise.
     pub(super) fn seen_at_rad(&self) -> f64 {
         let [from_m, to_m] = self.edge_m();

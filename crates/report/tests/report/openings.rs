@@ -138,6 +138,23 @@ fn a_room_whose_one_dark_gap_lets_the_vehicle_pass_is_open_there() {
 }
 
 #[test]
+fn ways_into_a_room_are_no_wider_than_its_door() {
+    let scene = [
+        (Segment([-30.0, 1.75], [-0.5, 1.75]), 0),
+        (Segment([0.5, 1.75], [30.0, 1.75]), 1),
+        (Segment([-4.0, 8.0], [4.0, 8.0]), 2),
+        (Segment([-30.0, -1.75], [30.0, -1.75]), 3),
+    ];
+    let found = openings_by(OpeningRule::BetweenWalls, &scan(&scene, 360, |_| false));
+    let into_room: Vec<_> = found.iter().filter(|opening| opening.walls.contains(&2)).collect();
+    assert_eq!(into_room.len(), 2, "{found:#?}");
+    for opening in into_room {
+        assert!((opening.width_m - 1.0).abs() < 0.1, "{opening:#?}");
+    }
+    assert!(found.iter().filter(|opening| !opening.walls.contains(&2)).all(|ahead| ahead.width_m > 3.0));
+}
+
+#[test]
 fn the_range_of_an_opening_is_that_of_its_nearer_end() {
     let found = openings(&tee());
     let side = found.iter().find(|o| o.evidence == Evidence::SeenThrough).expect("the passage");
