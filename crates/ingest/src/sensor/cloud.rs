@@ -17,8 +17,16 @@ impl Sensor {
         out.frame_id.push_str(&cloud.header.frame_id);
         self.note_mounting(notes);
         let (sin, cos) = self.yaw_rad.sin_cos();
-        let (mut at_sensor, mut near, mut far, mut masked) = (0, 0, 0, 0);
-        for &[x, y, z] in &cloud.points_m {
+        let (mut at_sensor, mut near, mut far, mut masked, mut of_other_rings) = (0, 0, 0, 0, 0);
+        let slices = !self.rings.is_empty() && !cloud.rings.is_empty();
+        if !self.rings.is_empty() && cloud.rings.is_empty() {
+            notes.add("the cloud does not state rings: ingest.rings takes all points");
+        }
+        for (i, &[x, y, z]) in cloud.points_m.iter().enumerate() {
+            if slices && cloud.rings.get(i).is_none_or(|ring| !self.takes_ring(*ring)) {
+                of_other_rings += 1;
+                continue;
+            }
             let [y, z] = if self.upside_down { [-y, -z] } else { [y, z] };
             let point_m = Point::new(x * cos - y * sin, x * sin + y * cos, z);
             let range_m = point_m.coords.norm();
@@ -44,5 +52,6 @@ impl Sensor {
         note(near, &format!("nearer than min_range_m {} m left out", self.min_range_m));
         note(far, &format!("beyond max_range_m {} m read as no return", self.max_range_m));
         note(masked, "in masked sectors left out");
+        note(of_other_rings, "of other rings than ingest.rings left out");
     }
 }

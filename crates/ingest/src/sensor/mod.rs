@@ -40,6 +40,11 @@ const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
     .to(PI)
     .doc("bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π");
 
+const RINGS: Pairs = Pairs::new("rings", "")
+    .from(0.0)
+    .to(65_535.0)
+    .doc("rings of a cloud that are taken, each from..to, such as [[7,8]]; empty takes all");
+
 const FIND_BLIND_SECTORS: Flag = Flag::new("find_blind_sectors", true)
     .doc("beams that never return anything in the first scans, as where the driver leaves a sector out, are unknown");
 
@@ -63,6 +68,7 @@ pub const PARAMS: &[ParamSpec] = &[
     MIN_RANGE_M.spec,
     MAX_RANGE_M.spec,
     MASKED_SECTORS_RAD.spec,
+    RINGS.spec,
     FIND_BLIND_SECTORS.spec,
     DESKEW.spec,
     FRAME_ID.spec,
@@ -100,6 +106,7 @@ pub struct Sensor {
     min_range_m: f64,
     max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
+    rings: Vec<[f64; 2]>,
     frame_id: String,
     odometry_topic: String,
     echo: Echo,
@@ -123,6 +130,7 @@ impl Sensor {
             min_range_m: params.get(MIN_RANGE_M),
             max_range_m: params.get(MAX_RANGE_M),
             masked_sectors_rad: params.get(MASKED_SECTORS_RAD),
+            rings: params.get(RINGS),
             finds_blind_sectors: params.get(FIND_BLIND_SECTORS),
             deskews: params.get(DESKEW),
             frame_id: params.get(FRAME_ID),
@@ -235,6 +243,10 @@ impl Sensor {
     /// Turning a sensor over mirrors its bearings; then the yaw is added.
     fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
         self.yaw_rad + if self.upside_down { -angle_rad } else { angle_rad }
+    }
+
+    fn takes_ring(&self, ring: u32) -> bool {
+        self.rings.iter().any(|&[from, to]| (from..=to).contains(&f64::from(ring)))
     }
 
     fn masks(&self, bearing_rad: f64) -> bool {

@@ -1,7 +1,7 @@
 //! Scans under other names, in other types, and without a name.
 
 use crosscut_ingest::{IngestError, ReadOptions, Recording, Sensor};
-use crosscut_messages::{Endian, LaserScan, Message, NumberType, PointCloud2, PointField, ScanType};
+use crosscut_messages::{Cloud, Endian, LaserScan, Message, NumberType, PointCloud2, PointField, ScanType};
 use crosscut_stage::{Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Record, START_NS, drain, plain_flight, record_at, scan, sensor};
@@ -99,6 +99,25 @@ fn a_cloud_is_one_revolution_without_beams() {
         [[1.0, 2.0, 0.5], [-3.0, 0.0, 0.0]]
     );
     assert_eq!(notes, ["1 point at the sensor itself read as no return", "no stamp: the time of recording is used"]);
+}
+
+#[test]
+fn a_slice_of_a_cloud_has_the_rings_that_are_asked_for() {
+    let points_m =
+        [[1.0, 2.0, 0.5], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 1.0, 0.0]].map(|place_m| place_m.map(f64::from));
+    let of_rings = |rings: Vec<u32>| {
+        let cloud = Cloud { points_m: points_m.to_vec(), rings, ..Cloud::default() };
+        let data = PointCloud2::from(&cloud).encode(Endian::Little);
+        let sensor = sensor(&[("rings", Value::Pairs(vec![[2.0, 2.0], [5.0, 9.0]]))]);
+        let (revolution, notes) = revolution_of(Record { data, ..self::cloud(&[]) }, sensor);
+        (revolution.points_m.iter().map(|point_m| point_m.x).collect::<Vec<_>>(), notes)
+    };
+    let (taken, notes) = of_rings(vec![1, 2, 7, 10]);
+    assert_eq!(taken, [2.0, 3.0]);
+    assert!(notes.contains(&"2 points of other rings than ingest.rings left out".to_owned()), "{notes:?}");
+    let (all, notes) = of_rings(Vec::new());
+    assert_eq!(all, [1.0, 2.0, 3.0, 4.0]);
+    assert!(notes.iter().any(|note| note.contains("does not state rings")), "{notes:?}");
 }
 
 #[test]
