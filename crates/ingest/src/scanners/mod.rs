@@ -8,7 +8,7 @@ mod frames;
 
 use std::path::PathBuf;
 
-use crosscut_stage::{Notes, Revolution, Source as _};
+use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
@@ -97,7 +97,11 @@ impl Scanners {
                 None => notes.add(format!("{topic} is not joined: its pose is not known at this time")),
             }
         }
-        around.look(&placed, joined);
+        let filled = around.look(&placed, joined);
+        if filled > 0 {
+            let beams = counted(filled as u64, "beam");
+            notes.add(format!("{beams} between those of the scanners: as far as the farther neighbour sees"));
+        }
         std::mem::swap(&mut first.points_m, &mut joined.points_m);
         std::mem::swap(&mut first.sweep, &mut joined.sweep);
         first.frame_id = frame;
