@@ -13,6 +13,9 @@ const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
 /// size.
 const GOES_ON_OFF_SHARE: f64 = 0.3;
 
+/// Beams lost in a row over less than this angle show nothing: a dense lidar loses a few anywhere.
+const LOST_RAD: f64 = PI / 180.0;
+
 /// The parameters of these names.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Thresholds {
@@ -51,7 +54,8 @@ impl<'s> Site<'s> {
         let (ring, mut lost) = (&self.scan.ring, LostBeams::default());
         let mut count = |beams: u32| {
             lost.in_a_row = lost.in_a_row.max(beams);
-            lost.places += u32::from(beams > 1);
+            let is_wide = f64::from(beams) * self.scan.ring.step_rad >= LOST_RAD;
+            lost.places += u32::from(beams > 1 && is_wide);
         };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
             count(ring.dark_between(pair[0], pair[1]));

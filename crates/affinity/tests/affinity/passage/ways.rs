@@ -78,6 +78,14 @@ fn a_door_in_the_end_of_a_tunnel_is_a_way_on_unless_several_beams_in_a_row_get_l
 }
 
 #[test]
+fn the_few_beams_that_a_dense_lidar_loses_close_no_door() {
+    let face = [[[6.0, -2.0], [6.0, -0.7]], [[6.0, 0.7], [6.0, 2.0]]];
+    // Pairs of beams a quarter of a degree apart, on both sides.
+    let report = |beam: usize, range_m| if [320, 321, 360, 361, 1100, 1101].contains(&beam) { None } else { range_m };
+    assert_eq!(components(&scan_by(1440, &[&TUNNEL[..], &face].concat(), report), &[]).len(), 2);
+}
+
+#[test]
 fn a_branch_at_an_acute_angle_is_a_way_on_where_its_wall_is_seen_deep_behind_the_other_one() {
     let fork = |turn_deg: f64, roughness_m: f64| {
         // The sensor has passed it: its far wall leaves the left wall 8 m behind, and ends out of sight.
