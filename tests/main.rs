@@ -9,6 +9,7 @@ mod following;
 mod headline;
 mod input;
 mod interruption;
+mod maps;
 mod messages;
 mod over_time;
 mod overwriting;

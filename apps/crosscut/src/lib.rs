@@ -17,6 +17,7 @@ mod exit;
 mod figure;
 mod flight;
 mod interrupt;
+mod maps;
 mod observers;
 mod outputs;
 mod over_time;
@@ -44,6 +45,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Compare(args) => commands::compare::compare(&args, registry),
         Command::Paper(args) => commands::paper::paper(&args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
+        Command::Map(args) => commands::map::map(&args, registry),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),

@@ -8,6 +8,7 @@
 //!   there is any.
 //! - [`PoseTracker`] chooses between odometry, scans and both by name, and notes slips, jumps and missing odometry.
 //! - [`Places`] finds which of the openings in view belong to the place of the vehicle: junction, passage, dead end, chamber.
+//! - [`Mapper`] makes the [`Map`] of a flight: junctions and dead ends, each once, and the passages between them.
 //! - [`PoseGraph`] corrects the poses once a place is known to be seen again; [`write_g2o`] and [`read_g2o`] exchange it
 //!   with other programs.
 //!
@@ -19,6 +20,7 @@ mod g2o;
 mod here;
 mod line_points;
 mod local_map;
+mod map;
 mod pose;
 mod pose_graph;
 mod scan_match;
@@ -27,6 +29,7 @@ mod steady;
 pub use flight::{Flight, PARAMS};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
+pub use map::{Map, Mapper, Merge, Node, NodeWay, Passage};
 pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
 pub use scan_match::{Matched, Motion, ScanMatcher};

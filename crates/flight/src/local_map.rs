@@ -1,6 +1,7 @@
 //! The walls around the vehicle, as line points in square cells.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use nalgebra::Point2;
 
@@ -18,7 +19,8 @@ const LEAST_APART_M: f64 = 0.08;
 /// Line points seen within a few scans of each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LocalMap {
-    cells: BTreeMap<[i32; 2], Vec<LinePoint>>,
+    /// Nothing depends on the order of the cells.
+    cells: HashMap<[i32; 2], Vec<LinePoint>, BuildHasherDefault<CellHasher>>,
 }
 
 impl LocalMap {
@@ -50,12 +52,31 @@ impl LocalMap {
     /// The nearest line point within a cell's side whose normal points the same way.
     pub(crate) fn nearest(&self, point: &LinePoint) -> Option<&LinePoint> {
         let [x, y] = cell_of(&point.position_m);
-        let columns = (-1..=1).flat_map(|dx| self.cells.range([x + dx, y - 1]..=[x + dx, y + 1]));
+        let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
+        let cells = around.filter_map(|cell| self.cells.get(&cell));
         let faces_alike = |other: &&LinePoint| other.normal.dot(&point.normal) > 0.7;
-        let candidates = columns.flat_map(|(_, cell)| cell).filter(faces_alike);
+        let candidates = cells.flatten().filter(faces_alike);
         let by_distance = candidates.map(|other| ((other.position_m - point.position_m).norm_squared(), other));
         let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0))?;
         (nearest.0 <= CELL_M * CELL_M).then_some(nearest.1)
+    }
+}
+
+/// Mixes the two numbers of a cell. Every scan looks up thousands of cells, and nobody chooses them to collide.
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.0 = (self.0.rotate_left(26) ^ u64::from_le_bytes(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        }
     }
 }
 

@@ -24,7 +24,16 @@ pub(crate) fn tunnel(seed: u64) -> Flight {
 
 /// A flight through a mine of tunnels 6 m wide and 4 m high that cross many times, its walls wet in places.
 pub(crate) fn mine(seed: u64) -> Flight {
-    let (network, route) = rooms(&mut generator(seed, "mine"));
+    through_mine(9, seed)
+}
+
+/// A longer flight through such a mine, which comes back to places that it has seen before.
+pub(crate) fn loops(seed: u64) -> Flight {
+    through_mine(24, seed)
+}
+
+fn through_mine(steps: usize, seed: u64) -> Flight {
+    let (network, route) = rooms(steps, &mut generator(seed, "mine"));
     let texture = Texture { bump_sd_m: 0.15, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
     let lidar = Lidar {
         loss: 0.05,
@@ -74,8 +83,8 @@ fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     (network, route)
 }
 
-/// A net of tunnels around blocks of rock, with spurs, alcoves, pillars and a chamber.
-fn rooms(rng: &mut Generator) -> (Network, Vec<usize>) {
+/// A net of tunnels around blocks of rock, with spurs, alcoves, pillars and a chamber, and a route of `steps` tunnels.
+fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
     const SIDE: usize = 4;
     const SPACING_M: f64 = 27.0;
     let mut network = Network::new(4.0);
@@ -90,7 +99,7 @@ fn rooms(rng: &mut Generator) -> (Network, Vec<usize>) {
         let widths = half_widths(line.len(), rng.random_range(2.7..3.3), 0.08, rng);
         network.add_tunnel(from, to, line, widths);
     }
-    let route = wander(&network, 9, rng);
+    let route = wander(&network, steps, rng);
     for node in 0..SIDE * SIDE {
         if rng.random_bool(0.6) {
             add_spur(&mut network, node, 2.7, |rng| rng.random_range(-PI..PI), rng);
@@ -233,7 +242,7 @@ mod tests {
     #[test]
     fn tunnels_meet_only_at_their_nodes() {
         for seed in 0..40 {
-            for (network, _) in [drive(&mut generator(seed, "tunnel")), rooms(&mut generator(seed, "mine"))] {
+            for (network, _) in [drive(&mut generator(seed, "tunnel")), rooms(9, &mut generator(seed, "mine"))] {
                 for (a, tunnel) in network.tunnels.iter().enumerate() {
                     for other in &network.tunnels[..a] {
                         assert_apart(&network, [tunnel, other], seed);
@@ -264,7 +273,7 @@ mod tests {
     #[test]
     fn pillars_leave_room_to_pass_on_both_sides() {
         for seed in 0..40 {
-            let (network, _) = rooms(&mut generator(seed, "mine"));
+            let (network, _) = rooms(9, &mut generator(seed, "mine"));
             let bare = Network { pillars: Vec::new(), ..network.clone() };
             let surface = Surface::new(&bare, &Texture::SMOOTH, 0);
             for pillar in &network.pillars {

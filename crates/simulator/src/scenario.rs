@@ -35,6 +35,7 @@ pub fn scenarios() -> &'static [Scenario] {
             doc: "through a mine of 6 m x 4 m with many junctions and wet walls",
             fly: presets::mine,
         },
+        Scenario { name: "loops", doc: "through such a mine, back to places seen before", fly: presets::loops },
     ]
 }
 

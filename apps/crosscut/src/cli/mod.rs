@@ -10,6 +10,7 @@ use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use crosscut_messages::ScanType;
 
+use crate::maps::FORMATS;
 use record::{LayoutArg, RecordArgs};
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
@@ -43,6 +44,8 @@ pub(crate) enum Command {
     Paper(PaperArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
+    /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
+    Map(MapArgs),
     /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.
     Convert(ConvertArgs),
     /// List, export or compare the contents of recordings made with `run --save`.
@@ -61,6 +64,9 @@ pub(crate) struct RunArgs {
     /// Write one JSON object per scan; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
+    /// Write the map of the flight: junctions, dead ends and the passages between them.
+    #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]
+    pub(crate) map: Option<PathBuf>,
     /// Draw count, margin and confidence over time. FILE.md beside it lists the scans whose count differs from most of
     /// their neighbours, with the difference.
     #[arg(long, value_name = "FILE.svg", value_parser = PathBufValueParser::new().try_map(svg_path))]
@@ -102,6 +108,20 @@ pub(crate) struct FlightArgs {
     /// Process every N-th scan only.
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MapArgs {
+    #[command(flatten)]
+    pub(crate) flight: FlightArgs,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
+    /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
+    pub(crate) out: PathBuf,
+    /// Show no progress bar and no summary.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -352,6 +372,14 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn svg_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "svg") { Ok(path) } else { Err("the picture is an SVG file: FILE.svg") }
+}
+
+fn map_path(path: PathBuf) -> Result<PathBuf, String> {
+    if FORMATS.iter().any(|format| has_extension(&path, format)) {
+        Ok(path)
+    } else {
+        Err(format!("the name of a map ends in one of .{}", FORMATS.join(", .")))
+    }
 }
 
 fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {

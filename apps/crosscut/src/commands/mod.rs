@@ -4,6 +4,7 @@ pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod evaluate;
 pub(crate) mod info;
+pub(crate) mod map;
 pub(crate) mod paper;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use crosscut_flight::Mapper;
 use crosscut_ingest::{Recording, recordings_in};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
@@ -17,7 +18,7 @@ use crate::interrupt::stop_on_interrupt;
 use crate::observers::{self, Observers};
 use crate::over_time::{self, OverTime};
 use crate::say::say;
-use crate::{config, flight, outputs, progress, summary};
+use crate::{config, flight, maps, outputs, progress, summary};
 
 /// Runs the flight. The results of a revolution are on disk before any observer sees it.
 pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -52,6 +53,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     let summary = ran.context("a thread could not be started")?;
     if !args.quiet {
         say(summary::table(&summary, start.elapsed()).trim_end());
+        say(format_args!("\n{}", written.mapper.map().summary()));
     }
 
     let finished = written.finish(recording.starts_at_s().unwrap_or(0.0));
@@ -75,7 +77,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
     let list = args.over_time.as_deref().map(over_time::list_beside);
-    let written = args.record.save.iter().chain(&args.results).chain(&args.over_time).chain(&list);
+    let written = args.record.save.iter().chain(&args.results).chain(&args.over_time).chain(&list).chain(&args.map);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
     outputs::refuse(&written, read)?;
     match &args.record.save {
@@ -88,26 +90,32 @@ fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError
 struct Written {
     results: Option<Box<dyn Write + Send>>,
     over_time: Option<OverTime>,
+    mapper: Mapper,
+    map: Option<(PathBuf, Box<dyn Write + Send>)>,
     /// Returns of all revolutions so far.
     returns: usize,
 }
 
 impl Written {
-    /// Opens the files. Without the picture over time the run continues; without results it fails.
+    /// Opens the files. Without the picture over time or the map the run continues; without results it fails.
     fn open(args: &RunArgs, config: &Config, read: &[PathBuf], diagnostics: &mut Diagnostics) -> anyhow::Result<Self> {
         let results = args.results.as_ref().map(|path| outputs::create(path, read)).transpose()?;
         let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
         let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
         diagnostics.lost_all(over_time.as_ref().err().map(|error| format!("{error:#}")));
-        Ok(Self { results, over_time: over_time.unwrap_or_default(), returns: 0 })
+        let map = args.map.as_ref().map(|path| Ok((path.clone(), outputs::create(path, read)?))).transpose();
+        diagnostics.lost_all(map.as_ref().err().map(|error: &anyhow::Error| format!("{error:#}")));
+        let map = map.unwrap_or_default();
+        Ok(Self { results, over_time: over_time.unwrap_or_default(), mapper: Mapper::default(), map, returns: 0 })
     }
 
     fn is_nothing(&self) -> bool {
-        self.results.is_none() && self.over_time.is_none()
+        self.results.is_none() && self.over_time.is_none() && self.map.is_none()
     }
 
     fn take(&mut self, frame: &Frame) -> io::Result<()> {
         self.returns += frame.revolution.len();
+        self.mapper.add(frame);
         if let Some(out) = &mut self.results {
             let mut line = Vec::new();
             ResultsLine::of(frame).write(&mut line)?;
@@ -121,6 +129,10 @@ impl Written {
     }
 
     fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        if let Some((path, out)) = &mut self.map {
+            let written = out.write_all(maps::text(path, &self.mapper).as_bytes()).and_then(|()| out.flush());
+            written.with_context(|| format!("cannot write {}", path.display()))?;
+        }
         self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
     }
 }

@@ -1,0 +1,49 @@
+//! `crosscut map`: the junctions and dead ends of a flight and the passages between them, as a drawing or for other tools.
+
+use anyhow::Context;
+use crosscut_flight::Mapper;
+use crosscut_ingest::recordings_in;
+use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, stream};
+use crosscut_stage::Frame;
+
+use crate::cli::MapArgs;
+use crate::diagnostics::Diagnostics;
+use crate::exit::Outcome;
+use crate::interrupt::stop_on_interrupt;
+use crate::say::say;
+use crate::{config, flight, maps, outputs, progress};
+
+/// Runs the flight and writes its map.
+pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, registry)?;
+    let read = recordings_in(&args.flight.input)?;
+    let mut out = outputs::create(&args.out, &read)?;
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+    let mut recording = flight::open(&args.flight, &config)?;
+    let bar = progress::bar(recording.total_revolutions(), args.quiet);
+    let mut mapper = Mapper::default();
+    let mut sink = |frame: &Frame| {
+        bar.inc(1);
+        mapper.add(frame);
+        Ok(())
+    };
+    let options = StreamOptions { stop, flight: true, ..StreamOptions::default() };
+    let ran = stream(&mut recording, &config, registry, &mut sink, &mut [], &options);
+    bar.finish_and_clear();
+    let summary = ran.context("a thread could not be started")?;
+    let mut diagnostics = Diagnostics::default();
+    match summary.end {
+        End::Failed(failure) if summary.revolutions == 0 => anyhow::bail!("{failure}"),
+        End::Failed(failure) => diagnostics.error(failure),
+        End::Interrupted => diagnostics.interrupt(),
+        End::Complete | End::ResultsLost(_) => {}
+    }
+    let cannot = || format!("cannot write {}", args.out.display());
+    out.write_all(maps::text(&args.out, &mapper).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+    if !args.quiet {
+        say(mapper.map().summary());
+    }
+    diagnostics.lost_all(recording.losses());
+    Ok(diagnostics.outcome())
+}

@@ -1,0 +1,151 @@
+//! The map of a flight as a file, in the format of its extension.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crosscut_flight::{Map, Mapper, Node, write_g2o};
+use crosscut_stage::HereKind;
+use serde_json::{Value, json};
+use svg::Document;
+use svg::node::element::{Circle, Line, Polyline, Rectangle, Text};
+
+/// The extensions of the formats.
+pub(crate) const FORMATS: [&str; 6] = ["json", "svg", "geojson", "graphml", "g2o", "csv"];
+
+/// The file at `path`.
+pub(crate) fn text(path: &Path, mapper: &Mapper) -> String {
+    let map = mapper.map();
+    match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
+        "svg" => picture(&map),
+        "geojson" => geojson(&map).to_string(),
+        "graphml" => graphml(&map),
+        "g2o" => write_g2o(mapper.pose_graph()),
+        "csv" => csv(&map),
+        _ => json(&map).to_string() + "\n",
+    }
+}
+
+/// The contract of the map: nodes, edges and merges.
+fn json(map: &Map) -> Value {
+    let node = |(id, node): (usize, &Node)| {
+        let way = |way: &crosscut_flight::NodeWay| json!({"bearing_rad": way.bearing_rad, "width_m": way.width_m, "taken": way.taken, "edge": way.passage});
+        let ways: Vec<Value> = node.ways.iter().map(way).collect();
+        json!({"id": id, "kind": node.kind.name(), "x_m": node.position_m.x, "y_m": node.position_m.y,
+               "ways": ways, "visits": node.visits})
+    };
+    let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
+        let via_m: Vec<[f64; 2]> = edge.via_m.iter().map(|place_m| [place_m.x, place_m.y]).collect();
+        json!({"id": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m, "width_m": edge.width_m,
+               "stretch_ns": edge.stretch_ns, "via_m": via_m})
+    };
+    let merge = |merge: &crosscut_flight::Merge| {
+        json!({"node": merge.node, "at_ns": merge.at_ns, "score": merge.score, "runner_up": merge.runner_up,
+               "why": merge.why})
+    };
+    json!({
+        "nodes": map.nodes.iter().enumerate().map(node).collect::<Vec<_>>(),
+        "edges": map.passages.iter().enumerate().map(edge).collect::<Vec<_>>(),
+        "merges": map.merges.iter().map(merge).collect::<Vec<_>>(),
+    })
+}
+
+/// From above, x to the right, 8 pixels a metre.
+fn picture(map: &Map) -> String {
+    const SCALE: f64 = 8.0;
+    const MARGIN_M: f64 = 6.0;
+    let places =
+        || map.nodes.iter().map(|node| node.position_m).chain(map.passages.iter().flat_map(|p| p.via_m.clone()));
+    let least = |axis: usize| places().map(|place| place[axis]).fold(f64::INFINITY, f64::min);
+    let most = |axis: usize| places().map(|place| place[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let (left, top) = if map.nodes.is_empty() { (0.0, 0.0) } else { (least(0) - MARGIN_M, most(1) + MARGIN_M) };
+    let (right, bottom) = if map.nodes.is_empty() { (20.0, -5.0) } else { (most(0) + MARGIN_M, least(1) - MARGIN_M) };
+    let at = |x: f64, y: f64| (((x - left) * SCALE), ((top - y) * SCALE));
+    let (width, height) = ((right - left) * SCALE, (top - bottom) * SCALE);
+    let mut page = Document::new()
+        .set("viewBox", (0, 0, width.ceil() as i64, height.ceil() as i64))
+        .set("font-family", "sans-serif")
+        .set("font-size", 12)
+        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));
+    for passage in &map.passages {
+        let [from, to] = [passage.from, passage.to].map(|node| map.nodes[node].position_m);
+        let course = std::iter::once(&from).chain(&passage.via_m).chain(std::iter::once(&to)).map(|p| at(p.x, p.y));
+        let points: Vec<String> = course.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let line = Polyline::new().set("points", points.join(" ")).set("fill", "none");
+        page = page.add(line.set("stroke", "#56b4e9").set("stroke-width", 3));
+    }
+    for (id, node) in map.nodes.iter().enumerate() {
+        let (x, y) = at(node.position_m.x, node.position_m.y);
+        for way in &node.ways {
+            let (dx, dy) = (14.0 * way.bearing_rad.cos(), -14.0 * way.bearing_rad.sin());
+            let line = Line::new().set("x1", x).set("y1", y).set("x2", x + dx).set("y2", y + dy).set("stroke-width", 4);
+            page = page.add(line.set("stroke", if way.taken { "#0072b2" } else { "#d55e00" }));
+        }
+        let radius = if node.kind == HereKind::Junction { 6 } else { 4 };
+        page = page.add(Circle::new().set("cx", x).set("cy", y).set("r", radius));
+        page = page.add(Text::new(id.to_string()).set("x", x + 8.0).set("y", y - 8.0));
+    }
+    page.add(Text::new(map.summary()).set("x", 8).set("y", 16)).to_string()
+}
+
+/// In metres of the map's frame, not in degrees.
+fn geojson(map: &Map) -> Value {
+    let node = |(id, node): (usize, &Node)| {
+        json!({"type": "Feature", "geometry": {"type": "Point", "coordinates": [node.position_m.x, node.position_m.y]},
+               "properties": {"node": id, "kind": node.kind.name(), "ways": node.ways.len()}})
+    };
+    let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
+        let [from, to] = [edge.from, edge.to].map(|node| map.nodes[node].position_m);
+        let course = std::iter::once(&from).chain(&edge.via_m).chain(std::iter::once(&to));
+        let course: Vec<[f64; 2]> = course.map(|place_m| [place_m.x, place_m.y]).collect();
+        json!({"type": "Feature", "geometry": {"type": "LineString", "coordinates": course},
+               "properties": {"edge": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m,
+                              "width_m": edge.width_m}})
+    };
+    let nodes = map.nodes.iter().enumerate().map(node);
+    let features: Vec<Value> = nodes.chain(map.passages.iter().enumerate().map(edge)).collect();
+    json!({"type": "FeatureCollection", "features": features})
+}
+
+fn graphml(map: &Map) -> String {
+    let mut text = String::from(concat!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",
+        "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n",
+        " <key id=\"kind\" for=\"node\" attr.name=\"kind\" attr.type=\"string\"/>\n",
+        " <key id=\"x_m\" for=\"node\" attr.name=\"x_m\" attr.type=\"double\"/>\n",
+        " <key id=\"y_m\" for=\"node\" attr.name=\"y_m\" attr.type=\"double\"/>\n",
+        " <key id=\"ways\" for=\"node\" attr.name=\"ways\" attr.type=\"int\"/>\n",
+        " <key id=\"length_m\" for=\"edge\" attr.name=\"length_m\" attr.type=\"double\"/>\n",
+        " <key id=\"width_m\" for=\"edge\" attr.name=\"width_m\" attr.type=\"double\"/>\n",
+        " <graph edgedefault=\"undirected\">\n",
+    ));
+    for (id, node) in map.nodes.iter().enumerate() {
+        let (kind, x_m, y_m, ways) = (node.kind.name(), node.position_m.x, node.position_m.y, node.ways.len());
+        text += &format!(
+            "  <node id=\"{id}\"><data key=\"kind\">{kind}</data><data key=\"x_m\">{x_m}</data><data key=\"y_m\">{y_m}</data><data key=\"ways\">{ways}</data></node>\n"
+        );
+    }
+    for passage in &map.passages {
+        let (from, to, length_m, width_m) = (passage.from, passage.to, passage.length_m, passage.width_m);
+        text += &format!(
+            "  <edge source=\"{from}\" target=\"{to}\"><data key=\"length_m\">{length_m}</data><data key=\"width_m\">{width_m}</data></edge>\n"
+        );
+    }
+    text + " </graph>\n</graphml>\n"
+}
+
+/// As cavers note a survey: stations, the length between them, and what was not followed.
+fn csv(map: &Map) -> String {
+    let mut text = String::from("FROM,TO,LENGTH,NOTES\n");
+    for passage in &map.passages {
+        let (from, to, length_m, width_m) = (passage.from, passage.to, passage.length_m, passage.width_m);
+        writeln!(text, "{from},{to},{length_m:.1},{width_m:.1} m wide").expect("a String takes all that is written");
+    }
+    for (id, node) in map.nodes.iter().enumerate() {
+        for way in node.ways.iter().filter(|way| !way.taken) {
+            let bearing_deg = way.bearing_rad.to_degrees();
+            writeln!(text, "{id},,,not taken: {:.1} m wide at {bearing_deg:.0} degrees", way.width_m)
+                .expect("a String takes all that is written");
+        }
+    }
+    text
+}

@@ -1,0 +1,128 @@
+//! The map of a flight: junctions and dead ends, and the passages between them.
+
+mod mapper;
+mod outline;
+mod visit;
+
+use nalgebra::Point2;
+
+use crosscut_stage::{HereKind, counted};
+
+pub use mapper::Mapper;
+
+/// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
+/// frame of the flight's first pose.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// Junctions and dead ends, by number.
+    pub nodes: Vec<Node>,
+    /// Passages, by number.
+    pub passages: Vec<Passage>,
+    /// Visits that were taken to be to a node seen before, in order.
+    pub merges: Vec<Merge>,
+}
+
+/// A junction or a dead end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// [`HereKind::Junction`] or [`HereKind::DeadEnd`].
+    pub kind: HereKind,
+    /// Where it is, metres.
+    pub position_m: Point2<f64>,
+    /// Its ways in cyclic order, anticlockwise.
+    pub ways: Vec<NodeWay>,
+    /// First and last stamp of each visit.
+    pub visits: Vec<[u64; 2]>,
+}
+
+/// A way of a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeWay {
+    /// Its direction.
+    pub bearing_rad: f64,
+    /// Width of its mouth, metres.
+    pub width_m: f64,
+    /// The vehicle came or left by it.
+    pub taken: bool,
+    /// Number of the passage that it leads to, if that was flown from end to end.
+    pub passage: Option<usize>,
+}
+
+/// A passage between two nodes that was flown from end to end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// The node where it was entered first.
+    pub from: usize,
+    /// The node where it was left first.
+    pub to: usize,
+    /// Length of the way flown between the two positions, metres.
+    pub length_m: f64,
+    /// Mean width of its mouths, as seen on the way, metres.
+    pub width_m: f64,
+    /// Stamps at its first flight: when the one node was left, and the other one reached.
+    pub stretch_ns: [u64; 2],
+    /// Places along its first flight, a few metres apart.
+    pub via_m: Vec<Point2<f64>>,
+}
+
+/// A visit that was taken to be to a node seen before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merge {
+    /// The node.
+    pub node: usize,
+    /// Stamp at the end of the visit.
+    pub at_ns: u64,
+    /// Share of the walls seen that lie on those of the node, 0 to 1.
+    pub score: f64,
+    /// The same share at the second likeliest place, if there is any.
+    pub runner_up: Option<f64>,
+    /// Why, in words.
+    pub why: String,
+}
+
+impl Map {
+    /// How many ways of junctions were not taken.
+    pub fn ways_not_taken(&self) -> usize {
+        let junctions = self.nodes.iter().filter(|node| node.kind == HereKind::Junction);
+        junctions.flat_map(|node| &node.ways).filter(|way| !way.taken).count()
+    }
+
+    /// How many loops the passages close: passages less nodes, plus parts that are not connected.
+    pub fn loops(&self) -> usize {
+        let mut part: Vec<usize> = (0..self.nodes.len()).collect();
+        let root = |part: &[usize], mut node: usize| {
+            while part[node] != node {
+                node = part[node];
+            }
+            node
+        };
+        let mut loops = 0;
+        for passage in &self.passages {
+            let [from, to] = [passage.from, passage.to].map(|node| root(&part, node));
+            if from == to { loops += 1 } else { part[from] = to }
+        }
+        loops
+    }
+
+    /// The map in a line: `11 junctions: 7 tees, 3 crossings, 1 with 5 ways; 4 dead ends; 2 loops; 3 ways not taken`.
+    pub fn summary(&self) -> String {
+        let with = |ways: usize| {
+            let is_with = |node: &&Node| node.kind == HereKind::Junction && node.ways.len() == ways;
+            self.nodes.iter().filter(is_with).count() as u64
+        };
+        let most = self.nodes.iter().map(|node| node.ways.len()).max().unwrap_or(0);
+        let of_ways = (3..=most).filter(|&ways| with(ways) > 0).map(|ways| match ways {
+            3 => counted(with(3), "tee"),
+            4 => counted(with(4), "crossing"),
+            _ => format!("{} with {ways} ways", with(ways)),
+        });
+        let of_ways = of_ways.collect::<Vec<_>>().join(", ");
+        let is_junction = |node: &&Node| node.kind == HereKind::Junction;
+        let junctions = self.nodes.iter().filter(is_junction).count();
+        let junctions_of = counted(junctions as u64, "junction");
+        let junctions_of = if junctions > 0 { format!("{junctions_of}: {of_ways}") } else { junctions_of };
+        let ends = counted((self.nodes.len() - junctions) as u64, "dead end");
+        let loops = counted(self.loops() as u64, "loop");
+        format!("{junctions_of}; {ends}; {loops}; {} not taken", counted(self.ways_not_taken() as u64, "way"))
+    }
+}

@@ -1,0 +1,123 @@
+//! One stay at a junction or a dead end.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry2, Point2};
+
+use crosscut_stage::{Here, HereKind, Way, wrap_angle_rad};
+
+use crate::line_points::LinePoint;
+
+/// The outline of a visit is taken each time the vehicle has moved this far.
+const OUTLINE_EVERY_M: f64 = 0.7;
+
+/// Line points of an outline are no farther from the sensor than this many times the look.
+const OUTLINE_LOOKS: f64 = 2.0;
+
+/// A visit that is believed less than this, summed over its revolutions, is none: an alcove or a bay in passing.
+const LEAST_BELIEF: f64 = 4.0;
+
+/// What was seen from one pose.
+#[derive(Clone, Debug)]
+struct Sample {
+    pose: Isometry2<f64>,
+    /// In the frame of that pose.
+    ways: Vec<Way>,
+    confidence: f64,
+}
+
+/// A stay that has not ended. Poses are as they are tracked, with their drift.
+#[derive(Clone, Debug)]
+pub(crate) struct OpenVisit {
+    began_ns: u64,
+    kind: HereKind,
+    samples: Vec<Sample>,
+    outline: Vec<LinePoint>,
+    outlined_from: Option<Isometry2<f64>>,
+}
+
+/// A stay that has ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Visit {
+    pub(crate) kind: HereKind,
+    pub(crate) time_ns: [u64; 2],
+    /// The pose that its ways and its outline are seen from.
+    pub(crate) anchor: Isometry2<f64>,
+    /// In the frame of the anchor, by bearing.
+    pub(crate) ways: Vec<Way>,
+    /// In the frame of the anchor.
+    pub(crate) outline: Vec<LinePoint>,
+    /// Where the vehicle was at its first and its last revolution, in the frame of the anchor.
+    pub(crate) came_from: Point2<f64>,
+    pub(crate) left_to: Point2<f64>,
+}
+
+impl OpenVisit {
+    pub(crate) fn new(kind: HereKind, began_ns: u64) -> Self {
+        Self { began_ns, kind, samples: Vec::new(), outline: Vec::new(), outlined_from: None }
+    }
+
+    pub(crate) fn kind(&self) -> HereKind {
+        self.kind
+    }
+
+    /// Adds a revolution at which this place holds: what it saw itself, and its line points.
+    pub(crate) fn add(&mut self, pose: Isometry2<f64>, seen: &Here, line_points: impl FnOnce() -> Vec<LinePoint>) {
+        if seen.kind == self.kind {
+            self.samples.push(Sample { pose, ways: seen.ways.clone(), confidence: seen.confidence });
+        }
+        let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
+        if self.outlined_from.is_none_or(|from| moved_m(from) > OUTLINE_EVERY_M) {
+            self.outlined_from = Some(pose);
+            let reach_m = OUTLINE_LOOKS * seen.look_m;
+            let near = line_points().into_iter().filter(|point| point.position_m.coords.norm() < reach_m);
+            self.outline.extend(near.map(|point| placed(&point, &pose)));
+        }
+    }
+
+    /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
+    /// holds, and the ways are those of the revolution that saw so many in the middle of the place.
+    pub(crate) fn end(self, ended_ns: u64) -> Option<Visit> {
+        let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
+        for sample in &self.samples {
+            *belief.entry(sample.ways.len()).or_default() += sample.confidence;
+        }
+        if belief.values().sum::<f64>() < LEAST_BELIEF {
+            return None;
+        }
+        let (&ways, _) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let with = || self.samples.iter().filter(|sample| sample.ways.len() == ways);
+        let count = with().count() as f64;
+        let middle_m =
+            with().fold(nalgebra::Vector2::zeros(), |sum, sample| sum + sample.pose.translation.vector) / count;
+        let off_m = |sample: &Sample| (sample.pose.translation.vector - middle_m).norm();
+        let best = with().min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;
+        let to_anchor = best.pose.inverse();
+        let at =
+            |sample: Option<&Sample>| sample.map(|sample| to_anchor * Point2::from(sample.pose.translation.vector));
+        Some(Visit {
+            kind: self.kind,
+            time_ns: [self.began_ns, ended_ns],
+            anchor: best.pose,
+            ways: best.ways.clone(),
+            outline: self.outline.iter().map(|point| placed(point, &to_anchor)).collect(),
+            came_from: at(self.samples.first())?,
+            left_to: at(self.samples.last())?,
+        })
+    }
+}
+
+impl Visit {
+    /// The way in whose direction a place lies, in the frame of the anchor.
+    pub(crate) fn way_to(&self, place_m: Point2<f64>) -> usize {
+        let bearing_rad = place_m.y.atan2(place_m.x);
+        let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - bearing_rad).abs();
+        let nearest = self.ways.iter().enumerate().min_by(|a, b| off_rad(a.1).total_cmp(&off_rad(b.1)));
+        nearest.map_or(0, |(index, _)| index)
+    }
+}
+
+/// A line point in the frame that `pose` is in.
+pub(crate) fn placed(point: &LinePoint, pose: &Isometry2<f64>) -> LinePoint {
+    LinePoint { position_m: pose * point.position_m, normal: pose.rotation * point.normal }
+}

@@ -1,0 +1,97 @@
+//! The map of a simulated flight that comes back to places it has seen.
+
+use std::collections::BTreeSet;
+
+use crosscut_flight::{Flight, Map, Mapper};
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Preset, Settings};
+use crosscut_simulator::network::{Network, Point};
+use crosscut_simulator::scenarios;
+use crosscut_stage::{Frame, HereKind, Params};
+use nalgebra::{Isometry2, Vector2};
+
+struct Flown {
+    network: Network,
+    map: Map,
+    /// Stamp and true pose of each revolution.
+    poses: Vec<(u64, Isometry2<f64>)>,
+}
+
+fn fly(name: &str, revolutions: usize) -> Flown {
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
+    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
+    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
+    let (mut mapper, mut frame, mut poses) = (Mapper::default(), Frame::default(), Vec::new());
+    let scenes = (scenario.fly)(1);
+    let network = scenes.mine().network().clone();
+    for scene in scenes.take(revolutions) {
+        frame.notes.clear();
+        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+        engine.process(&mut frame).expect("no failure");
+        flight.add(&mut frame);
+        mapper.add(&frame);
+        let pose = scene.pose.expect("a scene of a flight");
+        poses.push((frame.revolution.stamp_ns, Isometry2::new(pose.position_m.coords, pose.heading_rad)));
+    }
+    Flown { network, map: mapper.map(), poses }
+}
+
+impl Flown {
+    /// The true node that is nearest in the middle of a visit, of those that are no mere bend.
+    fn true_node(&self, [from_ns, to_ns]: [u64; 2]) -> usize {
+        let during: Vec<_> = self.poses.iter().filter(|(ns, _)| (from_ns..=to_ns).contains(ns)).collect();
+        let place_m = Point::from(during[during.len() / 2].1.translation.vector);
+        let off_m = |node: &usize| (self.network.nodes[*node].position_m - place_m).norm();
+        let nodes = (0..self.network.nodes.len()).filter(|&node| self.network.degree(node) != 2);
+        nodes.min_by(|a, b| off_m(a).total_cmp(&off_m(b))).expect("a mine has nodes")
+    }
+}
+
+#[test]
+fn places_seen_again_are_one_node_and_no_two_places_are() {
+    let flown = fly("loops", 2300);
+    let map = &flown.map;
+    println!("{}", map.summary());
+    let of = |node: usize| -> BTreeSet<usize> {
+        map.nodes[node].visits.iter().map(|visit| flown.true_node(*visit)).collect()
+    };
+    assert!((0..map.nodes.len()).all(|node| of(node).len() == 1), "a node mixes two places");
+    assert!(!map.merges.is_empty() && map.loops() >= 1, "{:?}", map.merges);
+    assert!(map.merges.iter().all(|merge| merge.score > 0.7 && map.nodes[merge.node].visits.len() > 1));
+    let places: BTreeSet<usize> = (0..map.nodes.len()).flat_map(of).collect();
+    assert!(map.nodes.len() <= places.len() + 1, "{} nodes of {} places", map.nodes.len(), places.len());
+    // In the frame of the first pose, each node lies where the vehicle was at its visits.
+    let first = flown.poses[0].1;
+    for node in &map.nodes {
+        let true_m = first.inverse() * flown.network.nodes[flown.true_node(node.visits[0])].position_m;
+        assert!((node.position_m - true_m).norm() < 8.0, "{node:?} lies at {true_m}");
+        assert!(node.ways.is_sorted_by(|a, b| {
+            let from_first =
+                |way: &crosscut_flight::NodeWay| (way.bearing_rad - node.ways[0].bearing_rad).rem_euclid(6.3);
+            from_first(a) <= from_first(b) + 0.1
+        }));
+    }
+    for passage in &map.passages {
+        let apart_m: Vector2<f64> = map.nodes[passage.from].position_m - map.nodes[passage.to].position_m;
+        assert!(passage.length_m > 0.8 * apart_m.norm() && !passage.via_m.is_empty(), "{passage:?}");
+        let ways = |node: usize| map.nodes[node].ways.iter().filter(|way| way.taken && way.passage.is_some()).count();
+        assert!(ways(passage.from) > 0 && ways(passage.to) > 0);
+    }
+}
+
+#[test]
+fn a_tunnel_with_branches_is_a_chain_of_junctions() {
+    let Flown { map, .. } = fly("tunnel", usize::MAX);
+    let junctions = map.nodes.iter().filter(|node| node.kind == HereKind::Junction).count();
+    assert_eq!((junctions, map.passages.len(), map.loops()), (6, map.nodes.len() - 1, 0), "{}", map.summary());
+    assert!(map.merges.is_empty() && map.ways_not_taken() >= 6);
+    assert!(map.summary().starts_with("6 junctions: 4 tees, 2 crossings; 2 dead ends; 0 loops; "), "{}", map.summary());
+}
+
+#[test]
+fn a_flight_without_poses_or_places_has_an_empty_map() {
+    let mut mapper = Mapper::default();
+    mapper.add(&Frame::default());
+    assert_eq!(mapper.map(), Map::default());
+    assert_eq!(mapper.map().summary(), "0 junctions; 0 dead ends; 0 loops; 0 ways not taken");
+}

@@ -1,0 +1,52 @@
+//! `crosscut map` and `run --map`: the map of the shipped flight, which passes one junction, in every format.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::{Ran, run, shipped_flight};
+
+fn map(out: &Path) -> Ran {
+    run([Path::new("map"), &shipped_flight(), Path::new("--out"), out])
+}
+
+#[test]
+fn the_map_has_the_fields_of_the_contract() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("tee.json");
+    let said = map(&out).expect_code(0).stderr;
+    assert!(said.contains("1 junction: 1 tee; 0 dead ends; 0 loops; 1 way not taken"), "{said}");
+    let map: Value = serde_json::from_slice(&std::fs::read(&out).expect("written")).expect("JSON");
+    let node = &map["nodes"][0];
+    assert_eq!((node["id"].as_u64(), node["kind"].as_str()), (Some(0), Some("junction")));
+    assert!(node["x_m"].is_number() && node["y_m"].is_number() && node["visits"][0][1].is_u64());
+    let ways = node["ways"].as_array().expect("ways");
+    let has_fields =
+        |way: &Value| way["bearing_rad"].is_number() && way["width_m"].is_number() && way["edge"].is_null();
+    assert!(ways.len() == 3 && ways.iter().all(has_fields), "{ways:?}");
+    assert!(map["edges"].as_array().is_some_and(Vec::is_empty) && map["merges"].as_array().is_some_and(Vec::is_empty));
+    let again = folder.path().join("run.json");
+    let ran = run([Path::new("run"), &shipped_flight(), Path::new("--map"), &again]).expect_code(0);
+    assert!(ran.stderr.contains("1 junction: 1 tee; "), "{}", ran.stderr);
+    assert_eq!(std::fs::read(&again).expect("written"), std::fs::read(&out).expect("written"));
+}
+
+#[test]
+fn every_format_of_a_map_is_written_and_others_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, start) in [
+        ("tee.svg", "<svg "),
+        ("tee.geojson", "{\"features\":"),
+        ("tee.graphml", "<?xml "),
+        ("tee.g2o", "VERTEX_SE2 0 "),
+        ("tee.csv", "FROM,TO,LENGTH,NOTES\n0,,,not taken: "),
+    ] {
+        let out = folder.path().join(name);
+        map(&out).expect_code(0);
+        let text = std::fs::read_to_string(&out).expect("written");
+        assert!(text.starts_with(start), "{name}: {text:.80}");
+    }
+    let refused = map(&folder.path().join("tee.png")).expect_code(2).stderr;
+    assert!(refused.contains("the name of a map ends in one of .json, .svg"), "{refused}");
+    map(&shipped_flight().with_extension("missing/tee.svg")).expect_code(1);
+}
