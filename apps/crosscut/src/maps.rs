@@ -19,7 +19,7 @@ pub(crate) fn text(path: &Path, mapper: &Mapper) -> String {
         "svg" => picture(&map),
         "geojson" => geojson(&map).to_string(),
         "graphml" => graphml(&map),
-        "g2o" => write_g2o(mapper.pose_graph()),
+        "g2o" => write_g2o(&mapper.pose_graph()),
         "csv" => csv(&map),
         _ => json(&map).to_string() + "\n",
     }

@@ -135,17 +135,22 @@ impl Mapper {
 
     /// The map up to now. A visit that has not ended counts.
     pub fn map(&self) -> Map {
-        let mut ended = self.clone();
-        ended.end_visit(self.in_node_ns, false);
+        let mut ended = self.ended();
         for (passage, (visit, via_m)) in ended.map.passages.iter_mut().zip(&ended.courses) {
             passage.via_m = via_m.iter().map(|place_m| ended.graph.poses[*visit] * place_m).collect();
         }
         ended.map
     }
 
-    /// The visits as a pose graph: their poses in the map's frame, and what was measured between them.
-    pub fn pose_graph(&self) -> &PoseGraph {
-        &self.graph
+    /// The visits up to now as a pose graph: their poses in the map's frame, and what was measured between them.
+    pub fn pose_graph(&self) -> PoseGraph {
+        self.ended().graph
+    }
+
+    fn ended(&self) -> Self {
+        let mut ended = self.clone();
+        ended.end_visit(self.in_node_ns, false);
+        ended
     }
 
     /// Ends the visit that is open, if there is any; `left`: the vehicle is no longer there.
@@ -269,8 +274,12 @@ impl Mapper {
             (0..ways_rad.len()).min_by(|a, b| off_rad(a).total_cmp(&off_rad(b))).unwrap_or(0)
         };
         let (came_by, leaves_by) = (way_of(visit.came_from), way_of(visit.left_to));
-        if let Some(last) = self.last {
+        // A flight may begin within its first node.
+        let began_m = self.way.via_m.first().map_or(0.0, |place_m| (visit.anchor.inverse() * place_m).coords.norm());
+        if self.last.is_some() || began_m > visit.came_from.coords.norm() + LEFT_M {
             self.map.nodes[node].ways[came_by].taken = true;
+        }
+        if let Some(last) = self.last {
             let [from, to] = [(last.node, last.way), (node, came_by)];
             let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
             let is_turn = from.0 == to.0 && self.way.way_m - last.at_m < TURN_M;
