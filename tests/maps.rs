@@ -50,3 +50,15 @@ fn every_format_of_a_map_is_written_and_others_are_refused() {
     assert!(refused.contains("the name of a map ends in one of .json, .svg"), "{refused}");
     map(&folder.path().join("missing/tee.svg")).expect_code(1);
 }
+
+#[test]
+fn an_empty_map_of_a_limited_view_says_why() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scenes = folder.path();
+    run([Path::new("simulate"), Path::new("--suite"), Path::new("view180"), Path::new("--out"), scenes]).expect_code(0);
+    let recording = scenes.join("view180.mcap");
+    let out = scenes.join("map.json");
+    let args = [Path::new("map"), &recording, Path::new("--every"), Path::new("50"), Path::new("--out"), &out];
+    let said = run(args).expect_code(0).stderr;
+    assert!(said.contains("places are known where the lidar sees all around"), "{said}");
+}

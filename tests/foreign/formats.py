@@ -151,8 +151,14 @@ def check_cuts(folder: Path, reference: bytes, flights: Flights, verdicts: Verdi
 
 
 def unnumbered(results: bytes) -> list[dict]:
-    """The lines of results without the place of each scan among those that were read."""
-    return [{name: value for name, value in line.items() if name != "seq"} for line in lines(results)]
+    """The lines of results without what follows from the scans that were read before."""
+    of_flight = ("seq", "pose", "steady")
+
+    def alone(line: dict) -> dict:
+        notes = [note for note in line["notes"] if not note.startswith("pose: ")]
+        return {name: value for name, value in line.items() if name not in of_flight} | {"notes": notes}
+
+    return [alone(line) for line in lines(results)]
 
 
 def check_conversion(folder: Path, reference: bytes, flights: Flights, verdicts: Verdicts):

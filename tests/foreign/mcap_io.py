@@ -160,7 +160,8 @@ def check_out_of_order(base: Path, reference: bytes, flights: Flights, verdicts:
     in_file_order = [line["stamp_ns"] for line in lines(ran.stdout)] == times
     backwards = [i for i in range(1, len(times)) if times[i] < times[i - 1]]
     onwards = [i for i in range(1, len(times)) if times[i] > times[i - 1] + HOLE_NS]
-    told = {line["seq"]: " ".join(line["notes"]) for line in lines(ran.stdout) if line["notes"]}
+    of_stamps = {line["seq"]: [n for n in line["notes"] if not n.startswith("pose: ")] for line in lines(ran.stdout)}
+    told = {seq: " ".join(notes) for seq, notes in of_stamps.items() if notes}
     noted = [seq for seq, notes in told.items() if "before that of the scan before" in notes]
     holes = [seq for seq, notes in told.items() if "after that of the scan before" in notes]
     verdicts.that(

@@ -187,8 +187,8 @@ impl ScanDecoder {
     /// Reads a message into `out`, whatever it held before, keeping its buffers.
     ///
     /// # Errors
-    /// When it is not of the type, cut, or has more than [`MOST_BEAMS`] or [`MOST_POINTS`]; `out` is then partly
-    /// overwritten.
+    /// When it is not of the type, cut, or has more than [`MOST_BEAMS`] or [`MOST_POINTS`](crate::MOST_POINTS); `out` is
+    /// then partly overwritten.
     pub fn decode_into(self, message: &[u8], out: &mut ScanMessage) -> Result<(), DecodeError> {
         self.read(message, out)?;
         match out {

@@ -41,8 +41,12 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     }
     let cannot = || format!("cannot write {}", args.out.display());
     out.write_all(maps::text(&args.out, &mapper).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+    let map = mapper.map();
     if !args.quiet {
-        say(mapper.map().summary());
+        say(map.summary());
+    }
+    if map.nodes.is_empty() {
+        diagnostics.note("no junction or dead end was found; places are known where the lidar sees all around");
     }
     diagnostics.lost_all(recording.losses());
     Ok(diagnostics.outcome())
