@@ -321,7 +321,7 @@ mod tests {
         let short = TcpListener::bind("127.0.0.1:0").unwrap();
         let (live, rec) = connected(&short);
         log_megabytes(&rec, 1);
-        // Some of the message must have come: a connection that closes before it is made anew, and is then deaf.
+        // Some of the message must have come: a connection that closes earlier is opened again, and nobody reads it.
         short.accept().unwrap().0.read_exact(&mut [0; 4096]).unwrap();
         drop(short);
         let start = Instant::now();

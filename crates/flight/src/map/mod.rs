@@ -74,7 +74,7 @@ pub struct Merge {
     pub at_ns: u64,
     /// Share of the walls seen that lie on those of the node, 0 to 1.
     pub score: f64,
-    /// The same share at the second likeliest place, if there is any.
+    /// Share of the walls seen that lie on those of the second likeliest place, if there is any.
     pub runner_up: Option<f64>,
     /// Why, in words.
     pub why: String,

@@ -76,7 +76,7 @@ impl OpenVisit {
     }
 
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
-    /// holds, and the ways are those of the revolution that saw so many in the middle of the place.
+    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number.
     pub(crate) fn end(self, ended_ns: u64) -> Option<Visit> {
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {

@@ -118,7 +118,7 @@ impl<'a> Sides<'a> {
     }
 
     /// The width of the doorway through which the farther wall is seen, if it is: from the end of the nearer wall to the
-    /// wall on the other side of the farther one, which lies behind the line between the two as far as it is seen.
+    /// wall on the other side of the farther one. All seen returns of the farther wall lie behind the line between the two.
     pub(super) fn doorway_m(&self) -> Option<f64> {
         let [near, far] = self.by_range();
         let [jamb_m, other_m] =
