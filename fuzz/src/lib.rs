@@ -8,6 +8,9 @@
 #[path = "../../crates/ingest/tests/ingest/bags.rs"]
 mod bags;
 #[allow(dead_code)] // each uses a part of it
+#[path = "../../crates/ingest/tests/ingest/cloud_files.rs"]
+mod cloud_files;
+#[allow(dead_code)] // each uses a part of it
 #[path = "../../crates/ingest/tests/ingest/flight.rs"]
 mod flight;
 pub mod seeds;
@@ -39,6 +42,8 @@ pub const TARGETS: &[(&str, fn(&[u8]))] = &[
     ("database", database),
     ("carmen", carmen),
     ("table", table),
+    ("pcd", pcd),
+    ("ply", ply),
     ("compressed", compressed),
 ];
 
@@ -108,6 +113,16 @@ pub fn carmen(data: &[u8]) {
 /// A table of ranges.
 pub fn table(data: &[u8]) {
     recording(b"", data);
+}
+
+/// A PCD file.
+pub fn pcd(data: &[u8]) {
+    recording(b"# .PCD", data);
+}
+
+/// A PLY file.
+pub fn ply(data: &[u8]) {
+    recording(b"ply\n", data);
 }
 
 /// A file that is compressed as a whole.

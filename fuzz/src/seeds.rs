@@ -10,6 +10,7 @@ use crosscut_messages::{
 };
 
 use crate::bags::{BAG_COMPRESSIONS, ros1_bag, rosbag2};
+use crate::cloud_files;
 use crate::flight::{Form, Record, plain_flight, ros1_record_at, scan, time_ns};
 
 /// The seeds of a target, each whole.
@@ -45,6 +46,10 @@ pub fn of(target: &str) -> Vec<Vec<u8>> {
         }
         "carmen" => vec![CARMEN.as_bytes().to_vec()],
         "table" => TABLES.iter().map(|text| text.as_bytes().to_vec()).collect(),
+        "pcd" | "ply" => {
+            let files = cloud_files::all().into_iter().filter(|(name, _)| name.ends_with(target));
+            files.map(|(_, bytes)| bytes).collect()
+        }
         "compressed" => compressed(),
         _ => Vec::new(),
     }

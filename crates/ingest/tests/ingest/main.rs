@@ -1,6 +1,7 @@
 //! Ingest from outside: recordings built in memory, whole and damaged, and real ones where they are at hand.
 
 mod bags;
+mod cloud_files;
 mod damaged;
 mod flight;
 mod formats;
