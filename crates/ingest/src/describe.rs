@@ -178,7 +178,7 @@ impl Sample {
                 && (self.first.is_none() || !is_partial)
             {
                 let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
-                turns.show(&turn, scan, sensor, &mut revolution, &mut notes);
+                turns.show(&turn, scan, None, sensor, &mut revolution, &mut notes);
                 if self.first.is_none() || self.is_first_partial {
                     self.first = Some(describe_scan(scan, &revolution, &notes));
                     (self.is_first_partial, self.beams, self.returns) = (is_partial, 0, 0);

@@ -76,9 +76,10 @@
 //! stands still, if the driver gives 0 for 60° or more of them and for no other beam, and the walls beside them go on.
 //!
 //! A vehicle that turns takes its sensor with it while a scan is taken. Where scans state the time from beam to beam
-//! (`time_increment`) and two that follow each other show how far the sensor turned, 9° or more in a scan, the beams are
-//! brought to the heading in the middle of the scan, with a note and a setting (`deskew`). Then beams beyond a full turn
-//! are left out, and a turn may fall short of 360° by the angle that the sensor turned.
+//! (`time_increment`) and odometry, or two that follow each other, show how far the sensor turned, 9° or more in a scan, the
+//! beams are brought to the heading in the middle of the scan, with a note and a setting (`deskew`). Then beams beyond a full
+//! turn are left out, and a turn may fall short of 360° by the angle that the sensor turned. Points of a cloud that have
+//! times are brought to where the vehicle is in the middle of it, by odometry.
 //!
 //! # Several scanners
 //! Scans of several topics ([`ReadOptions::beside`]) become one revolution in the nearest frame in which all scanners lie
@@ -103,6 +104,7 @@ mod limits;
 mod loss;
 mod messages;
 mod metadata;
+mod motion;
 mod odometry;
 mod odometry_reader;
 mod recording;

@@ -69,10 +69,12 @@ impl OdometryReader {
         Some(Self { topic, csv: *csv, files, reader: None, poses: Odometry::default() })
     }
 
-    /// The pose at `stamp_ns`, for a scan that was recorded at `recorded_ns`. Scans are asked for in order.
-    pub(crate) fn at(&mut self, stamp_ns: u64, recorded_ns: u64) -> Option<Isometry2<f64>> {
-        self.poses.forget_before(stamp_ns);
-        while self.poses.last_ns().is_none_or(|last_ns| last_ns < stamp_ns) && self.poses.len() < MOST_AHEAD {
+    /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are
+    /// asked for in order.
+    pub(crate) fn at(&mut self, stamps_ns: [u64; 2], recorded_ns: u64) -> Option<[Isometry2<f64>; 2]> {
+        let [first_ns, last_ns] = stamps_ns;
+        self.poses.forget_before(first_ns);
+        while self.poses.last_ns().is_none_or(|read_ns| read_ns < last_ns) && self.poses.len() < MOST_AHEAD {
             let Some(message) = self.next_message() else { break };
             let log_time_ns = message.log_time_ns;
             if let Ok(Some((pose_ns, pose))) = self.pose(&message) {
@@ -85,7 +87,7 @@ impl OdometryReader {
                 break;
             }
         }
-        self.poses.at(stamp_ns)
+        Some([self.poses.at(first_ns)?, self.poses.at(last_ns)?])
     }
 
     /// The next message, from whichever file is at hand. A file that can no longer be opened has none.

@@ -10,6 +10,7 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 use crate::before::{Before, seconds};
 use crate::container::{self, Container};
 use crate::messages::Messages;
+use crate::motion::Motion;
 use crate::odometry_reader::OdometryReader;
 use crate::scanners::Scanners;
 use crate::topics::{scan_topic, topics_of};
@@ -217,7 +218,7 @@ impl Recording {
                 if self.sensor.deskews()
                     && let Some(scan) = turn.laser_scan()
                 {
-                    turn.rad_per_beam = self.turning.rad_per_beam(scan);
+                    (turn.rad_per_beam, turn.beam_s) = self.turning.per_beam(scan);
                 }
                 return Some(turn);
             }
@@ -288,11 +289,14 @@ impl Recording {
     /// Writes what `turn` shows into `out`.
     fn give(&mut self, turn: &Turn, out: &mut Revolution, notes: &mut Notes) {
         self.note_order(turn.log_time_ns, notes);
+        let motion;
         match &turn.scan {
             Ok(scan) => {
                 notes.extend(turn.odd_time);
-                self.turns.show(turn, scan, &self.sensor, out, notes);
-                let (stamp_ns, note) = self.messages.clock().stamp_ns(out.stamp_ns, turn.recorded_ns);
+                let sent_ns = scan.header().stamp.to_ns().unwrap_or(0);
+                let (stamp_ns, note) = self.messages.clock().stamp_ns(sent_ns, turn.recorded_ns);
+                motion = self.motion(turn, stamp_ns);
+                self.turns.show(turn, scan, motion.as_ref(), &self.sensor, out, notes);
                 out.stamp_ns = stamp_ns;
                 notes.extend(note);
                 self.before.compare(out, notes);
@@ -300,12 +304,24 @@ impl Recording {
             Err(cause) => {
                 out.clear();
                 out.stamp_ns = turn.recorded_ns;
+                motion = self.motion(turn, out.stamp_ns);
                 out.sweep.get_or_insert_default();
                 notes.add(format!("the message cannot be decoded: {cause}"));
             }
         }
         out.seq = turn.seq;
-        out.odometry = self.odometry.as_mut().and_then(|odometry| odometry.at(out.stamp_ns, turn.recorded_ns));
+        out.odometry = motion.map(|motion| motion.middle());
+    }
+
+    /// How the vehicle moves during a turn with this stamp, by odometry; it stands if the turn does not tell how long it
+    /// takes or odometry ends before.
+    fn motion(&mut self, turn: &Turn, stamp_ns: u64) -> Option<Motion> {
+        let odometry = self.odometry.as_mut()?;
+        let times_s = if self.sensor.deskews() { turn.times_s() } else { [0.0; 2] };
+        [times_s, [0.0; 2]].into_iter().find_map(|times_s| {
+            let stamps_ns = times_s.map(|time_s| stamp_ns.saturating_add_signed((time_s * NS_PER_S) as i64));
+            Some(Motion { times_s, poses: odometry.at(stamps_ns, turn.recorded_ns)? })
+        })
     }
 
     /// Notes a turn that was recorded before the one that was given last.

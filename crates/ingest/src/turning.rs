@@ -5,16 +5,16 @@
 //!
 //! ω·(P + s·time_increment) + s·angle_increment = 0
 //!
-//! The shift s is the one for which the ranges of the two scans agree best. All beams of a turn are then brought to the
-//! heading in the middle of the turn, which stretches or shrinks the angle between them. The distance that the vehicle
-//! drives during a turn is not taken into account.
+//! The shift s is the one for which the ranges of the two scans agree best. Where there is odometry, that tells the angle
+//! instead. All beams of a turn are then brought to the heading in the middle of the turn, which stretches or shrinks the
+//! angle between them. The distance that the vehicle drives during a turn is not taken into account.
 
 use std::f64::consts::FRAC_PI_4;
 
 use crosscut_messages::{LaserScan, Time};
 
 /// A sensor that turns by less than this during a scan is left alone, rad.
-const LEAST_TURN_RAD: f64 = 9.0 * DEGREE_RAD;
+pub(crate) const LEAST_TURN_RAD: f64 = 9.0 * DEGREE_RAD;
 /// A scan is looked for within this angle of the one before, rad.
 const FARTHEST_RAD: f64 = FRAC_PI_4;
 /// About this many beams are compared.
@@ -33,6 +33,8 @@ const ALIKE_M: f64 = 0.2;
 const LONGEST_PERIODS: f64 = 2.5;
 /// A stated duration that exceeds the time between the scans by more than this factor is wrong.
 const LONGEST_SCAN: f64 = 1.2;
+/// A stated duration that exceeds this is wrong, s.
+const LONGEST_SCAN_S: f64 = 10.0;
 
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
@@ -51,27 +53,39 @@ struct Before {
 }
 
 impl Turning {
-    /// The angle by which the sensor turned from one beam of `scan` to the next, anticlockwise, rad; 0 if that is not
-    /// known or makes no difference. `scan` is the scan before from now on.
-    pub(crate) fn rad_per_beam(&mut self, scan: &LaserScan) -> f64 {
+    /// The angle by which the sensor turned from one beam of `scan` to the next, anticlockwise, rad, 0 if that is not
+    /// known; and the time from one beam to the next, s, 0 if it is not stated or cannot be right. `scan` is the scan
+    /// before from now on.
+    pub(crate) fn per_beam(&mut self, scan: &LaserScan) -> (f64, f64) {
         let turned_rad = estimate(&self.before, scan).unwrap_or(0.0);
+        let beam_s = beam_s(&self.before, scan).unwrap_or(0.0);
         self.before.stamp = scan.header.stamp;
         self.before.angles_rad = (scan.angle_min, scan.angle_increment);
         self.before.ranges_m.clone_from(&scan.ranges);
-        if turned_rad.abs() * scan.ranges.len() as f64 >= LEAST_TURN_RAD { turned_rad } else { 0.0 }
+        (turned_rad, beam_s)
     }
 }
 
+/// From the scan before to this one, s.
+fn period_s(before: &Before, scan: &LaserScan) -> Option<f64> {
+    let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.stamp.to_ns()?)?;
+    Some(period_ns as f64 * 1e-9)
+}
+
+/// The time from beam to beam, if it is stated and leaves room for the next scan.
+fn beam_s(before: &Before, scan: &LaserScan) -> Option<f64> {
+    let beam_s = f64::from(scan.time_increment);
+    let scan_s = beam_s * scan.ranges.len() as f64;
+    let has_room = before.ranges_m.is_empty() || period_s(before, scan)? * LONGEST_SCAN >= scan_s;
+    (beam_s > 0.0 && scan_s <= LONGEST_SCAN_S && has_room).then_some(beam_s)
+}
+
 fn estimate(before: &Before, scan: &LaserScan) -> Option<f64> {
-    let (increment_rad, beam_s) = (f64::from(scan.angle_increment), f64::from(scan.time_increment));
+    let (increment_rad, beam_s) = (f64::from(scan.angle_increment), beam_s(before, scan)?);
     let beams = scan.ranges.len();
     let is_alike = before.angles_rad == (scan.angle_min, scan.angle_increment) && before.ranges_m.len() == beams;
-    if !(is_alike && increment_rad != 0.0 && beam_s > 0.0) {
-        return None;
-    }
-    let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.stamp.to_ns()?)?;
-    let (period_s, scan_s) = (period_ns as f64 * 1e-9, beam_s * beams as f64);
-    if scan_s > LONGEST_SCAN * period_s || period_s > LONGEST_PERIODS * scan_s {
+    let period_s = period_s(before, scan)?;
+    if !is_alike || increment_rad == 0.0 || period_s > LONGEST_PERIODS * beam_s * beams as f64 {
         return None;
     }
     let farthest = ((FARTHEST_RAD / increment_rad.abs()) as i64).min(beams as i64 / 2);

@@ -49,7 +49,7 @@ const FIND_BLIND_SECTORS: Flag = Flag::new("find_blind_sectors", true)
     .doc("beams that never return anything in the first scans, as where the driver leaves a sector out, are unknown");
 
 const DESKEW: Flag = Flag::new("deskew", true)
-    .doc("beams of a sensor that turns with its vehicle are brought to the heading in the middle of the scan");
+    .doc("beams of a sensor that turns with its vehicle, and points of a cloud with times, are brought to the middle of the scan");
 
 const FRAME_ID: Word = Word::any("frame_id", "")
     .doc("take only scans of this frame_id, where several sensors share a topic; empty takes all");
@@ -207,8 +207,7 @@ impl Sensor {
         };
         let fan = fan.turned(rad_per_beam, scan.ranges.len());
         if rad_per_beam != 0.0 {
-            let turned_deg = (rad_per_beam * scan.ranges.len() as f64).to_degrees();
-            let turned_deg = if self.upside_down { -turned_deg } else { turned_deg };
+            let turned_deg = self.own_angle_rad(rad_per_beam * scan.ranges.len() as f64).to_degrees();
             notes.add(format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
         }
         sweep.step_rad = fan.step_rad();
@@ -240,9 +239,14 @@ impl Sensor {
         limits.note(&tally, notes);
     }
 
+    /// An angle that the vehicle turned, as the sensor's own bearings count it.
+    pub(crate) fn own_angle_rad(&self, angle_rad: f64) -> f64 {
+        if self.upside_down { -angle_rad } else { angle_rad }
+    }
+
     /// Turning a sensor over mirrors its bearings; then the yaw is added.
     fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
-        self.yaw_rad + if self.upside_down { -angle_rad } else { angle_rad }
+        self.yaw_rad + self.own_angle_rad(angle_rad)
     }
 
     fn takes_ring(&self, ring: u32) -> bool {

@@ -14,7 +14,9 @@ use crosscut_stage::{Beam, Notes, Revolution};
 use self::blind::BlindSectors;
 use self::segments::Joiner;
 use crate::Sensor;
+use crate::motion::Motion;
 use crate::sensor::Directions;
+use crate::turning::LEAST_TURN_RAD;
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
@@ -37,8 +39,10 @@ pub(crate) struct Turn {
     pub(crate) scan: Result<ScanMessage, DecodeError>,
     /// Beams whose messages are missing; empty if none is.
     pub(crate) missing: Vec<bool>,
-    /// The angle by which the sensor turned with its vehicle from beam to beam, rad.
+    /// The angle by which the sensor turned with its vehicle from beam to beam by the scan before, rad.
     pub(crate) rad_per_beam: f64,
+    /// The time from beam to beam, s; 0 if it is not known.
+    pub(crate) beam_s: f64,
     pub(crate) notes: Vec<String>,
     /// Messages of a joined turn that cannot be decoded: their index in the topic, and why.
     pub(crate) undecodable: Vec<(u64, DecodeError)>,
@@ -69,6 +73,7 @@ impl Turn {
             scan: Ok(ScanMessage::default()),
             missing: Vec::new(),
             rad_per_beam: 0.0,
+            beam_s: 0.0,
             notes: Vec::new(),
             undecodable: Vec::new(),
         }
@@ -79,6 +84,28 @@ impl Turn {
             Ok(ScanMessage::Scan(scan)) => Some(scan),
             _ => None,
         }
+    }
+
+    /// When its first and last point were measured, s after the stamp; both 0 if it does not say.
+    pub(crate) fn times_s(&self) -> [f64; 2] {
+        match &self.scan {
+            Ok(ScanMessage::Scan(scan)) => [0.0, self.beam_s * scan.ranges.len().saturating_sub(1) as f64],
+            Ok(ScanMessage::Cloud(cloud)) => {
+                let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
+                times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
+            }
+            Err(_) => [0.0; 2],
+        }
+    }
+
+    /// The angle by which the sensor turned from one beam to the next, rad; 0 if that is not known or makes no
+    /// difference.
+    fn turned_rad_per_beam(&self, beams: usize, motion: Option<&Motion>, sensor: &Sensor) -> f64 {
+        let by_odometry = motion.filter(|motion| motion.times_s[0] < motion.times_s[1]);
+        let rad_per_beam = by_odometry.map_or(self.rad_per_beam, |motion| {
+            sensor.own_angle_rad(motion.turned_rad()) / beams.saturating_sub(1) as f64
+        });
+        if rad_per_beam.abs() * beams as f64 >= LEAST_TURN_RAD { rad_per_beam } else { 0.0 }
     }
 }
 
@@ -136,21 +163,23 @@ impl Turns {
         if self.is_settled() { self.turns.pop_front() } else { None }
     }
 
-    /// Writes the revolution that `scan`, which is that of `turn`, shows into `out`. Beams whose messages are missing and
-    /// those of blind sectors are unknown.
+    /// Writes the revolution that `scan`, which is that of `turn`, shows into `out`; `motion` is that of the vehicle
+    /// meanwhile, if odometry tells it. Beams whose messages are missing and those of blind sectors are unknown.
     pub(crate) fn show(
         &mut self,
         turn: &Turn,
         scan: &ScanMessage,
+        motion: Option<&Motion>,
         sensor: &Sensor,
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
         match scan {
             ScanMessage::Scan(scan) => {
-                sensor.turning_revolution(scan, turn.rad_per_beam, &mut self.directions, out, notes);
+                let rad_per_beam = turn.turned_rad_per_beam(scan.ranges.len(), motion, sensor);
+                sensor.turning_revolution(scan, rad_per_beam, &mut self.directions, out, notes);
             }
-            ScanMessage::Cloud(cloud) => sensor.cloud(cloud, out, notes),
+            ScanMessage::Cloud(cloud) => sensor.moving_cloud(cloud, motion, out, notes),
         }
         notes.extend(turn.notes.iter().cloned());
         if let (Some(sweep), ScanMessage::Scan(scan)) = (&mut out.sweep, scan) {

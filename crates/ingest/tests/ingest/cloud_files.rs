@@ -1,10 +1,10 @@
 //! Files with one point cloud, PCD and PLY, in every encoding.
 
 /// How many points each file has.
-pub const POINTS: usize = 6;
+pub(crate) const POINTS: usize = 6;
 
 /// x, y and z of a point.
-pub fn point(i: usize) -> [f32; 3] {
+pub(crate) fn point(i: usize) -> [f32; 3] {
     [1.5 + i as f32, -2.25 * i as f32, 0.125]
 }
 
@@ -31,7 +31,7 @@ fn pcd_fields(i: usize) -> [Vec<u8>; 6] {
 }
 
 /// A PCD with the points as `ascii`, `binary` or `binary_compressed`.
-pub fn pcd(encoding: &str) -> Vec<u8> {
+pub(crate) fn pcd(encoding: &str) -> Vec<u8> {
     let mut bytes = pcd_head(encoding).into_bytes();
     match encoding {
         "ascii" => {
@@ -54,7 +54,7 @@ pub fn pcd(encoding: &str) -> Vec<u8> {
 }
 
 /// Faces with lists stand before the points.
-pub fn ply(encoding: &str) -> Vec<u8> {
+pub(crate) fn ply(encoding: &str) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {encoding} 1.0\ncomment made here\nelement face 2\nproperty uchar colour\n\
          property list uchar int vertex_indices\nproperty short flags\nelement vertex {POINTS}\nproperty double x\n\
@@ -93,7 +93,7 @@ pub fn ply(encoding: &str) -> Vec<u8> {
 }
 
 /// A file in every encoding, by name.
-pub fn all() -> Vec<(String, Vec<u8>)> {
+pub(crate) fn all() -> Vec<(String, Vec<u8>)> {
     let pcds = ["ascii", "binary", "binary_compressed"].map(|encoding| (format!("{encoding}.pcd"), pcd(encoding)));
     let plys = ["ascii", "binary_little_endian", "binary_big_endian"]
         .map(|encoding| (format!("{encoding}.ply"), ply(encoding)));

@@ -7,7 +7,7 @@ use crosscut_ingest::{LossKind, ReadOptions, Recording, convert};
 use crosscut_messages::{Fields, PointCloud2};
 use crosscut_stage::{Notes, Revolution, Source as _};
 
-use crate::cloud_files::{POINTS, all, pcd, ply, point};
+use crate::cloud_files::{POINTS, all, point};
 use crate::flight::{Folder, open};
 
 /// The points of each revolution.

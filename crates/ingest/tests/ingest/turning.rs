@@ -2,11 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crosscut_ingest::{PARAMS, ReadOptions, Recording, Sensor};
-use crosscut_messages::{Header, LaserScan, Time};
-use crosscut_stage::{Notes, Params, Revolution, Source, Value};
+use crosscut_ingest::{ReadOptions, Recording};
+use crosscut_messages::{Cloud, Endian, Header, LaserScan, Message, Odometry, PointCloud2, Quaternion, Time};
+use crosscut_stage::{Notes, Revolution, Source, Value};
+use nalgebra::{Isometry2, Point2, Vector2};
 
-use crate::flight::{Folder, Form, STEP_NS, record_at, time_ns};
+use crate::flight::{Folder, Form, Record, STEP_NS, record_at, sensor, time_ns};
 
 const BEAMS: usize = 360;
 const SCANS: u64 = 8;
@@ -41,14 +42,16 @@ fn scan(number: u64, rate_rad_s: f64, direction: f64) -> LaserScan {
 
 /// The last scan of a flight, and its notes.
 fn last(scans: impl Iterator<Item = LaserScan>, settings: &[(&str, Value)]) -> (Revolution, Vec<String>) {
-    let records: Vec<_> = (0..).zip(scans).map(|(i, scan)| record_at("/scan", time_ns(i), &scan)).collect();
+    last_of((0..).zip(scans).map(|(i, scan)| record_at("/scan", time_ns(i), &scan)).collect(), settings)
+}
+
+/// The last scan or cloud of a recording, and its notes.
+fn last_of(mut records: Vec<Record>, settings: &[(&str, Value)]) -> (Revolution, Vec<String>) {
+    records.sort_by_key(|record| record.log_time_ns);
     let folder = Folder::new();
     let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
-    let mut params = Params::defaults(PARAMS);
-    for (name, value) in settings {
-        params.set(name, value.clone()).expect("a setting");
-    }
-    let mut recording = Recording::open(&[path], &ReadOptions::default(), Sensor::new(&params)).expect("a recording");
+    let options = ReadOptions { odometry: true, ..ReadOptions::default() };
+    let mut recording = Recording::open(&[path], &options, sensor(settings)).expect("a recording");
     let (mut revolution, mut last) = (Revolution::default(), Vec::new());
     loop {
         let mut notes = Notes::default();
@@ -57,6 +60,20 @@ fn last(scans: impl Iterator<Item = LaserScan>, settings: &[(&str, Value)]) -> (
         }
         last = notes.iter().map(str::to_owned).collect();
     }
+}
+
+/// Odometry every 10 ms for a second, of a vehicle that drives and turns evenly.
+fn odometry(speed_m_s: f64, rate_rad_s: f64) -> impl Iterator<Item = Record> {
+    (0..100).map(move |i| {
+        let stamp_ns = time_ns(0) + i * 10_000_000;
+        let since_s = i as f64 * 0.01;
+        let mut odometry = Odometry::default();
+        odometry.header.stamp = Time::from_ns(stamp_ns);
+        odometry.pose.pose.position.x = speed_m_s * since_s;
+        odometry.pose.pose.orientation = Quaternion::from_yaw_rad(rate_rad_s * since_s);
+        let data = odometry.encode(Endian::Little);
+        Record { topic: "/odom", type_name: Odometry::SCHEMA_NAME, encoding: "cdr", log_time_ns: stamp_ns, data }
+    })
 }
 
 /// How far returns are from the walls at most, if the vehicle heads to `heading_rad`.
@@ -113,4 +130,71 @@ fn scans_longer_than_their_interval_stay_unchanged() {
     let slow = |number| LaserScan { time_increment: 1e-3, ..scan(number, PI, 1.0) };
     let (_, notes) = last((0..SCANS).map(slow), &[]);
     assert!(notes.is_empty(), "{notes:?}");
+}
+
+#[test]
+fn odometry_tells_the_turn_that_a_first_scan_cannot_show() {
+    for (rate_rad_s, direction, upside_down) in [(PI, 1.0, false), (-PI, -1.0, false), (PI, 1.0, true)] {
+        // Hung upside down, its bearings run the other way.
+        let own = if upside_down { -1.0 } else { 1.0 };
+        let scan = scan(0, own * rate_rad_s, direction);
+        let records = || odometry(0.0, rate_rad_s).chain([record_at("/scan", time_ns(0), &scan)]).collect();
+        let settings = [("upside_down", Value::Flag(upside_down))];
+        let (mut revolution, notes) = last_of(records(), &settings);
+        for point_m in &mut revolution.points_m {
+            point_m.y *= own;
+        }
+        if let Some(sweep) = &mut revolution.sweep {
+            sweep.bearings_rad.iter_mut().for_each(|bearing_rad| *bearing_rad *= own);
+        }
+        let off_m = farthest_from_walls_m(&revolution, own * rate_rad_s * 0.05);
+        assert!(off_m < 0.1, "{rate_rad_s} {direction}: {off_m} m");
+        let yaw_rad = revolution.odometry.expect("a pose").rotation.angle();
+        assert!((yaw_rad - rate_rad_s * 0.05).abs() < 0.01, "the pose is that of the middle of the scan: {yaw_rad}");
+        let turned = format!("turned by {:.0}.0°", rate_rad_s.signum() * 18.0);
+        assert!(notes.iter().any(|note| note.starts_with(&turned)), "{notes:?}");
+
+        let (skewed, notes) =
+            last_of(records(), &[("deskew", Value::Flag(false)), ("upside_down", Value::Flag(upside_down))]);
+        assert!(skewed.odometry.is_some_and(|pose| pose.rotation.angle().abs() < 1e-6), "at the stamp");
+        assert!(!notes.iter().any(|note| note.starts_with("turned")), "{notes:?}");
+    }
+}
+
+#[test]
+fn points_of_a_cloud_with_times_lie_where_the_middle_of_it_sees_them() {
+    let (speed_m_s, rate_rad_s, scan_s) = (3.0, 1.5, 0.1);
+    let pose = |time_s: f64| Isometry2::new(Vector2::new(speed_m_s * time_s, 0.0), rate_rad_s * time_s);
+    let places: Vec<_> = (0..200).map(|i| Point2::new(4.0 + 0.01 * f64::from(i), 2.0 - 0.03 * f64::from(i))).collect();
+    let times_s: Vec<_> = (0..200).map(|i| scan_s * f64::from(i) / 199.0).collect();
+    let seen_m = |(place, time_s): (&Point2<f64>, &f64)| {
+        let seen_m = pose(*time_s).inverse_transform_point(place);
+        [seen_m.x, seen_m.y, 0.5]
+    };
+    let points_m: Vec<_> = places.iter().zip(&times_s).map(seen_m).collect();
+    let header = Header { stamp: Time::from_ns(time_ns(0)), frame_id: "lidar".to_owned() };
+    let farthest_m = |times_s: Vec<f64>, settings: &[(&str, Value)]| {
+        let cloud = Cloud { header: header.clone(), points_m: points_m.clone(), times_s, rings: Vec::new() };
+        let data = PointCloud2::from(&cloud).encode(Endian::Little);
+        let of_cloud = Record {
+            topic: "/points",
+            type_name: PointCloud2::SCHEMA_NAME,
+            encoding: "cdr",
+            log_time_ns: time_ns(0),
+            data,
+        };
+        let (revolution, notes) = last_of(odometry(speed_m_s, rate_rad_s).chain([of_cloud]).collect(), settings);
+        let off_m = |(place, point_m): (&Point2<f64>, &crosscut_stage::Point)| {
+            assert!((point_m.z - 0.5).abs() < 1e-6);
+            (pose(0.5 * scan_s).inverse_transform_point(place) - point_m.xy()).norm()
+        };
+        (places.iter().zip(&revolution.points_m).map(off_m).fold(0.0, f64::max), notes)
+    };
+    let (off_m, notes) = farthest_m(times_s.clone(), &[]);
+    assert!(off_m < 0.005, "{off_m} m");
+    assert!(notes.iter().any(|note| note.starts_with("turned by 8.6° and moved by 0.30 m")), "{notes:?}");
+    for (times_s, settings) in [(Vec::new(), vec![]), (times_s, vec![("deskew", Value::Flag(false))])] {
+        let (off_m, notes) = farthest_m(times_s, &settings);
+        assert!(off_m > 0.2 && notes.is_empty(), "{off_m} m, {notes:?}");
+    }
 }
