@@ -11,10 +11,9 @@ use crosscut_messages::{
 use mcap::records::MessageHeader;
 
 use crate::container::{self, ChannelId, Contents, TopicReader};
-use crate::odometry_reader::{is_odometry, is_transforms};
 use crate::recording::open_all;
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, ReadOptions, TopicInfo};
+use crate::{IngestError, Loss, ReadOptions, TopicInfo, ros};
 
 /// Why a recording could not be converted.
 #[derive(Debug, thiserror::Error)]
@@ -114,13 +113,13 @@ fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, C
     let (scans, decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
     let to = if decoder.gives_clouds() { POINTS_TOPIC } else { SCAN_TOPIC };
     let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: to.to_owned() }];
-    let odometry = topics.iter().find(|topic| is_odometry(topic));
+    let odometry = topics.iter().find(|topic| topic.has_odometry());
     routes.extend(odometry.map(|topic| Route {
         kind: Kind::Odometry,
         from: topic.clone(),
         to: ODOMETRY_TOPIC.to_owned(),
     }));
-    for topic in topics.iter().filter(|topic| is_transforms(topic)) {
+    for topic in topics.iter().filter(|topic| topic.has_transforms()) {
         let is_static = topic.name.ends_with("_static");
         let to = if is_static { format!("{TF_TOPIC}_static") } else { TF_TOPIC.to_owned() };
         routes.push(Route { kind: Kind::Transforms, from: topic.clone(), to });
@@ -130,15 +129,9 @@ fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, C
     Ok(routes)
 }
 
-/// The message in CDR, whether it is of ROS 2 or of ROS 1.
+/// The message in CDR.
 fn in_cdr<M: Message>(topic: &TopicInfo, data: &[u8]) -> Result<Vec<u8>, DecodeError> {
-    let mut message = M::default();
-    if topic.encoding == ROS1_ENCODING {
-        message.decode_ros1_into(data)?;
-    } else {
-        message.decode_into(data)?;
-    }
-    Ok(message.encode(Endian::Little))
+    Ok(ros::decode::<M>(&topic.encoding, data)?.encode(Endian::Little))
 }
 
 /// The route of each channel of a file that is converted.

@@ -108,6 +108,7 @@ mod motion;
 mod odometry;
 mod odometry_reader;
 mod recording;
+mod ros;
 mod scanners;
 mod sensor;
 mod topics;

@@ -3,17 +3,13 @@
 use std::collections::VecDeque;
 
 use crosscut_messages::{
-    CDR_ENCODING, DecodeError, ODOMETRY_TOPIC, Odometry as OdometryMessage, Quaternion, ROS1_ENCODING, TfMessage,
-    Vector3,
+    DecodeError, ODOMETRY_TOPIC, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
 };
 use nalgebra::{Isometry2, Vector2};
 
 use crate::container::{self, Container, Contents, Message, TopicReader};
 use crate::topics::topics_of;
-use crate::{CsvGeometry, Odometry, TopicInfo};
-
-/// The type of transforms before tf2.
-const OLD_TF_TYPE: &str = "tf/tfMessage";
+use crate::{CsvGeometry, Odometry, TopicInfo, ros};
 
 /// The frame in which odometry is kept (REP 105).
 const ODOMETRY_FRAME: &str = "odom";
@@ -23,25 +19,6 @@ const AHEAD_NS: u64 = 2_000_000_000;
 
 /// This many poses are read ahead at most, where the times of recording are of no use.
 const MOST_AHEAD: usize = 100_000;
-
-/// Whether a topic carries odometry messages.
-pub(crate) fn is_odometry(topic: &TopicInfo) -> bool {
-    is_of::<OdometryMessage>(topic)
-}
-
-/// Whether a topic carries transforms.
-pub(crate) fn is_transforms(topic: &TopicInfo) -> bool {
-    is_of::<TfMessage>(topic) || topic.type_name == OLD_TF_TYPE
-}
-
-/// Whether a topic carries messages of this type, of ROS 2 or of ROS 1.
-fn is_of<M: crosscut_messages::Message>(topic: &TopicInfo) -> bool {
-    match topic.encoding.as_str() {
-        CDR_ENCODING => topic.type_name == M::SCHEMA_NAME,
-        ROS1_ENCODING => topic.type_name == M::SCHEMA_NAME.replace("/msg/", "/"),
-        _ => false,
-    }
-}
 
 /// Gives the pose of the vehicle at the time of each scan.
 pub(crate) struct OdometryReader {
@@ -59,11 +36,11 @@ impl OdometryReader {
     pub(crate) fn new(containers: &[Box<dyn Container>], csv: &CsvGeometry, wanted: &str) -> Option<Self> {
         let contents = || containers.iter().map(|container| container.contents());
         let topics = topics_of(contents());
-        let is_dynamic = |topic: &&TopicInfo| is_transforms(topic) && !topic.name.ends_with("_static");
-        let candidates = topics.iter().filter(|topic| is_odometry(topic)).chain(topics.iter().filter(is_dynamic));
+        let is_dynamic = |topic: &&TopicInfo| topic.has_transforms() && !topic.name.ends_with("_static");
+        let candidates = topics.iter().filter(|topic| topic.has_odometry()).chain(topics.iter().filter(is_dynamic));
         let candidates = candidates.filter(|topic| topic.messages != Some(0));
         let is_wanted = |topic: &&TopicInfo| wanted.is_empty() || topic.name == wanted;
-        let rank = |topic: &&TopicInfo| (!is_odometry(topic), topic.name != ODOMETRY_TOPIC);
+        let rank = |topic: &&TopicInfo| (!topic.has_odometry(), topic.name != ODOMETRY_TOPIC);
         let topic = candidates.filter(is_wanted).min_by_key(rank)?.clone();
         let files = contents().filter(|contents| !topic.channels_in(contents).is_empty()).cloned().collect();
         Some(Self { topic, csv: *csv, files, reader: None, poses: Odometry::default() })
@@ -104,29 +81,19 @@ impl OdometryReader {
 
     /// Stamp and pose of a message, if it holds one.
     fn pose(&self, message: &Message) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
-        if is_odometry(&self.topic) {
-            let odometry: OdometryMessage = self.decode(message)?;
+        if self.topic.has_odometry() {
+            let odometry: OdometryMessage = ros::decode(&self.topic.encoding, &message.data)?;
             let pose = odometry.pose.pose;
             let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
             return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
         }
-        let transforms: TfMessage = self.decode(message)?;
-        let is_odometry = |frame: &str| frame.trim_start_matches('/') == ODOMETRY_FRAME;
-        let found = transforms.transforms.iter().find(|one| is_odometry(&one.header.frame_id));
+        let transforms: TfMessage = ros::decode(&self.topic.encoding, &message.data)?;
+        let is_moving = |one: &&TransformStamped| ros::plain_frame(&one.header.frame_id) == ODOMETRY_FRAME;
+        let found = transforms.transforms.iter().find(is_moving);
         Ok(found.map(|one| {
             let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
             (stamp_ns, planar(one.transform.translation, &one.transform.rotation))
         }))
-    }
-
-    fn decode<M: crosscut_messages::Message>(&self, message: &Message) -> Result<M, DecodeError> {
-        let mut value = M::default();
-        if self.topic.encoding == ROS1_ENCODING {
-            value.decode_ros1_into(&message.data)?;
-        } else {
-            value.decode_into(&message.data)?;
-        }
-        Ok(value)
     }
 }
 

@@ -6,8 +6,8 @@ use std::fmt;
 use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_stage::counted;
 
-use crate::IngestError;
 use crate::container::{ChannelId, Contents, Topic};
+use crate::{IngestError, ros};
 
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,6 +45,16 @@ impl TopicInfo {
     /// Whether it carries scans that can be read.
     pub fn has_scans(&self) -> bool {
         self.decoder(None).is_some()
+    }
+
+    /// Whether it carries odometry that can be read.
+    pub(crate) fn has_odometry(&self) -> bool {
+        ros::is_odometry(&self.type_name, &self.encoding)
+    }
+
+    /// Whether it carries transforms that can be read.
+    pub(crate) fn has_transforms(&self) -> bool {
+        ros::is_transforms(&self.type_name, &self.encoding)
     }
 
     /// What reads its messages, if they are scans; `read_as` is believed over the name of their type.

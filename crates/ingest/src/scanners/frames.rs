@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_messages::{Message as _, ROS1_ENCODING, TfMessage, TransformStamped, plain_type_name};
+use crosscut_messages::{TfMessage, TransformStamped};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::container::{Container, TopicReader};
+use crate::ros::{self, plain_frame};
 
-/// Types of messages with transforms, of tf2 and of before.
-const TYPES: [&str; 2] = ["tf2_msgs/TFMessage", "tf/tfMessage"];
 /// A transform that moves holds for this long before the first and after the last time that it was sent.
 const LONGEST_NS: u64 = 1_000_000_000;
 /// A tree of frames is not deeper.
@@ -34,10 +33,9 @@ impl Frames {
     pub(super) fn read(containers: Vec<Box<dyn Container>>) -> Self {
         let mut frames = Self::default();
         for container in containers {
-            let of_transforms = |name: &str| TYPES.contains(&plain_type_name(name).as_str());
             let channels = container.contents().channels.iter();
             let encodings: BTreeMap<_, _> = channels
-                .filter(|(_, topic)| of_transforms(&topic.type_name))
+                .filter(|(_, topic)| ros::is_transforms(&topic.type_name, &topic.encoding))
                 .map(|(&id, topic)| (id, topic.encoding.clone()))
                 .collect();
             if encodings.is_empty() {
@@ -45,14 +43,9 @@ impl Frames {
             }
             let mut reader = TopicReader::new(container, encodings.keys().copied().collect());
             while let Some(message) = reader.next() {
-                let is_ros1 = encodings.get(&message.channel).is_some_and(|encoding| encoding == ROS1_ENCODING);
-                let mut transforms = TfMessage::default();
-                let decoded = match is_ros1 {
-                    true => transforms.decode_ros1_into(&message.data),
-                    false => transforms.decode_into(&message.data),
-                };
-                if decoded.is_ok() {
-                    transforms.transforms.iter().for_each(|transform| frames.add(transform));
+                let encoding = encodings.get(&message.channel).map_or("", String::as_str);
+                if let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data) {
+                    sent.transforms.iter().for_each(|transform| frames.add(transform));
                 }
                 reader.recycle(message);
             }
@@ -67,8 +60,8 @@ impl Frames {
             return;
         };
         let pose = Isometry3::from_parts(Translation3::new(place_m.x, place_m.y, place_m.z), rotation);
-        let parent = plain(&header.frame_id);
-        let edge = self.edges.entry(plain(child_frame_id).to_owned());
+        let parent = plain_frame(&header.frame_id);
+        let edge = self.edges.entry(plain_frame(child_frame_id).to_owned());
         let edge = edge.or_insert_with(|| Edge { parent: parent.to_owned(), poses: Vec::new() });
         // Fixed transforms are sent again and again.
         let is_known = edge.poses.len() == 1 && edge.poses[0].1 == pose;
@@ -80,7 +73,7 @@ impl Frames {
     /// The frame and those that it lies in, each the parent of the one before.
     fn line<'a>(&'a self, frame: &'a str) -> Vec<&'a str> {
         let parent = |frame: &&'a str| self.edges.get(*frame).map(|edge| edge.parent.as_str());
-        std::iter::successors(Some(plain(frame)), parent).take(DEEPEST).collect()
+        std::iter::successors(Some(plain_frame(frame)), parent).take(DEEPEST).collect()
     }
 
     /// The nearest frame in which all of these lie.
@@ -120,11 +113,6 @@ impl Edge {
             ([], []) => None,
         }
     }
-}
-
-/// ROS 1 has frames with a slash in front.
-fn plain(frame: &str) -> &str {
-    frame.trim_start_matches('/')
 }
 
 #[cfg(test)]
