@@ -13,6 +13,7 @@ mod maps;
 mod messages;
 mod over_time;
 mod overwriting;
+mod pages;
 mod paper;
 mod program;
 #[cfg(feature = "rerun")]

@@ -34,9 +34,11 @@ class Browser:
         os.close(theirs_out)
         self._read, self._requests, self._session = b"", 0, None
         self.said: list[str] = []
+        self.asked_for: list[str] = []
         target = self._call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self._call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        self._call("Runtime.enable")
+        for domain in ("Runtime", "Log", "Network"):
+            self._call(f"{domain}.enable")
         self._call("Page.navigate", url=url)
 
     def __enter__(self):
@@ -52,6 +54,10 @@ class Browser:
     def save(self, path: Path):
         """The page as it is now."""
         path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"]))
+
+    def value(self, expression: str):
+        """What an expression gives in the page."""
+        return self._call("Runtime.evaluate", expression=expression)["result"].get("value")
 
     def wait(self, seconds: float):
         """Lets the page go on, and keeps what it says meanwhile."""
@@ -76,6 +82,10 @@ class Browser:
                 self.said.append(" ".join(str(part.get("value", "")) for part in answer["params"]["args"]))
             if answer.get("method") == "Runtime.exceptionThrown":
                 self.said.append(answer["params"]["exceptionDetails"].get("text", "exception"))
+            if answer.get("method") == "Log.entryAdded" and answer["params"]["entry"]["level"] == "error":
+                self.said.append(answer["params"]["entry"]["text"])
+            if answer.get("method") == "Network.requestWillBeSent":
+                self.asked_for.append(answer["params"]["request"]["url"])
 
     def _next(self) -> dict:
         while b"\0" not in self._read:

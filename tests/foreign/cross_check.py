@@ -10,6 +10,7 @@ import carmen
 import determinism
 import elsewhere
 import formats
+import html_page
 import killing
 import mcap_io
 import messages
@@ -35,13 +36,13 @@ CHECKS = {
     "formats": formats,
     "messages": messages,
 }
-# Needs a program with the feature `web`, and a browser.
-ON_DEMAND = {"browser": web_viewer}
+# Need a browser; `browser` needs a program with the feature `web` too.
+ON_DEMAND = {"page": html_page, "browser": web_viewer}
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="tests/foreign/run", description="Cross-checks crosscut with foreign tools.")
-    parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}, browser; all but browser if none")
+    parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}, page, browser; all but page and browser if none")
     parser.add_argument("--crosscut", type=Path, help="the program; target/release/crosscut if not given")
     parser.add_argument("--root", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args()

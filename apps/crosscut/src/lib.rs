@@ -46,6 +46,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Paper(args) => commands::paper::paper(&args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
+        Command::Report(args) => commands::report::report(&args, registry),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),
@@ -62,7 +63,7 @@ use commands::rrd::rrd;
 use commands::view::view;
 
 #[cfg(not(feature = "rerun"))]
-fn rrd(_: &cli::RrdCommand, _: &Registry) -> anyhow::Result<exit::Outcome> {
+fn rrd(_: &cli::rrd::RrdCommand, _: &Registry) -> anyhow::Result<exit::Outcome> {
     Err(exit::without_rerun())
 }
 

@@ -50,7 +50,7 @@ fn json(map: &Map) -> Value {
 }
 
 /// From above, x to the right, 8 pixels a metre.
-fn picture(map: &Map) -> String {
+pub(crate) fn picture(map: &Map) -> String {
     const SCALE: f64 = 8.0;
     const MARGIN_M: f64 = 6.0;
     let places =
@@ -63,6 +63,8 @@ fn picture(map: &Map) -> String {
     let (width, height) = ((right - left) * SCALE, (top - bottom) * SCALE);
     let mut page = Document::new()
         .set("viewBox", (0, 0, width.ceil() as i64, height.ceil() as i64))
+        .set("width", width.ceil() as i64)
+        .set("height", height.ceil() as i64)
         .set("font-family", "sans-serif")
         .set("font-size", 12)
         .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));

@@ -41,14 +41,12 @@ pub(crate) fn score(
     stop: &StopFlag,
     bar: &ProgressBar,
 ) -> anyhow::Result<Scored> {
-    // Results leave in the order of the source, so a queue pairs each with its truth.
-    let queue = Mutex::new(VecDeque::new());
+    let queue = TruthQueue::default();
     let mut source = WithTruth { recording: open(path, options, config)?, truths: Truths::open(path)?, queue: &queue };
     let (mut evaluation, mut wrong, mut not_compared) =
         (Evaluation::default(), Wrong::default(), NotCompared::default());
     let mut results = |frame: &Frame| {
-        let truth = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
-        match compare(frame, truth.unwrap_or(Ok(None))) {
+        match queue.compare(frame) {
             Ok((truth, score)) => {
                 evaluation.add(&score);
                 wrong.take(frame, &truth, &score);
@@ -65,13 +63,31 @@ pub(crate) fn score(
     Ok(Scored { evaluation, wrong, end, losses: lost.chain(not_compared.messages(path)).collect() })
 }
 
+/// The truth of each revolution on its way: results leave in the order of the source.
+#[derive(Default)]
+pub(crate) struct TruthQueue(Mutex<VecDeque<TruthAt>>);
+
 type TruthAt = Result<Option<Truth>, TruthError>;
 
+/// The reason that a result was not compared; `None` if there is no truth.
+type NoScore = Option<String>;
+
+impl TruthQueue {
+    /// Compares the next result with its truth.
+    pub(crate) fn compare(&self, frame: &Frame) -> Result<(Truth, Score), NoScore> {
+        let truth = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop_front().unwrap_or(Ok(None));
+        let truth =
+            truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?.ok_or(None)?;
+        let score = Score::of(&truth, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))?;
+        Ok((truth, score))
+    }
+}
+
 /// A recording that puts the truth of each revolution into a queue.
-struct WithTruth<'a> {
-    recording: Recording,
-    truths: Truths,
-    queue: &'a Mutex<VecDeque<TruthAt>>,
+pub(crate) struct WithTruth<'a> {
+    pub(crate) recording: Recording,
+    pub(crate) truths: Truths,
+    pub(crate) queue: &'a TruthQueue,
 }
 
 impl Source for WithTruth<'_> {
@@ -79,19 +95,10 @@ impl Source for WithTruth<'_> {
         let more = self.recording.next(out, notes)?;
         if more {
             let truth = self.truths.at(self.recording.last_log_time_ns());
-            self.queue.lock().unwrap_or_else(PoisonError::into_inner).push_back(truth);
+            self.queue.0.lock().unwrap_or_else(PoisonError::into_inner).push_back(truth);
         }
         Ok(more)
     }
-}
-
-/// The reason that a result was not compared; `None` if there is no truth.
-type NoScore = Option<String>;
-
-fn compare(frame: &Frame, truth: TruthAt) -> Result<(Truth, Score), NoScore> {
-    let truth = truth.map_err(|error| Some(format!("revolution {}: {error}", frame.revolution.seq)))?.ok_or(None)?;
-    let score = Score::of(&truth, &ResultsLine::of(frame)).map_err(|error| Some(error.to_string()))?;
-    Ok((truth, score))
 }
 
 /// Counts the revolutions that could not be compared with a truth.

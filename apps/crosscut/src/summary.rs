@@ -2,15 +2,17 @@
 
 use std::time::Duration;
 
-use comfy_table::{CellAlignment, Table, presets};
-use crosscut_pipeline::Summary;
+use crosscut_evaluate::tables::Table;
+use crosscut_pipeline::{Answers, NoteCount, Summary};
 use crosscut_stage::{Step, counted};
+
+use crate::typeset;
 
 /// The summary shows this many kinds of notes; the results hold all notes.
 const NOTES_SHOWN: usize = 5;
 
-/// Tables of counts, notes, and time per stage.
-pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
+/// Counts, notes, and time per stage, for a terminal.
+pub(crate) fn text(summary: &Summary, elapsed: Duration) -> String {
     let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
     let mut text = format!(
         "{} in {:.2} s ({per_second:.0} a second), {} with notes\n",
@@ -19,60 +21,52 @@ pub(crate) fn table(summary: &Summary, elapsed: Duration) -> String {
         summary.noted
     );
     if summary.revolutions > 0 {
-        text += &format!("\n{}\n\n{}\n", counts(summary), times(summary));
+        text += &format!("\n{}\n\n{}\n", typeset::plain(&counts(summary)), typeset::plain(&times(summary)));
     }
     if summary.noted > 0 {
-        text += &format!("\n{}\n", notes(summary));
+        let more = summary.notes.by_frequency().len().saturating_sub(NOTES_SHOWN) as u64;
+        text += &format!("\n{}\n", typeset::plain(&notes(summary, NOTES_SHOWN)));
+        if more > 0 {
+            text += &format!(" and {} more in the results\n", counted(more, "kind"));
+        }
     }
     text
 }
 
-fn counts(summary: &Summary) -> Table {
-    let mut table = plain(&["walls", "revolutions", "share", "of these, sure"]);
+/// Revolutions by their number of walls.
+pub(crate) fn counts(summary: &Summary) -> Table {
     let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);
-    for (junctions, answers) in &summary.junctions {
-        table.add_row([
+    let row = |(junctions, answers): (&usize, &Answers)| {
+        vec![
             junctions.to_string(),
             answers.revolutions.to_string(),
             share(answers.revolutions, summary.revolutions),
             share(answers.sure, answers.revolutions),
-        ]);
-    }
-    table
+        ]
+    };
+    table(&["walls", "revolutions", "share", "of these, sure"], summary.junctions.iter().map(row).collect())
 }
 
-/// The most frequent kinds of notes, each with its first instance.
-fn notes(summary: &Summary) -> String {
+/// The most frequent kinds of notes, at most so many, each with its first instance.
+pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
     let kinds = summary.notes.by_frequency();
-    let mut table = plain(&["revolutions", "note (first of its kind)"]);
-    table.column_mut(1).expect("two columns").set_cell_alignment(CellAlignment::Left);
-    for kind in kinds.iter().take(NOTES_SHOWN) {
-        table.add_row([kind.revolutions.to_string(), kind.first.clone()]);
-    }
-    let more = kinds.len().saturating_sub(NOTES_SHOWN) as u64;
-    if more > 0 { format!("{table}\n and {} more in the results", counted(more, "kind")) } else { table.trim_fmt() }
+    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), kind.first.clone()];
+    table(&["revolutions", "note (first of its kind)"], kinds.iter().take(most).map(row).collect())
 }
 
-fn times(summary: &Summary) -> Table {
-    let mut table = plain(&["stage", "median ms", "p99 ms"]);
+/// Times of the stages, of the flight, and from the arrival of a scan until its results are written, which is longer than
+/// the stages where scans wait for each other.
+pub(crate) fn times(summary: &Summary) -> Table {
     let steps = Step::ALL.map(|step| (step.name(), summary.times.median_and_p99_ns(step)));
-    // From the arrival of the scan until its results are written: longer than the stages where scans wait for each other.
-    let latency = ("with waiting", summary.times.latency_median_and_p99_ns());
     let flight = ("flight", summary.times.flight_median_and_p99_ns());
-    for (name, times) in steps.into_iter().chain([flight, latency]) {
-        if let Some((median_ns, p99_ns)) = times {
-            let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
-            table.add_row([name.to_owned(), ms(median_ns), ms(p99_ns)]);
-        }
-    }
-    table
+    let latency = ("with waiting", summary.times.latency_median_and_p99_ns());
+    let row = |(name, times): (&str, Option<(u64, u64)>)| {
+        let ms = |ns: u64| format!("{:.3}", ns as f64 / 1e6);
+        times.map(|(median_ns, p99_ns)| vec![name.to_owned(), ms(median_ns), ms(p99_ns)])
+    };
+    table(&["stage", "median ms", "p99 ms"], steps.into_iter().chain([flight, latency]).filter_map(row).collect())
 }
 
-fn plain(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header);
-    for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
+    Table { title: String::new(), header: header.iter().map(|&name| name.to_owned()).collect(), rows }
 }

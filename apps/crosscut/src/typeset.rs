@@ -1,4 +1,4 @@
-//! Tables as text for a terminal and as Markdown.
+//! Tables as text for a terminal, as Markdown and as HTML.
 
 use comfy_table::{CellAlignment, presets};
 use crosscut_evaluate::tables::Table;
@@ -13,6 +13,29 @@ pub(crate) fn text(tables: &[Table]) -> String {
         }
     };
     tables.iter().map(text).collect()
+}
+
+/// Formats a table without its title for a terminal.
+pub(crate) fn plain(table: &Table) -> String {
+    layout(table, presets::NOTHING).trim_fmt()
+}
+
+/// Formats a table without its title as HTML.
+pub(crate) fn html(table: &Table) -> String {
+    let row = |cells: &[String], tag: &str| -> String {
+        let cells = cells.iter().enumerate().map(|(place, cell)| {
+            let class = if is_name(&table.header[place]) { "" } else { " class=\"number\"" };
+            format!("<{tag}{class}>{}</{tag}>", escaped(cell))
+        });
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    };
+    let rows: String = table.rows.iter().map(|cells| row(cells, "td")).collect();
+    format!("<table>\n<thead>{}</thead>\n<tbody>\n{rows}</tbody>\n</table>\n", row(&table.header, "th").trim_end())
+}
+
+/// Text as it stands in HTML.
+pub(crate) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Formats tables as Markdown.
@@ -30,8 +53,13 @@ fn layout(table: &Table, preset: &str) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
     drawn.load_preset(preset).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
-        let is_name = matches!(table.header[place].as_str(), "family" | "configuration" | "setting" | "stage");
+        let is_name = is_name(&table.header[place]);
         column.set_cell_alignment(if is_name { CellAlignment::Left } else { CellAlignment::Right });
     }
     drawn
+}
+
+/// Whether a column has names or words, and no numbers.
+fn is_name(header: &str) -> bool {
+    matches!(header, "family" | "configuration" | "setting" | "stage" | "figure") || header.starts_with("note")
 }

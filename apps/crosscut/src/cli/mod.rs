@@ -1,6 +1,7 @@
 //! The command line: every command with its options.
 
 pub(crate) mod record;
+pub(crate) mod rrd;
 
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
@@ -12,6 +13,7 @@ use crosscut_messages::ScanType;
 
 use crate::maps::FORMATS;
 use record::{LayoutArg, RecordArgs};
+use rrd::RrdCommand;
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
 #[derive(Debug, Parser)]
@@ -46,6 +48,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
     Map(MapArgs),
+    /// Write a page (HTML) on a flight: counts over time, map, junctions with their walls, notes, times and settings.
+    Report(ReportArgs),
     /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.
     Convert(ConvertArgs),
     /// List, export or compare the contents of recordings made with `run --save`.
@@ -118,6 +122,20 @@ pub(crate) struct MapArgs {
     pub(crate) config: ConfigArgs,
     /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
+    pub(crate) out: PathBuf,
+    /// Show no progress bar and no summary.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    #[command(flatten)]
+    pub(crate) flight: FlightArgs,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
+    /// The page. It needs no other file and no network.
+    #[arg(long, value_name = "FILE.html", value_parser = PathBufValueParser::new().try_map(html_path))]
     pub(crate) out: PathBuf,
     /// Show no progress bar and no summary.
     #[arg(long)]
@@ -292,76 +310,6 @@ pub(crate) struct InfoArgs {
     pub(crate) config: ConfigArgs,
 }
 
-#[derive(Debug, Subcommand)]
-pub(crate) enum RrdCommand {
-    /// List the entities of the recordings in a file with their components, revolutions and sizes.
-    Ls(RrdLsArgs),
-    /// Export the values of an entity: as NumPy array, CSV, Parquet or JSON lines.
-    Get(RrdGetArgs),
-    /// Compare two recordings row by row and name the first revolution and stage that differ. Exit codes as of diff(1):
-    /// 0 equal, 1 different, 2 failed; and 3 if the readable rows of a damaged recording are equal.
-    Diff(RrdDiffArgs),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct RrdLsArgs {
-    /// Recording made with `run --save`.
-    #[arg(value_name = "FLIGHT.rrd")]
-    pub(crate) recording: PathBuf,
-    /// List every component, including those that control the drawing.
-    #[arg(long)]
-    pub(crate) components: bool,
-    /// Print the configuration that the recording was made with.
-    #[arg(long)]
-    pub(crate) config: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct RrdGetArgs {
-    /// Recording made with `run --save`.
-    #[arg(value_name = "FLIGHT.rrd")]
-    pub(crate) recording: PathBuf,
-    /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it.
-    pub(crate) entity: String,
-    /// Identifier of the recording, in a file that holds several.
-    #[arg(long = "recording", value_name = "ID")]
-    pub(crate) id: Option<String>,
-    /// Component of the entity. [default: the one that holds its numbers]
-    #[arg(long, value_name = "NAME", conflicts_with = "exact")]
-    pub(crate) component: Option<String>,
-    /// Number of a single revolution. [default: all]
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
-    pub(crate) revolution: Option<i64>,
-    /// Start this many seconds after the first recorded revolution.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) from: Option<f64>,
-    /// Stop this many seconds after the first recorded revolution.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) to: Option<f64>,
-    /// Recompute W, L, U and all that follows in full precision from the recorded ranges and configuration.
-    #[arg(long)]
-    pub(crate) exact: bool,
-    /// Output: .npy, .csv, .parquet or .jsonl; for text also .md, or `-` for standard output.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct RrdDiffArgs {
-    /// Recording made with `run --save`.
-    #[arg(value_name = "A.rrd")]
-    pub(crate) first: PathBuf,
-    /// Second recording of the same flight.
-    #[arg(value_name = "B.rrd")]
-    pub(crate) second: PathBuf,
-    /// Identifier of the recording, in a file that holds several; once for each such file.
-    #[arg(long = "recording", value_name = "ID")]
-    pub(crate) ids: Vec<String>,
-    /// Largest difference of two numbers that count as equal.
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
-    pub(crate) tolerance: f64,
-}
-
 fn one_or_more(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "a whole number, 1 or more".to_owned())
 }
@@ -372,6 +320,11 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn svg_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "svg") { Ok(path) } else { Err("the picture is an SVG file: FILE.svg") }
+}
+
+fn html_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    let is_html = has_extension(&path, "html") || has_extension(&path, "htm");
+    if is_html { Ok(path) } else { Err("the page is an HTML file: FILE.html") }
 }
 
 fn map_path(path: PathBuf) -> Result<PathBuf, String> {

@@ -6,6 +6,7 @@ pub(crate) mod evaluate;
 pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod paper;
+pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;
 pub(crate) mod run;

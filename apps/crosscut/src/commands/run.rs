@@ -52,7 +52,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
     if !args.quiet {
-        say(summary::table(&summary, start.elapsed()).trim_end());
+        say(summary::text(&summary, start.elapsed()).trim_end());
         say(format_args!("\n{}", written.mapper.map().summary()));
     }
 

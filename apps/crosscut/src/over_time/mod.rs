@@ -15,11 +15,16 @@ use crosscut_stage::Frame;
 use crate::outputs;
 use reason::WallArc;
 
-/// The picture and the list, with the values kept of every revolution for them.
+/// The picture and the list of a flight, as files.
 pub(crate) struct OverTime {
     title: String,
     picture: Box<dyn Write + Send>,
     list: Box<dyn Write + Send>,
+    course: Course,
+}
+
+/// The values that are kept of every revolution of a flight.
+pub(crate) struct Course {
     vehicle_width_m: f64,
     /// Time of the first revolution in seconds after the first scan of the flight.
     starts_at_s: f64,
@@ -44,7 +49,31 @@ impl OverTime {
     pub(crate) fn create(svg: &Path, read: &[PathBuf], vehicle_width_m: f64) -> anyhow::Result<Self> {
         let title = svg.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let [picture, list] = [svg, &list_beside(svg)].map(|path| outputs::create(path, read));
-        Ok(Self { title, picture: picture?, list: list?, vehicle_width_m, starts_at_s: 0.0, moments: Vec::new() })
+        Ok(Self { title, picture: picture?, list: list?, course: Course::new(vehicle_width_m) })
+    }
+
+    /// Adds the next revolution of the flight.
+    pub(crate) fn take(&mut self, frame: &Frame) {
+        self.course.take(frame);
+    }
+
+    /// Writes the picture and the list of flips; nothing if there are no revolutions. The first revolution was recorded
+    /// `starts_at_s` after the first scan of the flight.
+    pub(crate) fn write(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        self.course.start(starts_at_s);
+        if self.course.moments.is_empty() {
+            return Ok(());
+        }
+        let flips = self.course.flips();
+        let (picture, list) = (picture::svg(&self.course, &flips), page::markdown(&self.title, &self.course, &flips));
+        self.picture.write_all(picture.as_bytes()).context("the picture of the flight over time")?;
+        self.list.write_all(list.as_bytes()).context("the list of the flight over time")
+    }
+}
+
+impl Course {
+    pub(crate) fn new(vehicle_width_m: f64) -> Self {
+        Self { vehicle_width_m, starts_at_s: 0.0, moments: Vec::new() }
     }
 
     /// Adds the next revolution of the flight.
@@ -66,18 +95,24 @@ impl OverTime {
         });
     }
 
-    /// Writes the picture and the list of flips; nothing if there are no revolutions. The first revolution was recorded
-    /// `starts_at_s` after the first scan of the flight.
-    pub(crate) fn write(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+    /// The first revolution was recorded this long after the first scan of the flight.
+    pub(crate) fn start(&mut self, starts_at_s: f64) {
         self.starts_at_s = starts_at_s;
-        if self.moments.is_empty() {
-            return Ok(());
-        }
-        let junctions: Vec<usize> = self.moments.iter().map(|moment| moment.junctions).collect();
-        let flips = flips(&junctions);
-        let (picture, list) = (picture::svg(self, &flips), page::markdown(&self.title, self, &flips));
-        self.picture.write_all(picture.as_bytes()).context("the picture of the flight over time")?;
-        self.list.write_all(list.as_bytes()).context("the list of the flight over time")
+    }
+
+    /// From the first revolution to the last, s.
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.moments.last().map_or(0.0, |last| self.seconds(last) - self.starts_at_s)
+    }
+
+    /// The picture, and how many revolutions have another count than most of their neighbours.
+    pub(crate) fn picture(&self) -> (String, usize) {
+        let flips = self.flips();
+        (picture::svg(self, &flips), flips.len())
+    }
+
+    fn flips(&self) -> Vec<Flip> {
+        flips(&self.moments.iter().map(|moment| moment.junctions).collect::<Vec<_>>())
     }
 
     /// Time of a revolution in seconds after the first scan of the flight.

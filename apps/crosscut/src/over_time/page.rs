@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crosscut_evaluate::{AROUND, Flip};
 
-use super::OverTime;
+use super::Course;
 
 const LIST: &str = "
 The two columns of clearance belong to the verdicts closest to the threshold. *Opening clear*: how far the walls at an opening
@@ -16,7 +16,7 @@ would fit into, the most of all gaps.
 ";
 
 /// The share of flips, and a row for each.
-pub(super) fn markdown(title: &str, flight: &OverTime, flips: &[Flip]) -> String {
+pub(super) fn markdown(title: &str, flight: &Course, flips: &[Flip]) -> String {
     let revolutions = flight.moments.len();
     let percent = 100.0 * flips.len() as f64 / revolutions.max(1) as f64;
     let mut page = format!(

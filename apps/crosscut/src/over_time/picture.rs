@@ -4,7 +4,7 @@ use crosscut_evaluate::Flip;
 use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, page, text};
 use svg::node::element::{Circle, Title};
 
-use super::{Moment, OverTime};
+use super::{Course, Moment};
 
 /// Colour of the dots at flips.
 const FLIP: &str = COLOURS[3];
@@ -32,7 +32,7 @@ struct Lane {
     values: Vec<f64>,
 }
 
-pub(super) fn svg(flight: &OverTime, flips: &[Flip]) -> String {
+pub(super) fn svg(flight: &Course, flips: &[Flip]) -> String {
     let lanes = lanes(&flight.moments);
     let height_px = TOP_PX + lanes.len() as f64 * (LANE_PX + BETWEEN_PX) - BETWEEN_PX + MARGIN_PX;
     let mut picture = page(RIGHT_PX + MARGIN_PX, height_px, 12.0);
@@ -87,7 +87,7 @@ fn steps(values: &[f64]) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// A dot on the count of a flip. Its reason appears when one points at it.
-fn mark(walls: &mut Chart, flight: &OverTime, flip: &Flip) {
+fn mark(walls: &mut Chart, flight: &Course, flip: &Flip) {
     let seq = flight.moments[flip.at].seq;
     let reason = format!("{seq}: {} walls, {} around it; {}", flip.junctions, flip.around, flight.reason(flip));
     let [x_px, y_px] = walls.px([flip.at as f64 + 0.5, flip.junctions as f64]);

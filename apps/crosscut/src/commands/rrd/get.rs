@@ -11,7 +11,7 @@ use super::exact::{self, Recomputation};
 use super::output::Output;
 use super::selection::Selection;
 use super::{open, say_damages};
-use crate::cli::RrdGetArgs;
+use crate::cli::rrd::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
 use crate::say::say;
 use crate::{flight, outputs};

@@ -7,7 +7,7 @@ use comfy_table::{Cell, CellAlignment, Table, presets};
 use crosscut_rrd::{ReadError, RecordedEntity, Recording};
 
 use super::{open, say_damages};
-use crate::cli::RrdLsArgs;
+use crate::cli::rrd::RrdLsArgs;
 use crate::exit::Outcome;
 
 /// Prints the content of a recording, or of each that the file holds. The exit code is 3 if one is damaged.

@@ -16,7 +16,7 @@ use std::path::Path;
 use crosscut_pipeline::Registry;
 use crosscut_rrd::{ReadError, Recording};
 
-use crate::cli::RrdCommand;
+use crate::cli::rrd::RrdCommand;
 use crate::exit::{Outcome, UsageError};
 use crate::say::say;
 

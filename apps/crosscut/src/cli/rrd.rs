@@ -1,0 +1,77 @@
+//! The options of `crosscut rrd`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::{seconds, tolerance};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum RrdCommand {
+    /// List the entities of the recordings in a file with their components, revolutions and sizes.
+    Ls(RrdLsArgs),
+    /// Export the values of an entity: as NumPy array, CSV, Parquet or JSON lines.
+    Get(RrdGetArgs),
+    /// Compare two recordings row by row and name the first revolution and stage that differ. Exit codes as of diff(1):
+    /// 0 equal, 1 different, 2 failed; and 3 if the readable rows of a damaged recording are equal.
+    Diff(RrdDiffArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdLsArgs {
+    /// Recording made with `run --save`.
+    #[arg(value_name = "FLIGHT.rrd")]
+    pub(crate) recording: PathBuf,
+    /// List every component, including those that control the drawing.
+    #[arg(long)]
+    pub(crate) components: bool,
+    /// Print the configuration that the recording was made with.
+    #[arg(long)]
+    pub(crate) config: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdGetArgs {
+    /// Recording made with `run --save`.
+    #[arg(value_name = "FLIGHT.rrd")]
+    pub(crate) recording: PathBuf,
+    /// Entity as `rrd ls` names it, such as /spectral/eigenvalues. /affinity/W is a picture; --exact recomputes it.
+    pub(crate) entity: String,
+    /// Identifier of the recording, in a file that holds several.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) id: Option<String>,
+    /// Component of the entity. [default: the one that holds its numbers]
+    #[arg(long, value_name = "NAME", conflicts_with = "exact")]
+    pub(crate) component: Option<String>,
+    /// Number of a single revolution. [default: all]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to"], allow_negative_numbers = true)]
+    pub(crate) revolution: Option<i64>,
+    /// Start this many seconds after the first recorded revolution.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) from: Option<f64>,
+    /// Stop this many seconds after the first recorded revolution.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) to: Option<f64>,
+    /// Recompute W, L, U and all that follows in full precision from the recorded ranges and configuration.
+    #[arg(long)]
+    pub(crate) exact: bool,
+    /// Output: .npy, .csv, .parquet or .jsonl; for text also .md, or `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RrdDiffArgs {
+    /// Recording made with `run --save`.
+    #[arg(value_name = "A.rrd")]
+    pub(crate) first: PathBuf,
+    /// Second recording of the same flight.
+    #[arg(value_name = "B.rrd")]
+    pub(crate) second: PathBuf,
+    /// Identifier of the recording, in a file that holds several; once for each such file.
+    #[arg(long = "recording", value_name = "ID")]
+    pub(crate) ids: Vec<String>,
+    /// Largest difference of two numbers that count as equal.
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
+    pub(crate) tolerance: f64,
+}

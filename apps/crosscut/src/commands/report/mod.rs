@@ -1,0 +1,111 @@
+//! `crosscut report`: a flight as one HTML page that needs no other file and no network.
+
+mod page;
+mod places;
+
+use std::io::Write as _;
+
+use anyhow::Context;
+use crosscut_evaluate::Evaluation;
+use crosscut_flight::Mapper;
+use crosscut_ingest::{Recording, Truths, recordings_in};
+use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_stage::Frame;
+
+use self::places::Places;
+use crate::cli::ReportArgs;
+use crate::diagnostics::Diagnostics;
+use crate::exit::Outcome;
+use crate::interrupt::stop_on_interrupt;
+use crate::over_time::Course;
+use crate::say::say;
+use crate::scoring::{TruthQueue, WithTruth};
+use crate::{config, flight, outputs, progress};
+
+/// What the page shows of a flight.
+struct Flown {
+    title: String,
+    config: Config,
+    summary: Summary,
+    course: Course,
+    mapper: Mapper,
+    places: Places,
+    /// Against the truth, if the recording has one.
+    evaluation: Option<Evaluation>,
+    lost: Vec<String>,
+}
+
+/// Runs the flight and writes its page.
+pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let config = config::resolve(&args.config, registry)?;
+    let mut read = recordings_in(&args.flight.input)?;
+    read.extend(args.config.config.clone());
+    let mut out = outputs::create(&args.out, &read)?;
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+    let recording = flight::open(&args.flight, &config)?;
+    let truths = match &args.flight.input[..] {
+        [only] => Truths::open(only).ok(),
+        _ => None,
+    };
+    let names = args.flight.input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
+    let title = names.collect::<Vec<_>>().join(", ");
+    let flown = fly(title, recording, truths, config, registry, &stop, args.quiet)?;
+    let mut diagnostics = Diagnostics::default();
+    match &flown.summary.end {
+        End::Failed(failure) if flown.summary.revolutions == 0 => anyhow::bail!("{failure}"),
+        End::Failed(failure) => diagnostics.error(failure),
+        End::Interrupted => diagnostics.interrupt(),
+        End::Complete if flown.summary.revolutions == 0 => anyhow::bail!("no scan could be read"),
+        End::Complete | End::ResultsLost(_) => {}
+    }
+    let cannot = || format!("cannot write {}", args.out.display());
+    out.write_all(page::html(&flown).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+    if !args.quiet {
+        say(flown.mapper.map().summary());
+    }
+    diagnostics.lost_all(&flown.lost);
+    Ok(diagnostics.outcome())
+}
+
+fn fly(
+    title: String,
+    mut recording: Recording,
+    truths: Option<Truths>,
+    config: Config,
+    registry: &Registry,
+    stop: &StopFlag,
+    quiet: bool,
+) -> anyhow::Result<Flown> {
+    let bar = progress::bar(recording.total_revolutions(), quiet);
+    let mut course = Course::new(config.params("vehicle").get(VEHICLE_WIDTH_M));
+    let (mut mapper, mut places) = (Mapper::default(), Places::default());
+    let queue = TruthQueue::default();
+    let mut evaluation = truths.is_some().then(Evaluation::default);
+    let mut sink = |frame: &Frame| {
+        bar.inc(1);
+        course.take(frame);
+        mapper.add(frame);
+        places.take(frame);
+        if let Some(evaluation) = &mut evaluation
+            && let Ok((_, score)) = queue.compare(frame)
+        {
+            evaluation.add(&score);
+        }
+        Ok(())
+    };
+    let options = StreamOptions { stop: stop.clone(), flight: true, ..StreamOptions::default() };
+    let (ran, recording) = match truths {
+        Some(truths) => {
+            let mut source = WithTruth { recording, truths, queue: &queue };
+            (stream(&mut source, &config, registry, &mut sink, &mut [], &options), source.recording)
+        }
+        None => (stream(&mut recording, &config, registry, &mut sink, &mut [], &options), recording),
+    };
+    bar.finish_and_clear();
+    let summary = ran.context("a thread could not be started")?;
+    course.start(recording.starts_at_s().unwrap_or(0.0));
+    let lost = recording.losses().iter().map(ToString::to_string).collect();
+    Ok(Flown { title, config, summary, course, mapper, places, evaluation, lost })
+}

@@ -1,0 +1,161 @@
+//! The places that the vehicle passed, each with the clearest of its scans.
+
+use std::fmt::Write as _;
+
+use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, line, page, text};
+use crosscut_flight::Map;
+use crosscut_stage::{Frame, Here, HereKind, Steady, counted};
+
+use crate::figure::{Panel, sheet};
+use crate::typeset::escaped;
+
+/// At most this many places are shown.
+const MOST_PLACES: usize = 60;
+
+/// Size of the picture of eigenvalues.
+const SPECTRUM_PX: [f64; 2] = [198.0, 130.0];
+/// Exponents at the ends of its axis.
+const EXPONENTS: [i32; 2] = [-18, 0];
+
+/// Stays at places other than passages, in order.
+#[derive(Default)]
+pub(super) struct Places {
+    stays: Vec<Stay>,
+    is_open: bool,
+    left_out: usize,
+}
+
+/// Revolutions in a row at one place.
+struct Stay {
+    what: String,
+    seqs: [u64; 2],
+    stamps_ns: [u64; 2],
+    clearest: Scan,
+}
+
+/// The scan of a stay that is shown.
+struct Scan {
+    seq: u64,
+    confidence: f64,
+    panel: Panel,
+    eigenvalues: Vec<f64>,
+    tolerance: f64,
+    k: usize,
+    margin_decades: Option<f64>,
+    openings: Vec<[f64; 3]>,
+    notes: Vec<String>,
+}
+
+impl Places {
+    /// Adds the next revolution of the flight.
+    pub(super) fn take(&mut self, frame: &Frame) {
+        let Some(what) = frame.steady.as_ref().and_then(name) else {
+            self.is_open = false;
+            return;
+        };
+        let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
+        if let Some(stay) = self.stays.last_mut().filter(|stay| self.is_open && stay.what == what) {
+            (stay.seqs[1], stay.stamps_ns[1]) = (seq, stamp_ns);
+            if frame.junction.confidence > stay.clearest.confidence {
+                stay.clearest = Scan::of(frame);
+            }
+            return;
+        }
+        self.is_open = self.stays.len() < MOST_PLACES;
+        if self.is_open {
+            self.stays.push(Stay { what, seqs: [seq; 2], stamps_ns: [stamp_ns; 2], clearest: Scan::of(frame) });
+        } else {
+            self.left_out += 1;
+        }
+    }
+
+    /// The places as HTML, with the number of each in the map.
+    pub(super) fn html(&self, map: &Map) -> String {
+        if self.stays.is_empty() {
+            return "<p>The vehicle passed no junction, dead end or chamber.</p>\n".to_owned();
+        }
+        let mut html = String::from("<div class=\"places\">\n");
+        for stay in &self.stays {
+            html += &stay.html(map);
+        }
+        html += "</div>\n";
+        if self.left_out > 0 {
+            // Writing to a string cannot fail.
+            let _ = writeln!(html, "<p>The first {MOST_PLACES} are shown; there are more.</p>");
+        }
+        html
+    }
+}
+
+/// What a place is called; `None` for passages.
+fn name(steady: &Steady) -> Option<String> {
+    match &steady.here {
+        Some(Here { kind: HereKind::Junction, ways, .. }) => Some(format!("junction of {} ways", ways.len())),
+        Some(Here { kind: HereKind::DeadEnd, .. }) => Some("dead end".to_owned()),
+        Some(Here { kind: HereKind::Chamber, .. }) => Some("chamber".to_owned()),
+        Some(Here { kind: HereKind::Passage, .. }) => None,
+        None => (steady.junctions != 2).then(|| format!("{} in view", counted(steady.junctions as u64, "wall"))),
+    }
+}
+
+impl Stay {
+    fn html(&self, map: &Map) -> String {
+        let is_visit = |[from_ns, to_ns]: &[u64; 2]| *from_ns <= self.stamps_ns[1] && self.stamps_ns[0] <= *to_ns;
+        let node = map.nodes.iter().position(|node| node.visits.iter().any(is_visit));
+        let node = node.map(|node| format!(" · node {node} of the map")).unwrap_or_default();
+        let [from, to] = self.seqs;
+        let Scan { seq, confidence, k, margin_decades, .. } = self.clearest;
+        let margin = margin_decades.map(|decades| format!(", margin {decades:.1} decades")).unwrap_or_default();
+        let openings = self.clearest.openings.iter().map(|[bearing_rad, width_m, range_m]| {
+            format!("<li>{:+.0}°, {width_m:.1} m wide, {range_m:.1} m away</li>", bearing_rad.to_degrees())
+        });
+        let notes = self.clearest.notes.iter().map(|note| format!("<li>{}</li>", escaped(note)));
+        format!(
+            "<figure>\n<figcaption><b>{}</b>{node}<br>revolutions {from} to {to}; shown {seq}: k = {k}{margin}, confidence \
+             {confidence:.2}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
+            escaped(&self.what),
+            sheet(std::slice::from_ref(&self.clearest.panel), 1),
+            self.clearest.spectrum(),
+            openings.collect::<String>(),
+            notes.collect::<String>(),
+        )
+    }
+}
+
+impl Scan {
+    fn of(frame: &Frame) -> Self {
+        let Frame { revolution, spectrum, junction, notes, .. } = frame;
+        let openings =
+            junction.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m, opening.range_m()]);
+        Self {
+            seq: revolution.seq,
+            confidence: junction.confidence,
+            panel: Panel::of_answer(counted(junction.junctions as u64, "wall"), frame),
+            eigenvalues: spectrum.eigenvalues.iter().take(spectrum.k + 6).copied().collect(),
+            tolerance: spectrum.tolerance,
+            k: spectrum.k,
+            margin_decades: spectrum.margin_decades,
+            openings: openings.collect(),
+            notes: notes.iter().map(str::to_owned).collect(),
+        }
+    }
+
+    /// The smallest eigenvalues, and the tolerance below which they count as zero.
+    fn spectrum(&self) -> String {
+        let [width_px, height_px] = SPECTRUM_PX;
+        let x = Axis::linear([0.0, self.eigenvalues.len().max(1) as f64], [40.0, width_px - 6.0]);
+        let mut chart = Chart::new(x, Axis::powers_of_ten(EXPONENTS, [height_px - 22.0, 8.0]));
+        for exponent in (EXPONENTS[0]..=EXPONENTS[1]).step_by(6) {
+            chart.y_tick(10f64.powi(exponent), &format!("1e{exponent}"));
+        }
+        let [left_px, tolerance_px] = chart.px([0.0, self.tolerance]);
+        let dashed = line([left_px, tolerance_px], [width_px - 6.0, tolerance_px], COLOURS[3]);
+        chart.add(dashed.set("stroke-dasharray", "4 3"));
+        let places = self.eigenvalues.iter().enumerate().map(|(i, value)| [i as f64 + 0.5, value.max(0.0)]);
+        let (zeros, others): (Vec<_>, Vec<_>) = places.partition(|[at, _]| (*at as usize) < self.k);
+        chart.dots(zeros, COLOURS[0], 6.0, 1.0);
+        chart.dots(others, INK, 5.0, 1.0);
+        let caption = text("eigenvalues λ, and τ", [40.0, height_px - 6.0], "start");
+        page(width_px, height_px, 10.0).add(chart).add(caption).to_string()
+    }
+}
