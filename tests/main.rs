@@ -25,5 +25,6 @@ mod sensors;
 #[cfg(feature = "rerun")]
 mod serving;
 mod simulation;
+mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;

@@ -47,6 +47,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
+        Command::Sweep(args) => commands::sweep::sweep(&args, registry),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),

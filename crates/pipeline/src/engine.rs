@@ -94,7 +94,7 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
+    pub(crate) fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
         Self { step, run: Box::new(run) }
     }
 

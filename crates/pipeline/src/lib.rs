@@ -4,6 +4,7 @@
 //! - [`Settings`]: a preset and what is to be different from it, for a robot's own program.
 //! - [`Config`]: presets, files and single settings in layers, checked against what the chosen stages declare.
 //! - [`Engine`]: all stages on one revolution in the calling thread.
+//! - [`Variants`]: several configurations on one revolution, each stage run once for all that share it.
 //! - [`stream`]: the same stages, each in a thread of its own, over a whole recording, in order and with bounded memory.
 //!
 //! A robot's own program needs no other crate: see the example of [`Settings`].
@@ -26,6 +27,7 @@ mod settings;
 mod stop;
 mod stream;
 mod summary;
+mod variants;
 
 pub use crosscut_flight::Flight;
 pub use crosscut_ingest::Sensor;
@@ -42,3 +44,4 @@ pub use settings::Settings;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
 pub use summary::{Answers, End, StageTimes, Summary};
+pub use variants::{Variants, settings_of_step};

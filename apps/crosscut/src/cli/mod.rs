@@ -2,6 +2,7 @@
 
 pub(crate) mod record;
 pub(crate) mod rrd;
+pub(crate) mod sweep;
 
 use std::net::SocketAddr;
 use std::num::NonZeroU64;
@@ -14,6 +15,7 @@ use crosscut_messages::ScanType;
 use crate::maps::FORMATS;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
+use sweep::SweepArgs;
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
 #[derive(Debug, Parser)]
@@ -48,6 +50,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
     Map(MapArgs),
+    /// Try every combination of some settings on a set of flights: tables and pictures, with accuracy where there is truth.
+    Sweep(SweepArgs),
     /// Write a page (HTML) on a flight: counts over time, map, junctions with their walls, notes, times and settings.
     Report(ReportArgs),
     /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.

@@ -11,5 +11,6 @@ pub(crate) mod report;
 pub(crate) mod rrd;
 pub(crate) mod run;
 pub(crate) mod simulate;
+pub(crate) mod sweep;
 #[cfg(feature = "rerun")]
 pub(crate) mod view;

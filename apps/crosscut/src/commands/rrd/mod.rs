@@ -6,7 +6,7 @@ mod get;
 mod ls;
 mod npy;
 mod output;
-mod parquet;
+pub(super) mod parquet;
 mod selection;
 mod table;
 mod unfinished;

@@ -10,19 +10,19 @@ use parquet::file::properties::WriterProperties;
 use crate::exit::UsageError;
 
 /// A table that grows by rows. Its columns are those of the first value.
-pub(super) struct ParquetFile {
+pub(in crate::commands) struct ParquetFile {
     file: File,
     /// Opened by the first value, which sets the columns.
     writer: Option<(SchemaRef, ArrowWriter<File>)>,
 }
 
 impl ParquetFile {
-    pub(super) fn new(file: File) -> Self {
+    pub(in crate::commands) fn new(file: File) -> Self {
         Self { file, writer: None }
     }
 
     /// The rows of one more value.
-    pub(super) fn add(&mut self, rows: &RecordBatch) -> anyhow::Result<()> {
+    pub(in crate::commands) fn add(&mut self, rows: &RecordBatch) -> anyhow::Result<()> {
         let (columns, writer) = match &mut self.writer {
             Some(opened) => opened,
             None => {
@@ -39,7 +39,7 @@ impl ParquetFile {
     }
 
     /// Writes what is left, and the index of the file.
-    pub(super) fn finish(self) -> anyhow::Result<()> {
+    pub(in crate::commands) fn finish(self) -> anyhow::Result<()> {
         if let Some((_, writer)) = self.writer {
             writer.close()?;
         }

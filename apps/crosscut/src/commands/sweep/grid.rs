@@ -1,0 +1,105 @@
+//! The settings that are tried, and their combinations.
+
+use crosscut_pipeline::{Config, Registry};
+
+use crate::cli::ConfigArgs;
+use crate::config;
+use crate::exit::UsageError;
+
+/// The key that chooses a preset.
+const PRESET: &str = "preset";
+
+/// All combinations of the values of some settings.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Grid {
+    pub(super) keys: Vec<String>,
+    /// The value of each key, for each combination; the last key changes fastest.
+    pub(super) points: Vec<Vec<String>>,
+}
+
+impl Grid {
+    /// From texts of the form `KEY=V1,V2...`.
+    ///
+    /// # Errors
+    /// When a text has another form, or a key stands twice.
+    pub(super) fn parse(texts: &[String]) -> Result<Self, UsageError> {
+        let mut grid = Self { keys: Vec::new(), points: vec![Vec::new()] };
+        for text in texts {
+            let (key, values) = text
+                .split_once('=')
+                .filter(|(key, values)| !key.is_empty() && !values.is_empty())
+                .ok_or_else(|| UsageError(format!("--grid {text}: the form is KEY=V1,V2...")))?;
+            if grid.keys.iter().any(|known| known == key) {
+                return Err(UsageError(format!("--grid names {key} twice")));
+            }
+            grid.keys.push(key.to_owned());
+            let values = values_of(values);
+            let with = |point: &Vec<String>| {
+                let point = point.clone();
+                values.iter().map(move |value| [point.as_slice(), std::slice::from_ref(value)].concat())
+            };
+            grid.points = grid.points.iter().flat_map(with).collect();
+        }
+        Ok(grid)
+    }
+
+    /// The configuration of each combination, over that of the command line.
+    pub(super) fn configs(&self, args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Vec<Config>> {
+        let config = |point: &Vec<String>| {
+            let mut layers =
+                ConfigArgs { preset: args.preset.clone(), config: args.config.clone(), set: args.set.clone() };
+            for (key, value) in self.keys.iter().zip(point) {
+                if key == PRESET {
+                    layers.preset.clone_from(value);
+                } else {
+                    layers.set.push(format!("{key}={value}"));
+                }
+            }
+            let named = self.keys.iter().zip(point).map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>();
+            config::resolve(&layers, registry)
+                .map_err(|error| UsageError(format!("--grid at {}: {error}", named.join(", "))).into())
+        };
+        self.points.iter().map(config).collect()
+    }
+}
+
+/// Splits at commas that are not within brackets.
+fn values_of(text: &str) -> Vec<String> {
+    let mut depth = 0;
+    let values = text.split(|c| {
+        match c {
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            _ => {}
+        }
+        c == ',' && depth == 0
+    });
+    values.map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(texts: &[&str]) -> Result<Grid, String> {
+        let texts: Vec<String> = texts.iter().map(|&text| text.to_owned()).collect();
+        Grid::parse(&texts).map_err(|error| error.0)
+    }
+
+    #[test]
+    fn every_combination_is_tried_and_lists_are_one_value() {
+        let grid = parse(&["preset=paper,default", "ingest.rings=[[0,1],[3,4]],[]"]).expect("a grid");
+        assert_eq!(grid.keys, ["preset", "ingest.rings"]);
+        let rings = ["[[0,1],[3,4]]", "[]"];
+        let expected: Vec<_> =
+            ["paper", "default"].iter().flat_map(|preset| rings.map(|rings| vec![*preset, rings])).collect();
+        assert_eq!(grid.points, expected);
+    }
+
+    #[test]
+    fn a_grid_without_values_or_with_a_key_twice_is_refused() {
+        assert!(parse(&["affinity.kind"]).is_err_and(|error| error.contains("KEY=V1,V2")));
+        assert!(parse(&["affinity.kind="]).is_err());
+        assert!(parse(&["a.b=1", "a.b=2"]).is_err_and(|error| error.contains("a.b twice")));
+    }
+}

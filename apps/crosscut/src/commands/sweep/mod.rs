@@ -1,0 +1,211 @@
+//! `crosscut sweep`: every combination of some settings over a set of flights.
+
+mod grid;
+mod output;
+#[cfg(feature = "rerun")]
+mod parquet;
+mod picture;
+mod store;
+mod tally;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, Builder};
+
+use anyhow::Context;
+use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Sensor, Truths, recordings_in};
+use crosscut_pipeline::{Config, Frame, Registry, StopFlag, Variants, settings_of_step};
+use crosscut_stage::{Source as _, Step, counted};
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+
+use self::grid::Grid;
+use self::store::{Store, hash, hash_of_file};
+use self::tally::Tally;
+use crate::cli::sweep::SweepArgs;
+use crate::diagnostics::Diagnostics;
+use crate::exit::Outcome;
+use crate::interrupt::stop_on_interrupt;
+use crate::progress;
+use crate::say::say;
+
+/// A flight, and what is known of it.
+struct Flight {
+    path: PathBuf,
+    name: String,
+    hash: String,
+}
+
+/// A flight with combinations that read its scans in one way, and the names under which their results are kept.
+struct Task<'a> {
+    flight: &'a Flight,
+    points: Vec<(usize, String)>,
+}
+
+/// Runs every combination on every flight, except where that was done before.
+pub(crate) fn sweep(args: &SweepArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let grid = Grid::parse(&args.grid)?;
+    let configs = grid.configs(&args.config, registry)?;
+    let store = Store::open(args.out.join("rows"))?;
+    let mut diagnostics = Diagnostics::default();
+    let flights = flights(recordings_in(&args.input)?, &mut diagnostics);
+    let program = program();
+    let name_of = |flight: &Flight, config: &Config| {
+        let settings: String = config.settings().map(|(key, value)| format!("{key}={value}\n")).collect();
+        let read = format!("{:?} {:?}", args.topic, args.read_as);
+        hash(&[&program, &flight.hash, &read, &settings])
+    };
+    let names: Vec<Vec<String>> =
+        flights.iter().map(|flight| configs.iter().map(|config| name_of(flight, config)).collect()).collect();
+    let tasks = tasks(&flights, &configs, &names, &store);
+    let (missing, all) = (tasks.iter().map(|task| task.points.len()).sum::<usize>(), flights.len() * configs.len());
+    if !args.quiet && missing < all {
+        say(format_args!("{} of {all} are there from an earlier sweep", all - missing));
+    }
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+    let sweep = Sweep { args, configs: &configs, registry, store: &store, stop: &stop };
+    sweep.run(&tasks, &mut diagnostics)?;
+
+    let mut rows = Vec::new();
+    for (flight, names) in flights.iter().zip(&names) {
+        for (point, name) in grid.points.iter().zip(names) {
+            if let Some(result) = store.get(name) {
+                rows.push(output::Row { flight: &flight.name, input: &flight.hash, point, result });
+            }
+        }
+    }
+    output::write(&args.out, &program, &grid, &rows)?;
+    if !args.quiet {
+        output::show(&grid, &rows)?;
+    }
+    if stop.is_set() {
+        let left = all - rows.len();
+        diagnostics.interrupted(format_args!("{left} of {all} are left; the same command goes on"));
+    }
+    Ok(diagnostics.outcome())
+}
+
+/// Version and contents of this program: another build may give other answers.
+fn program() -> String {
+    let build = std::env::current_exe().and_then(|path| hash_of_file(&path)).unwrap_or_default();
+    format!("crosscut {} {build:.8}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The flights that can be read, each with a name of its own.
+fn flights(paths: Vec<PathBuf>, diagnostics: &mut Diagnostics) -> Vec<Flight> {
+    let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stems: Vec<String> = paths.iter().map(stem).collect();
+    let is_single = |name: &String| stems.iter().filter(|other| *other == name).count() == 1;
+    let mut flights = Vec::new();
+    for (path, stem) in paths.into_iter().zip(&stems) {
+        let name = if is_single(stem) { stem.clone() } else { path.display().to_string() };
+        match hash_of_file(&path) {
+            Ok(hash) => flights.push(Flight { path, name, hash }),
+            Err(error) => diagnostics.error(format_args!("left out: {error}: {}", path.display())),
+        }
+    }
+    flights
+}
+
+/// What is not there yet, by flight and by how its scans are read.
+fn tasks<'a>(flights: &'a [Flight], configs: &[Config], names: &[Vec<String>], store: &Store) -> Vec<Task<'a>> {
+    let mut tasks = Vec::new();
+    for (flight, names) in flights.iter().zip(names) {
+        let mut by_reading: BTreeMap<String, Vec<(usize, String)>> = BTreeMap::new();
+        // Two combinations may resolve to the same settings.
+        let mut known = BTreeSet::new();
+        for (place, (config, name)) in configs.iter().zip(names).enumerate() {
+            if known.insert(name) && store.get(name).is_none() {
+                let reading = settings_of_step(config, Step::Ingest);
+                by_reading.entry(reading).or_default().push((place, name.clone()));
+            }
+        }
+        tasks.extend(by_reading.into_values().map(|points| Task { flight, points }));
+    }
+    tasks
+}
+
+struct Sweep<'a> {
+    args: &'a SweepArgs,
+    configs: &'a [Config],
+    registry: &'a Registry,
+    store: &'a Store,
+    stop: &'a StopFlag,
+}
+
+impl Sweep<'_> {
+    /// Works on the tasks, several at a time.
+    fn run(&self, tasks: &[Task<'_>], diagnostics: &mut Diagnostics) -> anyhow::Result<()> {
+        let jobs = self.args.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, usize::from);
+        let totals =
+            tasks.iter().map(|task| self.open(task).ok().and_then(|mut recording| recording.total_revolutions()));
+        let bar = progress::bar(totals.sum(), self.args.quiet);
+        let next = Mutex::new(tasks.iter());
+        let reports = Mutex::new(Vec::new());
+        thread::scope(|scope| -> anyhow::Result<()> {
+            for job in 0..jobs.min(tasks.len()) {
+                let work = || {
+                    while !self.stop.is_set() {
+                        let Some(task) = next.lock().unwrap_or_else(PoisonError::into_inner).next() else { return };
+                        let done = self.work(task, &bar).map_err(|error| (task.flight.path.clone(), error));
+                        reports.lock().unwrap_or_else(PoisonError::into_inner).extend(done.err());
+                    }
+                };
+                Builder::new().name(format!("sweep-{job}")).spawn_scoped(scope, work).context("a thread")?;
+            }
+            Ok(())
+        })?;
+        bar.finish_and_clear();
+        let mut reports = reports.into_inner().unwrap_or_else(PoisonError::into_inner);
+        reports.sort_by(|(a, _), (b, _)| a.cmp(b));
+        for (path, error) in reports {
+            diagnostics.error(format_args!("left out: {error:#}: {}", path.display()));
+        }
+        Ok(())
+    }
+
+    fn open(&self, task: &Task<'_>) -> anyhow::Result<Recording> {
+        let config = &self.configs[task.points[0].0];
+        let csv = CsvGeometry::new(config.params("csv"));
+        let options =
+            ReadOptions { topic: self.args.topic.clone(), read_as: self.args.read_as, csv, ..ReadOptions::default() };
+        let sensor = Sensor::new(config.params("ingest"));
+        Ok(Recording::open(std::slice::from_ref(&task.flight.path), &options, sensor)?)
+    }
+
+    /// Runs the combinations of a task together, and keeps their results; none of them if it is interrupted.
+    fn work(&self, task: &Task<'_>, bar: &ProgressBar) -> anyhow::Result<()> {
+        let mut recording = self.open(task)?;
+        let mut truths = Truths::open(&task.flight.path).ok();
+        let configs: Vec<&Config> = task.points.iter().map(|(place, _)| &self.configs[*place]).collect();
+        let mut variants = Variants::new(&configs, self.registry);
+        let mut tallies: Vec<Tally> = configs.iter().map(|_| Tally::default()).collect();
+        let (mut frame, mut ended_by) = (Frame::default(), None);
+        loop {
+            if self.stop.is_set() {
+                return Ok(());
+            }
+            frame.notes.clear();
+            match recording.next(&mut frame.revolution, &mut frame.notes) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(error) => {
+                    ended_by = Some(error.to_string());
+                    break;
+                }
+            }
+            // A truth that cannot be read is none.
+            let truth = truths.as_mut().and_then(|truths| truths.at(recording.last_log_time_ns()).ok().flatten());
+            variants.process(&mut frame, &mut |place, frame| tallies[place].add(frame, truth.as_ref()));
+            bar.inc(1);
+        }
+        let losses = recording.losses().iter().map(ToString::to_string).chain(ended_by).collect::<Vec<_>>();
+        for ((_, name), tally) in task.points.iter().zip(tallies) {
+            let row: Value = json!({"figures": tally.figures(), "times_ms": tally.times_ms(), "lost": losses});
+            self.store.put(name, &row)?;
+        }
+        if losses.is_empty() { Ok(()) } else { anyhow::bail!("{}", counted(losses.len() as u64, "loss")) }
+    }
+}

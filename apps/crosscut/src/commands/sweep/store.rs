@@ -1,0 +1,61 @@
+//! What a sweep has computed, one file for each flight and combination, under a name that holds for its input, settings and
+//! program alone.
+
+use std::fs::File;
+use std::hash::Hasher as _;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde_json::Value;
+use siphasher::sip128::{Hasher128 as _, SipHasher13};
+
+/// The folder with the files.
+pub(super) struct Store {
+    folder: PathBuf,
+}
+
+impl Store {
+    pub(super) fn open(folder: PathBuf) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        Ok(Self { folder })
+    }
+
+    /// What was computed under this name; `None` if nothing was, or it is damaged.
+    pub(super) fn get(&self, name: &str) -> Option<Value> {
+        serde_json::from_slice(&std::fs::read(self.path(name)).ok()?).ok()
+    }
+
+    /// Keeps what was computed. A file is there as a whole or not at all.
+    pub(super) fn put(&self, name: &str, row: &Value) -> anyhow::Result<()> {
+        let (path, unfinished) = (self.path(name), self.folder.join(format!("{name}.unfinished")));
+        let written =
+            std::fs::write(&unfinished, format!("{row}\n")).and_then(|()| std::fs::rename(&unfinished, &path));
+        written.with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("{name}.json"))
+    }
+}
+
+/// A hash of these texts.
+pub(super) fn hash(texts: &[&str]) -> String {
+    let mut hasher = SipHasher13::new();
+    for text in texts {
+        hasher.write_usize(text.len());
+        hasher.write(text.as_bytes());
+    }
+    format!("{:032x}", hasher.finish128().as_u128())
+}
+
+/// A hash of what is in a file.
+pub(super) fn hash_of_file(path: &Path) -> io::Result<String> {
+    let (mut file, mut hasher, mut part) = (File::open(path)?, SipHasher13::new(), vec![0; 1 << 20]);
+    loop {
+        match file.read(&mut part)? {
+            0 => return Ok(format!("{:032x}", hasher.finish128().as_u128())),
+            bytes => hasher.write(&part[..bytes]),
+        }
+    }
+}
