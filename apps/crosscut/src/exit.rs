@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::io;
-use std::process::ExitCode;
 
 use crate::say::say;
 
@@ -22,19 +21,22 @@ pub(crate) enum Outcome {
     Interrupted,
 }
 
-impl From<Outcome> for ExitCode {
+impl From<Outcome> for u8 {
     fn from(outcome: Outcome) -> Self {
-        Self::from(match outcome {
+        match outcome {
             Outcome::Done => 0,
             Outcome::Failed | Outcome::Different => 1,
             Outcome::SomethingLost => 3,
             Outcome::Interrupted => INTERRUPTED,
-        })
+        }
     }
 }
 
 /// 128 + SIGINT, as shells report it.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+/// The exit code of a wrong command line or configuration.
+pub(crate) const WRONG_USAGE: u8 = 2;
 
 /// Wrong usage or configuration (exit code 2).
 #[derive(Debug)]
@@ -57,13 +59,13 @@ pub(crate) fn without_rerun() -> anyhow::Error {
 
 /// Reports the error that ended a command and returns the exit code. A reader that closes our output pipe (`| head`)
 /// interrupts the command; that is no error and prints nothing.
-pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
+pub(crate) fn report(error: &anyhow::Error) -> u8 {
     let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
     if causes.any(is_closed_pipe) {
         return Outcome::Interrupted.into();
     }
     say(format_args!("error: {error:#}"));
-    if error.is::<UsageError>() { ExitCode::from(2) } else { Outcome::Failed.into() }
+    if error.is::<UsageError>() { WRONG_USAGE } else { Outcome::Failed.into() }
 }
 
 /// Whether the reader of the output closed the pipe.

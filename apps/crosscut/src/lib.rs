@@ -1,7 +1,8 @@
 //! The command line of crosscut: counts the walls in 2D lidar scans and finds the openings between them.
 //!
 //! [`main`] is the whole program, with the stages of a [`Registry`]. A program of one's own calls it with a registry that
-//! holds stages of its own too; they are then chosen, compared, evaluated and recorded as those that ship.
+//! holds stages of its own too; they are then chosen, compared, evaluated and recorded as those that ship. [`run`] is the
+//! program for a process whose arguments are not those of the command line, such as that of an interpreter.
 //!
 //! Each command has a file or folder in `commands`. Results go to files or standard output, messages to standard error.
 
@@ -28,6 +29,7 @@ mod summary;
 mod typeset;
 mod wrong;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -37,7 +39,19 @@ use crate::cli::{Cli, Command};
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    let outcome = match Cli::parse().command {
+    run(std::env::args_os(), registry).into()
+}
+
+/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
+pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+    let command = match Cli::try_parse_from(args) {
+        Ok(cli) => cli.command,
+        Err(refused) => {
+            refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
+            return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
+        }
+    };
+    let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),

@@ -1,0 +1,36 @@
+"""Junction detection on 2D lidar scans: how many walls a scan shows, and where a vehicle can go on.
+
+>>> import numpy as np, crosscut
+>>> result = crosscut.count(np.full(360, 2.0), angle_min=0.0, angle_increment=np.pi / 180)
+>>> result.junctions, result.place
+(1, 'closed')
+
+- :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
+- :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
+- :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
+
+Bearings are in radians, anticlockwise from straight ahead; x is forward, y left; lengths are in metres.
+"""
+
+from ._engine import Engine, Recording, count, read
+from ._errors import Error, LossWarning, ReadError, SettingsError, StageError
+from ._native import Scan, __version__
+from ._results import Opening, Result, Wall, results
+
+__all__ = [
+    "Engine",
+    "Error",
+    "LossWarning",
+    "Opening",
+    "ReadError",
+    "Recording",
+    "Result",
+    "Scan",
+    "SettingsError",
+    "StageError",
+    "Wall",
+    "__version__",
+    "count",
+    "read",
+    "results",
+]

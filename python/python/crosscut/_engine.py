@@ -1,0 +1,239 @@
+"""The method on scans: settings in, results out."""
+
+from __future__ import annotations
+
+import json
+import numbers
+import os
+import threading
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native, _parallel
+from ._errors import LossWarning
+from ._native import Scan
+from ._results import Result
+
+Section: TypeAlias = "str | Mapping[str, object]"
+"""The settings of one section by name; of a stage also the name of its kind alone."""
+
+SECTIONS = ("ingest", "csv", "affinity", "spectral", "kmeans", "report", "vehicle", "flight", "pipeline")
+STAGES = ("affinity", "spectral", "kmeans")
+
+
+class Engine:
+    """All stages of one configuration.
+
+    >>> engine = Engine("paper", affinity={"sigma_per_m2": 3.0}, vehicle={"width_m": 0.8})
+    >>> engine = Engine("paper", settings={"affinity.sigma_per_m2": 3.0, "vehicle.width_m": 0.8})  # the same
+
+    A section that is a stage (``affinity``, ``spectral``, ``kmeans``) may also be the name of a kind, or any callable:
+
+    - ``affinity(points) -> W``: points (n, 3) in metres, x forward, y left; W (n, n), symmetric, 0 <= W_ij <= 1,
+      W_ii = 1, an array or a sparse matrix of scipy.
+    - ``spectral(W) -> (eigenvalues, U)``: eigenvalues ascending, at least k of them; U (n, k). k is what it counts.
+    - ``kmeans(U, k) -> labels``: n whole numbers, equal for returns of one wall, -1 for a return that is left out.
+
+    What a callable returns is checked; an exception in it becomes the cause of a :class:`StageError`. With an affinity of
+    one's own, start from preset ``paper`` and set ``spectral.zero_tolerance`` into the gap above the zeros.
+
+    ``keep`` names matrices that results hold: "W", "L", "U". An engine works on one scan at a time.
+    """
+
+    def __init__(
+        self,
+        preset: str = "default",
+        *,
+        settings: Mapping[str, object] | None = None,
+        keep: Iterable[str] = (),
+        **sections: Section | Callable[..., Any],
+    ) -> None:
+        stages: list[Any] = [sections.pop(name) if callable(sections.get(name)) else None for name in STAGES]
+        self._made_of = (preset, _settings(settings, sections), stages, list(keep))
+        self._native = _native.Engine(*self._made_of)
+
+    @property
+    def config(self) -> str:
+        """Every setting with its value, unit, range and origin, as TOML."""
+        return self._native.config
+
+    def process(self, scan: Any) -> Result:
+        """The answer for one scan; it depends on nothing but the scan and the settings.
+
+        ``scan`` is a :class:`Scan`, an array of points (n, 2) or (n, 3) in metres, or any message with ``ranges``,
+        ``angle_min`` and ``angle_increment``, such as a ``sensor_msgs/LaserScan``.
+        """
+        return self._native.process(as_scan(scan), 0)
+
+    def process_many(self, scans: Iterable[Any], *, workers: int | None = None) -> Iterator[Result]:
+        """The answers for many scans, in their order, by this many threads (None: one for each processor).
+
+        A scan without a number has its place in ``scans``. With several workers scans are taken in small batches, ahead of
+        their results. If a stage fails, the results before it are given first.
+        """
+        workers = os.cpu_count() or 1 if workers is None else workers
+        if workers < 1:
+            raise ValueError(f"workers is 1 or more, not {workers}")
+        if workers == 1:
+            return (self._native.process(as_scan(scan), seq) for seq, scan in enumerate(scans))
+        engines = [_native.Engine(*self._made_of) for _ in range(workers)]
+        return _parallel.process(engines, map(as_scan, scans))
+
+    def read(
+        self,
+        path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+        topic: str | Iterable[str] | None = None,
+        *,
+        read_as: str | None = None,
+        from_s: float | None = None,
+        to_s: float | None = None,
+        every: int = 1,
+    ) -> Recording:
+        """The scans of a recording, with the settings of this engine (sections ``ingest`` and ``csv``). See :func:`read`."""
+        one = isinstance(path, (str, os.PathLike))
+        topics = [] if topic is None else [topic] if isinstance(topic, str) else list(topic)
+        wanted = {
+            "paths": [path] if one else list(path),  # type: ignore[arg-type]
+            "topics": topics,
+            "read_as": read_as,
+            "from_s": from_s,
+            "to_s": to_s,
+            "every": every,
+        }
+        return Recording(self._native.read(wanted))
+
+
+class Recording:
+    """The scans of a recording, each once. At its end, a :class:`LossWarning` tells each part that could not be read."""
+
+    def __init__(self, native: _native.Recording) -> None:
+        self._native = native
+        self._warned = False
+
+    @property
+    def topic(self) -> str:
+        """The topic that the scans are of."""
+        return self._native.topic
+
+    @property
+    def losses(self) -> list[str]:
+        """What could not be read so far, and why."""
+        return self._native.losses
+
+    def __iter__(self) -> Iterator[Scan]:
+        return self
+
+    def __next__(self) -> Scan:
+        scan = next(self._native, None)
+        if scan is not None:
+            return scan
+        if not self._warned:
+            self._warned = True
+            for loss in self.losses:
+                warnings.warn(loss, LossWarning, stacklevel=2)
+        raise StopIteration
+
+
+def count(
+    ranges: ArrayLike,
+    angle_min: float,
+    angle_increment: float,
+    preset: str = "default",
+    *,
+    range_min: float = 0.0,
+    range_max: float = np.inf,
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> Result:
+    """Counts the walls that one scan shows, and finds the openings between them.
+
+    ``ranges``: metres, one a beam, +inf for no return. Beam i looks at ``angle_min + i * angle_increment``, radians,
+    anticlockwise from straight ahead. Ranges outside ``range_min`` to ``range_max`` (metres) are no returns.
+
+    >>> count(np.full(360, 2.0), 0.0, np.pi / 180).place
+    'closed'
+    """
+    changes = _settings(settings, sections)
+    engines: dict[Any, _native.Engine] = _OF_THREAD.__dict__.setdefault("engines", {})
+    key = (preset, *changes)
+    if key not in engines:
+        if len(engines) >= 8:
+            engines.clear()
+        engines[key] = _native.Engine(preset, changes, [None, None, None], [])
+    scan = Scan(ranges, angle_min, angle_increment, range_min=range_min, range_max=range_max)
+    return engines[key].process(scan, 0)
+
+
+_OF_THREAD = threading.local()
+
+
+def read(
+    path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    topic: str | Iterable[str] | None = None,
+    *,
+    read_as: str | None = None,
+    from_s: float | None = None,
+    to_s: float | None = None,
+    every: int = 1,
+    preset: str = "default",
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> Recording:
+    """Iterates over the scans of a recording of any format: MCAP, ROS 1 bag, rosbag2, CARMEN log, CSV, PCD or PLY.
+
+    Several paths, or a folder, are the parts of one flight. Several topics are the scanners of one vehicle. ``from_s`` and
+    ``to_s`` are seconds after the first scan. Where its sensor is mounted is told by section ``ingest``:
+    ``read("FLIGHT.bag", "/scan", ingest={"yaw_rad": 3.14})``.
+    """
+    engine = Engine(preset, settings=settings, **sections)
+    return engine.read(path, topic, read_as=read_as, from_s=from_s, to_s=to_s, every=every)
+
+
+def as_scan(scan: Any) -> Scan:
+    """A scan, a message or an array of points as a :class:`Scan`."""
+    if isinstance(scan, Scan):
+        return scan
+    if hasattr(scan, "ranges") and hasattr(scan, "angle_min"):
+        stamp = getattr(getattr(scan, "header", None), "stamp", None)
+        seconds, ns = getattr(stamp, "sec", 0), getattr(stamp, "nanosec", 0)
+        return Scan(
+            np.asarray(scan.ranges, dtype=np.float32),
+            scan.angle_min,
+            scan.angle_increment,
+            range_min=getattr(scan, "range_min", 0.0),
+            range_max=getattr(scan, "range_max", np.inf),
+            stamp_ns=max(0, seconds) * 1_000_000_000 + ns,
+            frame_id=getattr(getattr(scan, "header", None), "frame_id", ""),
+        )
+    return Scan.from_points(scan)
+
+
+def _settings(settings: Mapping[str, object] | None, sections: Mapping[str, Any]) -> list[str]:
+    """Each as ``section.key=value``, the value in TOML."""
+    changes = [f"{name}={_toml(value)}" for name, value in (settings or {}).items()]
+    for section, values in sections.items():
+        if section not in SECTIONS:
+            raise TypeError(f"there is no argument or section {section!r}; sections are {', '.join(SECTIONS)}")
+        values = {"kind": values} if isinstance(values, str) else values
+        if not isinstance(values, Mapping):
+            raise TypeError(f"{section} is a mapping of settings, not {values!r}")
+        changes += [f"{section}.{key}={_toml(value)}" for key, value in values.items()]
+    return changes
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Iterable):
+        return f"[{', '.join(map(_toml, value))}]"
+    raise TypeError(f"{value!r} is not a setting: numbers, texts, true, false and lists are")

@@ -1,0 +1,92 @@
+import os
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._results import Result
+
+__version__: str
+
+class Scan:
+    """One scan, made of ranges, of points, or by :func:`crosscut.read`.
+
+    ``ranges``: metres, one a beam, +inf for no return; beam i looks at ``angle_min + i * angle_increment``, radians.
+    ``range_min`` and ``range_max``: what the sensor measures, metres. ``stamp_ns``: nanoseconds since the epoch.
+    """
+
+    def __init__(
+        self,
+        ranges: ArrayLike,
+        angle_min: float,
+        angle_increment: float,
+        *,
+        range_min: float = 0.0,
+        range_max: float = ...,
+        stamp_ns: int = 0,
+        seq: int | None = None,
+        frame_id: str = "",
+    ) -> None: ...
+    @staticmethod
+    def from_points(
+        points: ArrayLike, *, stamp_ns: int = 0, seq: int | None = None, frame_id: str = ""
+    ) -> Scan:
+        """A cloud of points, (n, 2) or (n, 3), metres; x forward, y left."""
+
+    @property
+    def seq(self) -> int | None:
+        """Its number in its topic; None if it has none."""
+    @property
+    def stamp_ns(self) -> int:
+        """The sensor's stamp, nanoseconds since the epoch."""
+    @property
+    def frame_id(self) -> str:
+        """The sensor's frame, as the message names it."""
+    @property
+    def ranges(self) -> NDArray[np.float32] | None:
+        """One a beam, metres, as on the wire; None for a cloud."""
+    @property
+    def angle_min(self) -> float | None:
+        """Bearing of the first beam, radians."""
+    @property
+    def angle_increment(self) -> float | None:
+        """Angle from one beam to the next, radians."""
+    @property
+    def range_min(self) -> float | None:
+        """The shortest range that the sensor measures, metres."""
+    @property
+    def range_max(self) -> float | None:
+        """The longest range that the sensor measures, metres."""
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The returns (n, 3), metres; x forward, y left."""
+    @property
+    def notes(self) -> list[str]:
+        """What was dropped, repaired or replaced when it was read."""
+
+class Recording:
+    def __iter__(self) -> Recording: ...
+    def __next__(self) -> Scan: ...
+    @property
+    def topic(self) -> str: ...
+    @property
+    def losses(self) -> list[str]: ...
+
+class Engine:
+    def __init__(
+        self,
+        preset: str,
+        settings: Sequence[str],
+        stages: Sequence[Callable[..., Any] | None],
+        keep: Sequence[str],
+    ) -> None: ...
+    def process(self, scan: Scan, seq: int) -> Result: ...
+    def process_batch(self, scans: Sequence[Scan], first_seq: int) -> tuple[list[Result], BaseException | None]: ...
+    def stop(self) -> None: ...
+    def read(self, wanted: dict[str, Any]) -> Recording: ...
+    @property
+    def config(self) -> str: ...
+
+def program(args: Sequence[str | os.PathLike[str]], stages: Sequence[tuple[str, str, Callable[..., Any]]]) -> int: ...
+def check_affinity(function: Callable[..., Any]) -> None: ...

@@ -1,0 +1,104 @@
+"""Scans over several threads, in order."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import queue
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from . import _native
+from ._native import Scan
+from ._results import Result
+
+BATCH = 16
+"""Scans that a thread takes at a time: a scan takes less time than a switch between threads of Python."""
+
+LONGEST_STAGE_S = 5.0
+"""A thread whose stage does not return for longer is left to itself; it ends with the process."""
+
+AHEAD = 2
+"""Batches that a thread has before it."""
+
+
+class _Worker:
+    """A thread with an engine of its own. It ends with the process, even if a stage of one's own never returns."""
+
+    def __init__(self, engine: _native.Engine) -> None:
+        self.batches: queue.SimpleQueue[tuple[list[Scan], int] | None] = queue.SimpleQueue()
+        self.done: queue.SimpleQueue[tuple[list[Result], BaseException | None]] = queue.SimpleQueue()
+        self.engine = engine
+        self.thread = threading.Thread(target=self._run, name="crosscut", daemon=True)
+        self.thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._work()
+        except SystemExit:  # see interrupt
+            pass
+
+    def _work(self) -> None:
+        while (batch := self.batches.get()) is not None:
+            try:
+                done = self.engine.process_batch(*batch)
+            except BaseException as error:  # the caller raises it
+                done = ([], error)
+            self.done.put(done)
+
+    def interrupt(self) -> None:
+        """Ends the thread after its current scan, and a stage of one's own that is running there at once."""
+        self.engine.stop()
+        thread = ctypes.c_ulong(self.thread.ident or 0)
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
+
+
+def process(engines: list[_native.Engine], scans: Iterable[Scan]) -> Iterator[Result]:
+    """The results of ``scans`` in order; batch i goes to engine i mod N."""
+    source = iter(scans)
+    workers = [_Worker(engine) for engine in engines]
+    waiting: deque[_Worker] = deque()
+    seq = 0
+    failed_source: BaseException | None = None
+    ended = False
+    try:
+        while True:
+            while not ended and len(waiting) < AHEAD * len(workers):
+                batch, failed_source = _take(source)
+                ended = len(batch) < BATCH
+                if batch:
+                    following = workers[(seq // BATCH) % len(workers)]
+                    following.batches.put((batch, seq))
+                    waiting.append(following)
+                    seq += len(batch)
+            if not waiting:
+                break
+            results, error = waiting.popleft().done.get()
+            yield from results
+            if error is not None:
+                raise error
+    except BaseException:
+        for worker in workers:
+            worker.interrupt()
+        raise
+    finally:
+        for worker in workers:
+            worker.batches.put(None)
+        # A thread of the interpreter that comes back from native code while the process ends would abort it.
+        for worker in workers:
+            worker.thread.join(LONGEST_STAGE_S)
+    if failed_source is not None:
+        raise failed_source
+
+
+def _take(source: Iterator[Any]) -> tuple[list[Scan], BaseException | None]:
+    """The next batch, and the error of the source after it; what came before an error is worked on."""
+    batch: list[Scan] = []
+    try:
+        for scan in itertools.islice(source, BATCH):
+            batch.append(scan)
+    except Exception as error:
+        return batch, error
+    return batch, None

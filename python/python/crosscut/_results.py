@@ -1,0 +1,179 @@
+"""What is reported of one scan."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyarrow
+
+
+class Wall(NamedTuple):
+    """The returns between two consecutive openings."""
+
+    id: int
+    """Its number, as in the labels."""
+    returns: int
+    """Number of its returns."""
+    bearing_rad: tuple[float, float]
+    """From its first to its last return, anticlockwise (from > to crosses ±π)."""
+    island: bool
+    """A pillar: counted in ``k``, not in ``junctions``."""
+
+
+class Opening(NamedTuple):
+    """Where a vehicle can leave the place."""
+
+    bearing_rad: float
+    """Direction towards the branch, anticlockwise from straight ahead."""
+    width_m: float
+    """Clear width across the branch, metres."""
+    range_m: float
+    """How far its nearer end is from the sensor, metres."""
+    walls: tuple[int, int]
+    """The walls on its clockwise and anticlockwise side; the same twice at a dead end."""
+    evidence: str
+    """``seen_through`` or ``no_return``."""
+    cut_by_view: bool
+    """The end of a limited view cuts it: bearing and width are those of the part in view."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Result:
+    """The answer for one scan. Two results are equal if all but their timings are.
+
+    The fields are those of the lines that ``crosscut run --results`` writes, and the matrices asked for by ``keep``.
+    """
+
+    seq: int
+    """Number of the scan in its topic."""
+    stamp_ns: int
+    """The sensor's stamp, nanoseconds since the epoch."""
+    returns: int
+    """Number of returns, n."""
+    junctions: int
+    """The number of walls, islands left out: 2 in a tunnel, 1 in a dead end."""
+    k: int
+    """The number of eigenvalues that count as zero."""
+    margin: float | None
+    """Decades by which the zero tolerance could be moved before ``k`` changes."""
+    confidence: float
+    """Probability that the answer is right, 0 to 1."""
+    place: str
+    """``closed``, ``dead_end``, ``corridor``, ``bend``, ``tee``, ``cross``, ``junction_5``..., ``partial_view``."""
+    eigenvalues: NDArray[np.float64]
+    """The smallest eigenvalues of L, ascending: all that the spectral stage gave (a line of results has 16)."""
+    walls: tuple[Wall, ...]
+    """The walls, by number."""
+    openings: tuple[Opening, ...]
+    """The openings, by bearing ascending."""
+    labels: NDArray[np.int32] = dataclasses.field(repr=False)
+    """One a beam, in the order of the ranges: its wall; -1 no return; -2 a return of no wall. One a point for a cloud."""
+    notes: tuple[str, ...]
+    """What was dropped, repaired or replaced."""
+    timings_ms: dict[str, float] = dataclasses.field(repr=False)
+    """Milliseconds that each stage took."""
+    W: Any = dataclasses.field(default=None, repr=False)
+    """The affinity matrix (n, n), an array or a ``scipy.sparse.csr_array``; with ``keep=("W",)``."""
+    L: Any = dataclasses.field(default=None, repr=False)
+    """The Laplacian I - D^-1/2 W D^-1/2 (n, n), stored as W is; with ``keep=("L",)``."""
+    U: Any = dataclasses.field(default=None, repr=False)
+    """The embedding (n, k); with ``keep=("U",)``."""
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Result):
+            return NotImplemented
+        mine, others = self.to_dict(), other.to_dict()
+        matrices = all(_same(getattr(self, name), getattr(other, name)) for name in ("W", "L", "U"))
+        return mine == others and np.array_equal(self.eigenvalues, other.eigenvalues) and matrices
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As the line of results that the program writes: plain numbers, lists and texts, for ``json.dumps``."""
+        return {
+            "seq": self.seq,
+            "stamp_ns": self.stamp_ns,
+            "returns": self.returns,
+            "junctions": self.junctions,
+            "k": self.k,
+            "margin": self.margin,
+            "confidence": self.confidence,
+            "place": self.place,
+            "eigenvalues": self.eigenvalues[:16].tolist(),
+            "walls": [wall._asdict() | {"bearing_rad": list(wall.bearing_rad)} for wall in self.walls],
+            "openings": [opening._asdict() | {"walls": list(opening.walls)} for opening in self.openings],
+            "labels": self.labels.tolist(),
+            "notes": list(self.notes),
+        }
+
+
+def _same(mine: Any, other: Any) -> bool:
+    if mine is None or other is None:
+        return mine is other
+    dense = [matrix.toarray() if hasattr(matrix, "toarray") else matrix for matrix in (mine, other)]
+    return np.array_equal(dense[0], dense[1])
+
+
+def laplacian(w: Any, degrees: NDArray[np.float64]) -> Any:
+    """I - D^-1/2 W D^-1/2, stored as W is."""
+    scale = 1.0 / np.sqrt(degrees)
+    if isinstance(w, np.ndarray):
+        return np.eye(len(degrees)) - scale[:, None] * w * scale
+    from scipy import sparse
+
+    d = sparse.diags_array(scale)
+    return (sparse.eye_array(len(degrees)) - d @ w @ d).tocsr()
+
+
+def results(path: str | os.PathLike[str]) -> pyarrow.Table:
+    """A file that ``crosscut run --results`` wrote, one row a scan; needs pyarrow.
+
+    pandas, polars and DuckDB take the table as it is.
+    """
+    import pyarrow as pa
+    from pyarrow import json
+
+    here = pa.struct([("kind", pa.string()), ("ways", pa.list_(pa.int64())), ("confidence", pa.float64())])
+    followed = pa.struct([("track", pa.int64()), ("bearing_rad", pa.float64()), ("width_m", pa.float64())])
+    steady = pa.struct([("junctions", pa.int64()), ("here", here), ("openings", pa.list_(followed))])
+    wall = [("id", pa.int64()), ("returns", pa.int64()), ("bearing_rad", pa.list_(pa.float64())), ("island", pa.bool_())]
+    opening = [
+        ("bearing_rad", pa.float64()),
+        ("width_m", pa.float64()),
+        ("range_m", pa.float64()),
+        ("walls", pa.list_(pa.int64())),
+        ("evidence", pa.string()),
+        ("cut_by_view", pa.bool_()),
+    ]
+    schema = pa.schema(
+        [
+            ("seq", pa.int64()),
+            ("stamp_ns", pa.int64()),
+            ("returns", pa.int64()),
+            ("junctions", pa.int64()),
+            ("k", pa.int64()),
+            ("margin", pa.float64()),
+            ("confidence", pa.float64()),
+            ("place", pa.string()),
+            ("eigenvalues", pa.list_(pa.float64())),
+            ("walls", pa.list_(pa.struct(wall))),
+            ("openings", pa.list_(pa.struct(opening))),
+            ("here", here),
+            ("steady", steady),
+            ("pose", pa.struct([("x_m", pa.float64()), ("y_m", pa.float64()), ("yaw_rad", pa.float64())])),
+            ("labels", pa.list_(pa.int32())),
+            ("notes", pa.list_(pa.string())),
+        ]
+    )
+    size = os.path.getsize(path)
+    if size == 0:
+        return schema.empty_table()
+    # A block holds whole lines, and a cloud's line has no upper limit.
+    read = json.ReadOptions(block_size=min(size + 1, 2**31 - 1))
+    return json.read_json(path, read, json.ParseOptions(explicit_schema=schema))

@@ -1,0 +1,140 @@
+//! All stages on one scan, or on a batch of them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, TryLockError};
+
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::prelude::*;
+
+use crate::answer::{Answer, Keep};
+use crate::error::Class;
+use crate::recording::{Recording, Wanted};
+use crate::scan::Scan;
+use crate::stages::Callables;
+
+/// The stages of one configuration, with their buffers.
+#[pyclass(frozen, module = "crosscut._native")]
+pub(crate) struct Engine {
+    config: Config,
+    keep: Keep,
+    callables: Callables,
+    /// A batch ends after its current scan.
+    stopped: AtomicBool,
+    work: Mutex<Work>,
+}
+
+struct Work {
+    stages: Stages,
+    sensor: Sensor,
+    frame: Frame,
+}
+
+impl Work {
+    fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {
+        scan.write(&self.sensor, seq, &mut self.frame);
+        self.stages.process(&mut self.frame)?;
+        Ok(Answer::of(&self.frame, keep))
+    }
+}
+
+impl Engine {
+    /// The failure of a stage; the exception that a stage in Python raised is its cause. An interrupt stays one.
+    fn failed(&self, py: Python<'_>, failure: &Failure) -> PyErr {
+        let raised = self.callables.raised();
+        match raised {
+            Some(raised) if !raised.is_instance_of::<PyException>(py) => raised,
+            raised => {
+                let error = Class::Stage.error(py, failure);
+                error.set_cause(py, raised);
+                error
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Engine {
+    /// `settings` are of the form `section.key=value`; a stage that is `None` is chosen by the settings.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        preset: &str,
+        settings: Vec<String>,
+        stages: [Option<Py<PyAny>>; 3],
+        keep: Vec<String>,
+    ) -> PyResult<Self> {
+        let refused = |error| Class::Settings.error(py, error);
+        let mut kept = Keep::default();
+        for matrix in &keep {
+            match matrix.as_str() {
+                "W" => kept.w = true,
+                "L" => kept.l = true,
+                "U" => kept.u = true,
+                other => return Err(PyValueError::new_err(format!("keep holds W, L and U, not {other}"))),
+            }
+        }
+        let mut registry = Registry::standard();
+        let callables = Callables::new(py, stages, &mut registry)?;
+        let settings: Vec<_> = callables.settings().chain(settings).collect();
+        let layers = [Preset::named(preset).map_err(refused)?.into(), Layer::settings("settings", &settings).map_err(refused)?];
+        let config = Config::resolve(&registry, &layers).map_err(refused)?;
+        let sensor = Sensor::new(config.params("ingest"));
+        let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };
+        Ok(Self { config, keep: kept, callables, stopped: AtomicBool::new(false), work: Mutex::new(work) })
+    }
+
+    fn process<'py>(&self, py: Python<'py>, scan: &Bound<'py, Scan>, seq: u64) -> PyResult<Bound<'py, PyAny>> {
+        let (mut results, error) = self.process_batch(py, vec![scan.clone().unbind()], seq)?;
+        match (results.pop(), error) {
+            (Some(result), None) => Ok(result),
+            (_, error) => Err(error.expect("a scan without an answer has an error")),
+        }
+    }
+
+    /// The results up to the first failure, and that failure.
+    fn process_batch<'py>(
+        &self,
+        py: Python<'py>,
+        scans: Vec<Py<Scan>>,
+        first_seq: u64,
+    ) -> PyResult<(Vec<Bound<'py, PyAny>>, Option<PyErr>)> {
+        let (answers, failure) = py
+            .detach(|| {
+                let mut work = match self.work.try_lock() {
+                    Ok(work) => work,
+                    Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+                    Err(TryLockError::WouldBlock) => return None,
+                };
+                let mut answers = Vec::with_capacity(scans.len());
+                for (scan, seq) in scans.iter().zip(first_seq..) {
+                    if self.stopped.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    match work.answer(scan.get(), seq, self.keep) {
+                        Ok(answer) => answers.push(answer),
+                        Err(failure) => return Some((answers, Some(failure))),
+                    }
+                }
+                Some((answers, None))
+            })
+            .ok_or_else(|| Class::Error.error(py, "this engine is at work already; give each thread one of its own"))?;
+        let results = answers.into_iter().map(|answer| answer.into_result(py, self.keep));
+        Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| self.failed(py, &failure))))
+    }
+
+    fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+
+    fn read(&self, py: Python<'_>, wanted: Wanted) -> PyResult<Recording> {
+        Recording::open(py, wanted, &self.config)
+    }
+
+    /// The configuration as TOML, with unit, range and origin of each value.
+    #[getter]
+    fn config(&self) -> String {
+        self.config.to_string()
+    }
+}

@@ -1,0 +1,178 @@
+//! One scan: as a driver gives it, or as a recording shows it.
+
+use crosscut_messages::LaserScan;
+use crosscut_pipeline::Sensor;
+use crosscut_stage::{Frame, Notes, Point, Revolution};
+use numpy::IntoPyArray;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::arrays::{self, Matrix};
+
+/// One scan. Made of ranges, of points, or by `crosscut.read`.
+#[pyclass(frozen, module = "crosscut")]
+pub(crate) struct Scan {
+    /// Its number, if it has one.
+    seq: Option<u64>,
+    content: Content,
+}
+
+enum Content {
+    /// A message, which the sensor of an engine makes a revolution.
+    Message { scan: LaserScan, stamp_ns: u64 },
+    /// A revolution, with what ingest noted of it.
+    Revolution(Revolution, Notes),
+}
+
+impl Scan {
+    pub(crate) fn recorded(revolution: Revolution, notes: Notes) -> Self {
+        Self { seq: Some(revolution.seq), content: Content::Revolution(revolution, notes) }
+    }
+
+    /// Writes the revolution into `frame`, with its notes; `seq` numbers a scan that has no number.
+    pub(crate) fn write(&self, sensor: &Sensor, seq: u64, frame: &mut Frame) {
+        frame.notes.clear();
+        match &self.content {
+            Content::Message { scan, stamp_ns } => {
+                sensor.revolution(scan, &mut frame.revolution, &mut frame.notes);
+                frame.revolution.stamp_ns = *stamp_ns;
+            }
+            Content::Revolution(revolution, notes) => {
+                frame.revolution.clone_from(revolution);
+                frame.notes.clone_from(notes);
+            }
+        }
+        frame.revolution.seq = self.seq.unwrap_or(seq);
+    }
+
+    /// The ranges and the geometry of the message, untouched; `None` for a cloud.
+    fn wire(&self) -> Option<(&[f32], [f32; 4])> {
+        match &self.content {
+            Content::Message { scan, .. } => {
+                Some((&scan.ranges, [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max]))
+            }
+            Content::Revolution(revolution, _) => {
+                revolution.sweep.as_ref().map(|sweep| (&sweep.ranges_m[..], sweep.wire_geometry))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Scan {
+    #[new]
+    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=0.0, range_max=f32::INFINITY, stamp_ns=0, seq=None, frame_id=String::new()))]
+    #[expect(clippy::too_many_arguments)] // keywords in Python
+    fn new(
+        ranges: &Bound<'_, PyAny>,
+        angle_min: f64,
+        angle_increment: f64,
+        range_min: f32,
+        range_max: f32,
+        stamp_ns: u64,
+        seq: Option<u64>,
+        frame_id: String,
+    ) -> PyResult<Self> {
+        let ranges: Vec<f32> = arrays::vector(ranges)?;
+        let mut scan = LaserScan {
+            angle_min: angle_min as f32,
+            angle_max: (angle_min + ranges.len().saturating_sub(1) as f64 * angle_increment) as f32,
+            angle_increment: angle_increment as f32,
+            range_min,
+            range_max,
+            ranges,
+            ..LaserScan::default()
+        };
+        scan.header.frame_id = frame_id;
+        Ok(Self { seq, content: Content::Message { scan, stamp_ns } })
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (points, *, stamp_ns=0, seq=None, frame_id=String::new()))]
+    fn from_points(points: &Bound<'_, PyAny>, stamp_ns: u64, seq: Option<u64>, frame_id: String) -> PyResult<Self> {
+        let matrix = Matrix::of(points)?;
+        let [n, dimensions] = matrix.shape();
+        if !(2..=3).contains(&dimensions) {
+            return Err(PyValueError::new_err(format!("points have 2 or 3 columns, not {dimensions}")));
+        }
+        let mut points_m = vec![Point::origin(); n];
+        matrix.for_each(|i, axis, value| points_m[i][axis] = value);
+        if let Some(at) = points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(PyValueError::new_err(format!("point {at} is not finite")));
+        }
+        let revolution = Revolution { stamp_ns, frame_id, points_m, ..Revolution::default() };
+        Ok(Self { seq, content: Content::Revolution(revolution, Notes::default()) })
+    }
+
+    #[getter]
+    fn seq(&self) -> Option<u64> {
+        self.seq
+    }
+
+    #[getter]
+    fn stamp_ns(&self) -> u64 {
+        match &self.content {
+            Content::Message { stamp_ns, .. } => *stamp_ns,
+            Content::Revolution(revolution, _) => revolution.stamp_ns,
+        }
+    }
+
+    #[getter]
+    fn frame_id(&self) -> &str {
+        match &self.content {
+            Content::Message { scan, .. } => &scan.header.frame_id,
+            Content::Revolution(revolution, _) => &revolution.frame_id,
+        }
+    }
+
+    #[getter]
+    fn ranges<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.wire().map(|(ranges_m, _)| ranges_m.to_vec().into_pyarray(py).into_any())
+    }
+
+    #[getter]
+    fn angle_min(&self) -> Option<f32> {
+        self.wire().map(|(_, [angle_min, ..])| angle_min)
+    }
+
+    #[getter]
+    fn angle_increment(&self) -> Option<f32> {
+        self.wire().map(|(_, [_, angle_increment, ..])| angle_increment)
+    }
+
+    #[getter]
+    fn range_min(&self) -> Option<f32> {
+        self.wire().map(|(_, [_, _, range_min, _])| range_min)
+    }
+
+    #[getter]
+    fn range_max(&self) -> Option<f32> {
+        self.wire().map(|(_, [.., range_max])| range_max)
+    }
+
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut frame = Frame::default();
+        self.write(&Sensor::default(), 0, &mut frame);
+        arrays::points(py, &frame.revolution.points_m)
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        match &self.content {
+            Content::Message { .. } => Vec::new(),
+            Content::Revolution(_, notes) => notes.iter().map(str::to_owned).collect(),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let seq = self.seq.map(|seq| format!("seq={seq}, ")).unwrap_or_default();
+        match (self.wire(), &self.content) {
+            (Some((ranges_m, _)), _) => format!("Scan({seq}beams={}, stamp_ns={})", ranges_m.len(), self.stamp_ns()),
+            (None, Content::Revolution(cloud, _)) => {
+                format!("Scan({seq}points={}, stamp_ns={})", cloud.len(), self.stamp_ns())
+            }
+            (None, Content::Message { .. }) => unreachable!("a message has ranges"),
+        }
+    }
+}

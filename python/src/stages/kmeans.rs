@@ -1,0 +1,66 @@
+//! Clusters by a callable: kmeans(U, k) -> labels.
+
+use crosscut_stage::{Kind, KmeansStage, Notes, Partition, Spectrum, StageError};
+use pyo3::prelude::*;
+
+use super::{CALLABLE, Callable, PYTHON};
+use crate::arrays;
+
+pub(crate) const KIND: Kind<dyn KmeansStage> =
+    Kind::kmeans(PYTHON, "clusters by a callable of Python: kmeans(U, k) -> labels", |params| {
+        Box::new(PythonKmeans { callable: Callable::chosen(params) })
+    })
+    .params(&[CALLABLE.spec]);
+
+struct PythonKmeans {
+    callable: Option<Callable>,
+}
+
+impl KmeansStage for PythonKmeans {
+    fn partition(&mut self, spectrum: &Spectrum, out: &mut Partition, _: &mut Notes) -> Result<(), StageError> {
+        let (callable, n, k) = (self.callable.as_ref(), spectrum.u.nrows(), spectrum.k);
+        let labels: Vec<i64> = if n == 0 {
+            Vec::new()
+        } else {
+            let u = &spectrum.u;
+            Callable::call(callable, |py| (arrays::embedding(py, u)?, k).into_pyobject(py), arrays::vector)?
+        };
+        if labels.len() != n {
+            return Err(Callable::refuse(callable, format!("{} labels for {n} returns", labels.len())));
+        }
+        if let Some(at) = labels.iter().position(|label| *label < -1) {
+            return Err(Callable::refuse(callable, format!("labels[{at}] = {}, which is less than -1", labels[at])));
+        }
+        // Clusters are numbered by their first return.
+        let mut names: Vec<i64> = Vec::new();
+        out.labels.clear();
+        out.labels.extend(labels.iter().map(|&label| {
+            let place = names.iter().position(|name| *name == label).unwrap_or_else(|| {
+                if label >= 0 {
+                    names.push(label);
+                }
+                names.len() - 1
+            });
+            (label >= 0).then_some(place as u32)
+        }));
+        out.clusters = names.len();
+        place_centroids(spectrum, out);
+        Ok(())
+    }
+}
+
+/// Sets the means of the rows of each cluster, and how far the rows are from them.
+fn place_centroids(spectrum: &Spectrum, out: &mut Partition) {
+    let (clusters, k) = (out.clusters, spectrum.u.ncols());
+    let (mut sums, mut counts) = (vec![0.0; clusters * k], vec![0.0; clusters]);
+    let labelled = || out.labels.iter().enumerate().filter_map(|(i, label)| Some((i, (*label)? as usize)));
+    for (i, cluster) in labelled() {
+        counts[cluster] += 1.0;
+        spectrum.u.row(i).for_each(|(j, value)| sums[cluster * k + j] += value);
+    }
+    let centre = |cluster: usize, j: usize| sums[cluster * k + j] / counts[cluster];
+    out.inertia = labelled()
+        .map(|(i, cluster)| (0..k).map(|j| (spectrum.u[(i, j)] - centre(cluster, j)).powi(2)).sum::<f64>())
+        .sum();
+    out.centroids.write_rows(clusters, k, |cluster, row| row.extend((0..k).map(|j| (j as u32, centre(cluster, j)))));
+}

@@ -1,0 +1,146 @@
+//! Stages written in Python: any callable on arrays.
+//!
+//! A kind builds its stage from settings alone, so callables are kept in a table by a key, and a kind reads its key.
+
+mod affinity;
+mod kmeans;
+mod spectral;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crosscut_pipeline::Registry;
+use crosscut_stage::{Kind, ParamSpec, Params, Shape, StageError, StageKind, Word};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+pub(crate) use self::affinity::KIND as AFFINITY;
+use self::kmeans::KIND as KMEANS;
+use self::spectral::KIND as SPECTRAL;
+
+const CALLABLE: Word = Word::any("callable", "").doc("the callable, as the package numbers it or module.name");
+
+/// Callables by key.
+static TABLE: Mutex<BTreeMap<String, Callable>> = Mutex::new(BTreeMap::new());
+
+fn table() -> MutexGuard<'static, BTreeMap<String, Callable>> {
+    TABLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A callable, and the exception that it raised last.
+#[derive(Clone)]
+struct Callable {
+    function: Arc<Py<PyAny>>,
+    /// `module.name`, for messages.
+    name: String,
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl Callable {
+    fn new(function: Bound<'_, PyAny>, raised: &Arc<Mutex<Option<PyErr>>>) -> Self {
+        let part = |attribute| function.getattr(attribute).map(|part| part.to_string());
+        let name = match (part("__module__"), part("__qualname__")) {
+            (Ok(module), Ok(name)) => format!("{module}.{name}"),
+            _ => function.get_type().to_string(),
+        };
+        Self { function: Arc::new(function.unbind()), name, raised: Arc::clone(raised) }
+    }
+
+    /// That which the settings name.
+    fn chosen(params: &Params) -> Option<Self> {
+        table().get(&params.get(CALLABLE)).cloned()
+    }
+
+    /// Calls it; `read` takes what it returned. An exception is kept, and the error names its type and text.
+    fn call<T>(
+        chosen: Option<&Self>,
+        args: impl for<'py> FnOnce(Python<'py>) -> PyResult<Bound<'py, PyTuple>>,
+        read: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>,
+    ) -> Result<T, StageError> {
+        let this = chosen.ok_or_else(|| StageError::Unsupported("there is no callable of this name".to_owned()))?;
+        Python::attach(|py| {
+            let returned = args(py).and_then(|args| this.function.bind(py).call1(args));
+            returned.and_then(|returned| read(&returned)).map_err(|error| {
+                let text = StageError::Unsupported(format!("{} raised {error}", this.name));
+                *this.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                text
+            })
+        })
+    }
+
+    /// What the callable returned and should not have.
+    fn refuse(chosen: Option<&Self>, what: impl std::fmt::Display) -> StageError {
+        StageError::Mismatch(format!("{} returned {what}", chosen.map_or("the callable", |this| &this.name)))
+    }
+}
+
+/// The callables of one engine, which are in the table as long as it is.
+#[derive(Default)]
+pub(crate) struct Callables {
+    /// Section of the configuration, and key.
+    chosen: Vec<(&'static str, String)>,
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl Callables {
+    /// Those for the affinity, spectral and kmeans stage. Adds their kinds to `registry`.
+    pub(crate) fn new(py: Python<'_>, stages: [Option<Py<PyAny>>; 3], registry: &mut Registry) -> PyResult<Self> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let mut this = Self::default();
+        for (section, function) in ["affinity", "spectral", "kmeans"].into_iter().zip(stages) {
+            let Some(function) = function else { continue };
+            match section {
+                "affinity" => registry.affinity.push(AFFINITY),
+                "spectral" => registry.spectral.push(SPECTRAL),
+                _ => registry.kmeans.push(KMEANS),
+            }
+            let key = NEXT.fetch_add(1, Ordering::Relaxed).to_string();
+            table().insert(key.clone(), Callable::new(function.into_bound(py), &this.raised));
+            this.chosen.push((section, key));
+        }
+        Ok(this)
+    }
+
+    /// The settings that choose them.
+    pub(crate) fn settings(&self) -> impl Iterator<Item = String> {
+        let setting = |(section, key): &(&str, String)| {
+            [format!("{section}.kind={PYTHON}"), format!("{section}.callable=\"{key}\"")]
+        };
+        self.chosen.iter().flat_map(setting)
+    }
+
+    /// The exception that one of them raised since the last call.
+    pub(crate) fn raised(&self) -> Option<PyErr> {
+        self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl Drop for Callables {
+    fn drop(&mut self) {
+        let mut table = table();
+        self.chosen.iter().for_each(|(_, key)| drop(table.remove(key)));
+    }
+}
+
+/// The kind of a callable that was given as an object.
+const PYTHON: &str = "python";
+
+/// Adds the kind `python:module.name` of a section, for the rest of the process.
+pub(crate) fn add_named(section: &str, name: &str, function: Bound<'_, PyAny>, registry: &mut Registry) {
+    match section {
+        "affinity" => registry.affinity.push(named(AFFINITY, name, function)),
+        "spectral" => registry.spectral.push(named(SPECTRAL, name, function)),
+        _ => registry.kmeans.push(named(KMEANS, name, function)),
+    }
+}
+
+/// The kind that calls `function`, under this name, for the rest of the process.
+pub(crate) fn named<S: StageKind + ?Sized>(mut kind: Kind<S>, name: &str, function: Bound<'_, PyAny>) -> Kind<S> {
+    let name: &'static str = Box::leak(name.to_owned().into_boxed_str());
+    table().insert(name.to_owned(), Callable::new(function, &Arc::default()));
+    let spec = ParamSpec { shape: Shape::Text { default: name }, ..CALLABLE.spec };
+    kind.name = name;
+    kind.params = Box::leak(Box::new([spec]));
+    kind
+}

@@ -1,0 +1,79 @@
+//! Eigenvalues and U by a callable: spectral(W) -> (eigenvalues, U).
+
+use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use super::{CALLABLE, Callable, PYTHON};
+use crate::arrays::{self, Matrix};
+
+pub(crate) const KIND: Kind<dyn SpectralStage> =
+    Kind::spectral(PYTHON, "λ and U by a callable of Python: spectral(W) -> (eigenvalues, U)", |params| {
+        Box::new(PythonSpectral { callable: Callable::chosen(params) })
+    })
+    .params(&[CALLABLE.spec]);
+
+/// No eigenvalue of a normalised Laplacian is larger.
+const LARGEST: f64 = 2.0;
+
+struct PythonSpectral {
+    callable: Option<Callable>,
+}
+
+impl SpectralStage for PythonSpectral {
+    fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
+        let (callable, n) = (self.callable.as_ref(), affinity.weights.n());
+        let (eigenvalues, u) = if n == 0 {
+            (Vec::new(), Matrix::Dense { shape: [0, 0], flat: Vec::new() })
+        } else {
+            let w = &affinity.weights;
+            Callable::call(callable, |py| PyTuple::new(py, [arrays::weights(py, w)?]), read)?
+        };
+        check(&eigenvalues, &u, n).map_err(|what| Callable::refuse(callable, what))?;
+        let [_, k] = u.shape();
+        *out = Spectrum {
+            tolerance: eigenvalues.get(k).copied().unwrap_or(LARGEST),
+            eigenvalues,
+            k,
+            margin_decades: None,
+            ..std::mem::take(out)
+        };
+        (out.zeros_bound, out.span_bound) = (0.0, 0.0);
+        out.u.write_rows(n, k, |i, row| (0..k).map(|j| (j as u32, u.at(i, j))).for_each(|entry| row.push(entry)));
+        Ok(())
+    }
+
+    /// What Python takes is not known beforehand: W with all entries, L and its eigenvectors.
+    fn memory_bytes(&self, n: usize, _: usize) -> u64 {
+        3 * (size_of::<f64>() as u64) * (n as u64).saturating_mul(n as u64)
+    }
+}
+
+fn read(returned: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Matrix)> {
+    let (eigenvalues, u): (Bound<'_, PyAny>, Bound<'_, PyAny>) = returned.extract()?;
+    Ok((arrays::vector(&eigenvalues)?, Matrix::of(&u)?))
+}
+
+/// What is wrong with the spectrum of n returns.
+fn check(eigenvalues: &[f64], u: &Matrix, n: usize) -> Result<(), String> {
+    let [rows, k] = u.shape();
+    if rows != n || k > n {
+        return Err(format!("a U of shape ({rows}, {k}) for {n} returns, not ({n}, k) with k <= {n}"));
+    }
+    if !(k..=n).contains(&eigenvalues.len()) {
+        return Err(format!("{} eigenvalues for {n} returns and a U of {k} columns", eigenvalues.len()));
+    }
+    if let Some(at) = eigenvalues.iter().position(|value| !value.is_finite()) {
+        return Err(format!("an eigenvalue that is not finite: eigenvalues[{at}] = {}", eigenvalues[at]));
+    }
+    if !eigenvalues.is_sorted() {
+        return Err("eigenvalues that do not ascend".to_owned());
+    }
+    let mut wrong = None;
+    u.for_each(|i, j, value| {
+        if !value.is_finite() {
+            wrong.get_or_insert(format!("a U that is not finite: U[{i}, {j}] = {value}"));
+        }
+    });
+    wrong.map_or(Ok(()), Err)
+}

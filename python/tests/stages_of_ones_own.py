@@ -1,0 +1,64 @@
+"""Stages for the tests, also by name."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Matrix = NDArray[np.float64]
+
+NO_FUNCTION = 3
+
+
+def rbf(points: Matrix) -> Matrix:
+    """Equation (1) of the paper."""
+    return np.exp(-1.5 * np.square(points[:, None] - points).sum(axis=2))
+
+
+def sparse(points: Matrix) -> Any:
+    """The same, without what is nearly 0."""
+    from scipy.sparse import csr_array
+
+    w = rbf(points)
+    return csr_array(np.where(w > 1e-12, w, 0.0))
+
+
+def eigen(w: Matrix) -> tuple[Matrix, Matrix]:
+    """Equations (2) and (3)."""
+    scale = 1.0 / np.sqrt(w.sum(axis=0))
+    eigenvalues, vectors = np.linalg.eigh(np.eye(len(w)) - scale[:, None] * w * scale)
+    return eigenvalues, vectors[:, : int((eigenvalues < 1e-7).sum())]
+
+
+def nearest_row(u: Matrix, k: int) -> NDArray[np.int64]:
+    """Rows of one direction are of one cluster."""
+    unit = u / np.linalg.norm(u, axis=1, keepdims=True)
+    alike = np.abs(unit @ unit.T) > 0.9
+    return alike.argmax(axis=1)
+
+
+def failing(points: Matrix) -> Matrix:
+    """Fails on the eighth call."""
+    failing.calls += 1  # type: ignore[attr-defined]
+    if failing.calls == 8:  # type: ignore[attr-defined]
+        raise ValueError("seven were enough")
+    return rbf(points)
+
+
+failing.calls = 0  # type: ignore[attr-defined]
+
+
+def hanging(points: Matrix) -> Matrix:
+    """Never returns on the eighth call, and says so."""
+    hanging.calls += 1  # type: ignore[attr-defined]
+    if hanging.calls == 8:  # type: ignore[attr-defined]
+        print("hanging", file=sys.stderr, flush=True)
+        while True:
+            pass
+    return rbf(points)
+
+
+hanging.calls = 0  # type: ignore[attr-defined]

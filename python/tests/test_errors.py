@@ -1,0 +1,65 @@
+"""Errors are exceptions with the program's words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crosscut
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "text"),
+    [
+        (lambda: crosscut.Engine("papr"), crosscut.SettingsError, "did you mean paper"),
+        (lambda: crosscut.Engine(affinity={"kind": "rbv"}), crosscut.SettingsError, "did you mean rbf"),
+        (lambda: crosscut.Engine("paper", affinity={"sigma": 1}), crosscut.SettingsError, "did you mean sigma_per_m2"),
+        (lambda: crosscut.Engine(settings={"affinity": 1}), crosscut.SettingsError, "not of the form section.key=value"),
+        (lambda: crosscut.Engine(vehicle={"width_m": -1}), crosscut.SettingsError, "width_m = -1.0 is not allowed"),
+        (lambda: crosscut.Engine(afinity="rbf"), TypeError, "there is no argument or section 'afinity'"),
+        (lambda: crosscut.read("absent.mcap"), crosscut.ReadError, "cannot open absent.mcap: No such file"),
+        (lambda: crosscut.count([[1.0]], 0, 0.1), TypeError, "not an array of one dimension"),
+        (lambda: crosscut.Engine().process(np.zeros(3)), TypeError, "not an array of two dimensions"),
+        (lambda: crosscut.Engine().process(np.zeros((3, 4))), ValueError, "2 or 3 columns, not 4"),
+        (lambda: crosscut.Engine().process([[0, np.nan]]), ValueError, "point 0 is not finite"),
+        (lambda: crosscut.Engine().process_many([], workers=0), ValueError, "workers is 1 or more"),
+    ],
+)
+def test_wrong_use_is_an_exception_that_says_what_is_wrong(make, error, text) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(error, match=text):
+        make()
+
+
+def test_every_error_is_one_of_the_package() -> None:
+    for error in (crosscut.SettingsError, crosscut.ReadError, crosscut.StageError):
+        assert issubclass(error, crosscut.Error)
+    assert not issubclass(crosscut.Error, ValueError)
+
+
+def test_a_topic_that_is_not_there_is_named(tee: Path) -> None:
+    with pytest.raises(crosscut.ReadError, match="there is no topic /lidar"):
+        crosscut.read(tee, "/lidar")
+
+
+def test_a_damaged_recording_gives_its_scans_and_a_warning(tee: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(tee.read_bytes()[: tee.stat().st_size * 2 // 3])
+    scans = crosscut.read(cut)
+    with pytest.warns(crosscut.LossWarning):
+        assert 10 < len(list(scans)) < 141
+    assert scans.losses and list(scans) == []
+
+
+def test_an_error_of_the_source_comes_after_the_results_before_it(tee: Path) -> None:
+    def source():  # type: ignore[no-untyped-def]
+        yield from list(crosscut.read(tee, to_s=4))
+        raise OSError("the sensor is gone")
+
+    for workers in (1, 2):
+        results = []
+        with pytest.raises(OSError, match="the sensor is gone"):
+            for result in crosscut.Engine().process_many(source(), workers=workers):
+                results.append(result)
+        assert len(results) == 41

@@ -1,0 +1,78 @@
+"""The command line in the wheel."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import in_wheel
+
+HERE = Path(__file__).resolve().parent
+
+
+def run(*args: object, cwd: Path = HERE) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([in_wheel(), *map(str, args)], capture_output=True, text=True, cwd=cwd)
+
+
+def test_exit_codes_are_those_of_the_program(tee: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(tee.read_bytes()[: tee.stat().st_size * 2 // 3])
+    for code, args in ((0, ["--help"]), (0, ["run", tee]), (1, ["run", "absent.mcap"]), (2, ["run"]), (3, ["run", cut])):
+        assert run(*args).returncode == code, args
+    assert run("run", tee, "--set", "affinity.kind=rbv").stderr.count("did you mean rbf") == 1
+
+
+def test_recordings_need_another_build_and_it_says_which(tee: Path, tmp_path: Path) -> None:
+    saved = run("run", tee, "--save", tmp_path / "tee.rrd")
+    assert saved.returncode == 2
+    assert "built without recordings" in saved.stderr and "cargo install" in saved.stderr
+
+
+def test_a_stage_of_ones_own_is_chosen_by_name(tee: Path) -> None:
+    named = "affinity.kind=python:stages_of_ones_own.rbf"
+    args = ("--preset", "paper", "--every", 20, "--quiet", "--results", "-")
+    mine, papers = run("run", tee, "--set", named, *args), run("run", tee, *args)
+    assert mine.returncode == 0, mine.stderr
+    for found, expected in zip(mine.stdout.splitlines(), papers.stdout.splitlines(), strict=True):
+        assert json.loads(found)["labels"] == json.loads(expected)["labels"]
+    assert 'kind = "python:stages_of_ones_own.rbf"  # --set' in run("config", "--set", named).stdout
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("python:absent.rbf", "ModuleNotFoundError: No module named 'absent'"),
+        ("python:stages_of_ones_own.absent", "has no attribute 'absent'"),
+        ("python:stages_of_ones_own.NO_FUNCTION", "it is not callable"),
+    ],
+)
+def test_a_stage_that_is_not_there_is_wrong_usage(tee: Path, kind: str, text: str) -> None:
+    done = run("run", tee, "--set", f"affinity.kind={kind}")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert text in done.stderr
+
+
+def test_a_stage_that_raises_keeps_what_came_before(tee: Path) -> None:
+    done = run("run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.failing",
+               "--set", "pipeline.workers=1", "--results", "-")
+    assert done.returncode == 1
+    assert "affinity failed on revolution 7: stages_of_ones_own.failing raised ValueError: seven were enough" in done.stderr
+    assert [json.loads(line)["seq"] for line in done.stdout.splitlines()] == list(range(7))
+
+
+def test_an_interrupt_saves_what_was_made(tee: Path, tmp_path: Path) -> None:
+    results = tmp_path / "results.jsonl"
+    args = ["run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.hanging", "--results", results]
+    process = subprocess.Popen([in_wheel(), *map(str, args)], stderr=subprocess.PIPE, text=True, cwd=HERE)
+    assert process.stderr is not None
+    for expected in ("hanging", "stopping after the scans in progress"):
+        line = process.stderr.readline()
+        assert line.startswith(expected)
+        process.send_signal(signal.SIGINT)  # the second one quits at once
+    process.communicate(timeout=60)
+    assert process.returncode == 130
+    saved = [json.loads(line)["seq"] for line in results.read_text().splitlines()]
+    assert saved == list(range(len(saved))) and len(saved) < 8

@@ -1,0 +1,156 @@
+"""Stages in Python."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import stages_of_ones_own as own
+
+import crosscut
+from crosscut import testing
+
+
+@pytest.fixture(scope="module")
+def scans() -> list[crosscut.Scan]:
+    return list(crosscut.read(Path(__file__).resolve().parents[2] / "recordings" / "tee.mcap", every=5))
+
+
+@pytest.mark.parametrize(
+    "stages",
+    [
+        {"affinity": own.rbf},
+        {"affinity": own.sparse},
+        {"spectral": own.eigen},
+        {"kmeans": own.nearest_row},
+        {"affinity": own.rbf, "spectral": own.eigen, "kmeans": own.nearest_row},
+    ],
+    ids=lambda stages: "+".join(stages),
+)
+def test_stages_in_numpy_give_the_labels_of_the_paper(scans: list[crosscut.Scan], stages: dict[str, Any]) -> None:
+    mine = crosscut.Engine("paper", **stages)
+    for scan in scans[:25:5]:
+        expected, found = crosscut.Engine("paper").process(scan), mine.process(scan)
+        assert (found.k, found.openings) == (expected.k, expected.openings)
+        assert np.array_equal(found.labels, expected.labels)
+        assert np.allclose(found.eigenvalues[:4], expected.eigenvalues[:4], atol=1e-11)
+
+
+def change(w: Any, at: tuple[int, int], value: float) -> Any:
+    w[at] = value
+    return w
+
+
+@pytest.mark.parametrize(
+    ("stage", "function", "text"),
+    [
+        ("affinity", lambda p: own.rbf(p)[:-1], r"returned a W of shape \(\d+, \d+\) for \d+ returns"),
+        ("affinity", lambda p: change(own.rbf(p), (2, 5), 0.5), r"not symmetric: W\[2, 5\] = 0.5 and W\[5, 2\]"),
+        ("affinity", lambda p: change(own.rbf(p), (3, 3), 0.5), r"diagonal is not 1: W\[3, 3\] = 0.5"),
+        ("affinity", lambda p: change(own.rbf(p), (0, 1), np.nan), r"not finite: W\[0, 1\] = NaN"),
+        ("affinity", lambda p: change(own.rbf(p), (0, 1), -0.5), r"outside 0 to 1: W\[0, 1\] = -0.5"),
+        ("affinity", lambda p: change(own.sparse(p).tolil(), (0, 1), 0.5), r"not symmetric: W\[0, 1\] = 0.5"),
+        ("affinity", lambda p: None, "NoneType is not an array of two dimensions"),
+        ("affinity", lambda p: "W", "str is not an array of two dimensions"),
+        ("affinity", lambda: None, "takes 0 positional arguments"),
+        ("spectral", lambda w: own.eigen(w)[0], "raised"),
+        ("spectral", lambda w: (own.eigen(w)[0][::-1], own.eigen(w)[1]), "eigenvalues that do not ascend"),
+        ("spectral", lambda w: (own.eigen(w)[0] * np.nan, own.eigen(w)[1]), r"not finite: eigenvalues\[0\] = NaN"),
+        ("spectral", lambda w: (own.eigen(w)[0], own.eigen(w)[1][:-1]), r"a U of shape \(\d+, \d\) for \d+ returns"),
+        ("spectral", lambda w: (own.eigen(w)[0][:1], own.eigen(w)[1]), "1 eigenvalues for"),
+        ("kmeans", lambda u, k: np.zeros(len(u) - 1), r"returned \d+ labels for \d+ returns"),
+        ("kmeans", lambda u, k: np.full(len(u), -2), r"labels\[0\] = -2, which is less than -1"),
+        ("kmeans", lambda u, k: u, "not an array of one dimension"),
+    ],
+)
+def test_nonsense_is_refused_with_its_stage_and_scan(
+    scans: list[crosscut.Scan], stage: str, function: Callable[..., Any], text: str
+) -> None:
+    with pytest.raises(crosscut.StageError, match=f"(?s)^{stage} failed on revolution 80: test_stages.*{text}"):
+        crosscut.Engine("paper", **{stage: function}).process(scans[16])
+
+
+def test_an_exception_is_the_cause_and_what_came_before_is_kept(scans: list[crosscut.Scan]) -> None:
+    for workers, expected in ((1, 7), (2, 0)):
+        own.failing.calls = 0  # type: ignore[attr-defined]
+        done = []
+        with pytest.raises(crosscut.StageError, match="own.failing raised ValueError: seven were enough") as caught:
+            for result in crosscut.Engine("paper", affinity=own.failing).process_many(scans, workers=workers):
+                done.append(result)
+        assert isinstance(caught.value.__cause__, ValueError)
+        assert len(done) >= expected
+        assert done == [crosscut.Engine("paper", affinity=own.rbf).process(scan) for scan in scans[: len(done)]]
+
+
+def test_an_engine_that_failed_goes_on_with_the_next_scan(scans: list[crosscut.Scan]) -> None:
+    own.failing.calls = 7  # type: ignore[attr-defined]
+    engine = crosscut.Engine("paper", affinity=own.failing)
+    with pytest.raises(crosscut.StageError):
+        engine.process(scans[0])
+    assert engine.process(scans[0]) == crosscut.Engine("paper", affinity=own.rbf).process(scans[0])
+
+
+def test_an_engine_inside_its_own_stage_is_refused(scans: list[crosscut.Scan]) -> None:
+    engine = crosscut.Engine("paper", affinity=lambda points: engine.process(scans[0]).W)
+    with pytest.raises(crosscut.StageError, match="this engine is at work already"):
+        engine.process(scans[0])
+
+
+HANGING = """
+import crosscut, stages_of_ones_own as own
+engine = crosscut.Engine("paper", affinity=own.hanging)
+try:
+    for result in engine.process_many(crosscut.read("recordings/tee.mcap"), workers={workers}):
+        print(result.seq, flush=True)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupt_ends_a_stage_that_never_returns(workers: int) -> None:
+    here = Path(__file__).resolve().parent
+    run = subprocess.Popen(
+        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(here)!r})" + HANGING.format(workers=workers)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=here.parents[1],
+    )
+    assert run.stderr is not None
+    assert run.stderr.readline() == "hanging\n"
+    run.send_signal(signal.SIGINT)
+    out, err = run.communicate(timeout=60)
+    *before, last = out.splitlines()
+    assert (last, run.returncode) == ("interrupted", 0), err
+    assert before == [str(seq) for seq in range(len(before))]
+    assert len(before) == 7 or workers == 2  # several workers keep whole batches
+
+
+def test_conformance_accepts_what_is_right() -> None:
+    testing.check_affinity(own.rbf)
+    testing.check_affinity(own.sparse)
+    testing.check_spectral(own.eigen)
+    testing.check_kmeans(own.nearest_row)
+
+
+@pytest.mark.parametrize(
+    ("check", "stage", "text"),
+    [
+        (testing.check_affinity, lambda p: np.ones((len(p), len(p))) * 0.5, "diagonal is not 1"),
+        (testing.check_affinity, lambda p: own.rbf(p) if len(p) > 3 else None, "NoneType is not an array"),
+        (testing.check_affinity, lambda p: own.rbf(p / np.ptp(p, axis=0).max()), "not finite"),
+        (testing.check_spectral, lambda w: (np.zeros(3), np.zeros((3, 3))), "of 1 returns"),
+        (testing.check_kmeans, lambda u, k: np.random.randint(0, 2, len(u)), "another answer"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_conformance_says_what_is_wrong(check: Callable[..., None], stage: Callable[..., Any], text: str) -> None:
+    with pytest.raises(AssertionError, match=text):
+        check(stage)
