@@ -43,7 +43,8 @@ impl Answer {
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep) -> PyResult<Bound<'py, PyAny>> {
         let Self { line, eigenvalues, w, u, timings_ms } = self;
         let [result, wall, opening] = classes(py)?;
-        let walls = line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
+        let walls =
+            line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
         let openings = line.openings.iter().map(|o| {
             let walls = (o.walls[0], o.walls[1]);
             opening.call1((o.bearing_rad, o.width_m, o.range_m, walls, o.evidence.as_str(), o.cut_by_view))

@@ -113,7 +113,8 @@ where
     for<'a, 'py> PyArrayLike1<'py, T, AllowTypeChange>: FromPyObject<'a, 'py>,
 {
     let array: Result<PyArrayLike1<'_, T, AllowTypeChange>, _> = object.extract();
-    let array = array.map_err(|_| PyTypeError::new_err(format!("{} is not an array of one dimension", kind(object))))?;
+    let array =
+        array.map_err(|_| PyTypeError::new_err(format!("{} is not an array of one dimension", kind(object))))?;
     Ok(array.as_array().iter().copied().collect())
 }
 

@@ -78,7 +78,8 @@ impl Engine {
         let mut registry = Registry::standard();
         let callables = Callables::new(py, stages, &mut registry)?;
         let settings: Vec<_> = callables.settings().chain(settings).collect();
-        let layers = [Preset::named(preset).map_err(refused)?.into(), Layer::settings("settings", &settings).map_err(refused)?];
+        let layers =
+            [Preset::named(preset).map_err(refused)?.into(), Layer::settings("settings", &settings).map_err(refused)?];
         let config = Config::resolve(&registry, &layers).map_err(refused)?;
         let sensor = Sensor::new(config.params("ingest"));
         let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };

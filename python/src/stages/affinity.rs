@@ -1,8 +1,6 @@
 //! W by a callable: affinity(points) -> W.
 
-use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError, Storage,
-};
+use crosscut_stage::{Affinity, AffinityStage, Invariance, Kind, Notes, Revolution, StageError, Storage};
 use pyo3::types::PyTuple;
 
 use super::{CALLABLE, Callable, PYTHON};
@@ -40,7 +38,10 @@ impl AffinityStage for PythonAffinity {
                 let sparse = out.weights.make_sparse();
                 for span in starts.windows(2) {
                     let span = span[0] as usize..span[1] as usize;
-                    columns[span.clone()].iter().zip(&values[span]).for_each(|(&j, &value)| sparse.push(j as u32, value));
+                    columns[span.clone()]
+                        .iter()
+                        .zip(&values[span])
+                        .for_each(|(&j, &value)| sparse.push(j as u32, value));
                     sparse.end_row();
                 }
             }
