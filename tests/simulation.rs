@@ -52,3 +52,27 @@ fn scenarios_and_suites_are_listed_and_unknown_ones_refused() {
         assert!(ran.stderr.contains("there are:"), "{}", ran.stderr);
     }
 }
+
+#[test]
+fn a_plan_is_flown_and_its_map_has_its_junctions() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (plan, flight, map) =
+        (folder.path().join("plan.json"), folder.path().join("plan.mcap"), folder.path().join("map.json"));
+    let text = r#"{"nodes": [{"id": "portal", "x_m": 0, "y_m": 0}, {"id": 1, "x_m": 40, "y_m": 0}, {"id": 2, "x_m": 40, "y_m": 40},
+        {"id": 3, "x_m": 80, "y_m": 0}], "roughness_m": 0.05, "edges": [{"from": "portal", "to": 1, "width_m": 4},
+        {"from": 1, "to": 2, "width_m": 4}, {"from": 1, "to": 3, "width_m": 4, "via_m": [[60, -5]]}]}"#;
+    std::fs::write(&plan, text).expect("written");
+    let simulate = |out: &Path| run([Path::new("simulate"), Path::new("--plan"), &plan, Path::new("--out"), out]);
+    simulate(&flight).expect_code(0);
+    let again = folder.path().join("again.mcap");
+    simulate(&again).expect_code(0);
+    assert_eq!(std::fs::read(&again).expect("written"), std::fs::read(&flight).expect("written"), "the same bytes");
+    let said = run([Path::new("map"), &flight, Path::new("--out"), &map]).expect_code(0).stderr;
+    assert!(said.starts_with("1 junction: 1 tee; "), "{said}");
+
+    let refused = simulate(&plan).expect_code(2).stderr;
+    assert!(refused.contains("would be overwritten"), "{refused}");
+    std::fs::write(&plan, text.replace("\"to\": 3", "\"to\": 4")).expect("written");
+    let refused = simulate(&flight).expect_code(2).stderr;
+    assert!(refused.contains("plan.json: edge 2 names the node 4"), "{refused}");
+}

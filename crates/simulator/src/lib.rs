@@ -19,6 +19,7 @@
 //! - [`truth`]: openings and walls by the definitions of the vocabulary, stated there.
 //! - [`vehicle`]: follows a route by pure pursuit, with disturbances of course, yaw, roll and pitch, and drifting
 //!   odometry.
+//! - [`Plan`]: a mine as its surveyor draws it, and a flight through all of it.
 //! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for
 //!   reports.
 //!
@@ -50,6 +51,7 @@ mod mine;
 pub mod network;
 mod noise;
 mod outline;
+mod plan;
 pub mod pose;
 mod presets;
 pub mod reading;
@@ -66,6 +68,7 @@ pub mod vehicle;
 pub use cloud::{Cloud, Rings};
 pub use junction::Places;
 pub use mine::Mine;
+pub use plan::{Plan, PlanError};
 pub use recording::{RecordingError, write_mcap};
 pub use scenario::{Scenario, scenarios};
 pub use scene::{Flight, Scene};

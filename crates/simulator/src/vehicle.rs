@@ -16,6 +16,8 @@ pub struct Handling {
     pub turn_rate_max_rad_s: f64,
     /// Distance to the point of the route that the vehicle heads for.
     pub look_ahead_m: f64,
+    /// The vehicle stands and turns while the point that it heads for is farther to its side than this.
+    pub turn_on_spot_rad: f64,
     /// Standard deviation of the offset to the side of the route.
     pub offset_sd_m: f64,
     /// Standard deviation of the heading relative to the course.
@@ -29,12 +31,13 @@ pub struct Handling {
 }
 
 impl Default for Handling {
-    /// 1.5 m/s, a tilt of 1.5° (standard deviation), and odometry with errors of 2 % and 0.2°/s.
+    /// 1.5 m/s, never on the spot, a tilt of 1.5° (standard deviation), and odometry with errors of 2 % and 0.2°/s.
     fn default() -> Self {
         Self {
             speed_m_s: 1.5,
             turn_rate_max_rad_s: 0.8,
             look_ahead_m: 2.0,
+            turn_on_spot_rad: f64::INFINITY,
             offset_sd_m: 0.2,
             yaw_sd_rad: 3_f64.to_radians(),
             tilt_sd_rad: 1.5_f64.to_radians(),
@@ -110,10 +113,14 @@ impl Vehicle {
         let target_m = self.target_m(dt_s);
         let towards = target_m - self.position_m;
         let error_rad = crosscut_stage::wrap_angle_rad(towards.y.atan2(towards.x) - self.course_rad);
-        let wanted_rad_s = 2.0 * handling.speed_m_s * error_rad.sin() / towards.norm().max(0.1);
+        let (speed_m_s, wanted_rad_s) = if error_rad.abs() > handling.turn_on_spot_rad {
+            (0.0, handling.turn_rate_max_rad_s.copysign(error_rad))
+        } else {
+            (handling.speed_m_s, 2.0 * handling.speed_m_s * error_rad.sin() / towards.norm().max(0.1))
+        };
         let turn_rate = wanted_rad_s.clamp(-handling.turn_rate_max_rad_s, handling.turn_rate_max_rad_s);
         self.course_rad += turn_rate * dt_s;
-        self.position_m += unit(self.course_rad) * (handling.speed_m_s * dt_s);
+        self.position_m += unit(self.course_rad) * (speed_m_s * dt_s);
         self.pose = Pose {
             position_m: self.position_m,
             heading_rad: self.course_rad + self.yaw.step(dt_s, &mut self.rng),

@@ -199,6 +199,9 @@ pub(crate) struct SimulateArgs {
     /// Scenario of the flight; --list shows them.
     #[arg(conflicts_with = "suite")]
     pub(crate) scenario: Option<String>,
+    /// Plan of a mine to fly through, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
+    #[arg(long, value_name = "PLAN.json", conflicts_with_all = ["scenario", "suite"])]
+    pub(crate) plan: Option<PathBuf>,
     /// Family of scenes for evaluation, instead of a flight; `all` for every family.
     #[arg(long, value_name = "NAME")]
     pub(crate) suite: Option<String>,

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use anyhow::Context;
 use crosscut_pipeline::StopFlag;
-use crosscut_simulator::{SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
+use crosscut_simulator::{Plan, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 use crosscut_stage::counted;
 
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::progress;
 use crate::say::say;
+use crate::{outputs, progress};
 
 /// Writes a flight or suites, or lists what there is.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
@@ -22,6 +22,10 @@ pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
     if out == Some(Path::new("-")) {
         return Err(UsageError("simulate writes to a file, not to standard output".to_owned()).into());
     }
+    if let (Some(plan), false) = (&args.plan, args.list) {
+        let out = out.ok_or_else(|| UsageError("--out is missing: a file for the flight".to_owned()))?;
+        return planned(plan, args, out, &stop);
+    }
     match (&args.scenario, &args.suite, out) {
         _ if args.list => list(),
         (Some(scenario), None, Some(out)) => flight(scenario, args, out, &stop),
@@ -29,7 +33,10 @@ pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
         (Some(_), _, None) | (_, Some(_), None) => {
             Err(UsageError("--out is missing: a file for a scenario, a folder for a suite".to_owned()).into())
         }
-        _ => Err(UsageError("name a scenario or --suite NAME; --list shows them".to_owned()).into()),
+        _ => Err(UsageError(
+            "name a scenario, --suite NAME or --plan PLAN.json; --list shows scenarios and suites".to_owned(),
+        )
+        .into()),
     }
 }
 
@@ -50,6 +57,15 @@ fn flight(name: &str, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyho
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
     write(out, (scenario.fly)(args.seed), None, args.quiet, stop)
+}
+
+/// A flight through all of the mine of a plan.
+fn planned(path: &Path, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
+    outputs::refuse(&[out], &[path.to_owned()])?;
+    let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| in_plan(&error))?;
+    let flight = Plan::from_json(&text).and_then(|plan| plan.fly(args.seed)).map_err(|error| in_plan(&error))?;
+    write(out, flight, None, args.quiet, stop)
 }
 
 fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
