@@ -1,5 +1,7 @@
 //! The lines of results.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use crate::flight::{Writing, file, tunnel};
@@ -103,4 +105,39 @@ fn a_selection_keeps_the_index_in_the_topic() {
 fn quiet_prints_nothing() {
     let ran = run(["run".as_ref(), "--quiet".as_ref(), shipped_flight().as_os_str()]).expect_code(0);
     assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn results_as_an_mcap_hold_the_scans_and_the_same_lines() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("answers.mcap");
+    // The vehicle's left is the sensor's right: the drawing is in the sensor's frame.
+    let mounting = ["--set", "ingest.upside_down=true", "--set", "ingest.yaw_rad=0.5"];
+    let (_, expected) = results_of(&shipped_flight(), &mounting);
+    let flight = shipped_flight();
+    let args = [Path::new("run"), &flight, Path::new("--results"), &out];
+    run(args.into_iter().chain(mounting.iter().map(Path::new))).expect_code(0);
+    let bytes = std::fs::read(&out).expect("written");
+    let messages: Vec<_> =
+        mcap::MessageStream::new(&bytes).expect("an MCAP").map(|message| message.expect("a message")).collect();
+    let of = |topic: &str| messages.iter().filter(|message| message.channel.topic == topic).collect::<Vec<_>>();
+    let lines: Vec<Value> =
+        of("/crosscut/results").iter().map(|message| serde_json::from_slice(&message.data).expect("JSON")).collect();
+    assert_eq!(lines, expected);
+    assert!(of("/crosscut/results").iter().zip(&lines).all(|(message, line)| line["stamp_ns"] == message.log_time));
+    assert_eq!((of("/scan").len(), of("/crosscut/scene").len()), (lines.len(), lines.len()));
+    // It is a recording as well, with the same answers.
+    let (_, again) = results_of(&out, &mounting);
+    let answer = |line: &Value| ["junctions", "labels", "openings", "confidence"].map(|field| line[field].clone());
+    assert!(again.iter().map(answer).eq(expected.iter().map(answer)));
+}
+
+#[test]
+fn a_flight_that_cannot_be_read_leaves_older_results_as_mcap() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (out, broken) = (folder.path().join("answers.mcap"), folder.path().join("broken.mcap"));
+    std::fs::write(&out, "older").expect("written");
+    std::fs::write(&broken, "no recording").expect("written");
+    run([Path::new("run"), &broken, Path::new("--results"), &out]).expect_code(1);
+    assert_eq!(std::fs::read(&out).expect("there"), b"older");
 }

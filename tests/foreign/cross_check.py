@@ -6,6 +6,7 @@ import time
 import traceback
 from pathlib import Path
 
+import answers
 import carmen
 import determinism
 import elsewhere
@@ -30,6 +31,7 @@ CHECKS = {
     "viewing": viewing,
     "killing": killing,
     "mcap_io": mcap_io,
+    "answers": answers,
     "determinism": determinism,
     "elsewhere": elsewhere,
     "carmen": carmen,

@@ -9,6 +9,7 @@
 // These macros panic when they cannot write. Messages go through `say`, and writing results returns its error.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
+mod answers;
 mod cli;
 mod commands;
 mod config;

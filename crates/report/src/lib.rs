@@ -27,5 +27,6 @@ mod walls;
 pub use outline::Outline;
 pub use reporter::{PARAMS, Reporter, VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use results::{
-    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, ResultsLine, SteadyLine, SteadyOpeningLine, WallLine,
+    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
+    SteadyLine, SteadyOpeningLine, WallLine,
 };

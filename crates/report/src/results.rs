@@ -5,6 +5,11 @@ use std::io::{self, Write};
 use crosscut_stage::{Frame, Here};
 use serde::{Deserialize, Serialize};
 
+/// The name of [`RESULTS_SCHEMA_TEXT`].
+pub const RESULTS_SCHEMA_NAME: &str = "crosscut.Results";
+/// The definition of a line as JSON Schema. More fields may follow.
+pub const RESULTS_SCHEMA_TEXT: &str = include_str!("results.schema.json");
+
 /// At most this many eigenvalues stand in a line.
 pub const MAX_EIGENVALUES: usize = 16;
 
@@ -220,5 +225,44 @@ mod tests {
         let mut text = Vec::new();
         line.write(&mut text).expect("memory");
         assert_eq!(serde_json::from_slice::<ResultsLine>(&text).expect("JSON"), line);
+    }
+
+    #[test]
+    fn the_schema_names_the_fields_of_a_line() {
+        let here = || HereLine { kind: "junction".to_owned(), ways: vec![None], confidence: 1.0 };
+        let mut line = ResultsLine::of(&Frame::default());
+        line.walls.push(WallLine { id: 0, returns: 1, bearing_rad: [0.0; 2], island: false });
+        line.openings.push(OpeningLine {
+            bearing_rad: 0.0,
+            width_m: 1.0,
+            range_m: 1.0,
+            walls: [0; 2],
+            evidence: "seen_through".to_owned(),
+            cut_by_view: false,
+        });
+        line.here = Some(here());
+        let opening = SteadyOpeningLine { track: 0, bearing_rad: 0.0, width_m: 1.0 };
+        line.steady = Some(SteadyLine { junctions: 1, here: Some(here()), openings: vec![opening] });
+        line.pose = Some(PoseLine { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0 });
+        let line = serde_json::to_value(line).expect("JSON");
+        let schema: serde_json::Value = serde_json::from_str(RESULTS_SCHEMA_TEXT).expect("JSON");
+        assert_same_fields(&line, &schema, &schema["$defs"]);
+    }
+
+    /// Fails unless objects have the properties that the schema names, and no others.
+    fn assert_same_fields(value: &serde_json::Value, schema: &serde_json::Value, defs: &serde_json::Value) {
+        let schema = schema["oneOf"].as_array().map_or(schema, |either| &either[1]);
+        let schema = if schema["$ref"].is_string() { &defs["here"] } else { schema };
+        if let Some(items) = value.as_array() {
+            items.iter().for_each(|item| assert_same_fields(item, &schema["items"], defs));
+        }
+        if let Some(fields) = value.as_object() {
+            let named = schema["properties"].as_object().expect("properties");
+            let [mut has, mut named_fields] = [fields, named].map(|object| object.keys().collect::<Vec<_>>());
+            has.sort();
+            named_fields.sort();
+            assert_eq!(has, named_fields);
+            fields.iter().for_each(|(name, field)| assert_same_fields(field, &named[name], defs));
+        }
     }
 }

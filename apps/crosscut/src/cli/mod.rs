@@ -69,8 +69,9 @@ pub(crate) struct RunArgs {
     pub(crate) flight: FlightArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
-    /// Write one JSON object per scan; `-` is standard output.
-    #[arg(long, value_name = "FILE.jsonl")]
+    /// Write one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
+    /// Foxglove.
+    #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     pub(crate) results: Option<PathBuf>,
     /// Write the map of the flight: junctions, dead ends and the passages between them.
     #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]

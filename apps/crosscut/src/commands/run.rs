@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use crosscut_flight::Mapper;
-use crosscut_ingest::{Recording, recordings_in};
+use crosscut_ingest::{Recording, Sensor, recordings_in};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Failure, FailureCause, Frame, Step, counted};
 
+use crate::answers::AnswersFile;
 use crate::cli::RunArgs;
 use crate::diagnostics::{Diagnostics, NO_RETURN};
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
@@ -88,7 +89,7 @@ fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError
 
 /// The files that the report thread writes.
 struct Written {
-    results: Option<Box<dyn Write + Send>>,
+    results: Option<Results>,
     over_time: Option<OverTime>,
     mapper: Mapper,
     map: Option<(PathBuf, Box<dyn Write + Send>)>,
@@ -99,7 +100,7 @@ struct Written {
 impl Written {
     /// Opens the files. Without the picture over time or the map the run continues; without results it fails.
     fn open(args: &RunArgs, config: &Config, read: &[PathBuf], diagnostics: &mut Diagnostics) -> anyhow::Result<Self> {
-        let results = args.results.as_ref().map(|path| outputs::create(path, read)).transpose()?;
+        let results = args.results.as_ref().map(|path| Results::create(path, config, read)).transpose()?;
         let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
         let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
         diagnostics.lost_all(over_time.as_ref().err().map(|error| format!("{error:#}")));
@@ -116,11 +117,8 @@ impl Written {
     fn take(&mut self, frame: &Frame) -> io::Result<()> {
         self.returns += frame.revolution.len();
         self.mapper.add(frame);
-        if let Some(out) = &mut self.results {
-            let mut line = Vec::new();
-            ResultsLine::of(frame).write(&mut line)?;
-            out.write_all(&line)?;
-            out.flush()?;
+        if let Some(results) = &mut self.results {
+            results.take(frame)?;
         }
         if let Some(over_time) = &mut self.over_time {
             over_time.take(frame);
@@ -129,11 +127,42 @@ impl Written {
     }
 
     fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        if let Some(Results::Mcap(answers)) = &mut self.results {
+            answers.finish().context("the results")?;
+        }
         if let Some((path, out)) = &mut self.map {
             let written = out.write_all(maps::text(path, &self.mapper).as_bytes()).and_then(|()| out.flush());
             written.with_context(|| format!("cannot write {}", path.display()))?;
         }
         self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
+    }
+}
+
+/// The file of results.
+enum Results {
+    Lines(Box<dyn Write + Send>),
+    Mcap(Box<AnswersFile<Box<dyn Write + Send>>>),
+}
+
+impl Results {
+    fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
+        let out = outputs::create(path, read)?;
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
+            return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
+        }
+        Ok(Self::Lines(out))
+    }
+
+    fn take(&mut self, frame: &Frame) -> io::Result<()> {
+        match self {
+            Self::Lines(out) => {
+                let mut line = Vec::new();
+                ResultsLine::of(frame).write(&mut line)?;
+                out.write_all(&line)?;
+                out.flush()
+            }
+            Self::Mcap(answers) => answers.take(frame),
+        }
     }
 }
 

@@ -249,6 +249,13 @@ impl Sensor {
         self.yaw_rad + self.own_angle_rad(angle_rad)
     }
 
+    /// A place in the body frame, in the frame of the sensor.
+    pub fn in_sensor_frame(&self, point_m: Point) -> Point {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let (x, y) = (point_m.x * cos + point_m.y * sin, point_m.y * cos - point_m.x * sin);
+        if self.upside_down { Point::new(x, -y, -point_m.z) } else { Point::new(x, y, point_m.z) }
+    }
+
     fn takes_ring(&self, ring: u32) -> bool {
         self.rings.iter().any(|&[from, to]| (from..=to).contains(&f64::from(ring)))
     }

@@ -237,6 +237,10 @@ fn yaw_turns_and_upside_down_mirrors_before_the_yaw() {
     let (hanging, notes) = revolution_of(&scan(&[1.0, 1.0]), &mounted(true));
     assert_near(hanging.bearing_rad(1), FRAC_PI_2 - 0.1);
     assert_eq!(notes[0], "bearings mirrored: the sensor is mounted upside down");
+    for (seen, upside_down) in [(&upright, false), (&hanging, true)] {
+        let own_m = mounted(upside_down).in_sensor_frame(seen.points_m[1]);
+        assert_near(own_m.y.atan2(own_m.x), 0.1);
+    }
 }
 
 #[test]

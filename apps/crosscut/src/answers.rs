@@ -1,0 +1,169 @@
+//! The results as an MCAP: scans, answers and a drawing of them, for Foxglove and other tools.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use crosscut_ingest::Sensor;
+use crosscut_messages::{
+    CDR_ENCODING, Cloud, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, POINTS_TOPIC,
+    PROTOBUF_ENCODING, PointCloud2, SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine,
+    SceneText, Time,
+};
+use crosscut_report::{RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine};
+use crosscut_stage::{Frame, Point, counted};
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use mcap::{McapError, WriteOptions};
+
+/// Topics of the answers.
+const RESULTS_TOPIC: &str = "/crosscut/results";
+const SCENE_TOPIC: &str = "/crosscut/scene";
+
+/// Colours of walls (Okabe and Ito), in the order of recordings for the viewer.
+const WALLS_RGB: [[u8; 3]; 6] = [
+    [0x56, 0xb4, 0xe9],
+    [0xe6, 0x9f, 0x00],
+    [0x00, 0x9e, 0x73],
+    [0xcc, 0x79, 0xa7],
+    [0xd5, 0x5e, 0x00],
+    [0x00, 0x72, 0xb2],
+];
+/// Colour of openings.
+const OPENING: [f64; 3] = [0.95, 0.9, 0.25];
+/// A wall is drawn through if its next return is not farther away than this, m.
+const WALL_STEP_M: f64 = 2.0;
+const ARROW_M: f64 = 3.0;
+
+/// An MCAP that is being written. It begins with the first scan.
+pub(crate) struct AnswersFile<W: Write> {
+    out: Option<W>,
+    mcap: Option<mcap::Writer<NoSeek<W>>>,
+    sensor: Sensor,
+    channels: BTreeMap<&'static str, (u16, u32)>,
+}
+
+impl<W: Write> AnswersFile<W> {
+    pub(crate) fn new(out: W, sensor: Sensor) -> Self {
+        Self { out: Some(out), mcap: None, sensor, channels: BTreeMap::new() }
+    }
+
+    /// Writes the scan of a finished frame and its answer, at the stamp of the scan.
+    pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
+        let stamp_ns = frame.revolution.stamp_ns;
+        match scan(frame) {
+            Some(scan) => self.write(SCAN_TOPIC, stamp_ns, &scan.encode(Endian::Little))?,
+            None => {
+                let cloud = PointCloud2::from(&self.cloud(frame));
+                self.write(POINTS_TOPIC, stamp_ns, &cloud.encode(Endian::Little))?;
+            }
+        }
+        let mut line = Vec::new();
+        ResultsLine::of(frame).write(&mut line)?;
+        self.write(RESULTS_TOPIC, stamp_ns, &line)?;
+        self.write(SCENE_TOPIC, stamp_ns, &self.scene(frame).encode())
+    }
+
+    /// Writes what is left, and the index.
+    pub(crate) fn finish(&mut self) -> io::Result<()> {
+        self.mcap.as_mut().map_or(Ok(()), |mcap| mcap.finish().map(|_| ()).map_err(as_io))
+    }
+
+    fn write(&mut self, topic: &'static str, log_time: u64, data: &[u8]) -> io::Result<()> {
+        if let Some(out) = self.out.take() {
+            let options = WriteOptions::new().profile("ros2").library("crosscut").disable_seeking(true);
+            self.mcap = Some(options.create(NoSeek::new(out)).map_err(as_io)?);
+        }
+        let mcap = self.mcap.as_mut().ok_or_else(|| io::Error::other("the MCAP could not be begun"))?;
+        if !self.channels.contains_key(topic) {
+            let (name, schema_encoding, text, encoding) = match topic {
+                SCAN_TOPIC => (LaserScan::SCHEMA_NAME, SCHEMA_ENCODING, LaserScan::SCHEMA_TEXT.into(), CDR_ENCODING),
+                POINTS_TOPIC => {
+                    (PointCloud2::SCHEMA_NAME, SCHEMA_ENCODING, PointCloud2::SCHEMA_TEXT.into(), CDR_ENCODING)
+                }
+                SCENE_TOPIC => (SCENE_SCHEMA_NAME, PROTOBUF_ENCODING, Scene::schema(), PROTOBUF_ENCODING),
+                _ => (RESULTS_SCHEMA_NAME, JSON_SCHEMA_ENCODING, RESULTS_SCHEMA_TEXT.into(), JSON_ENCODING),
+            };
+            let text: Vec<u8> = text;
+            let schema = mcap.add_schema(name, schema_encoding, &text).map_err(as_io)?;
+            let channel = mcap.add_channel(schema, topic, encoding, &BTreeMap::new()).map_err(as_io)?;
+            self.channels.insert(topic, (channel, 0));
+        }
+        let (channel_id, sequence) = self.channels.get_mut(topic).expect("it has just been added");
+        let header = MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time, publish_time: log_time };
+        *sequence = sequence.wrapping_add(1);
+        mcap.write_to_known_channel(&header, data).map_err(as_io)
+    }
+
+    fn cloud(&self, frame: &Frame) -> Cloud {
+        let points = frame.revolution.points_m.iter();
+        let points_m = points.map(|point_m| self.sensor.in_sensor_frame(*point_m).into()).collect();
+        Cloud { header: header(frame), points_m, ..Cloud::default() }
+    }
+
+    /// The walls as lines and the openings as arrows, in the sensor's frame.
+    fn scene(&self, frame: &Frame) -> Scene {
+        let (revolution, junction) = (&frame.revolution, &frame.junction);
+        let place_m = |point_m: Point| -> [f64; 3] { self.sensor.in_sensor_frame(point_m).into() };
+        let mut lines: Vec<SceneLine> = Vec::new();
+        for wall in &junction.walls {
+            let colour = WALLS_RGB[wall.id as usize % WALLS_RGB.len()].map(|part| f64::from(part) / 255.0);
+            let of_wall = revolution.points_m.iter().zip(&junction.wall_of_return);
+            let points = of_wall.filter(|(_, of)| **of == Some(wall.id)).map(|(point_m, _)| *point_m);
+            let mut last: Option<Point> = None;
+            for point_m in points {
+                let goes_on = last.is_some_and(|last| (point_m - last).norm() <= WALL_STEP_M);
+                match lines.last_mut().filter(|_| goes_on) {
+                    Some(line) => line.points_m.push(place_m(point_m)),
+                    None => lines.push(SceneLine { points_m: vec![place_m(point_m)], colour }),
+                }
+                last = Some(point_m);
+            }
+        }
+        lines.retain(|line| line.points_m.len() > 1);
+        let origin = Point::origin();
+        let mut texts = vec![SceneText {
+            at_m: place_m(origin),
+            text: format!("{}, {}", counted(junction.junctions as u64, "wall"), junction.place),
+        }];
+        let mut arrows = Vec::new();
+        for opening in &junction.openings {
+            let (sin, cos) = opening.bearing_rad.sin_cos();
+            let tip_m = place_m(Point::new(ARROW_M * cos, ARROW_M * sin, 0.0));
+            arrows.push(SceneArrow {
+                from_m: place_m(origin),
+                bearing_rad: tip_m[1].atan2(tip_m[0]),
+                length_m: ARROW_M,
+                colour: OPENING,
+            });
+            texts.push(SceneText { at_m: tip_m, text: format!("{:.1} m wide", opening.width_m) });
+        }
+        Scene { stamp_ns: revolution.stamp_ns, frame_id: revolution.frame_id.clone(), lines, arrows, texts }
+    }
+}
+
+/// The scan as it was recorded; `None` for a cloud.
+fn scan(frame: &Frame) -> Option<LaserScan> {
+    let sweep = frame.revolution.beams()?;
+    let [angle_min, angle_increment, range_min, range_max] = sweep.wire_geometry;
+    Some(LaserScan {
+        header: header(frame),
+        angle_min,
+        angle_max: angle_min + angle_increment * sweep.ranges_m.len().saturating_sub(1) as f32,
+        angle_increment,
+        range_min,
+        range_max,
+        ranges: sweep.ranges_m.clone(),
+        ..LaserScan::default()
+    })
+}
+
+fn header(frame: &Frame) -> Header {
+    Header { stamp: Time::from_ns(frame.revolution.stamp_ns), frame_id: frame.revolution.frame_id.clone() }
+}
+
+fn as_io(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}
