@@ -44,14 +44,14 @@ pub(crate) enum Command {
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
+    /// Try every combination of some settings on a set of flights: tables and pictures, with accuracy where there is truth.
+    Sweep(SweepArgs),
     /// Repeat the paper's evaluation on simulated scenes: figures, and the share of right answers by zero tolerance.
     Paper(PaperArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
     Map(MapArgs),
-    /// Try every combination of some settings on a set of flights: tables and pictures, with accuracy where there is truth.
-    Sweep(SweepArgs),
     /// Write a page (HTML) on a flight: counts over time, map, junctions with their walls, notes, times and settings.
     Report(ReportArgs),
     /// Convert a recording of any kind to an MCAP of ROS 2 that other tools read.
