@@ -22,6 +22,7 @@ pub(crate) struct Answer {
     line: ResultsLine,
     /// All that the spectral stage gave.
     eigenvalues: Vec<f64>,
+    clusters: Vec<i32>,
     w: Option<(Weights, Vec<f64>)>,
     u: Option<Embedding>,
     timings_ms: [(Step, f64); 4],
@@ -33,6 +34,7 @@ impl Answer {
         Self {
             line: ResultsLine::of(frame),
             eigenvalues: frame.spectrum.eigenvalues.clone(),
+            clusters: frame.partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)).collect(),
             w: (keep.w || keep.l).then(|| (frame.affinity.weights.clone(), frame.affinity.degrees.clone())),
             u: keep.u.then(|| frame.spectrum.u.clone()),
             timings_ms: [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report].map(ms),
@@ -41,7 +43,7 @@ impl Answer {
 
     /// As a `crosscut.Result`.
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep) -> PyResult<Bound<'py, PyAny>> {
-        let Self { line, eigenvalues, w, u, timings_ms } = self;
+        let Self { line, eigenvalues, clusters, w, u, timings_ms } = self;
         let [result, wall, opening] = classes(py)?;
         let walls =
             line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
@@ -75,6 +77,7 @@ impl Answer {
             PyTuple::new(py, walls.collect::<PyResult<Vec<_>>>()?)?.into_any(),
             PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?.into_any(),
             line.labels.into_pyarray(py).into_any(),
+            clusters.into_pyarray(py).into_any(),
             PyTuple::new(py, line.notes)?.into_any(),
             timings.into_any(),
             weights.filter(|_| keep.w).into_pyobject(py)?.into_any(),

@@ -73,7 +73,7 @@ def test_nonsense_is_refused_with_its_stage_and_scan(
     scans: list[crosscut.Scan], stage: str, function: Callable[..., Any], text: str
 ) -> None:
     with pytest.raises(crosscut.StageError, match=f"(?s)^{stage} failed on revolution 80: test_stages.*{text}"):
-        crosscut.Engine("paper", **{stage: function}).process(scans[16])
+        crosscut.Engine("paper", **{stage: function}).process(scans[16])  # type: ignore[arg-type]
 
 
 def test_an_exception_is_the_cause_and_what_came_before_is_kept(scans: list[crosscut.Scan]) -> None:

@@ -8,29 +8,39 @@ import re
 import signal
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from . import _native
 
-_NAMED = re.compile(r"\b(affinity|spectral|kmeans)\.kind\s*=\s*[\"']?(python:([\w.]+)\.(\w+))")
+_NAMED = re.compile(r"\bpython:([\w.]+)\.(\w+)")
 
 
 def main() -> int:
     """Runs the command in the arguments of this process and returns its exit code.
 
-    ``--set affinity.kind=python:module.name`` takes a callable of one's own; modules are found from the current folder.
+    ``--set affinity.kind=python:module.name``, or the like in a file of settings, takes a callable of one's own; modules are
+    found from the current folder.
     """
-    stages: dict[str, tuple[str, str, Callable[..., Any]]] = {}
-    for section, kind, module, name in _NAMED.findall("\n".join(sys.argv[1:])):
-        try:
-            stages[section + kind] = (section, kind, _find(module, name))
-        except Exception as error:
-            print(f"error: there is no {section}.kind = {kind!r}: {type(error).__name__}: {error}", file=sys.stderr)
-            return 2
+    stages: dict[str, Callable[..., Any]] = {}
+    for argument in sys.argv[1:]:
+        for module, name in _NAMED.findall(argument + _settings_in(argument)):
+            try:
+                stages[f"python:{module}.{name}"] = _find(module, name)
+            except Exception as error:
+                text = f"error: there is no stage python:{module}.{name}: {type(error).__name__}: {error}"
+                print(text, file=sys.stderr)
+                return 2
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
-    return _native.program(["crosscut", *sys.argv[1:]], list(stages.values()))
+    return _native.program(["crosscut", *sys.argv[1:]], stages)
+
+
+def _settings_in(argument: str) -> str:
+    """The text of the file of settings that an argument names, such as ``paper,FILE.toml``."""
+    paths = [Path(part) for part in argument.split(",") if part.endswith(".toml")]
+    return "".join(f"\n{path.read_text(errors='replace')}" for path in paths if path.is_file())
 
 
 def _find(module: str, name: str) -> Callable[..., Any]:
@@ -39,7 +49,7 @@ def _find(module: str, name: str) -> Callable[..., Any]:
     found = getattr(importlib.import_module(module), name)
     if not callable(found):
         raise TypeError("it is not callable")
-    return found  # type: ignore[no-any-return]
+    return found
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -88,5 +88,5 @@ class Engine:
     @property
     def config(self) -> str: ...
 
-def program(args: Sequence[str | os.PathLike[str]], stages: Sequence[tuple[str, str, Callable[..., Any]]]) -> int: ...
+def program(args: Sequence[str | os.PathLike[str]], stages: Mapping[str, Callable[..., Any]]) -> int: ...
 def check_affinity(function: Callable[..., Any]) -> None: ...

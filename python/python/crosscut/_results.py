@@ -74,6 +74,8 @@ class Result:
     """The openings, by bearing ascending."""
     labels: NDArray[np.int32] = dataclasses.field(repr=False)
     """One a beam, in the order of the ranges: its wall; -1 no return; -2 a return of no wall. One a point for a cloud."""
+    clusters: NDArray[np.int32] = dataclasses.field(repr=False)
+    """One a return: its cluster as the kmeans stage found it, before the report joins and drops; -1 left out."""
     notes: tuple[str, ...]
     """What was dropped, repaired or replaced."""
     timings_ms: dict[str, float] = dataclasses.field(repr=False)
@@ -90,7 +92,8 @@ class Result:
             return NotImplemented
         mine, others = self.to_dict(), other.to_dict()
         matrices = all(_same(getattr(self, name), getattr(other, name)) for name in ("W", "L", "U"))
-        return mine == others and np.array_equal(self.eigenvalues, other.eigenvalues) and matrices
+        arrays = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("eigenvalues", "clusters"))
+        return mine == others and arrays and matrices
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -126,13 +126,11 @@ impl Drop for Callables {
 /// The kind of a callable that was given as an object.
 const PYTHON: &str = "python";
 
-/// Adds the kind `python:module.name` of a section, for the rest of the process.
-pub(crate) fn add_named(section: &str, name: &str, function: Bound<'_, PyAny>, registry: &mut Registry) {
-    match section {
-        "affinity" => registry.affinity.push(named(AFFINITY, name, function)),
-        "spectral" => registry.spectral.push(named(SPECTRAL, name, function)),
-        _ => registry.kmeans.push(named(KMEANS, name, function)),
-    }
+/// Adds `function` as a kind of this name to every stage, for the rest of the process.
+pub(crate) fn add_named(name: &str, function: &Bound<'_, PyAny>, registry: &mut Registry) {
+    registry.affinity.push(named(AFFINITY, name, function.clone()));
+    registry.spectral.push(named(SPECTRAL, name, function.clone()));
+    registry.kmeans.push(named(KMEANS, name, function.clone()));
 }
 
 /// The kind that calls `function`, under this name, for the rest of the process.
