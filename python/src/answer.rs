@@ -3,6 +3,7 @@
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Embedding, Frame, Step, Weights};
 use numpy::IntoPyArray;
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -64,27 +65,28 @@ impl Answer {
             (Some(w), Some(d)) if keep.l => Some(py.import("crosscut._results")?.getattr("laplacian")?.call1((w, d))?),
             _ => None,
         };
-        let fields = [
-            line.seq.into_pyobject(py)?.into_any(),
-            line.stamp_ns.into_pyobject(py)?.into_any(),
-            line.returns.into_pyobject(py)?.into_any(),
-            line.junctions.into_pyobject(py)?.into_any(),
-            line.k.into_pyobject(py)?.into_any(),
-            line.margin.into_pyobject(py)?.into_any(),
-            line.confidence.into_pyobject(py)?.into_any(),
-            line.place.into_pyobject(py)?.into_any(),
-            eigenvalues.into_pyarray(py).into_any(),
-            PyTuple::new(py, walls.collect::<PyResult<Vec<_>>>()?)?.into_any(),
-            PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?.into_any(),
-            line.labels.into_pyarray(py).into_any(),
-            clusters.into_pyarray(py).into_any(),
-            PyTuple::new(py, line.notes)?.into_any(),
-            timings.into_any(),
-            weights.filter(|_| keep.w).into_pyobject(py)?.into_any(),
-            laplacian.into_pyobject(py)?.into_any(),
-            u.map(|u| arrays::embedding(py, &u)).transpose()?.into_pyobject(py)?.into_any(),
-        ];
-        result.call1(PyTuple::new(py, fields)?)
+        // The constructor of a frozen dataclass takes ten times as long.
+        let made = result.call_method1(intern!(py, "__new__"), (result,))?;
+        let fields = made.getattr(intern!(py, "__dict__"))?.cast_into::<PyDict>()?;
+        fields.set_item(intern!(py, "seq"), line.seq)?;
+        fields.set_item(intern!(py, "stamp_ns"), line.stamp_ns)?;
+        fields.set_item(intern!(py, "returns"), line.returns)?;
+        fields.set_item(intern!(py, "junctions"), line.junctions)?;
+        fields.set_item(intern!(py, "k"), line.k)?;
+        fields.set_item(intern!(py, "margin"), line.margin)?;
+        fields.set_item(intern!(py, "confidence"), line.confidence)?;
+        fields.set_item(intern!(py, "place"), line.place)?;
+        fields.set_item(intern!(py, "eigenvalues"), eigenvalues.into_pyarray(py))?;
+        fields.set_item(intern!(py, "walls"), PyTuple::new(py, walls.collect::<PyResult<Vec<_>>>()?)?)?;
+        fields.set_item(intern!(py, "openings"), PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?)?;
+        fields.set_item(intern!(py, "labels"), line.labels.into_pyarray(py))?;
+        fields.set_item(intern!(py, "clusters"), clusters.into_pyarray(py))?;
+        fields.set_item(intern!(py, "notes"), PyTuple::new(py, line.notes)?)?;
+        fields.set_item(intern!(py, "timings_ms"), timings)?;
+        fields.set_item(intern!(py, "W"), weights.filter(|_| keep.w))?;
+        fields.set_item(intern!(py, "L"), laplacian)?;
+        fields.set_item(intern!(py, "U"), u.map(|u| arrays::embedding(py, &u)).transpose()?)?;
+        Ok(made)
     }
 }
 

@@ -128,3 +128,9 @@ def test_a_file_of_results_is_a_table(program: str, tee: Path, tmp_path: Path) -
     assert table["openings"][5].as_py() == expected[5].to_dict()["openings"]
     path.write_text("")
     assert crosscut.results(path).schema == table.schema
+
+
+def test_a_result_has_every_field(tee: Path) -> None:
+    result = crosscut.Engine().process(next(iter(crosscut.read(tee))))
+    assert list(vars(result)) == [field.name for field in dataclasses.fields(crosscut.Result)]
+    assert dataclasses.replace(result, seq=7).seq == 7
