@@ -6,11 +6,13 @@ use std::time::Instant;
 
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 
 use crate::answer::{Answer, Keep};
 use crate::error::Class;
+use crate::flight_map::FlightMap;
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
 use crate::stages::Callables;
@@ -33,8 +35,12 @@ struct Work {
 }
 
 impl Work {
-    fn process(&mut self, scan: &Scan, seq: u64) -> Result<(), Failure> {
+    fn write(&mut self, scan: &Scan, seq: u64) {
         scan.write(&self.sensor, seq, &mut self.frame);
+    }
+
+    fn process(&mut self, scan: &Scan, seq: u64) -> Result<(), Failure> {
+        self.write(scan, seq);
         self.stages.process(&mut self.frame)
     }
 
@@ -45,6 +51,16 @@ impl Work {
 }
 
 impl Engine {
+    /// Runs `body` without the interpreter's lock.
+    fn working<T: Send>(&self, py: Python<'_>, body: impl FnOnce(&mut Work) -> T + Send) -> PyResult<T> {
+        let done = py.detach(|| match self.work.try_lock() {
+            Ok(mut work) => Some(body(&mut work)),
+            Err(TryLockError::Poisoned(poisoned)) => Some(body(&mut poisoned.into_inner())),
+            Err(TryLockError::WouldBlock) => None,
+        });
+        done.ok_or_else(|| Class::Error.error(py, "this engine is at work already; give each thread one of its own"))
+    }
+
     /// The failure of a stage; the exception that a stage in Python raised is its cause. An interrupt stays one.
     fn failed(&self, py: Python<'_>, failure: &Failure) -> PyErr {
         let raised = self.callables.raised();
@@ -106,26 +122,19 @@ impl Engine {
         scans: Vec<Py<Scan>>,
         first_seq: u64,
     ) -> PyResult<(Vec<Bound<'py, PyAny>>, Option<PyErr>)> {
-        let (answers, failure) = py
-            .detach(|| {
-                let mut work = match self.work.try_lock() {
-                    Ok(work) => work,
-                    Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-                    Err(TryLockError::WouldBlock) => return None,
-                };
-                let mut answers = Vec::with_capacity(scans.len());
-                for (scan, seq) in scans.iter().zip(first_seq..) {
-                    if self.stopped.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    match work.answer(scan.get(), seq, self.keep) {
-                        Ok(answer) => answers.push(answer),
-                        Err(failure) => return Some((answers, Some(failure))),
-                    }
+        let (answers, failure) = self.working(py, |work| {
+            let mut answers = Vec::with_capacity(scans.len());
+            for (scan, seq) in scans.iter().zip(first_seq..) {
+                if self.stopped.load(Ordering::Relaxed) {
+                    break;
                 }
-                Some((answers, None))
-            })
-            .ok_or_else(|| Class::Error.error(py, "this engine is at work already; give each thread one of its own"))?;
+                match work.answer(scan.get(), seq, self.keep) {
+                    Ok(answer) => answers.push(answer),
+                    Err(failure) => return (answers, Some(failure)),
+                }
+            }
+            (answers, None)
+        })?;
         let results = answers.into_iter().map(|answer| answer.into_result(py, self.keep));
         Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| self.failed(py, &failure))))
     }
@@ -144,6 +153,32 @@ impl Engine {
 
     fn stop(&self) {
         self.stopped.store(true, Ordering::Relaxed);
+    }
+
+    fn flight_map(&self) -> FlightMap {
+        FlightMap::new(&self.config)
+    }
+
+    /// As `process`; then the scan becomes a part of `map`. `pose` is x, y and yaw by the vehicle's odometry.
+    fn add_to_map<'py>(
+        &self,
+        py: Python<'py>,
+        scan: Py<Scan>,
+        seq: u64,
+        pose: Option<(f64, f64, f64)>,
+        map: Py<FlightMap>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let added = self.working(py, |work| {
+            work.write(scan.get(), seq);
+            if let Some((x_m, y_m, yaw_rad)) = pose {
+                work.frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
+            }
+            work.stages.process(&mut work.frame)?;
+            let answer = Answer::of(&work.frame, self.keep);
+            map.get().add(&mut work.frame);
+            Ok(answer)
+        })?;
+        added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
     }
 
     fn read(&self, py: Python<'_>, wanted: Wanted) -> PyResult<Recording> {

@@ -6,6 +6,7 @@ mod answer;
 mod arrays;
 mod engine;
 mod error;
+mod flight_map;
 mod program;
 mod recording;
 mod scan;
@@ -20,6 +21,8 @@ mod _native {
 
     #[pymodule_export]
     use crate::engine::Engine;
+    #[pymodule_export]
+    use crate::flight_map::FlightMap;
     #[pymodule_export]
     use crate::program::program;
     #[pymodule_export]

@@ -6,6 +6,7 @@
 (1, 'closed')
 
 - :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
+- :class:`FlightMap`: junctions, dead ends and passages of a flight.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
 - :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
 
@@ -14,12 +15,14 @@ Bearings are in radians, anticlockwise from straight ahead; x is forward, y left
 
 from ._engine import Engine, Recording, count, read
 from ._errors import Error, LossWarning, ReadError, SettingsError, StageError
+from ._flight_map import FlightMap
 from ._native import Scan, __version__
 from ._results import Opening, Result, Wall, results
 
 __all__ = [
     "Engine",
     "Error",
+    "FlightMap",
     "LossWarning",
     "Opening",
     "ReadError",

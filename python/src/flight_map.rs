@@ -1,0 +1,80 @@
+//! The map of a flight.
+
+use std::sync::{Mutex, PoisonError};
+
+use crosscut_flight::{Flight, Mapper};
+use crosscut_pipeline::Config;
+use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_stage::Frame;
+use nalgebra::Isometry2;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+/// Poses and map of a flight so far.
+#[pyclass(frozen, module = "crosscut._native")]
+pub(crate) struct FlightMap {
+    state: Mutex<(Flight, Mapper, Option<Isometry2<f64>>)>,
+}
+
+impl FlightMap {
+    pub(crate) fn new(config: &Config) -> Self {
+        let flight = Flight::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M));
+        Self { state: Mutex::new((flight, Mapper::default(), None)) }
+    }
+
+    /// Takes the next frame, which the stages have filled.
+    pub(crate) fn add(&self, frame: &mut Frame) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let (flight, mapper, pose) = &mut *state;
+        flight.add(frame);
+        mapper.add(frame);
+        *pose = frame.pose;
+    }
+}
+
+#[pymethods]
+impl FlightMap {
+    /// x and y in metres and yaw in radians of the last scan, in the frame of the first one.
+    #[getter]
+    fn pose(&self) -> Option<(f64, f64, f64)> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.2.map(|pose| (pose.translation.x, pose.translation.y, pose.rotation.angle()))
+    }
+
+    /// The nodes, and the passages as (from, to, attributes); both with the names of `crosscut map`'s JSON.
+    fn graph<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyList>, Bound<'py, PyList>)> {
+        let map = py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map());
+        let (nodes, passages) = (PyList::empty(py), PyList::empty(py));
+        for node in &map.nodes {
+            let ways = PyList::empty(py);
+            for way in &node.ways {
+                let entry = PyDict::new(py);
+                entry.set_item("bearing_rad", way.bearing_rad)?;
+                entry.set_item("width_m", way.width_m)?;
+                entry.set_item("taken", way.taken)?;
+                entry.set_item("edge", way.passage)?;
+                ways.append(entry)?;
+            }
+            let entry = PyDict::new(py);
+            entry.set_item("kind", node.kind.name())?;
+            entry.set_item("x_m", node.position_m.x)?;
+            entry.set_item("y_m", node.position_m.y)?;
+            entry.set_item("ways", ways)?;
+            entry.set_item("visits", node.visits.iter().map(|v| (v[0], v[1])).collect::<Vec<_>>())?;
+            nodes.append(entry)?;
+        }
+        for passage in &map.passages {
+            let entry = PyDict::new(py);
+            entry.set_item("length_m", passage.length_m)?;
+            entry.set_item("width_m", passage.width_m)?;
+            entry.set_item("via_m", passage.via_m.iter().map(|place| (place.x, place.y)).collect::<Vec<_>>())?;
+            passages.append((passage.from, passage.to, entry))?;
+        }
+        Ok((nodes, passages))
+    }
+
+    /// The map in a line.
+    fn summary(&self, py: Python<'_>) -> String {
+        py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map().summary())
+    }
+}
