@@ -65,7 +65,9 @@ def test_a_stage_that_raises_keeps_what_came_before(tee: Path) -> None:
 
 def test_an_interrupt_saves_what_was_made(tee: Path, tmp_path: Path) -> None:
     results = tmp_path / "results.jsonl"
-    args = ["run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.hanging", "--results", results]
+    named = "affinity.kind=python:stages_of_ones_own.hanging"
+    one = "pipeline.workers=1"
+    args = ["run", tee, "--preset", "paper", "--set", named, "--set", one, "--results", results]
     process = subprocess.Popen([in_wheel(), *map(str, args)], stderr=subprocess.PIPE, text=True, cwd=HERE)
     assert process.stderr is not None
     for expected in ("hanging", "stopping after the scans in progress"):

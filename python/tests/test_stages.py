@@ -105,11 +105,12 @@ def test_an_engine_inside_its_own_stage_is_refused(scans: list[crosscut.Scan]) -
 HANGING = """
 import crosscut, stages_of_ones_own as own
 engine = crosscut.Engine("paper", affinity=own.hanging)
+before = []
 try:
     for result in engine.process_many(crosscut.read("recordings/tee.mcap"), workers={workers}):
-        print(result.seq, flush=True)
+        before.append(result.seq)
 except KeyboardInterrupt:
-    print("interrupted", flush=True)
+    print(before, "interrupted")
 """
 
 
@@ -127,10 +128,9 @@ def test_an_interrupt_ends_a_stage_that_never_returns(workers: int) -> None:
     assert run.stderr.readline() == "hanging\n"
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
-    *before, last = out.splitlines()
-    assert (last, run.returncode) == ("interrupted", 0), err
-    assert before == [str(seq) for seq in range(len(before))]
-    assert len(before) == 7 or workers == 2  # several workers keep whole batches
+    assert run.returncode == 0, err
+    # Of several workers, the one that hangs may have the first batch or the second.
+    assert out in [f"{list(range(before))} interrupted\n" for before in ([7] if workers == 1 else range(17))]
 
 
 def test_conformance_accepts_what_is_right() -> None:
