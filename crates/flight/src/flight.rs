@@ -46,7 +46,10 @@ impl Flight {
     pub fn add(&mut self, frame: &mut Frame) {
         let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
         frame.pose = tracked.map(|tracked| tracked.pose);
-        frame.here = self.places.here(&frame.revolution, &frame.junction);
+        if tracked.is_some_and(|tracked| tracked.lost) {
+            self.places.forget();
+        }
+        frame.here = self.places.here(&frame.revolution, &frame.junction, frame.pose);
         frame.steady = self.steadier.add(&frame.revolution, &frame.junction, frame.here.as_ref(), frame.pose);
     }
 }

@@ -15,13 +15,17 @@
 //! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
 //!   width. Some beam reaches 5 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
 //! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
+//! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). The place is not known
+//!   while more than the width of a mouth of the circle was never seen.
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   twice as wide as they are, a chamber.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use nalgebra::Isometry2;
+
 use crosscut_stage::{
-    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, Way, wrap_angle_rad,
+    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, Way, wrap_angle_rad,
 };
 
 const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
@@ -39,6 +43,8 @@ const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
     .above(0.0)
     .to(1000.0)
     .doc("the look is never longer, so that in a hall it stays where walls have enough returns");
+
+use crate::surroundings::{Ray, RayEnd, Surroundings};
 
 /// Parameters of the place.
 pub(crate) const PLACE_PARAMS: [ParamSpec; 3] = [LOOK_WIDTHS.spec, LEAST_LOOK_M.spec, FARTHEST_LOOK_M.spec];
@@ -68,6 +74,7 @@ pub struct Places {
     least_look_m: f64,
     farthest_look_m: f64,
     vehicle_width_m: f64,
+    surroundings: Surroundings,
 }
 
 impl Places {
@@ -78,35 +85,53 @@ impl Places {
             least_look_m: params.get(LEAST_LOOK_M),
             farthest_look_m: params.get(FARTHEST_LOOK_M),
             vehicle_width_m,
+            surroundings: Surroundings::default(),
         }
     }
 
-    /// The place of a revolution with its report; `None` for a cloud, a limited view, and where no wall is in view.
-    pub fn here(&self, revolution: &Revolution, junction: &Junction) -> Option<Here> {
-        let outline = Outline::of(revolution, revolution.as_sweep()?, junction)?;
+    /// What earlier scans saw is forgotten: the poses that follow do not go with those before.
+    pub fn forget(&mut self) {
+        self.surroundings.clear();
+    }
+
+    /// The place of the next revolution with its report and its pose; `None` for a cloud, where no wall is in view, and
+    /// for a limited view that has not seen enough around it yet, or has no pose.
+    pub fn here(&mut self, revolution: &Revolution, junction: &Junction, pose: Option<Isometry2<f64>>) -> Option<Here> {
+        let sweep = revolution.as_sweep()?;
+        let view = sweep.view();
+        let mut outline = Outline::of(revolution, sweep, junction, view)?;
+        if !view.full_turn {
+            let pose = pose?;
+            let farthest_m = self.farthest_look_m * LOOKS.into_iter().fold(LEAST_REACH, f64::max) * LEAST_REACH;
+            self.surroundings.add(&pose, &outline.rays);
+            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&pose, bearing_rad, farthest_m));
+        }
         let width_m = outline.local_width_m();
         let look_m = (self.look_widths * width_m).max(self.least_look_m).min(self.farthest_look_m);
-        let places =
+        let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
-        let alike = places.iter().filter(|(kind, ways)| (*kind, ways.len()) == (places[0].0, places[0].1.len()));
-        let confidence = junction.confidence * alike.count() as f64 / places.len() as f64;
-        let [(kind, ways), ..] = places;
+        let (kind, ways) = place?;
+        let is_alike = |other: &Option<(HereKind, Vec<Way>)>| {
+            other.as_ref().is_some_and(|other| (other.0, other.1.len()) == (kind, ways.len()))
+        };
+        let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
+        let confidence = junction.confidence * alike as f64 / LOOKS.len() as f64;
         Some(Here { kind, look_m, ways, confidence })
     }
 }
 
 /// How far each direction is free.
 struct Outline {
-    /// Bearing, anticlockwise from the first, and free range, metres; ascending by bearing over less than a turn.
-    free: Vec<[f64; 2]>,
+    /// Ascending by bearing, anticlockwise from the first, over less than a turn.
+    rays: Vec<Ray>,
 }
 
 impl Outline {
     /// The returns of walls alone: islands and dust hide nothing that matters here.
-    fn of(revolution: &Revolution, sweep: &Sweep, junction: &Junction) -> Option<Self> {
-        let view = sweep.view();
-        let at_first = if view.clockwise { sweep.bearings_rad.last() } else { sweep.bearings_rad.first() };
-        let (&first_rad, step_rad) = (at_first.filter(|_| view.full_turn)?, sweep.step_rad);
+    fn of(revolution: &Revolution, sweep: &Sweep, junction: &Junction, view: View) -> Option<Self> {
+        let last = (view.first + view.len).checked_sub(1)? % (sweep.len() + sweep.missing).max(1);
+        let &first_rad = sweep.bearings_rad.get(if view.clockwise { last } else { view.first })?;
+        let step_rad = sweep.step_rad;
         let is_island = |id: u32| junction.walls.iter().any(|wall| wall.id == id && wall.island);
         let wall_of = |number: u32| junction.wall_of_return.get(number as usize).copied().flatten();
         let beams: Vec<Beam> = sweep.anticlockwise(view).collect();
@@ -118,34 +143,48 @@ impl Outline {
             Beam::NoReturn | Beam::Unknown => None,
         };
         let returns: Vec<(usize, u32, f64)> = beams.iter().enumerate().filter_map(of_wall).collect();
-        let dark_m = |beam: &Beam| (*beam == Beam::NoReturn).then_some(sweep.range_max_m);
-        let mut free_m: Vec<Option<f64>> = beams.iter().map(dark_m).collect();
+        let dark_m = |beam: &Beam| (*beam == Beam::NoReturn).then_some((sweep.range_max_m, RayEnd::Range));
+        let mut free: Vec<Option<(f64, RayEnd)>> = beams.iter().map(dark_m).collect();
         for (&(at, wall, from_m), &(next, next_wall, to_m)) in returns.iter().zip(returns.iter().cycle().skip(1)) {
-            free_m[at] = Some(from_m);
+            free[at] = Some((from_m, RayEnd::Wall(wall)));
             let apart = if next > at { next - at } else { next + beams.len() - at };
             let apart_rad = apart as f64 * step_rad;
-            if wall != next_wall || apart_rad > MAX_JOINED_RAD {
+            let is_past_the_view = next <= at && !view.full_turn;
+            if wall != next_wall || apart_rad > MAX_JOINED_RAD || is_past_the_view {
                 continue;
             }
             for beam in 1..apart {
                 let turn_rad = beam as f64 * step_rad;
                 // Where the beam meets the line from the one return to the other.
                 let across_m = from_m * turn_rad.sin() + to_m * (apart_rad - turn_rad).sin();
-                free_m[(at + beam) % beams.len()] = Some(from_m * to_m * apart_rad.sin() / across_m);
+                let joined_m = from_m * to_m * apart_rad.sin() / across_m;
+                free[(at + beam) % beams.len()] = Some((joined_m, RayEnd::Wall(wall)));
             }
         }
-        let bearing_rad = |at: usize| first_rad + at as f64 * step_rad;
-        let known = free_m.into_iter().enumerate().filter_map(|(at, free_m)| Some([bearing_rad(at), free_m?]));
-        (!returns.is_empty()).then(|| Self { free: known.collect() })
+        let known = free.into_iter().enumerate().filter_map(|(at, free)| {
+            let (free_m, end) = free?;
+            Some(Ray { bearing_rad: first_rad + at as f64 * step_rad, free_m, end })
+        });
+        (!returns.is_empty()).then(|| Self { rays: known.collect() })
     }
 
-    /// The free range of the sample that is nearest to a bearing.
+    /// Adds the directions that are outside the view.
+    fn look_back(&mut self, step_rad: f64, ray: impl Fn(f64) -> Ray) {
+        let (Some(first), Some(last)) = (self.rays.first(), self.rays.last()) else { return };
+        let (from_rad, to_rad) = (last.bearing_rad + step_rad, first.bearing_rad + TAU - 0.5 * step_rad);
+        let unseen =
+            (0..).map(|at| from_rad + f64::from(at) * step_rad).take_while(|&bearing_rad| bearing_rad < to_rad);
+        self.rays.extend(unseen.map(ray));
+    }
+
+    /// The ray that is nearest to a bearing.
     fn at(&self, bearing_rad: f64) -> usize {
-        let turned_rad = self.free[0][0] + (bearing_rad - self.free[0][0]).rem_euclid(TAU);
-        let after = self.free.partition_point(|sample| sample[0] < turned_rad);
-        let (before, after) = (after.saturating_sub(1), after % self.free.len());
+        let first_rad = self.rays[0].bearing_rad;
+        let turned_rad = first_rad + (bearing_rad - first_rad).rem_euclid(TAU);
+        let after = self.rays.partition_point(|ray| ray.bearing_rad < turned_rad);
+        let (before, after) = (after.saturating_sub(1), after % self.rays.len());
         let apart_rad = |at: usize| {
-            let apart_rad = (self.free[at][0] - turned_rad).rem_euclid(TAU);
+            let apart_rad = (self.rays[at].bearing_rad - turned_rad).rem_euclid(TAU);
             apart_rad.min(TAU - apart_rad)
         };
         if apart_rad(before) <= apart_rad(after) { before } else { after }
@@ -153,13 +192,28 @@ impl Outline {
 
     /// The shortest free line through the sensor.
     fn local_width_m(&self) -> f64 {
-        let across_m = self.free.iter().map(|&[bearing_rad, free_m]| free_m + self.free[self.at(bearing_rad + PI)][1]);
+        let across_m = self.rays.iter().filter_map(|ray| {
+            let back = &self.rays[self.at(ray.bearing_rad + PI)];
+            let is_known = [ray, back].iter().all(|ray| ray.end != RayEnd::Unknown);
+            is_known.then_some(ray.free_m + back.free_m)
+        });
         across_m.fold(f64::INFINITY, f64::min)
     }
 
-    /// The kind of place within a circle, and its ways by bearing.
-    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> (HereKind, Vec<Way>) {
-        let runs = self.runs(look_m, vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m));
+    /// The kind of place within a circle, and its ways by bearing; `None` if too much of the circle was never seen.
+    fn place(
+        &self,
+        look_m: f64,
+        width_m: f64,
+        vehicle_width_m: f64,
+        openings: &[Opening],
+    ) -> Option<(HereKind, Vec<Way>)> {
+        let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m);
+        let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
+        if !self.runs(look_m, least_m, is_unseen).is_empty() {
+            return None;
+        }
+        let runs = self.runs(look_m, least_m, |ray| ray.free_m > look_m);
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
         for (index, opening) in openings.iter().enumerate() {
             let ends_m = opening.edge_m.map(|end_m| end_m.coords.xy());
@@ -196,19 +250,19 @@ impl Outline {
             2 => HereKind::Passage,
             _ => HereKind::Junction,
         };
-        (kind, ways)
+        Some((kind, ways))
     }
 
-    /// Runs of samples that leave the circle, at least this wide.
-    fn runs(&self, look_m: f64, least_m: f64) -> Vec<Run> {
-        let n = self.free.len();
-        let is_out = |at: usize| self.free[at % n][1] > look_m;
-        let Some(start) = (0..n).find(|&at| !is_out(at)) else {
+    /// Runs of rays that `holds` is true for, at least this wide on the circle.
+    fn runs(&self, look_m: f64, least_m: f64, holds: impl Fn(&Ray) -> bool) -> Vec<Run> {
+        let n = self.rays.len();
+        let is_in = |at: usize| holds(&self.rays[at % n]);
+        let Some(start) = (0..n).find(|&at| !is_in(at)) else {
             return vec![Run { first: n, len: n - 1, of: n, reach_m: f64::INFINITY }];
         };
         let mut runs: Vec<Run> = Vec::new();
-        for at in (start..start + n).filter(|&at| is_out(at)) {
-            let reach_m = self.free[at % n][1];
+        for at in (start..start + n).filter(|&at| is_in(at)) {
+            let reach_m = self.rays[at % n].free_m;
             let is_same = |run: &&mut Run| {
                 let last = run.first + run.len - 1;
                 at == last + 1 || self.arc_m(last, at, look_m) < LEAST_ROCK_M
@@ -218,28 +272,28 @@ impl Outline {
                 None => runs.push(Run { first: at, len: 1, of: n, reach_m }),
             }
         }
-        // From the blocked sample before a run to the one after it.
+        // From the ray before a run to the one after it.
         runs.retain(|run| self.arc_m(run.first - 1, run.first + run.len, look_m) >= least_m);
         runs
     }
 
-    /// The length of the circle's arc from one sample to another, both counted beyond a turn.
+    /// The length of the circle's arc from one ray to another, both counted beyond a turn.
     fn arc_m(&self, from: usize, to: usize, look_m: f64) -> f64 {
         look_m * (self.bearing_rad(to) - self.bearing_rad(from))
     }
 
-    /// The bearing of a sample counted beyond a turn.
+    /// The bearing of a ray counted beyond a turn.
     fn bearing_rad(&self, at: usize) -> f64 {
-        self.free[at % self.free.len()][0] + (at / self.free.len()) as f64 * TAU
+        self.rays[at % self.rays.len()].bearing_rad + (at / self.rays.len()) as f64 * TAU
     }
 }
 
-/// A run of samples that leave the circle.
+/// A run of rays.
 struct Run {
-    /// Its first sample, counted beyond the turn.
+    /// Its first ray, counted beyond the turn.
     first: usize,
     len: usize,
-    /// Number of samples in the turn.
+    /// Number of rays in the turn.
     of: usize,
     /// The farthest of them.
     reach_m: f64,

@@ -25,6 +25,7 @@ mod pose;
 mod pose_graph;
 mod scan_match;
 mod steady;
+mod surroundings;
 
 pub use flight::{Flight, PARAMS};
 pub use g2o::{G2oError, read_g2o, write_g2o};

@@ -54,6 +54,8 @@ pub struct Tracked {
     pub pose: Isometry2<f64>,
     /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the axes of the first revolution.
     pub covariance: Matrix3<f64>,
+    /// The scan does not go with those before: what was seen from earlier poses does not lie where it did.
+    pub lost: bool,
 }
 
 impl PoseTracker {
@@ -110,7 +112,7 @@ impl PoseTracker {
             if odometry.is_none() && is_expected {
                 notes.add("pose: no odometry at this time; by the scan alone");
             }
-            Tracked { pose: matched.pose, covariance: matched.covariance }
+            Tracked { pose: matched.pose, covariance: matched.covariance, lost: matched.lost }
         };
         self.pose = tracked.pose;
         Some(tracked)
@@ -130,7 +132,7 @@ impl PoseTracker {
         let still = Motion { step: Isometry2::identity(), covariance: Matrix3::identity() };
         let Motion { step, covariance } = motion.unwrap_or(still);
         let turn = self.pose.rotation.to_rotation_matrix().to_homogeneous();
-        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose() }
+        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose(), lost: false }
     }
 }
 

@@ -39,7 +39,8 @@ pub struct ResultsLine {
     pub walls: Vec<WallLine>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
-    /// The place that the vehicle is in; null for a cloud, a limited view, and where no wall is in view.
+    /// The place that the vehicle is in; null for a cloud, where no wall is in view, and for a
+    /// limited view that has not seen enough around it.
     #[serde(default)]
     pub here: Option<HereLine>,
     /// The answer over the last revolutions; null without a flight.

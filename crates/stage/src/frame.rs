@@ -22,7 +22,8 @@ pub struct Frame {
     /// Where the revolution was taken, metres and radians in the frame of the flight's first pose, from the flight;
     /// `None` where that is not known.
     pub pose: Option<Isometry2<f64>>,
-    /// The place that the vehicle is in, from the flight; `None` for a cloud, a limited view, and where no wall is in view.
+    /// The place that the vehicle is in, from the flight; `None` for a cloud, where no wall is in view, and
+    /// for a limited view that has not seen enough around it.
     pub here: Option<Here>,
     /// The answer over the last revolutions, from the flight.
     pub steady: Option<Steady>,

@@ -46,7 +46,7 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
         say(map.summary());
     }
     if map.nodes.is_empty() {
-        diagnostics.note("no junction or dead end was found; places are known where the lidar sees all around");
+        diagnostics.note("no junction or dead end was found; a place is known once the scans have seen all around it");
     }
     diagnostics.lost_all(recording.losses());
     Ok(diagnostics.outcome())

@@ -1,0 +1,213 @@
+//! What a vehicle with a limited view has seen around it: square cells of free space and of walls, in the frame of the
+//! poses. Each cell is what the last scan in whose view it lay saw there.
+
+use nalgebra::{Isometry2, Point2, Rotation2, Vector2};
+
+/// Side of a cell.
+const CELL_M: f64 = 0.1;
+
+/// Cells farther from the vehicle than this are forgotten, along each axis; the farthest look ends before.
+const RADIUS_M: f64 = 16.0;
+const SIDE: usize = (2.0 * RADIUS_M / CELL_M) as usize;
+
+/// The vehicle moves within the cells; once it is this far from their middle, they are laid around it again.
+const OFF_MIDDLE_M: f64 = 1.5;
+
+/// A scan adds to the cells once the vehicle has moved or turned this far since the last one that did.
+const MOVED_M: f64 = 0.2;
+const TURNED_RAD: f64 = 0.1;
+
+/// A ray begins at this distance: nearer to the sensor than this is the vehicle.
+const RAY_FROM_M: f64 = 0.15;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Seen {
+    Never,
+    Free,
+    Wall,
+}
+
+/// One direction of a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ray {
+    pub(crate) bearing_rad: f64,
+    /// Nothing stands nearer than this.
+    pub(crate) free_m: f64,
+    pub(crate) end: RayEnd,
+}
+
+/// What is at the end of the free part of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RayEnd {
+    /// A wall, with its number in the scan.
+    Wall(u32),
+    /// A wall that an earlier scan saw.
+    WallBefore,
+    /// The range of the sensor.
+    Range,
+    /// What was not seen.
+    Unknown,
+}
+
+/// The cells around the vehicle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surroundings {
+    cells: Vec<Seen>,
+    /// The cell of the corner with the least coordinates.
+    corner: [i64; 2],
+    added_from: Option<Isometry2<f64>>,
+}
+
+impl Surroundings {
+    /// Forgets everything: the poses have a new beginning.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Adds a view from a pose, its rays by bearing; those of walls end at a wall.
+    pub(crate) fn add(&mut self, pose: &Isometry2<f64>, rays: &[Ray]) {
+        if let Some(from) = self.added_from {
+            let moved = from.inv_mul(pose);
+            if moved.translation.vector.norm() < MOVED_M && moved.rotation.angle().abs() < TURNED_RAD {
+                return;
+            }
+        }
+        self.added_from = Some(*pose);
+        self.surround(pose);
+        let reach_m = |ray: &Ray| ray.free_m.min(RADIUS_M - OFF_MIDDLE_M - CELL_M);
+        for pair in rays.windows(2) {
+            let turned_rad = pair[1].bearing_rad - pair[0].bearing_rad;
+            let (from_m, to_m) = (reach_m(&pair[0]), reach_m(&pair[1]));
+            // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
+            let is_one_wall = pair[0].end == pair[1].end;
+            let parts = (from_m.max(to_m) * turned_rad / CELL_M).ceil().max(1.0);
+            for part in 0..parts as usize {
+                let share = part as f64 / parts;
+                let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
+                let direction = pose.rotation * unit(pair[0].bearing_rad + turned_rad * share);
+                for step in 0..(free_m / CELL_M).ceil() as usize {
+                    self.set(pose.translation.vector + direction * (step as f64 * CELL_M), Seen::Free);
+                }
+            }
+        }
+        for pair in rays.windows(2) {
+            let [from, to] = [&pair[0], &pair[1]].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+            let is_wall = |ray: &Ray| matches!(ray.end, RayEnd::Wall(_)) && ray.free_m <= reach_m(ray);
+            if !is_wall(&pair[0]) || !is_wall(&pair[1]) {
+                continue;
+            }
+            let parts = if pair[0].end == pair[1].end { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
+            for part in 0..=parts as usize {
+                let wall = from + (to - from) * (part as f64 / parts);
+                self.set((pose * Point2::from(wall)).coords, Seen::Wall);
+            }
+        }
+    }
+
+    /// How far it is free from a pose in a direction of its frame, by the earlier scans, up to `farthest_m`.
+    pub(crate) fn ray(&self, pose: &Isometry2<f64>, bearing_rad: f64, farthest_m: f64) -> Ray {
+        let direction = pose.rotation * unit(bearing_rad);
+        let mut free_m = RAY_FROM_M;
+        while free_m < farthest_m {
+            match self.at(pose.translation.vector + direction * free_m) {
+                Seen::Free => free_m += 0.5 * CELL_M,
+                Seen::Wall => return Ray { bearing_rad, free_m, end: RayEnd::WallBefore },
+                Seen::Never => return Ray { bearing_rad, free_m, end: RayEnd::Unknown },
+            }
+        }
+        Ray { bearing_rad, free_m: farthest_m, end: RayEnd::Range }
+    }
+
+    /// Lays the cells around a pose; what was seen where they lay before stays.
+    fn surround(&mut self, pose: &Isometry2<f64>) {
+        let middle = (SIDE / 2) as i64;
+        let corner = cell_of(pose.translation.vector).map(|cell| cell.saturating_sub(middle));
+        let off = [0, 1].map(|axis| corner[axis].saturating_sub(self.corner[axis]));
+        let most = (OFF_MIDDLE_M / CELL_M) as u64;
+        if !self.cells.is_empty() && off.iter().all(|off| off.unsigned_abs() <= most) {
+            return;
+        }
+        let mut cells = vec![Seen::Never; SIDE * SIDE];
+        if !self.cells.is_empty() {
+            for y in 0..SIDE {
+                for x in 0..SIDE {
+                    if let Some(at) = index([x as i64 + off[0], y as i64 + off[1]]) {
+                        cells[y * SIDE + x] = self.cells[at];
+                    }
+                }
+            }
+        }
+        (self.cells, self.corner) = (cells, corner);
+    }
+
+    fn index_of(&self, place_m: Vector2<f64>) -> Option<usize> {
+        let cell = cell_of(place_m);
+        index([0, 1].map(|axis| cell[axis].saturating_sub(self.corner[axis])))
+    }
+
+    fn set(&mut self, place_m: Vector2<f64>, seen: Seen) {
+        if let Some(cell) = self.index_of(place_m).and_then(|at| self.cells.get_mut(at)) {
+            *cell = seen;
+        }
+    }
+
+    fn at(&self, place_m: Vector2<f64>) -> Seen {
+        self.index_of(place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or(Seen::Never)
+    }
+}
+
+fn unit(bearing_rad: f64) -> Vector2<f64> {
+    Rotation2::new(bearing_rad) * Vector2::x()
+}
+
+fn cell_of(place_m: Vector2<f64>) -> [i64; 2] {
+    // `as` saturates.
+    [place_m.x, place_m.y].map(|value_m| (value_m / CELL_M).floor() as i64)
+}
+
+/// The index of a cell, counted from the corner.
+fn index(cell: [i64; 2]) -> Option<usize> {
+    let [x, y] = cell.map(|at| usize::try_from(at).ok().filter(|at| *at < SIDE));
+    Some(y? * SIDE + x?)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    /// A view straight ahead, 2 m from a wall across.
+    fn ahead() -> Vec<Ray> {
+        let ray = |degree: i32| {
+            let bearing_rad = f64::from(degree).to_radians();
+            Ray { bearing_rad, free_m: 2.0 / bearing_rad.cos(), end: RayEnd::Wall(0) }
+        };
+        (-60..=60).map(ray).collect()
+    }
+
+    #[test]
+    fn what_was_ahead_is_known_once_it_lies_behind() {
+        let mut surroundings = Surroundings::default();
+        surroundings.add(&Isometry2::identity(), &ahead());
+        let turned = Isometry2::new(Vector2::new(1.0, 0.0), PI);
+        let back = surroundings.ray(&turned, PI, 10.0);
+        assert!(back.end == RayEnd::WallBefore && (back.free_m - 1.0).abs() < 0.15, "{back:?}");
+        let along = surroundings.ray(&turned, 0.0, 10.0);
+        assert!(along.end == RayEnd::Unknown && along.free_m < 1.3, "nothing was seen behind the start: {along:?}");
+        let short = surroundings.ray(&turned, PI, 0.5);
+        assert_eq!((short.end, short.free_m), (RayEnd::Range, 0.5));
+    }
+
+    #[test]
+    fn the_last_view_counts_and_far_cells_are_forgotten() {
+        let mut surroundings = Surroundings::default();
+        surroundings.add(&Isometry2::identity(), &ahead());
+        let door: Vec<Ray> = ahead().into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray }).collect();
+        surroundings.add(&Isometry2::translation(0.3, 0.0), &door);
+        assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
+        surroundings.add(&Isometry2::translation(100.0, 0.0), &door);
+        assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Unknown);
+        assert_eq!(surroundings.ray(&Isometry2::translation(100.0, 0.0), 0.0, 5.0).end, RayEnd::Range);
+    }
+}
