@@ -87,6 +87,7 @@ mod contingency;
 mod differences;
 mod evaluation;
 mod flips;
+pub mod maps;
 mod openings;
 mod percentiles;
 mod proportion;

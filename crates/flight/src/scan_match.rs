@@ -41,6 +41,11 @@ const STEADY_SHARE: f64 = 0.3;
 const STEADY_M: f64 = 0.05;
 const STEADY_RAD: f64 = 0.05;
 
+/// Two poses that are matched to the same walls are off by this from each other although nothing slipped (standard
+/// deviations): walls are rough, and the scan bends while the vehicle turns.
+const MATCHING_M: f64 = 0.02;
+const MATCHING_RAD: f64 = 0.01;
+
 /// A motion from one revolution to the next, and how well it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
@@ -60,8 +65,8 @@ pub struct Matched {
     pub covariance: Matrix3<f64>,
     /// Share of the line points of the revolution that have one of the map beside them.
     pub matched: f64,
-    /// How far the motion lies from the predicted one, in standard deviations of the prediction. Far above 3 after a wheel
-    /// slipped, or when scans are missing.
+    /// How far the motion lies from the predicted one, in standard deviations of the two together. Far above 3 after a
+    /// wheel slipped, or when scans are missing.
     pub surprise: f64,
     /// Too few were matched: the pose is the predicted one, and the map begins here.
     pub lost: bool,
@@ -136,7 +141,8 @@ impl ScanMatcher {
         let from_prediction = off.dot(&(prior_information * off)).max(0.0);
         let unmatched = (self.line_points.len() - walls.matched) as f64;
         let cost = walls.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2) + from_prediction;
-        let surprise = from_prediction.sqrt();
+        let apart = (prior + matching_covariance()).try_inverse().unwrap_or(prior_information);
+        let surprise = off.dot(&(apart * off)).max(0.0).sqrt();
         match (walls.information + prior_information).try_inverse() {
             Some(covariance) if matched >= LEAST_MATCHED => {
                 (cost, Matched { pose, covariance, matched, surprise, lost: false })
@@ -187,6 +193,12 @@ struct Evidence {
     information: Matrix3<f64>,
     gradient: Vector3<f64>,
     matched: usize,
+}
+
+/// Covariance of the motion between two poses that are matched to the same walls.
+fn matching_covariance() -> Matrix3<f64> {
+    let deviations = Vector3::new(MATCHING_M, MATCHING_M, MATCHING_RAD);
+    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
 }
 
 /// x, y and yaw of a pose less those of another, in the axes of the map.

@@ -2,5 +2,6 @@
 
 mod agreement;
 mod figures;
+mod maps;
 mod scans;
 mod score;

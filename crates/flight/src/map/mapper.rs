@@ -10,6 +10,7 @@ use crate::line_points::line_points;
 use crate::{Edge, PoseGraph};
 
 use super::outline::{Fit, Walls};
+use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use super::{Map, Merge, Node, NodeWay, Passage};
 
@@ -38,11 +39,10 @@ const LEFT_M: f64 = 2.0;
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
 
-/// Places along a passage are this far apart.
-const VIA_M: f64 = 2.0;
-
-/// Steps shorter than this add nothing to the way: poses of a standing vehicle tremble.
-const STEP_M: f64 = 0.3;
+/// Two visits in a row are one stay if they are nearer to each other than this many looks, and the way is no longer
+/// than WANDERS of them.
+const NEAR_LOOKS: f64 = 1.2;
+const WANDERS: f64 = 1.5;
 
 /// Makes the map of a flight from its frames, in order.
 #[derive(Clone, Debug, Default)]
@@ -79,21 +79,11 @@ struct Departure {
     node: usize,
     way: usize,
     visit: usize,
+    look_m: f64,
     /// The anchor as it was tracked.
     tracked: Isometry2<f64>,
     at_m: f64,
     left_ns: u64,
-}
-
-/// The way so far.
-#[derive(Clone, Debug, Default)]
-struct Travelled {
-    from: Option<Isometry2<f64>>,
-    way_m: f64,
-    /// Widths since the last node, and their number.
-    widths_m: [f64; 2],
-    /// Places since the last node, as they were tracked, [`VIA_M`] apart.
-    via_m: Vec<Point2<f64>>,
 }
 
 /// A place that a visit may be to.
@@ -156,6 +146,10 @@ impl Mapper {
     /// Ends the visit that is open, if there is any; `left`: the vehicle is no longer there.
     fn end_visit(&mut self, last_ns: u64, left: bool) {
         let Some(visit) = self.open.take().and_then(|open| open.end(last_ns)) else { return };
+        // A flight may begin at the face of a dead end.
+        if left && self.last.is_some() && visit.passes_through_the_end() {
+            return;
+        }
         let predicted = match (&self.last, self.graph.poses.last()) {
             (Some(last), Some(corrected)) => corrected * last.tracked.inv_mul(&visit.anchor),
             _ => visit.anchor,
@@ -170,9 +164,14 @@ impl Mapper {
             self.graph.edges.push(Edge { from: last.visit, to: number, measured, information });
         }
         let found = self.recognise(&visit, &walls, &predicted);
-        let (node, turned_rad) = match &found {
-            Some((candidate, _)) => (candidate.node, candidate.fit.pose.rotation.angle()),
-            None => (self.add_node(&visit, walls, number), 0.0),
+        let stayed = self.last.filter(|last| found.is_none() && self.is_still_at(last, &visit, &predicted));
+        let (node, turned_rad) = match (&found, stayed) {
+            (Some((candidate, _)), _) => (candidate.node, candidate.fit.pose.rotation.angle()),
+            (None, Some(Departure { node, .. })) => {
+                let first = self.graph.poses[self.places[node].first_visit];
+                (node, first.inv_mul(&predicted).rotation.angle())
+            }
+            (None, None) => (self.add_node(&visit, walls, number), 0.0),
         };
         if let Some((candidate, runner_up)) = found {
             self.merge(&visit, &candidate, runner_up, number);
@@ -180,6 +179,17 @@ impl Mapper {
         self.places[node].seen_at_m = self.way.way_m;
         self.map.nodes[node].visits.push(visit.time_ns);
         self.connect(&visit, node, turned_rad, number, left);
+    }
+
+    /// Whether the vehicle is still at the node that it left last: a place is what lies within the look, and the two looks
+    /// are of much the same space.
+    fn is_still_at(&self, last: &Departure, visit: &Visit, predicted: &Isometry2<f64>) -> bool {
+        let apart = self.graph.poses[last.visit].inv_mul(predicted);
+        let look_m = last.look_m.min(visit.look_m);
+        let is_alike = self.map.nodes[last.node].kind == visit.kind;
+        is_alike
+            && apart.translation.vector.norm() < NEAR_LOOKS * look_m
+            && self.way.way_m - last.at_m < WANDERS * look_m
     }
 
     fn add_node(&mut self, visit: &Visit, walls: Walls, number: usize) -> usize {
@@ -224,6 +234,27 @@ impl Mapper {
             }
         }
         candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));
+        eprintln!(
+            "DBG visit {:?} {} ways at {:.1} {:.1} way {:.0}: {}",
+            visit.kind,
+            visit.ways.len(),
+            predicted.translation.x,
+            predicted.translation.y,
+            self.way.way_m,
+            candidates
+                .iter()
+                .take(4)
+                .map(|c| format!(
+                    "node {} share {:.2} off {:.1} {:.1} {:.2}",
+                    c.node,
+                    c.fit.share,
+                    c.fit.pose.translation.x,
+                    c.fit.pose.translation.y,
+                    c.fit.pose.rotation.angle()
+                ))
+                .collect::<Vec<_>>()
+                .join("; ")
+        );
         let mut candidates = candidates.into_iter();
         let best = candidates.next().filter(|best| best.fit.share >= LEAST_SHARE)?;
         let runner_up = candidates.find(|other| other.is_elsewhere(&best)).map(|other| other.fit.share);
@@ -282,7 +313,7 @@ impl Mapper {
         if let Some(last) = self.last {
             let [from, to] = [(last.node, last.way), (node, came_by)];
             let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
-            let is_turn = from.0 == to.0 && self.way.way_m - last.at_m < TURN_M;
+            let is_turn = from.0 == to.0 && self.way.way_m - last.at_m < TURN_M.max(WANDERS * visit.look_m);
             if known == [None, None] && from != to && !is_turn {
                 let passage = self.map.passages.len();
                 let length_m = self.way.way_m - last.at_m;
@@ -301,8 +332,9 @@ impl Mapper {
         self.map.nodes[node].ways[leaves_by].taken |= left;
         self.way.widths_m = [0.0; 2];
         self.way.via_m.clear();
-        let (tracked, at_m, left_ns) = (visit.anchor, self.way.way_m, visit.time_ns[1]);
-        self.last = Some(Departure { node, way: leaves_by, visit: number, tracked, at_m, left_ns });
+        let (look_m, tracked) = (visit.look_m, visit.anchor);
+        let (at_m, left_ns) = (self.way.way_m, visit.time_ns[1]);
+        self.last = Some(Departure { node, way: leaves_by, visit: number, look_m, tracked, at_m, left_ns });
     }
 }
 
@@ -312,23 +344,6 @@ impl Candidate {
         let apart = self.fit.pose.inv_mul(&other.fit.pose);
         let is_same = apart.rotation.angle().abs() < SAME_RAD && apart.translation.vector.norm() < SAME_M;
         self.node != other.node || !is_same
-    }
-}
-
-impl Travelled {
-    fn add(&mut self, pose: Isometry2<f64>) {
-        let step_m = |from: Isometry2<f64>| (pose.translation.vector - from.translation.vector).norm();
-        match self.from.map(step_m) {
-            Some(step_m) if step_m < STEP_M => {}
-            step_m => {
-                self.way_m += step_m.unwrap_or(0.0);
-                self.from = Some(pose);
-                let place_m = Point2::from(pose.translation.vector);
-                if self.via_m.last().is_none_or(|last_m| (place_m - last_m).norm() > VIA_M) {
-                    self.via_m.push(place_m);
-                }
-            }
-        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod mapper;
 mod outline;
+mod travelled;
 mod visit;
 
 use nalgebra::Point2;

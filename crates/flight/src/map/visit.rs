@@ -17,12 +17,16 @@ const OUTLINE_LOOKS: f64 = 2.0;
 /// A visit that is believed less than this, summed over its revolutions, is none: an alcove or a bay in passing.
 const LEAST_BELIEF: f64 = 4.0;
 
+/// Beyond this, a place lies on the other side of the anchor than a way.
+const BEHIND_M: f64 = 1.0;
+
 /// What was seen from one pose.
 #[derive(Clone, Debug)]
 struct Sample {
     pose: Isometry2<f64>,
     /// In the frame of that pose.
     ways: Vec<Way>,
+    look_m: f64,
     confidence: f64,
 }
 
@@ -45,6 +49,8 @@ pub(crate) struct Visit {
     pub(crate) anchor: Isometry2<f64>,
     /// In the frame of the anchor, by bearing.
     pub(crate) ways: Vec<Way>,
+    /// Radius of the look at the anchor, metres.
+    pub(crate) look_m: f64,
     /// In the frame of the anchor.
     pub(crate) outline: Vec<LinePoint>,
     /// Where the vehicle was at its first and its last revolution, in the frame of the anchor.
@@ -64,7 +70,12 @@ impl OpenVisit {
     /// Adds a revolution at which this place holds: what it saw itself, and its line points.
     pub(crate) fn add(&mut self, pose: Isometry2<f64>, seen: &Here, line_points: impl FnOnce() -> Vec<LinePoint>) {
         if seen.kind == self.kind {
-            self.samples.push(Sample { pose, ways: seen.ways.clone(), confidence: seen.confidence });
+            self.samples.push(Sample {
+                pose,
+                ways: seen.ways.clone(),
+                look_m: seen.look_m,
+                confidence: seen.confidence,
+            });
         }
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
         if self.outlined_from.is_none_or(|from| moved_m(from) > OUTLINE_EVERY_M) {
@@ -100,6 +111,7 @@ impl OpenVisit {
             time_ns: [self.began_ns, ended_ns],
             anchor: best.pose,
             ways: best.ways.clone(),
+            look_m: best.look_m,
             outline: self.outline.iter().map(|point| placed(point, &to_anchor)).collect(),
             came_from: at(self.samples.first())?,
             left_to: at(self.samples.last())?,
@@ -114,6 +126,17 @@ impl Visit {
         let off_rad = |way: &Way| wrap_angle_rad(way.bearing_rad - bearing_rad).abs();
         let nearest = self.ways.iter().enumerate().min_by(|a, b| off_rad(a.1).total_cmp(&off_rad(b.1)));
         nearest.map_or(0, |(index, _)| index)
+    }
+}
+
+impl Visit {
+    /// Whether the vehicle came or left on the side of a dead end that is closed: then it is none.
+    pub(crate) fn passes_through_the_end(&self) -> bool {
+        let is_behind = |way: &Way, place_m: Point2<f64>| {
+            place_m.coords.dot(&nalgebra::Vector2::new(way.bearing_rad.cos(), way.bearing_rad.sin())) < -BEHIND_M
+        };
+        let dead_end = self.ways.iter().filter(|_| self.kind == HereKind::DeadEnd);
+        dead_end.into_iter().any(|way| is_behind(way, self.came_from) || is_behind(way, self.left_to))
     }
 }
 

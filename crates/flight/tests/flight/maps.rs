@@ -7,7 +7,7 @@ use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Preset, Settings};
 use crosscut_simulator::network::{Network, Point};
 use crosscut_simulator::scenarios;
-use crosscut_stage::{Frame, HereKind, Params};
+use crosscut_stage::{Frame, Here, HereKind, Params, Revolution, Steady, Way};
 use nalgebra::{Isometry2, Vector2};
 
 struct Flown {
@@ -94,4 +94,50 @@ fn a_flight_without_poses_or_places_has_an_empty_map() {
     mapper.add(&Frame::default());
     assert_eq!(mapper.map(), Map::default());
     assert_eq!(mapper.map().summary(), "0 junctions; 0 dead ends; 0 loops; 0 ways not taken");
+}
+
+/// The map of a straight flight along x, five frames a metre: up to each place the vehicle is in what goes with it. Ways
+/// of passages and junctions lead on and back, those of dead ends back.
+fn straight(stretches: &[(f64, HereKind)], look_m: f64) -> Map {
+    let mut mapper = Mapper::default();
+    let mut step = 0;
+    for &(to_m, kind) in stretches {
+        let bearings_rad: &[f64] = match kind {
+            HereKind::DeadEnd => &[3.1],
+            HereKind::Junction => &[0.0, 1.6, 3.1],
+            _ => &[0.0, 3.1],
+        };
+        let way = |&bearing_rad: &f64| Way { bearing_rad, width_m: 3.0, opening: None };
+        let here = Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), confidence: 0.9 };
+        while 0.2 * f64::from(step) < to_m {
+            let pose = Isometry2::translation(0.2 * f64::from(step), 0.0);
+            let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
+            let revolution = Revolution { stamp_ns: u64::from(step as u32), ..Revolution::default() };
+            let (pose, here, steady) = (Some(pose), Some(here.clone()), Some(steady));
+            mapper.add(&Frame { revolution, pose, here, steady, ..Frame::default() });
+            step += 1;
+        }
+    }
+    mapper.map()
+}
+
+#[test]
+fn a_dead_end_that_is_flown_through_is_no_node() {
+    use HereKind::{DeadEnd, Junction, Passage};
+    let map = straight(&[(4.0, Junction), (20.0, Passage), (26.0, DeadEnd), (40.0, Passage), (44.0, Junction)], 5.0);
+    assert!(map.summary().starts_with("2 junctions: 2 tees; 0 dead ends; 0 loops; "), "{}", map.summary());
+    assert_eq!(map.passages.len(), 1, "{:?}", map.passages);
+    let to_the_face = straight(&[(4.0, Junction), (20.0, Passage), (26.0, DeadEnd)], 5.0);
+    assert!(to_the_face.summary().contains("1 dead end"), "{}", to_the_face.summary());
+}
+
+#[test]
+fn two_stays_within_a_look_are_one_visit_and_others_are_not() {
+    use HereKind::{Junction, Passage};
+    let stays =
+        [(4.0, Junction), (30.0, Passage), (33.0, Junction), (36.0, Passage), (39.0, Junction), (60.0, Passage)];
+    let wide = straight(&stays, 6.0);
+    assert_eq!((wide.nodes.len(), wide.passages.len(), wide.nodes[1].visits.len()), (2, 1, 2), "{wide:?}");
+    let narrow = straight(&stays, 4.0);
+    assert_eq!((narrow.nodes.len(), narrow.passages.len()), (3, 2), "{narrow:?}");
 }

@@ -1,0 +1,197 @@
+//! How right the map of a flight is, against the mine that it went through.
+//!
+//! A *place* is a junction or a dead end of the mine; distances to it are in widths of its widest passage. A visit of the
+//! map belongs to the place that is nearest in its middle, if that is within 1.6 widths. A place was *flown through* if
+//! the vehicle came within 0.4 widths; the place in which a flight begins is not, as half of it was never flown.
+//!
+//! - **Nodes**: those of the map and the places flown through are matched one to one, so that the time at which both are
+//!   visited (within a width) is longest. Precision, recall and F1 count pairs with such a time.
+//! - **Over-count**: nodes of the map over places flown through.
+//! - **Same place**: of all pairs of visits that belong to a place, those that the map takes to be to one node, against
+//!   those that are: precision and recall. A **false merge** is a node whose visits belong to two places, or partly to
+//!   none.
+//! - **Degree**: share of the matched nodes with the true number of ways.
+//! - **Passages**: joined places that the map joins, and joins of the map that are not there. **Length**: error of the
+//!   length of right ones, relative. **Loops**: those of the passages flown; more are false.
+//! - **Exact**: each place flown through is one node, each passage flown between two of them one passage, none mixes two
+//!   places, and none is of no place. Where a flight begins or ends, a place may be found that was not flown through.
+
+mod baselines;
+mod truth;
+
+use std::collections::BTreeSet;
+
+use crosscut_flight::Map;
+use serde::Serialize;
+
+use crate::Proportion;
+use crate::assignment::best_matching;
+
+pub use baselines::{Counts, Stay, every_change, within_radius};
+pub use truth::{MapTruth, TruePassage, TruePlace, WhereAt};
+
+/// Widths within which a place is visited, was flown through, and a visit of the map belongs to it.
+const VISITED: f64 = 1.0;
+const THROUGH: f64 = 0.4;
+const BELONGS: f64 = 1.6;
+
+/// The figures of maps, over any number of flights. The module's page defines them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct MapFigures {
+    /// Flights whose map is exact.
+    pub exact: Proportion,
+    /// Nodes with a place, of the nodes.
+    pub precision: Proportion,
+    /// Places flown through that have a node, of those flown through.
+    pub recall: Proportion,
+    /// Pairs of visits to one place, of those to one node.
+    pub same_precision: Proportion,
+    /// Pairs of visits to one node, of those to one place.
+    pub same_recall: Proportion,
+    /// Nodes that mix two places, or one with none.
+    pub false_merges: u64,
+    /// Matched nodes with the true number of ways; no cases for baselines, which have no ways.
+    pub degree: Proportion,
+    /// Passages flown that the map has, of those flown; no cases for baselines.
+    pub passages: Proportion,
+    /// Passages of the map that the mine does not have.
+    pub false_passages: u64,
+    /// Loops of the map, of those flown.
+    pub loops: Proportion,
+    /// Loops of the map beyond those flown.
+    pub false_loops: u64,
+    /// Relative errors of the lengths of right passages.
+    pub length_errors: Vec<f64>,
+}
+
+impl MapFigures {
+    /// Judges the map of a flight.
+    pub fn of(map: &Map, truth: &MapTruth) -> Self {
+        let visits: Vec<Vec<[u64; 2]>> = map.nodes.iter().map(|node| node.visits.clone()).collect();
+        let mut figures = Self::of_visits(&visits, truth);
+        let through = truth.flown_through();
+        let matched = matched(&visits, &through, truth);
+        for &(node, place) in &matched {
+            figures.degree.count(map.nodes[node].ways.len() == truth.places[place].ways);
+        }
+        let places: Vec<BTreeSet<Option<usize>>> = visits.iter().map(|visits| truth.places_of(visits)).collect();
+        let one = |node: usize| places[node].iter().next().copied().flatten();
+        let joined = |from: usize, to: usize| Some(ordered(one(from)?, one(to)?));
+        let mut found = BTreeSet::new();
+        for passage in &map.passages {
+            let length_m = joined(passage.from, passage.to).and_then(|ends| truth.length_m(ends).zip(Some(ends)));
+            match length_m {
+                Some((length_m, ends)) if found.insert(ends) => {
+                    figures.length_errors.push((passage.length_m - length_m).abs() / length_m);
+                }
+                _ => figures.false_passages += 1,
+            }
+        }
+        let flown = truth.flown_passages();
+        for passage in &flown {
+            figures.passages.count(found.contains(passage));
+        }
+        let loops = loops_of(&flown);
+        figures.loops = Proportion { hits: map.loops().min(loops) as u64, of: loops as u64 };
+        figures.false_loops = map.loops().saturating_sub(loops) as u64;
+        let named: BTreeSet<usize> = (0..places.len()).filter_map(one).collect();
+        let is_exact = figures.false_merges == 0
+            && named.len() == map.nodes.len()
+            && through.is_subset(&named)
+            && map.passages.len() == found.len()
+            && flown.is_subset(&found);
+        figures.exact.count(is_exact);
+        figures
+    }
+
+    /// Judges visits alone, by node: a way of counting that has no ways and no passages.
+    pub fn of_visits(visits: &[Vec<[u64; 2]>], truth: &MapTruth) -> Self {
+        let mut figures = Self::default();
+        let through = truth.flown_through();
+        let matched = matched(visits, &through, truth).len() as u64;
+        figures.precision = Proportion { hits: matched, of: visits.len() as u64 };
+        figures.recall = Proportion { hits: matched, of: through.len() as u64 };
+        let all: Vec<(usize, Option<usize>)> = (0..visits.len())
+            .flat_map(|node| visits[node].iter().map(move |visit| (node, truth.place_of(*visit))))
+            .collect();
+        for (at, (node, place)) in all.iter().enumerate() {
+            for (other_node, other_place) in &all[..at] {
+                if place.is_none() || other_place.is_none() {
+                    continue;
+                }
+                let (is_found, is_true) = (node == other_node, place == other_place);
+                if is_found {
+                    figures.same_precision.count(is_true);
+                }
+                if is_true {
+                    figures.same_recall.count(is_found);
+                }
+            }
+        }
+        figures.false_merges = visits.iter().filter(|visits| truth.places_of(visits).len() > 1).count() as u64;
+        figures
+    }
+
+    /// Adds the figures of other flights.
+    pub fn merge(&mut self, other: &Self) {
+        let pairs = [
+            (&mut self.exact, other.exact),
+            (&mut self.precision, other.precision),
+            (&mut self.recall, other.recall),
+            (&mut self.same_precision, other.same_precision),
+            (&mut self.same_recall, other.same_recall),
+            (&mut self.degree, other.degree),
+            (&mut self.passages, other.passages),
+            (&mut self.loops, other.loops),
+        ];
+        pairs.into_iter().for_each(|(sum, of)| sum.merge(of));
+        self.false_merges += other.false_merges;
+        self.false_passages += other.false_passages;
+        self.false_loops += other.false_loops;
+        self.length_errors.extend(&other.length_errors);
+    }
+
+    /// The harmonic mean of precision and recall; `None` without a node or a place.
+    pub fn f1(&self) -> Option<f64> {
+        let both = self.precision.of + self.recall.of;
+        (both > 0).then(|| 2.0 * self.precision.hits as f64 / both as f64)
+    }
+
+    /// Nodes over places flown through; `None` without a place.
+    pub fn over_count(&self) -> Option<f64> {
+        (self.recall.of > 0).then(|| self.precision.of as f64 / self.recall.of as f64)
+    }
+}
+
+/// Nodes and the places that they are, one to one.
+fn matched(visits: &[Vec<[u64; 2]>], through: &BTreeSet<usize>, truth: &MapTruth) -> Vec<(usize, usize)> {
+    let through: Vec<usize> = through.iter().copied().collect();
+    let stays: Vec<Vec<[u64; 2]>> = through.iter().map(|&place| truth.visits_of(place)).collect();
+    let shared_ns = |node: usize, place: usize| -> f64 {
+        let pairs = visits[node].iter().flat_map(|visit| stays[place].iter().map(move |stay| (visit, stay)));
+        let shared = pairs.map(|(visit, stay)| (visit[1].min(stay[1]) + 1).saturating_sub(visit[0].max(stay[0])));
+        shared.sum::<u64>() as f64
+    };
+    let pairs = best_matching(visits.len(), through.len(), shared_ns);
+    let meet = pairs.into_iter().filter(|&(node, place)| shared_ns(node, place) > 0.0);
+    meet.map(|(node, place)| (node, through[place])).collect()
+}
+
+fn ordered(a: usize, b: usize) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Passages less places, plus parts that are not connected.
+fn loops_of(passages: &BTreeSet<[usize; 2]>) -> usize {
+    let mut part: std::collections::BTreeMap<usize, usize> = passages.iter().flatten().map(|&at| (at, at)).collect();
+    let mut loops = 0;
+    for &[from, to] in passages {
+        let (from, to) = (part[&from], part[&to]);
+        if from == to {
+            loops += 1;
+        } else {
+            part.values_mut().filter(|of| **of == from).for_each(|of| *of = to);
+        }
+    }
+    loops
+}

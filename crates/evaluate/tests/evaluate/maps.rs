@@ -1,0 +1,112 @@
+//! Figures of maps, on a mine of three places in a row: tee 0, 20 m, tee 1, 20 m, dead end 2.
+
+use crosscut_evaluate::maps::{
+    Counts, MapFigures, MapTruth, TruePassage, TruePlace, WhereAt, every_change, within_radius,
+};
+use crosscut_flight::{Map, Node, NodeWay, Passage};
+use crosscut_stage::HereKind;
+use nalgebra::Point2;
+
+/// From 10 m before the first place to the third and back to the second, a metre and a nanosecond at a time; at stamp 100
+/// the vehicle is at the first place.
+fn truth() -> MapTruth {
+    let place = |x_m: f64, ways| TruePlace { position_m: [x_m, 0.0], ways, width_m: 4.0 };
+    let there_and_back = (-10..=40).chain((20..40).rev());
+    let at = |(stamp, x): (u64, i32)| WhereAt { stamp_ns: stamp, position_m: [f64::from(x), 0.0] };
+    MapTruth {
+        places: vec![place(0.0, 3), place(20.0, 3), place(40.0, 1)],
+        passages: vec![TruePassage { ends: [0, 1], length_m: 20.0 }, TruePassage { ends: [1, 2], length_m: 20.0 }],
+        at: (90..).zip(there_and_back).map(at).collect(),
+    }
+}
+
+fn node(ways: usize, visits: &[[u64; 2]]) -> Node {
+    let kind = if ways == 1 { HereKind::DeadEnd } else { HereKind::Junction };
+    let way = NodeWay { bearing_rad: 0.0, width_m: 4.0, taken: false, passage: None };
+    Node { kind, position_m: Point2::origin(), ways: vec![way; ways], visits: visits.to_vec() }
+}
+
+fn passage(from: usize, to: usize, length_m: f64) -> Passage {
+    Passage { from, to, length_m, width_m: 4.0, stretch_ns: [0, 0], via_m: Vec::new() }
+}
+
+fn right_map() -> Map {
+    Map {
+        nodes: vec![node(3, &[[97, 103]]), node(3, &[[117, 123], [157, 160]]), node(1, &[[137, 143]])],
+        passages: vec![passage(0, 1, 21.0), passage(1, 2, 20.0)],
+        merges: Vec::new(),
+    }
+}
+
+#[test]
+fn a_right_map_is_exact_in_every_figure() {
+    let figures = MapFigures::of(&right_map(), &truth());
+    let shares = [figures.exact, figures.precision, figures.recall, figures.same_precision, figures.same_recall];
+    assert_eq!(shares.map(|share| share.value()), [Some(1.0); 5], "{figures:?}");
+    assert_eq!((figures.f1(), figures.over_count(), figures.false_merges), (Some(1.0), Some(1.0), 0));
+    assert_eq!((figures.degree.value(), figures.passages.value(), figures.false_passages), (Some(1.0), Some(1.0), 0));
+    assert!((figures.length_errors[0] - 0.05).abs() < 1e-12 && figures.length_errors[1] == 0.0);
+    assert_eq!((figures.loops.of, figures.false_loops), (0, 0));
+}
+
+#[test]
+fn a_place_there_twice_costs_precision_and_recall_of_pairs() {
+    let mut map = right_map();
+    let visit = map.nodes[1].visits.pop().expect("the second one");
+    map.nodes.push(node(3, &[visit]));
+    let figures = MapFigures::of(&map, &truth());
+    assert_eq!((figures.exact.hits, figures.precision.hits, figures.precision.of, figures.recall.hits), (0, 3, 4, 3));
+    assert_eq!((figures.same_recall.hits, figures.same_recall.of, figures.false_merges), (0, 1, 0));
+    assert!((figures.over_count().expect("places") - 4.0 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn two_places_in_one_node_are_a_false_merge() {
+    let mut map = right_map();
+    map.nodes[0].visits.push([117, 123]);
+    map.nodes[1].visits.remove(0);
+    let figures = MapFigures::of(&map, &truth());
+    assert_eq!((figures.false_merges, figures.exact.hits), (1, 0));
+    assert_eq!((figures.same_precision.hits, figures.same_precision.of, figures.same_recall.hits), (0, 1, 0));
+}
+
+#[test]
+fn a_passage_that_is_not_there_is_false_and_closes_a_false_loop() {
+    let mut map = right_map();
+    map.passages.push(passage(0, 2, 40.0));
+    let figures = MapFigures::of(&map, &truth());
+    assert_eq!((figures.false_passages, figures.false_loops, figures.exact.hits), (1, 1, 0));
+    map.passages.remove(0);
+    assert_eq!(MapFigures::of(&map, &truth()).passages.hits, 1);
+}
+
+#[test]
+fn every_change_counts_a_place_twice_and_a_radius_does_not() {
+    let mut counts = Counts::default();
+    let truth = truth();
+    for at in &truth.at {
+        let x_m = at.position_m[0];
+        let near = [0.0, 20.0, 40.0].map(|place_m: f64| (place_m - x_m).abs() <= 3.0);
+        counts.add(if near[2] { 1 } else { 2 + usize::from(near[0] || near[1]) }, *at);
+    }
+    let stays = counts.stays();
+    let changes = MapFigures::of_visits(&every_change(&stays), &truth);
+    assert_eq!((changes.precision.of, changes.same_recall.hits, changes.same_recall.of), (4, 0, 1));
+    let radius = MapFigures::of_visits(&within_radius(&stays, 8.0), &truth);
+    assert_eq!((radius.f1(), radius.same_recall.value(), radius.degree.of), (Some(1.0), Some(1.0), 0));
+    let mut both = changes.clone();
+    both.merge(&radius);
+    assert_eq!((both.precision.of, both.recall.of), (7, 6));
+}
+
+#[test]
+fn a_place_where_the_flight_begins_need_not_be_found() {
+    let mut truth = truth();
+    let mut map = right_map();
+    map.nodes[0].visits[0] = [99, 103];
+    truth.at.drain(..9);
+    assert_eq!(MapFigures::of(&map, &truth).exact.hits, 1, "a flight that begins in the first place");
+    let without = Map { nodes: map.nodes.split_off(1), passages: vec![passage(0, 1, 20.0)], merges: Vec::new() };
+    let figures = MapFigures::of(&without, &truth);
+    assert_eq!((figures.exact.hits, figures.recall.of), (1, 2));
+}

@@ -1,0 +1,37 @@
+//! The way of a flight so far, and what was passed since the last node.
+
+use nalgebra::{Isometry2, Point2};
+
+/// Places along a passage are this far apart.
+const VIA_M: f64 = 2.0;
+
+/// Steps shorter than this add nothing to the way: poses of a standing vehicle tremble.
+const STEP_M: f64 = 0.3;
+
+/// The way so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Travelled {
+    from: Option<Isometry2<f64>>,
+    pub(super) way_m: f64,
+    /// Widths since the last node, and their number.
+    pub(super) widths_m: [f64; 2],
+    /// Places since the last node, as they were tracked, [`VIA_M`] apart.
+    pub(super) via_m: Vec<Point2<f64>>,
+}
+
+impl Travelled {
+    pub(super) fn add(&mut self, pose: Isometry2<f64>) {
+        let step_m = |from: Isometry2<f64>| (pose.translation.vector - from.translation.vector).norm();
+        match self.from.map(step_m) {
+            Some(step_m) if step_m < STEP_M => {}
+            step_m => {
+                self.way_m += step_m.unwrap_or(0.0);
+                self.from = Some(pose);
+                let place_m = Point2::from(pose.translation.vector);
+                if self.via_m.last().is_none_or(|last_m| (place_m - last_m).norm() > VIA_M) {
+                    self.via_m.push(place_m);
+                }
+            }
+        }
+    }
+}
