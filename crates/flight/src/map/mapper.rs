@@ -234,27 +234,6 @@ impl Mapper {
             }
         }
         candidates.sort_by(|a, b| b.fit.share.total_cmp(&a.fit.share));
-        eprintln!(
-            "DBG visit {:?} {} ways at {:.1} {:.1} way {:.0}: {}",
-            visit.kind,
-            visit.ways.len(),
-            predicted.translation.x,
-            predicted.translation.y,
-            self.way.way_m,
-            candidates
-                .iter()
-                .take(4)
-                .map(|c| format!(
-                    "node {} share {:.2} off {:.1} {:.1} {:.2}",
-                    c.node,
-                    c.fit.share,
-                    c.fit.pose.translation.x,
-                    c.fit.pose.translation.y,
-                    c.fit.pose.rotation.angle()
-                ))
-                .collect::<Vec<_>>()
-                .join("; ")
-        );
         let mut candidates = candidates.into_iter();
         let best = candidates.next().filter(|best| best.fit.share >= LEAST_SHARE)?;
         let runner_up = candidates.find(|other| other.is_elsewhere(&best)).map(|other| other.fit.share);
