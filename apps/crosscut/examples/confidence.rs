@@ -2,8 +2,10 @@
 //! and wrong answers on the development scenes and on places of another generator, and fails if the program has another fit.
 //!
 //! ```text
-//! tests/foreign/run places target/places/dev --count 300 --seed 101
-//! cargo run --release -p crosscut --no-default-features --example confidence -- target/docs/confidence.md target/places/dev
+//! tests/foreign/run places target/places/fit --count 100 --seed 101
+//! tests/foreign/run places target/places/effects-dev --count 20 --seed 113 --effects
+//! cargo run --release -p crosscut --no-default-features --example confidence -- target/docs/confidence.md \
+//!     target/places/fit target/places/effects-dev
 //! ```
 
 use std::path::PathBuf;
@@ -24,9 +26,9 @@ const N: usize = Grounds::INPUTS;
 /// As in preset `default`.
 const VEHICLE_WIDTH_M: f64 = 0.6;
 const NEWTON_STEPS: usize = 30;
-/// Weight of a place of another generator relative to a scene. With equal weights, less than half of the answers in rough
-/// walls would be sure.
-const WEIGHT_OF_PLACES: f64 = 1.0 / 3.0;
+/// Weight of a place with an effect of real lidars relative to a scene: each place is there with every effect. With equal
+/// weights, less than half of the answers in rough walls would be sure.
+const WEIGHT_OF_EFFECTS: f64 = 1.0 / 3.0;
 
 const PAGE: &str = "\
 # What the confidence of preset `default` means
@@ -46,17 +48,18 @@ struct Answer {
 fn main() -> anyhow::Result<()> {
     let mut args = std::env::args().skip(1);
     let file = args.next().context("name a file to write to")?;
-    let answers = answers(args.map(PathBuf::from).collect())?;
+    let mut folder = |of: &str| args.next().map(PathBuf::from).with_context(|| format!("name a folder of {of}"));
+    let answers = answers(folder("places")?, folder("places with effects")?)?;
     let beta = fitted(&answers).map(|beta| (100.0 * beta).round() / 100.0);
     if <[f64; N]>::from(beta) != BETA {
         bail!("β of crates/report/src/confidence.rs is not fitted to these answers: {BETA:?} instead of {beta:?}");
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     answers.iter().for_each(|answer| scoreboard.add(&answer.family, 0, &answer.score));
-    let [one, opening, gap, unseen, longest, ratio, apart, islands, margin] = BETA;
+    let [one, odds, opening, gap, ratio, apart, islands, margin] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one}, {opening}, {gap}, {unseen}, {longest}, {ratio}, {apart}, {islands}, {margin}) \
-         for x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)\n"
+        "{PAGE}\nβ = ({one}, {odds}, {opening}, {gap}, {ratio}, {apart}, {islands}, {margin}) \
+         for x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &markdown(table);
@@ -70,8 +73,8 @@ fn markdown(table: &Table) -> String {
     format!("\n## {}\n\n{}|{}\n{rows}", table.title, row(&table.header), "---|".repeat(table.header.len()))
 }
 
-/// Answers to the development scenes of every family, and to the scenes of `recordings`, which have truth.
-fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
+/// Answers to the development scenes of every family, and to the scenes of recordings, which have truth.
+fn answers(places: PathBuf, effects: PathBuf) -> anyhow::Result<Vec<Answer>> {
     let mut program = Program::new()?;
     let mut answers = Vec::new();
     for suite in suites() {
@@ -81,13 +84,16 @@ fn answers(recordings: Vec<PathBuf>) -> anyhow::Result<Vec<Answer>> {
             answers.extend(program.answer(suite.name, &scene.truth, 1.0)?);
         }
     }
-    for path in recordings_in(&recordings)? {
+    let with_weight = |paths: Vec<PathBuf>, weight: f64| paths.into_iter().map(move |path| (path, weight));
+    let recordings =
+        with_weight(recordings_in(&[places])?, 1.0).chain(with_weight(recordings_in(&[effects])?, WEIGHT_OF_EFFECTS));
+    for (path, weight) in recordings {
         let family = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let mut truths = Truths::open(&path)?;
         let mut recording = Recording::open(&[path], &ReadOptions::default(), program.sensor.clone())?;
         while recording.next(&mut program.frame.revolution, &mut program.frame.notes)? {
             let truth = truths.at(recording.last_log_time_ns())?.context("a scan without truth")?;
-            answers.extend(program.answer(&family, &truth, WEIGHT_OF_PLACES)?);
+            answers.extend(program.answer(&family, &truth, weight)?);
         }
     }
     Ok(answers)
@@ -114,7 +120,8 @@ impl Program {
         let score = Score::of(truth, &ResultsLine::of(frame))?;
         frame.notes.clear();
         let margin_decades = frame.spectrum.margin_decades;
-        let grounds = Grounds::of(&frame.revolution, VEHICLE_WIDTH_M, margin_decades, &frame.junction);
+        let grounds =
+            Grounds::of(&frame.revolution, &frame.affinity.verdicts, VEHICLE_WIDTH_M, margin_decades, &frame.junction);
         let answer = |grounds: Grounds| Answer {
             family: family.to_owned(),
             x: grounds.inputs(VEHICLE_WIDTH_M).into(),

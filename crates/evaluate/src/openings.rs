@@ -64,6 +64,7 @@ mod tests {
                 range_m: 5.0,
                 walls: [0, 1],
                 evidence: String::new(),
+                p: None,
                 cut_by_view: false,
             })
             .collect();
@@ -102,6 +103,7 @@ mod tests {
             range_m: 5.0,
             walls: [0, 1],
             evidence: String::new(),
+            p: None,
             cut_by_view: false,
         };
         assert_eq!(score(&[closed], &[line]).matched[0].width_error, None);

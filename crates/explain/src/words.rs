@@ -85,10 +85,12 @@ impl Words<'_> {
             };
             let between = self.between(verdict.returns.map(|i| i as usize));
             let Verdict { room_ratio, reason, .. } = verdict;
-            format!("- **{room_ratio:.2}** times the room that an opening needs ({reason}): {what} ({between})")
+            let odds = verdict.p.map_or(String::new(), |p| format!(", p = {p:.2}"));
+            format!("- **{room_ratio:.2}** times the room that an opening needs ({reason}){odds}: {what} ({between})")
         };
         let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
-        let title = "Verdicts where walls may end, the closest to the threshold first:";
+        let title =
+            "Verdicts where walls may end, the closest to the threshold first; p is the probability of an opening:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 

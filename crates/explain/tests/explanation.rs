@@ -217,7 +217,7 @@ fn a_changed_count_and_a_new_low_margin_are_reported_once() {
 #[test]
 fn verdicts_closest_to_the_threshold_come_first() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
-    let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio, reason: "width" };
+    let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio, reason: "width", p: Some(0.25) };
     frame.affinity.verdicts =
         vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");
@@ -225,9 +225,9 @@ fn verdicts_closest_to_the_threshold_come_first() {
     assert_eq!(
         reported,
         [
-            "- **1.10** times the room that an opening needs (width): an opening (returns 3, 4: 3.00 m)",
-            "- **0.80** times the room that an opening needs (width): the wall continues (returns 2, 3: 1.50 m)",
-            "- **0.01** times the room that an opening needs (width): the wall continues (returns 0, 1: 1.00 m)",
+            "- **1.10** times the room that an opening needs (width), p = 0.25: an opening (returns 3, 4: 3.00 m)",
+            "- **0.80** times the room that an opening needs (width), p = 0.25: the wall continues (returns 2, 3: 1.50 m)",
+            "- **0.01** times the room that an opening needs (width), p = 0.25: the wall continues (returns 0, 1: 1.00 m)",
         ]
     );
 }

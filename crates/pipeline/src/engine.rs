@@ -61,7 +61,8 @@ impl Engine {
             }),
             cluster: Worker::new(Step::Kmeans, move |f| kmeans.partition(&f.spectrum, &mut f.partition, &mut f.notes)),
             report: Worker::new(Step::Report, move |f| {
-                reporter.report(&f.revolution, &f.spectrum, &f.partition, &mut f.junction, &mut f.notes)
+                let Frame { revolution, affinity, spectrum, partition, junction, notes, .. } = f;
+                reporter.report(revolution, &affinity.verdicts, spectrum, partition, junction, notes)
             }),
         }
     }

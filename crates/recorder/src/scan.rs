@@ -216,7 +216,15 @@ mod tests {
         let inwards_of = |edge_m: [(f64, f64); 2], bearing_rad| {
             let edge_m = edge_m.map(|(x, y)| Point::new(x, y, 0.0));
             let evidence = crosscut_stage::Evidence::SeenThrough;
-            inwards(&Opening { bearing_rad, width_m: 2.0, walls: [0, 1], evidence, edge_m, cut_by_view: false })
+            inwards(&Opening {
+                bearing_rad,
+                width_m: 2.0,
+                walls: [0, 1],
+                evidence,
+                edge_m,
+                p: None,
+                cut_by_view: false,
+            })
         };
         assert_eq!(inwards_of([(3.0, -1.0), (3.0, 1.0)], 0.0), Vector3::x());
         let seen_past_a_corner_to_the_left = inwards_of([(6.0, 6.0), (2.0, 2.0)], 1.2);

@@ -4,11 +4,11 @@
 //! eigenvalue. It shows how firmly this rule stands by its count.
 //!
 //! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is wrong, so
-//! it is as sure as its most doubtful verdicts are clear ([`Grounds`]):
+//! it is as sure as its verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(o/w), ln(g/w), ln(u/1°), ln(l/w), ln r, φ, i, m)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)
 //! ```
-//! with w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
+//! with q what the odds of the gaps say ([`crate::odds`]) and w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
 //! clear may not be, and P is lowered by a factor of its own. So it is where a dark gap in the line of a wall could be a
 //! doorway. β is a logistic regression of right against wrong over
 //! the development scenes and places of another generator. The example `confidence` checks it and writes what it means.
@@ -16,15 +16,16 @@
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use crosscut_scan::Position;
-use crosscut_stage::{Junction, Opening, Revolution, wrap_angle_rad};
+use crosscut_stage::{Junction, Opening, Revolution, Verdict, wrap_angle_rad};
 
+use crate::odds;
 use crate::openings::{clearance_m, depth_m, sides};
 use crate::outline::Outline;
 
 /// Clearances are limited to these multiples of the vehicle's width.
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
-/// Unseen angles are limited to these.
-const UNSEEN_DEG: [f64; 2] = [1.0, 60.0];
+/// What the odds of the gaps say is limited to this, and 1 less this.
+const LEAST_ODDS: f64 = 1e-4;
 /// The ratio of the narrowest to the widest opening is limited to this.
 const LEAST_RATIO: f64 = 0.2;
 /// Openings that are this far apart, or farther, are clearly apart.
@@ -32,7 +33,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.36, 0.63, -0.62, -0.33, -0.39, 0.33, 3.94, -0.57, 3.18];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.09, 0.34, 0.44, -0.41, 0.19, 2.53, -0.81, 2.05];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
@@ -43,16 +44,14 @@ const OF_DOORWAY: f64 = 0.6;
 /// What an answer rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grounds {
+    /// q: the probability that the answer is right at every gap, by the odds of the gaps.
+    pub odds: f64,
     /// o: how far the walls leave each other's line at an opening, or where one ends and another begins, metres; the
     /// least of all.
     pub least_at_openings_m: f64,
     /// g: how far a wall leaves its own line at a gap, or how deep the space behind the gap is, if that is less,
     /// metres; the most of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
-    /// u: the widest angle, from return to return, in which nothing is seen of a wall across such a gap, rad.
-    pub unseen_within_walls_rad: f64,
-    /// l: the length of the longest such gap, metres.
-    pub longest_within_walls_m: f64,
     /// r: the width of the narrowest opening as a share of that of the widest, of those that the end of the view does
     /// not cut.
     pub narrowest_to_widest: f64,
@@ -66,11 +65,13 @@ pub struct Grounds {
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 9;
+    pub const INPUTS: usize = 8;
 
-    /// Of an answer that has walls, with the margin of its spectrum; `None` without a wall, or without beams.
+    /// Of an answer that has walls, with the verdicts of its affinity and the margin of its spectrum; `None` without a
+    /// wall, or without beams.
     pub fn of(
         revolution: &Revolution,
+        verdicts: &[Verdict],
         vehicle_width_m: f64,
         margin_decades: Option<f64>,
         answer: &Junction,
@@ -79,13 +80,14 @@ impl Grounds {
         let wall_beside_openings: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
         let mut outline = Outline::default();
         outline.fill(revolution, revolution.as_sweep()?, &wall_beside_openings).ok()?;
-        Self::on(&outline, revolution, vehicle_width_m, margin_decades, answer)
+        Self::on(&outline, revolution, verdicts, vehicle_width_m, margin_decades, answer)
     }
 
     /// The grounds of an answer, from the outline of its walls that are no islands; `None` without one.
     fn on(
         outline: &Outline,
         revolution: &Revolution,
+        verdicts: &[Verdict],
         vehicle_width_m: f64,
         margin_decades: Option<f64>,
         answer: &Junction,
@@ -94,10 +96,9 @@ impl Grounds {
             return None;
         }
         let mut grounds = Self {
+            odds: odds::of_answer(verdicts, revolution, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
-            unseen_within_walls_rad: 0.0,
-            longest_within_walls_m: 0.0,
             narrowest_to_widest: narrowest_to_widest(answer),
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
@@ -110,10 +111,6 @@ impl Grounds {
             if is_at_opening(edge_m, &answer.openings) || (sides.are_two_walls() && sides.is_known()) {
                 grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
             } else if !sides.are_two_walls() {
-                let unseen_rad = (1 + sides.between().count()) as f64 * outline.ring.step_rad;
-                grounds.unseen_within_walls_rad = grounds.unseen_within_walls_rad.max(unseen_rad);
-                let [from_m, to_m] = edge_m;
-                grounds.longest_within_walls_m = grounds.longest_within_walls_m.max((to_m - from_m).norm());
                 let clearance_m = clearance_m(&sides);
                 if clearance_m > grounds.most_within_walls_m {
                     let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
@@ -129,12 +126,11 @@ impl Grounds {
     pub fn inputs(&self, vehicle_width_m: f64) -> [f64; Self::INPUTS] {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
-        let unseen = self.unseen_within_walls_rad.to_degrees().clamp(UNSEEN_DEG[0], UNSEEN_DEG[1]).ln();
-        let longest = (self.longest_within_walls_m / vehicle_width_m).max(1.0).ln();
+        let odds = self.odds.clamp(LEAST_ODDS, 1.0 - LEAST_ODDS);
         let ratio = self.narrowest_to_widest.max(LEAST_RATIO).ln();
         let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
         let (apart, islands) = (self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)));
-        [1.0, opening, gap, unseen, longest, ratio, apart, islands, margin]
+        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, ratio, apart, islands, margin]
     }
 }
 
@@ -153,22 +149,26 @@ fn apart_rad(answer: &Junction) -> f64 {
 }
 
 /// The share of right answers among those on such grounds; 0 without any. `outline` holds the walls that are no
-/// islands, [`spacing_rad`] of it is given, and whether a gap in a wall could be a doorway.
+/// islands, and [`remains`] is given.
 pub(crate) fn of_scene(
     revolution: &Revolution,
+    verdicts: &[Verdict],
     outline: &Outline,
-    spacing_rad: f64,
-    may_have_doorway: bool,
+    remains: f64,
     vehicle_width_m: f64,
     margin_decades: Option<f64>,
     answer: &Junction,
 ) -> f64 {
-    let grounds = Grounds::on(outline, revolution, vehicle_width_m, margin_decades, answer);
+    let grounds = Grounds::on(outline, revolution, verdicts, vehicle_width_m, margin_decades, answer);
     grounds.map_or(0.0, |grounds| {
         let logit: f64 = BETA.iter().zip(grounds.inputs(vehicle_width_m)).map(|(beta, x)| beta * x).sum();
-        let doubt = if may_have_doorway { OF_DOORWAY } else { 1.0 };
-        doubt * of_spacing(spacing_rad) / (1.0 + (-logit).exp())
+        remains / (1.0 + (-logit).exp())
     })
+}
+
+/// What remains of the share of right answers where returns are this far apart, and if a gap in a wall could be a doorway.
+pub(crate) fn remains(spacing_rad: f64, may_have_doorway: bool) -> f64 {
+    of_spacing(spacing_rad) * if may_have_doorway { OF_DOORWAY } else { 1.0 }
 }
 
 /// The average angle from one return of a wall to the next: more than that of the beams where some are lost. Beams into
@@ -187,7 +187,7 @@ pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
 
 /// Whether an edge is that of an opening, or part of it: a stray return inside an opening splits its edge. The first
 /// part begins where the opening begins, the last ends where it ends.
-fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
+pub(crate) fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
     let mut edges_m = openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
     edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
 }
@@ -230,6 +230,7 @@ mod tests {
             walls: [0, 1],
             evidence: crosscut_stage::Evidence::NoReturn,
             edge_m: [crosscut_stage::Point::origin(); 2],
+            p: None,
             cut_by_view: false,
         };
         let apart_deg = |bearings_deg: &[f64]| {
@@ -245,11 +246,11 @@ mod tests {
     fn an_answer_without_walls_or_without_beams_is_not_sure_at_all() {
         let cloud = Revolution { points_m: vec![crosscut_stage::Point::origin()], ..Revolution::default() };
         assert_eq!(
-            of_scene(&Revolution::default(), &Outline::default(), 0.0, false, 0.6, None, &Junction::default()),
+            of_scene(&Revolution::default(), &[], &Outline::default(), 1.0, 0.6, None, &Junction::default()),
             0.0
         );
         assert_eq!(
-            Grounds::of(&cloud, 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
+            Grounds::of(&cloud, &[], 0.6, None, &Junction { wall_of_return: vec![None], ..Junction::default() }),
             None
         );
     }

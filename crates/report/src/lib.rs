@@ -11,12 +11,13 @@
 //!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
 //! - **Confidence** is that of the zero rule, 1 - 10^-margin, or that of the scene, a share of right answers fitted to
-//!   how clear its most doubtful opening and gap are ([`confidence`]).
+//!   the odds of its gaps and to how clear the most doubtful ones are ([`confidence`], [`odds`]).
 //!
 //! [`ResultsLine`] is the one JSON object that a revolution becomes.
 
 pub mod confidence;
 mod islands;
+pub mod odds;
 pub mod openings;
 mod outline;
 mod place;

@@ -36,6 +36,7 @@ mod tests {
             walls: [0, 0],
             evidence: Evidence::NoReturn,
             edge_m: [Point::origin(); 2],
+            p: None,
             cut_by_view: false,
         };
         name(sees_all, walls, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()

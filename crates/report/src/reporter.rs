@@ -2,12 +2,13 @@
 
 use crosscut_scan::LevelView;
 use crosscut_stage::{
-    Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Word,
+    Count, Junction, Notes, Number, ParamSpec, Params, Partition, Revolution, Spectrum, StageError, Sweep, Verdict,
+    Word,
 };
 
 use crate::openings::{self, OpeningRule};
 use crate::outline::Outline;
-use crate::{confidence, islands, place, walls};
+use crate::{confidence, islands, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
@@ -22,9 +23,8 @@ const ISLAND_M: Number = Number::new("island_m", "m", 0.0)
 const OPENINGS: Word = Word::one_of("openings", &["free_space", "between_walls"])
     .doc("where openings are: where the vehicle fits into free space, or wherever one wall ends and another begins");
 
-const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"]).doc(
-    "what it is taken from: the zero rule's margin, or how clear the most doubtful opening and gap of the scene are",
-);
+const CONFIDENCE: Word = Word::one_of("confidence", &["margin", "scene"])
+    .doc("what it is taken from: the zero rule's margin, or how clear the verdicts at the gaps of the scene are");
 
 const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
     .above(0.0)
@@ -87,6 +87,7 @@ impl Reporter {
     pub fn report(
         &mut self,
         revolution: &Revolution,
+        verdicts: &[Verdict],
         spectrum: &Spectrum,
         partition: &Partition,
         out: &mut Junction,
@@ -98,8 +99,8 @@ impl Reporter {
         }
         walls::from_partition(revolution, partition, self.min_returns, out, notes);
         match revolution.as_sweep() {
-            Some(sweep) => self.look_around(revolution, sweep, spectrum, out, notes),
-            None => self.look_around_in_cloud(revolution, spectrum, out, notes),
+            Some(sweep) => self.look_around(revolution, sweep, verdicts, spectrum, out, notes),
+            None => self.look_around_in_cloud(revolution, verdicts, spectrum, out, notes),
         }
     }
 
@@ -108,6 +109,7 @@ impl Reporter {
         &mut self,
         revolution: &Revolution,
         sweep: &Sweep,
+        verdicts: &[Verdict],
         spectrum: &Spectrum,
         out: &mut Junction,
         notes: &mut Notes,
@@ -118,6 +120,7 @@ impl Reporter {
         openings::find(self.openings, revolution, outline, vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
+        odds::set_of_openings(verdicts, revolution, out);
         out.confidence = if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
@@ -137,9 +140,9 @@ impl Reporter {
             let margin_decades = spectrum.margin_decades;
             confidence::of_scene(
                 revolution,
+                verdicts,
                 outline,
-                spacing_rad,
-                doorway.is_some(),
+                confidence::remains(spacing_rad, doorway.is_some()),
                 vehicle_width_m,
                 margin_decades,
                 out,
@@ -156,6 +159,7 @@ impl Reporter {
     fn look_around_in_cloud(
         &mut self,
         cloud: &Revolution,
+        verdicts: &[Verdict],
         spectrum: &Spectrum,
         out: &mut Junction,
         notes: &mut Notes,
@@ -171,7 +175,8 @@ impl Reporter {
         seen.walls.iter_mut().for_each(|wall| wall.returns = 0);
         seen.wall_of_return.iter().flatten().for_each(|&id| seen.walls[id as usize].returns += 1);
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
-        let done = self.look_around(view.seen(), sweep, spectrum, &mut seen, notes);
+        let verdicts: Vec<_> = verdicts.iter().filter_map(|verdict| seen_by(&view, verdict)).collect();
+        let done = self.look_around(view.seen(), sweep, &verdicts, spectrum, &mut seen, notes);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
         }
@@ -180,6 +185,13 @@ impl Reporter {
         self.view = view;
         done
     }
+}
+
+/// A verdict on returns of a cloud, by their numbers in the view of a level vehicle; `None` if one is not in it.
+fn seen_by(view: &LevelView, verdict: &Verdict) -> Option<Verdict> {
+    let seen = |number: u32| view.numbers().iter().position(|&other| other == number);
+    let [from, to] = verdict.returns.map(seen);
+    Some(Verdict { returns: [from? as u32, to? as u32], ..*verdict })
 }
 
 #[cfg(test)]
@@ -193,6 +205,7 @@ mod tests {
         let revolution = Revolution { points_m: vec![Point::new(1.0, 0.0, 0.0)], ..Default::default() };
         let result = reporter.report(
             &revolution,
+            &[],
             &Spectrum::default(),
             &Partition::default(),
             &mut Junction::default(),

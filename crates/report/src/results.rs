@@ -78,6 +78,9 @@ pub struct OpeningLine {
     /// How far its nearer end is from the sensor.
     #[serde(default)]
     pub range_m: f64,
+    /// The odds that a vehicle can pass, as a probability; null where too little is seen to say.
+    #[serde(default)]
+    pub p: Option<f64>,
     /// The walls on its clockwise and anticlockwise side.
     pub walls: [u32; 2],
     /// `seen_through` or `no_return`.
@@ -165,6 +168,7 @@ impl ResultsLine {
                     bearing_rad: o.bearing_rad,
                     width_m: o.width_m,
                     range_m: o.range_m(),
+                    p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
                     cut_by_view: o.cut_by_view,
@@ -237,6 +241,7 @@ mod tests {
             bearing_rad: 0.0,
             width_m: 1.0,
             range_m: 1.0,
+            p: Some(0.5),
             walls: [0; 2],
             evidence: "seen_through".to_owned(),
             cut_by_view: false,

@@ -36,6 +36,8 @@ pub struct Verdict {
     pub is_way: bool,
     /// The room at the gap, divided by the room that an opening needs. The nearer to 1, the more doubtful.
     pub room_ratio: f64,
+    /// p, the odds that a vehicle can pass, as a probability; `None` where too little is seen to say.
+    pub p: Option<f64>,
     /// The rule that decides, in a few words: the one by which there is the most room, or why there is none.
     pub reason: &'static str,
 }

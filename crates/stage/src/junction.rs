@@ -50,6 +50,8 @@ pub struct Opening {
     pub evidence: Evidence,
     /// The two ends of the edge of the visible free space that it is made of, metres, clockwise end first.
     pub edge_m: [Point; 2],
+    /// The odds that a vehicle can pass, as a probability; `None` where too little is seen to say.
+    pub p: Option<f64>,
     /// The end of a limited view cuts it: only its one wall is in view, which stands twice in `walls`, and bearing and
     /// width are those of the part in view.
     pub cut_by_view: bool,

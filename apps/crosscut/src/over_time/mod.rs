@@ -86,6 +86,7 @@ impl Course {
             confidence: frame.junction.confidence,
             grounds: Grounds::of(
                 &frame.revolution,
+                &frame.affinity.verdicts,
                 self.vehicle_width_m,
                 frame.spectrum.margin_decades,
                 &frame.junction,

@@ -6,6 +6,7 @@ use crosscut_scan::{Pieces, Ring};
 use crosscut_stage::{Affinity, Verdict};
 
 use super::judge::{Joint, Judge};
+use super::odds::{self, Measures};
 use super::verdict::Decision;
 
 /// A return of no wall has an edge to the nearer of the walls beside it, if that is no farther than this.
@@ -32,6 +33,8 @@ pub(super) struct Chains {
     places: Vec<Option<(u32, u32)>>,
     /// Edges from one chain to another, and of returns of no chain, in both directions.
     others: Vec<(u32, u32, f64)>,
+    /// What the odds of each verdict rest on.
+    pub(super) measures: Vec<Option<Measures>>,
     /// A row whose entries are not in order along its chain, or not all on it.
     row: Vec<(u32, f64)>,
 }
@@ -55,6 +58,7 @@ impl Chains {
             links: Vec::new(),
             places: Vec::new(),
             others: Vec::new(),
+            measures: Vec::new(),
             row: Vec::new(),
         }
     }
@@ -74,14 +78,13 @@ impl Chains {
         self.weights.clear();
         self.chains.clear();
         self.others.clear();
+        self.measures.clear();
         out.verdicts.clear();
         let scan = judge.site.scan;
         for chain in walls.iter().chain(scan.islands.pieces.iter()) {
             self.connect_along(judge, chain, &mut out.verdicts);
         }
-        if leak > 0.0 {
-            self.connect_across_ways(judge, walls, leak, &mut out.verdicts);
-        }
+        self.connect_across_ways(judge, walls, leak, &mut out.verdicts);
         if !left_over.is_empty() {
             self.connect_left_over(&scan.ring, walls.iter().chain(scan.islands.pieces.iter()), left_over);
         }
@@ -115,13 +118,17 @@ impl Chains {
 
     /// Edges along a chain, the stronger the cheaper its gaps were to close.
     fn connect_along(&mut self, judge: &mut Judge<'_>, chain: &[usize], verdicts: &mut Vec<Verdict>) {
-        let ring = &judge.site.scan.ring;
+        let (ring, measures) = (&judge.site.scan.ring, &mut self.measures);
         let link = |(at, pair): (usize, &[usize])| {
             if !judge.site.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
             let Joint { cost, decision } = judge.joint(&chain[..at], &chain[at..]);
-            verdicts.extend(decision.map(|decision| verdict(ring, [pair[0], pair[1]], false, decision)));
+            if let Some(decision) = decision {
+                let measured = judge.measures(&chain[..at], &chain[at..]);
+                measures.push(measured);
+                verdicts.push(verdict(ring, [pair[0], pair[1]], false, decision, measured));
+            }
             cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
@@ -152,23 +159,29 @@ impl Chains {
 
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
     /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, divided by a power of the room ratio;
-    /// half, because two edges at one wall may add up.
+    /// half, because two edges at one wall may add up. The gap between the two ends of an only wall has no edge.
     fn connect_across_ways(&mut self, judge: &mut Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
         let ring = &judge.site.scan.ring;
-        let ways = match walls.len() {
-            0 | 1 => 0,
-            n if ring.full_turn => n,
-            n => n - 1,
-        };
-        for at in 0..ways {
+        let gaps = if ring.full_turn { walls.len() } else { walls.len().saturating_sub(1) };
+        for at in 0..gaps {
             let next = walls.next(at);
             let (a, b) = (&walls[at], &walls[next]);
             let ends = [a[a.len() - 1], b[0]];
-            let decision = judge.least_room(a, b);
-            let eigenvalue = 0.5 * leak / decision.room_ratio.powi(ROOM_POWER);
-            let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
-            self.connect(ring, ends[0], ends[1], weight);
-            verdicts.push(verdict(ring, ends, true, decision));
+            let is_only_wall = next == at;
+            let decision = if is_only_wall && judge.site.is_gap(ends[0], ends[1]) {
+                judge.joint(a, b).decision
+            } else {
+                (!is_only_wall).then(|| judge.least_room(a, b))
+            };
+            let Some(decision) = decision else { continue };
+            let measured = judge.measures(a, b);
+            self.measures.push(measured);
+            verdicts.push(verdict(ring, ends, decision.is_way(), decision, measured));
+            if !is_only_wall && leak > 0.0 {
+                let eigenvalue = 0.5 * leak / decision.room_ratio.powi(ROOM_POWER);
+                let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
+                self.connect(ring, ends[0], ends[1], weight);
+            }
         }
     }
 
@@ -226,7 +239,8 @@ impl Chains {
     }
 }
 
-fn verdict(ring: &Ring, ends: [usize; 2], is_way: bool, decision: Decision) -> Verdict {
+fn verdict(ring: &Ring, ends: [usize; 2], is_way: bool, decision: Decision, measured: Option<Measures>) -> Verdict {
     let Decision { room_ratio, reason } = decision;
-    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason }
+    let p = measured.as_ref().map(odds::p);
+    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason, p }
 }

@@ -17,7 +17,7 @@ pub(super) const BUMP_HIDES_M: f64 = 0.3;
 /// A bump at the end of a rough wall is higher by this many times the roughness of the walls.
 const BUMP_HIDES_BUMPS: f64 = 30.0;
 /// A bump at a corner of rough walls is higher by this many times their roughness.
-const BUMP_HIDES_BUMPS_AT_CORNER: f64 = 10.0;
+pub(super) const BUMP_HIDES_BUMPS_AT_CORNER: f64 = 10.0;
 
 /// The end of a wall before an inner corner hides as much as a bump of this height: what is seen deeper behind it leads
 /// on.
@@ -160,7 +160,7 @@ impl<'p> Gap<'p> {
 
     /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.
     /// The bump is `height_m` high, and by `bumps` times the roughness of the walls higher.
-    fn shadow_m(&self, height_m: f64, bumps: f64) -> f64 {
+    pub(super) fn shadow_m(&self, height_m: f64, bumps: f64) -> f64 {
         self.site.with_bumps_m(height_m, bumps) * self.far_m / self.near_m
     }
 
@@ -203,10 +203,15 @@ impl<'p> Gap<'p> {
 
     /// Whether the wall turns to the face of a corner: over a short stretch, by nearly a right angle.
     pub(super) fn turns_to_face(&self) -> bool {
+        self.face_turn_rad() >= FACE_RAD
+    }
+
+    /// How much the wall turns in all by the directions of its ends over the stretch of a face.
+    pub(super) fn face_turn_rad(&self) -> f64 {
         let (scan, [a, b]) = (self.site.scan, self.pieces);
         let directions = [(a, End::Last), (b, End::First)]
             .map(|(piece, end)| direction(&scan.ring, &scan.roughness, piece, end, FACE_M));
-        whole_turn_rad(turns_rad(directions, self.chord)) >= FACE_RAD
+        whole_turn_rad(turns_rad(directions, self.chord))
     }
 
     /// Whether at most one beam looks into the gap, over an angle so narrow that this does not mean that nothing is
@@ -221,6 +226,12 @@ impl<'p> Gap<'p> {
     pub(super) fn near_and_far_end(&self) -> [usize; 2] {
         let [p, q] = self.ends;
         if self.first_is_nearer { [p, q] } else { [q, p] }
+    }
+
+    /// The angle over which the nearer wall is seen.
+    pub(super) fn near_span_rad(&self) -> f64 {
+        let (ring, (near, _)) = (&self.site.scan.ring, self.nearer());
+        ring.beams_from(near[0], near[near.len() - 1]) as f64 * ring.step_rad
     }
 
     /// The direction in which the nearer wall runs towards its end.

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crosscut_scan::{Directions, Position};
 
 use super::gap::{Gap, ends_run};
+use super::odds::Measures;
 use super::site::Site;
 use super::verdict::Decision;
 
@@ -96,6 +97,11 @@ impl<'s> Judge<'s> {
         let along_m = line.dot(&chord);
         let off = line.perp(&chord).abs() / (OFF_LINE_M + OFF_LINE_SHARE * along_m);
         (along_m > 0.0 && off < 1.0).then_some(COST_OF_SMALL + off + COST_PER_M * chord_m)
+    }
+
+    /// What the odds of the gap between two pieces rest on; `None` if a piece has no direction.
+    pub(super) fn measures(&mut self, a: &[usize], b: &[usize]) -> Option<Measures> {
+        Some(Gap::between(self.site, a, b, self.directions)?.measures())
     }
 
     /// The room ratio between two pieces with directions, if that makes a way on.

@@ -44,10 +44,14 @@ impl Gap<'_> {
     /// Whether the farther wall begins about where the next beam would meet the nearer one. Past the inner wall of a
     /// bend, along whose line it looks, a beam meets the outer one much farther away.
     fn is_in_reach(&self) -> bool {
+        self.chord_m() <= (REACH_TIMES * self.next_m()).min(REACH_SHARE * self.site.scan.size_m)
+    }
+
+    /// How far from the nearer end the farther one would be if the nearer wall went on with the same spacing.
+    pub(super) fn next_m(&self) -> f64 {
         let (ring, (near, end)) = (&self.site.scan.ring, self.nearer());
         let (last, before) = (end.at(near, 0), end.at(near, REACH_RETURNS.min(near.len() - 1)));
-        let next_m = ring.spacing_m(last, before) * ring.beams_from(self.ends[0], self.ends[1]) as f64;
-        self.chord_m() <= (REACH_TIMES * next_m).min(REACH_SHARE * self.site.scan.size_m)
+        ring.spacing_m(last, before) * ring.beams_from(self.ends[0], self.ends[1]) as f64
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`]; `None` if it is not straight there.

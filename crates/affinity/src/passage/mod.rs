@@ -8,8 +8,10 @@ mod joining;
 mod judge;
 mod line;
 mod mouth;
+mod odds;
 mod rules;
 mod site;
+mod terms;
 mod verdict;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
@@ -23,6 +25,8 @@ use chains::Chains;
 use judge::Judge;
 use site::{Site, Thresholds};
 use verdict::Without;
+
+pub use odds::{MEASURES, Measures};
 
 const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
     .above(0.0)
@@ -238,6 +242,17 @@ impl Passage {
         self.cloud = buffers;
         done
     }
+}
+
+/// The verdicts of a revolution, each with what its odds rest on ([`MEASURES`]); `None` where too little is seen. The odds
+/// are fitted to these.
+///
+/// # Errors
+/// As the stage.
+pub fn measured_gaps(revolution: &Revolution, params: &Params) -> Result<Vec<(Verdict, Option<Measures>)>, StageError> {
+    let (mut passage, mut out) = (Passage::new(params), Affinity::default());
+    passage.weigh(revolution, &mut out, &mut Notes::default())?;
+    Ok(out.verdicts.into_iter().zip(passage.chains.measures).collect())
 }
 
 impl AffinityStage for Passage {

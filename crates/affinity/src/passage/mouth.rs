@@ -69,7 +69,7 @@ impl Gap<'_> {
     /// How far behind a doorway everything lies that is seen through it, metres; `None` if the nearer wall does not end
     /// at one. Beyond what is seen, the wall on the other side of the doorway is nearer again, and a vehicle fits
     /// between the two.
-    fn behind_doorway_m(&self) -> Option<f64> {
+    pub(super) fn behind_doorway_m(&self) -> Option<f64> {
         let (ring, passage_m, [near, far]) = (&self.site.scan.ring, self.site.passage_m(), self.near_and_far_end());
         let widest_m = DOORWAY_TIMES * passage_m;
         let mut last = far;

@@ -22,7 +22,7 @@ const IN_FRONT_SHARE: f64 = 0.65;
 /// Walls beside a gap in plain sight turn by at least this.
 const PLAIN_RAD: f64 = 15.0 * PI / 180.0;
 /// A gap in plain sight is wider than the vehicle by this many times the roughness of the walls: no bump hides as much.
-const PLAIN_BUMPS: f64 = 70.0;
+pub(super) const PLAIN_BUMPS: f64 = 70.0;
 /// Where the walls hardly turn, a gap in plain sight is wider by this many times the roughness of the walls.
 const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// Where the walls hardly turn, a gap in plain sight need not be wider than this share of the place's size.

@@ -46,6 +46,7 @@ fn openings_are_missing_or_added_relative_to_the_first_answer() {
             range_m: 5.0,
             walls: [0, 0],
             evidence: String::new(),
+            p: None,
             cut_by_view: false,
         };
         ResultsLine { openings: bearings_rad.iter().map(opening).collect(), ..answer(&[0, 0], &[]) }

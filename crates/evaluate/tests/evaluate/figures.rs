@@ -58,6 +58,7 @@ fn openings_are_summed_over_revolutions() {
         range_m: 5.0,
         walls: [0, 0],
         evidence: String::new(),
+        p: None,
         cut_by_view: false,
     };
     let mut sum = Evaluation::default();

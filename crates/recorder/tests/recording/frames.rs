@@ -196,6 +196,7 @@ fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {
         walls,
         evidence: Evidence::NoReturn,
         edge_m: [Point::new(a[0], a[1], 0.0), Point::new(b[0], b[1], 0.0)],
+        p: None,
         cut_by_view: false,
     };
     let side = f64::atan2(8.0, near + h);

@@ -273,6 +273,7 @@ impl Outlook<'_> {
             walls: sides.walls(),
             evidence: if sides.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
             edge_m: edge_m.map(point),
+            p: None,
             cut_by_view: false,
         };
         Branch { opening, middle_m, dark_m: sides.dark_m(), is_shaded: sides.is_shaded() }
@@ -306,6 +307,7 @@ impl Outlook<'_> {
             walls: [self.outline.wall(side.at); 2],
             evidence: Evidence::NoReturn,
             edge_m: edge_m.map(point),
+            p: None,
             cut_by_view: true,
         })
     }

@@ -3,11 +3,14 @@
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution};
+use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution, Spectrum, Verdict};
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
-/// The answer of the settings of preset `default` to clusters that are the walls.
+/// The odds of every opening of [`answer`].
+const P: f64 = 0.99;
+
+/// The answer of the settings of preset `default` to clusters that are the walls, which leave no doubt at the openings.
 fn answer(scan: (Revolution, Vec<Option<u32>>)) -> (Revolution, Junction) {
     answer_with_margin(scan, None)
 }
@@ -35,8 +38,21 @@ fn answer_by(
     frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
     let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
-    reporter.report(revolution, spectrum, partition, junction, notes).expect("as many labels as returns");
+    let verdicts = verdicts(revolution, &partition.labels);
+    reporter.report(revolution, &verdicts, spectrum, partition, junction, notes).expect("as many labels as returns");
     (frame.revolution, frame.junction)
+}
+
+/// An opening from each wall to the next.
+fn verdicts(revolution: &Revolution, walls: &[Option<u32>]) -> Vec<Verdict> {
+    let of_walls: Vec<u32> = (0..).zip(walls).filter_map(|(number, wall)| wall.map(|_| number)).collect();
+    let mut pairs: Vec<[u32; 2]> = of_walls.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    if revolution.sweep.is_some() {
+        pairs.extend(of_walls.last().map(|&last| [last, of_walls[0]]));
+    }
+    pairs.retain(|pair| walls[pair[0] as usize] != walls[pair[1] as usize]);
+    let opening = |returns| Verdict { returns, is_way: true, room_ratio: 2.0, reason: "width", p: Some(P) };
+    pairs.into_iter().map(opening).collect()
 }
 
 #[test]
@@ -54,7 +70,7 @@ fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
 
 fn grounds_of(scan: (Revolution, Vec<Option<u32>>)) -> (Grounds, f64) {
     let (revolution, junction) = answer(scan);
-    (Grounds::of(&revolution, VEHICLE_WIDTH_M, None, &junction).expect("it has walls"), junction.confidence)
+    (Grounds::of(&revolution, &[], VEHICLE_WIDTH_M, None, &junction).expect("it has walls"), junction.confidence)
 }
 
 /// A tunnel along x whose left wall opens between x = 1 and x = 1 + `mouth_m` into a pocket 4 m deep, all of one wall.
@@ -150,27 +166,6 @@ fn of_a_cloud_a_small_wall_that_the_level_view_does_not_see_is_no_island() {
 }
 
 #[test]
-fn a_stretch_of_wall_that_is_not_seen_speaks_against_an_answer() {
-    let (plain, sure) = grounds(&tunnel());
-    let (masked, unsure) = grounds_of(scan(&tunnel(), 360, |bearing| (1.3..1.75).contains(&bearing)));
-    // Of the left wall, 26 beams.
-    assert!((masked.unseen_within_walls_rad.to_degrees() - 27.0).abs() < 1.5, "{masked:?}");
-    assert!(plain.unseen_within_walls_rad.to_degrees() < 1.5, "{plain:?}");
-    assert!(unsure < sure, "{sure} and {unsure}");
-}
-
-#[test]
-fn a_long_gap_within_a_wall_speaks_against_an_answer_though_few_beams_look_into_it() {
-    let (plain, sure) = grounds(&tunnel());
-    // Of the left wall, 1.75 m away, from 5 m to 10 m ahead.
-    let hidden = 1.75_f64.atan2(10.0)..1.75_f64.atan2(5.0);
-    let (gap, unsure) = grounds_of(scan(&tunnel(), 360, |bearing| hidden.contains(&bearing)));
-    assert!((gap.longest_within_walls_m - 5.0).abs() < 1.0, "{gap:?}");
-    assert!(plain.longest_within_walls_m < 2.5, "{plain:?}");
-    assert!(unsure < sure, "{sure} and {unsure}");
-}
-
-#[test]
 fn beams_far_apart_speak_against_any_answer() {
     let with_beams = |beams: usize| grounds_of(scan(&tunnel(), beams, |_| false)).1;
     assert!(with_beams(90) > 0.9, "{}", with_beams(90));
@@ -198,4 +193,59 @@ fn a_small_margin_makes_an_answer_less_sure_and_more_than_a_decade_no_surer() {
     let sure = |margin| answer_with_margin(scan(&tunnel(), 360, |_| false), margin).1.confidence;
     assert!(sure(Some(0.1)) < sure(Some(0.5)) && sure(Some(0.5)) < sure(Some(1.0)));
     assert_eq!([sure(Some(3.0)), sure(None)], [sure(Some(1.0)); 2]);
+}
+
+#[test]
+fn an_opening_has_the_odds_of_its_gap() {
+    let (_, answer) = answer(scan(&tee(), 360, |_| false));
+    assert_eq!(answer.openings.iter().map(|opening| opening.p).collect::<Vec<_>>(), [Some(P); 3]);
+}
+
+/// The confidence of a tunnel, and p of its openings, with these verdicts.
+fn of_tunnel(verdicts: &dyn Fn(&[Verdict]) -> Vec<Verdict>) -> (f64, Vec<Option<f64>>) {
+    let (revolution, labels) = scan(&tunnel(), 360, |_| false);
+    let verdicts = verdicts(&self::verdicts(&revolution, &labels));
+    let mut params = Params::defaults(PARAMS);
+    params.set("openings", "between_walls").expect("allowed");
+    params.set("confidence", "scene").expect("allowed");
+    let partition = Partition { clusters: 2, labels, ..Partition::default() };
+    let (mut answer, mut reporter) = (Junction::default(), Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS)));
+    reporter
+        .report(
+            &revolution,
+            &verdicts,
+            &Spectrum::default(),
+            &partition,
+            &mut answer,
+            &mut crosscut_stage::Notes::default(),
+        )
+        .expect("as many labels as returns");
+    (answer.confidence, answer.openings.iter().map(|opening| opening.p).collect())
+}
+
+#[test]
+fn odds_against_an_opening_or_for_a_gap_in_a_wall_make_no_answer_sure() {
+    let (plain, _) = of_tunnel(&|openings| openings.to_vec());
+    let (doubtful, _) = of_tunnel(&|openings| vec![Verdict { p: Some(0.1), ..openings[0] }, openings[1]]);
+    let within = |p: f64| {
+        // Two neighbours of one wall.
+        let returns = [within_wall(), within_wall() + 1];
+        of_tunnel(&|openings| [openings, &[Verdict { returns, p: Some(p), is_way: false, ..openings[0] }]].concat()).0
+    };
+    assert!(plain > 0.9 && doubtful < plain, "{plain} and {doubtful}");
+    assert!(within(0.9) < within(0.1) && within(0.1) < plain, "{} and {}", within(0.9), within(0.1));
+}
+
+/// The number of a return in the middle of a wall of [`tunnel`].
+fn within_wall() -> u32 {
+    let (_, labels) = scan(&tunnel(), 360, |_| false);
+    let middle = labels.windows(3).position(|three| three[0].is_some() && three.windows(2).all(|two| two[0] == two[1]));
+    middle.expect("a wall of three returns") as u32
+}
+
+#[test]
+fn of_openings_without_a_verdict_nothing_is_known() {
+    let ((known, _), (unknown, odds)) = (of_tunnel(&|openings| openings.to_vec()), of_tunnel(&|_| Vec::new()));
+    assert!(unknown < known, "{unknown} and {known}");
+    assert_eq!(odds, [None; 2]);
 }

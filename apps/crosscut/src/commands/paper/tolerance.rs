@@ -98,7 +98,7 @@ impl Method {
         spectrum.k = walls;
         spectrum.u = spectrum.u.to_dense().subcols(0, walls).to_owned().into();
         self.kmeans.partition(spectrum, partition, notes)?;
-        self.report.report(revolution, spectrum, partition, junction, notes)?;
+        self.report.report(revolution, &affinity.verdicts, spectrum, partition, junction, notes)?;
         Ok((right_counts, Score::of(&scene.truth, &ResultsLine::of(&self.frame))?.right))
     }
 }

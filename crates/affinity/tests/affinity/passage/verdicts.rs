@@ -1,7 +1,7 @@
 //! How doubtful a verdict is: leaks from wall to wall, and what is told.
 
 use crosscut_affinity::passage::KIND;
-use crosscut_stage::{Affinity, Notes, Revolution, Value};
+use crosscut_stage::{Affinity, Notes, Revolution, Value, Verdict};
 
 use super::{LEAK, TUNNEL, all, bumps, components, scan, with_branch};
 
@@ -42,6 +42,36 @@ fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
         let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
         assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room_ratio < 1.0), "{closed:?}");
     }
+}
+
+#[test]
+fn odds_agree_with_plain_verdicts_and_stand_at_every_gap() {
+    let verdicts = verdicts(&scan(&with_branch(4.0), bumps(0.02)));
+    let odds = |is_way| {
+        let of = verdicts.iter().filter(move |verdict| verdict.is_way == is_way);
+        of.map(|verdict| verdict.p.expect("walls have directions")).collect::<Vec<_>>()
+    };
+    let (ways, closed) = (odds(true), odds(false));
+    assert_eq!(ways.len(), 3);
+    assert!(ways.iter().all(|&p| p > 0.9), "{ways:?}");
+    assert!(!closed.is_empty() && closed.iter().all(|&p| p < 0.1), "{closed:?}");
+}
+
+#[test]
+fn the_gap_between_both_ends_of_an_only_wall_has_odds() {
+    let end = [[[6.0, -2.0], [6.0, 2.0]]];
+    let dead_end = scan(&[&TUNNEL[..], &end].concat(), all);
+    let ways: Vec<_> = verdicts(&dead_end).into_iter().filter(|verdict| verdict.is_way).collect();
+    assert_eq!(components(&dead_end, &[]).len(), 1);
+    let [way] = ways[..] else { panic!("{ways:?}") };
+    assert!(way.p > Some(0.9), "{way:?}");
+}
+
+fn verdicts(revolution: &Revolution) -> Vec<Verdict> {
+    let mut affinity = Affinity::default();
+    let mut stage = KIND.with(&[]).expect("allowed");
+    stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
+    affinity.verdicts
 }
 
 fn without(name: &str) -> [(&'static str, Value); 1] {

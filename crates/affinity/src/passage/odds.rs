@@ -1,0 +1,91 @@
+//! The odds that a vehicle can pass at a gap: a sum of terms, one for each measurement. It says how doubtful the decision
+//! of the rules is.
+//!
+//! ```text
+//! ln(p / (1 - p)) = c + Σ f_i(x_i)
+//! ```
+//! No f_i falls: more of a measurement never speaks against an opening.
+
+use super::gap::{BUMP_HIDES_BUMPS_AT_CORNER, BUMP_HIDES_M, Gap};
+use super::rules::PLAIN_BUMPS;
+use super::terms::{CONSTANT, TERMS};
+
+/// What is measured at a gap, in the order of the terms.
+pub const MEASURES: [&str; 12] =
+    ["room", "reach", "face", "dark", "chord", "lost", "bumps", "doorway", "near_far", "range", "span", "ratio"];
+
+/// The measurements at a gap.
+pub type Measures = [f64; MEASURES.len()];
+
+/// Ratios of lengths are limited to this and its inverse.
+const MOST: f64 = 100.0;
+
+/// f_i: straight from knot to knot, level below the first and above the last.
+pub(super) struct Term {
+    /// The measurements at the knots, ascending.
+    pub(super) at: &'static [f64],
+    /// The log odds there.
+    pub(super) log_odds: &'static [f64],
+}
+
+impl Term {
+    fn log_odds(&self, x: f64) -> f64 {
+        let next = self.at.partition_point(|&knot| knot <= x);
+        match next.checked_sub(1) {
+            None => self.log_odds[0],
+            Some(last) if next == self.at.len() => self.log_odds[last],
+            Some(before) => {
+                let share = (x - self.at[before]) / (self.at[next] - self.at[before]);
+                self.log_odds[before] + share * (self.log_odds[next] - self.log_odds[before])
+            }
+        }
+    }
+}
+
+/// p(a vehicle can pass) at a gap where this is measured.
+pub(super) fn p(measures: &Measures) -> f64 {
+    let log_odds = CONSTANT + TERMS.iter().zip(measures).map(|(term, &x)| term.log_odds(x)).sum::<f64>();
+    1.0 / (1.0 + (-log_odds).exp())
+}
+
+impl Gap<'_> {
+    /// Measures a gap for its odds. Ratios of lengths are logarithms, angles radians.
+    pub(super) fn measures(&self) -> Measures {
+        let (site, size_m, passage_m) = (self.site, self.site.scan.size_m, self.site.passage_m());
+        let ratio = |length_m: f64, to_m: f64| (length_m / to_m).clamp(1.0 / MOST, MOST).ln();
+        let beams = |beams: u32| f64::from(beams + 1);
+        [
+            ratio(self.room_m(), self.shadow_m(BUMP_HIDES_M, BUMP_HIDES_BUMPS_AT_CORNER)),
+            ratio(self.chord_m(), self.next_m()),
+            self.face_turn_rad(),
+            self.dark_rad() * self.near_m / size_m,
+            ratio(self.chord_m(), passage_m),
+            (beams(self.dark_beams) / beams(site.lost.in_a_row)).ln(),
+            ratio(self.clear_m, site.with_bumps_m(passage_m, PLAIN_BUMPS)),
+            self.behind_doorway_m().map_or(0.0, |behind_m| behind_m.max(0.0) / passage_m),
+            self.near_m / self.far_m,
+            self.near_m / size_m,
+            self.near_span_rad(),
+            ratio(self.decide().room_ratio, 1.0),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_term_falls() {
+        for (term, name) in TERMS.iter().zip(MEASURES) {
+            assert_eq!(term.at.len(), term.log_odds.len(), "{name}");
+            assert!(term.at.is_sorted_by(|a, b| a < b) && term.log_odds.is_sorted(), "{name}");
+        }
+    }
+
+    #[test]
+    fn terms_are_straight_between_knots_and_level_beyond_them() {
+        let term = Term { at: &[0.0, 1.0, 3.0], log_odds: &[0.0, 2.0, 4.0] };
+        assert_eq!([-9.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(|x| term.log_odds(x)), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+    }
+}
