@@ -56,7 +56,8 @@ def fit(measures: np.ndarray, ways: np.ndarray, all_knots: list[np.ndarray]) -> 
         return np.logaddexp(0, against).mean() + RIDGE / 2 * (beta[:-1] ** 2).sum(), gradient
 
     bounds = [(0, None)] * (x.shape[1] - 1) + [(None, None)]
-    return minimize(loss, np.zeros(x.shape[1]), jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 1000}).x
+    options = {"maxiter": 10_000, "maxfun": 20_000, "ftol": 1e-13, "gtol": 1e-8}
+    return minimize(loss, np.zeros(x.shape[1]), jac=True, method="L-BFGS-B", bounds=bounds, options=options).x
 
 
 def main() -> None:

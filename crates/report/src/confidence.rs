@@ -33,7 +33,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.09, 0.34, 0.44, -0.41, 0.19, 2.53, -0.81, 2.05];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.08, 0.34, 0.45, -0.41, 0.19, 2.52, -0.81, 2.05];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;

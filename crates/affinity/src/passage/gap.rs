@@ -102,11 +102,26 @@ impl<'p> Gap<'p> {
 
     /// Measures the gap between two pieces whose ends run in these directions.
     pub(super) fn measure(site: &'p Site<'p>, pieces: [&'p [usize]; 2], directions: [Position; 2]) -> Self {
+        let [p_m, q_m] = [pieces[0][pieces[0].len() - 1], pieces[1][0]].map(|end| site.scan.ring.range_m(end));
+        Self::measure_from(site, pieces, directions, p_m < q_m)
+    }
+
+    /// The gap with the other wall as the nearer one, if its two ends are equally near.
+    pub(super) fn from_other_end(&self) -> Option<Self> {
+        let other = || Self::measure_from(self.site, self.pieces, self.directions, !self.first_is_nearer);
+        (self.near_m == self.far_m).then(other)
+    }
+
+    fn measure_from(
+        site: &'p Site<'p>,
+        pieces: [&'p [usize]; 2],
+        directions: [Position; 2],
+        first_is_nearer: bool,
+    ) -> Self {
         let ring = &site.scan.ring;
         let ends @ [p, q] = [pieces[0][pieces[0].len() - 1], pieces[1][0]];
         let chord = ring.position_m(q) - ring.position_m(p);
         let [p_m, q_m] = ends.map(|end| ring.range_m(end));
-        let first_is_nearer = p_m < q_m;
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
         // How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.

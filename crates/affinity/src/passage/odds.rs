@@ -49,8 +49,16 @@ pub(super) fn p(measures: &Measures) -> f64 {
 }
 
 impl Gap<'_> {
-    /// Measures a gap for its odds. Ratios of lengths are logarithms, angles radians.
+    /// Measures a gap for its odds. Of two equally near ends neither is the nearer one, and the mean of both views counts.
     pub(super) fn measures(&self) -> Measures {
+        let one = self.measures_from_nearer();
+        let Some(other) = self.from_other_end() else { return one };
+        let other = other.measures_from_nearer();
+        std::array::from_fn(|at| f64::midpoint(one[at], other[at]))
+    }
+
+    /// What is measured from the nearer end. Ratios of lengths are logarithms, angles radians.
+    fn measures_from_nearer(&self) -> Measures {
         let (site, size_m, passage_m) = (self.site, self.site.scan.size_m, self.site.passage_m());
         let ratio = |length_m: f64, to_m: f64| (length_m / to_m).clamp(1.0 / MOST, MOST).ln();
         let beams = |beams: u32| f64::from(beams + 1);
