@@ -107,7 +107,7 @@ impl<'p> Gap<'p> {
     }
 
     /// The gap with the other wall as the nearer one, if its two ends are equally near.
-    pub(super) fn from_other_end(&self) -> Option<Self> {
+    pub(super) fn by_other_end(&self) -> Option<Self> {
         let other = || Self::measure_from(self.site, self.pieces, self.directions, !self.first_is_nearer);
         (self.near_m == self.far_m).then(other)
     }

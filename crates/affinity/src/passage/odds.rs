@@ -52,7 +52,7 @@ impl Gap<'_> {
     /// Measures a gap for its odds. Of two equally near ends neither is the nearer one, and the mean of both views counts.
     pub(super) fn measures(&self) -> Measures {
         let one = self.measures_from_nearer();
-        let Some(other) = self.from_other_end() else { return one };
+        let Some(other) = self.by_other_end() else { return one };
         let other = other.measures_from_nearer();
         std::array::from_fn(|at| f64::midpoint(one[at], other[at]))
     }
