@@ -50,7 +50,7 @@ impl Answer {
             line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
         let openings = line.openings.iter().map(|o| {
             let walls = (o.walls[0], o.walls[1]);
-            opening.call1((o.bearing_rad, o.width_m, o.range_m, walls, o.evidence.as_str(), o.cut_by_view))
+            opening.call1((o.bearing_rad, o.width_m, o.range_m, o.p, walls, o.evidence.as_str(), o.cut_by_view))
         });
         let timings = PyDict::new(py);
         for (step, ms) in timings_ms {

@@ -115,11 +115,15 @@ except KeyboardInterrupt:
 """
 
 
+# Where the tests run in the background, a shell has them ignore the signal, and Python then has no handler of its own.
+INTERRUPTED = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_interrupt_ends_a_stage_that_never_returns(workers: int) -> None:
     here = Path(__file__).resolve().parent
     run = subprocess.Popen(
-        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(here)!r})" + HANGING.format(workers=workers)],
+        [sys.executable, "-c", f"{INTERRUPTED}; import sys; sys.path.insert(0, {str(here)!r})" + HANGING.format(workers=workers)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -35,6 +35,8 @@ class Opening(NamedTuple):
     """Clear width across the branch, metres."""
     range_m: float
     """How far its nearer end is from the sensor, metres."""
+    p: float | None
+    """Probability that a vehicle can pass; None where it is not known."""
     walls: tuple[int, int]
     """The walls on its clockwise and anticlockwise side; the same twice at a dead end."""
     evidence: str
@@ -150,6 +152,7 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
         ("bearing_rad", pa.float64()),
         ("width_m", pa.float64()),
         ("range_m", pa.float64()),
+        ("p", pa.float64()),
         ("walls", pa.list_(pa.int64())),
         ("evidence", pa.string()),
         ("cut_by_view", pa.bool_()),
