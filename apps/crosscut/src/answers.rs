@@ -15,19 +15,12 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions};
 
+use crate::figure::wall_rgb;
+
 /// Topics of the answers.
 const RESULTS_TOPIC: &str = "/crosscut/results";
 const SCENE_TOPIC: &str = "/crosscut/scene";
 
-/// Colours of walls (Okabe and Ito), in the order of recordings for the viewer.
-const WALLS_RGB: [[u8; 3]; 6] = [
-    [0x56, 0xb4, 0xe9],
-    [0xe6, 0x9f, 0x00],
-    [0x00, 0x9e, 0x73],
-    [0xcc, 0x79, 0xa7],
-    [0xd5, 0x5e, 0x00],
-    [0x00, 0x72, 0xb2],
-];
 /// Colour of openings.
 const OPENING: [f64; 3] = [0.95, 0.9, 0.25];
 /// A wall is drawn through if its next return is not farther away than this, m.
@@ -106,7 +99,7 @@ impl<W: Write> AnswersFile<W> {
         let place_m = |point_m: Point| -> [f64; 3] { self.sensor.in_sensor_frame(point_m).into() };
         let mut lines: Vec<SceneLine> = Vec::new();
         for wall in &junction.walls {
-            let colour = WALLS_RGB[wall.id as usize % WALLS_RGB.len()].map(|part| f64::from(part) / 255.0);
+            let colour = wall_rgb(wall.id).map(|part| f64::from(part) / 255.0);
             let of_wall = revolution.points_m.iter().zip(&junction.wall_of_return);
             let points = of_wall.filter(|(_, of)| **of == Some(wall.id)).map(|(point_m, _)| *point_m);
             let mut last: Option<Point> = None;

@@ -9,7 +9,14 @@ use crosscut_stage::{Beam, Frame, Revolution};
 use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
 
 /// Colours of walls (Okabe and Ito), in the order of recordings for the viewer; repeated when there are more walls.
-const WALLS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#0072b2"];
+const WALLS_RGB: [[u8; 3]; 6] = [
+    [0x56, 0xb4, 0xe9],
+    [0xe6, 0x9f, 0x00],
+    [0x00, 0x9e, 0x73],
+    [0xcc, 0x79, 0xa7],
+    [0xd5, 0x5e, 0x00],
+    [0x00, 0x72, 0xb2],
+];
 /// Colour of the returns of no wall.
 const NO_WALL: &str = "#8c8c8c";
 
@@ -109,10 +116,18 @@ impl Panel {
             let of_wall = shown.filter(|(_, wall)| **wall == number);
             // A line of no length with a round cap is a dot.
             let dots: String = of_wall.map(|([x_m, y_m], _)| format!("M{:.2} {:.2}h0", -y_m, -x_m)).collect();
-            let colour = number.map_or(NO_WALL, |number| WALLS[number as usize % WALLS.len()]);
+            let colour = number.map_or(NO_WALL.to_owned(), |number| {
+                let [red, green, blue] = wall_rgb(number);
+                format!("#{red:02x}{green:02x}{blue:02x}")
+            });
             (!dots.is_empty()).then(|| Path::new().set("d", dots).set("stroke", colour))
         })
     }
+}
+
+/// The colour of a wall.
+pub(crate) fn wall_rgb(number: u32) -> [u8; 3] {
+    WALLS_RGB[number as usize % WALLS_RGB.len()]
 }
 
 fn positions(revolution: &Revolution) -> Vec<[f64; 2]> {

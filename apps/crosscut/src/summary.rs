@@ -47,7 +47,7 @@ pub(crate) fn counts(summary: &Summary) -> Table {
     table(&["walls", "revolutions", "share", "of these, sure"], summary.junctions.iter().map(row).collect())
 }
 
-/// The most frequent kinds of notes, at most so many, each with its first instance.
+/// The `most` most frequent kinds of notes, each with its first instance.
 pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
     let kinds = summary.notes.by_frequency();
     let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), kind.first.clone()];

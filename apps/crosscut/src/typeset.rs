@@ -1,4 +1,6 @@
-//! Tables as text for a terminal, as Markdown and as HTML.
+//! Tables as text for a terminal, as Markdown and as HTML, and fields of CSV.
+
+use std::borrow::Cow;
 
 use comfy_table::{CellAlignment, presets};
 use crosscut_evaluate::tables::Table;
@@ -36,6 +38,15 @@ pub(crate) fn html(table: &Table) -> String {
 /// Text as it stands in HTML.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A text as a field of CSV (RFC 4180).
+pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {
+    if text.contains(['"', ',', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
+    }
 }
 
 /// Formats tables as Markdown.

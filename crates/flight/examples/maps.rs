@@ -139,16 +139,13 @@ fn truth(network: &Network, poses: &[(u64, Isometry2<f64>)]) -> MapTruth {
         ways: network.degree(node),
         width_m: 2.0 * network.half_width_at_m(node),
     };
-    let length_m = |tunnel: usize| -> f64 {
-        network.tunnels[tunnel].centreline_m.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
-    };
     let mut passages = Vec::new();
     for &from in &numbered {
         for first in (0..network.tunnels.len()).filter(|&tunnel| network.tunnels[tunnel].ends.contains(&from)) {
             // Along bends to the next place.
             let (mut at, mut by, mut along_m) = (from, first, 0.0);
             loop {
-                along_m += length_m(by);
+                along_m += network.tunnels[by].length_m();
                 let ends = network.tunnels[by].ends;
                 at = if ends[0] == at { ends[1] } else { ends[0] };
                 let goes_on = (0..network.tunnels.len()).find(|&t| t != by && network.tunnels[t].ends.contains(&at));

@@ -52,44 +52,44 @@ pub(crate) struct FoxgloveCloud {
 
 #[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
-struct Timestamp {
+pub(crate) struct Timestamp {
     #[prost(int64, tag = "1")]
-    sec: i64,
+    pub(crate) sec: i64,
     #[prost(int32, tag = "2")]
-    nsec: i32,
+    pub(crate) nsec: i32,
 }
 
 #[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
-struct FoxglovePose {
+pub(crate) struct FoxglovePose {
     #[prost(message, optional, tag = "1")]
-    position: Option<FoxgloveVector>,
+    pub(crate) position: Option<FoxgloveVector>,
     #[prost(message, optional, tag = "2")]
-    orientation: Option<FoxgloveQuaternion>,
+    pub(crate) orientation: Option<FoxgloveQuaternion>,
 }
 
 #[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
-struct FoxgloveVector {
+pub(crate) struct FoxgloveVector {
     #[prost(double, tag = "1")]
-    x: f64,
+    pub(crate) x: f64,
     #[prost(double, tag = "2")]
-    y: f64,
+    pub(crate) y: f64,
     #[prost(double, tag = "3")]
-    z: f64,
+    pub(crate) z: f64,
 }
 
 #[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
-struct FoxgloveQuaternion {
+pub(crate) struct FoxgloveQuaternion {
     #[prost(double, tag = "1")]
-    x: f64,
+    pub(crate) x: f64,
     #[prost(double, tag = "2")]
-    y: f64,
+    pub(crate) y: f64,
     #[prost(double, tag = "3")]
-    z: f64,
+    pub(crate) z: f64,
     #[prost(double, tag = "4")]
-    w: f64,
+    pub(crate) w: f64,
 }
 
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]

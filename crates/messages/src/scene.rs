@@ -5,8 +5,10 @@ use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{
     DescriptorProto, EnumDescriptorProto, EnumValueDescriptorProto, FieldDescriptorProto, FileDescriptorProto,
-    FileDescriptorSet, Timestamp,
+    FileDescriptorSet,
 };
+
+use crate::foxglove::{FoxglovePose, FoxgloveQuaternion, FoxgloveVector, Timestamp};
 
 /// The type of [`Scene`].
 pub const SCENE_SCHEMA_NAME: &str = "foxglove.SceneUpdate";
@@ -62,8 +64,8 @@ impl Scene {
     pub fn encode(&self) -> Vec<u8> {
         let entity = SceneEntity {
             timestamp: Some(Timestamp {
-                seconds: (self.stamp_ns / 1_000_000_000) as i64,
-                nanos: (self.stamp_ns % 1_000_000_000) as i32,
+                sec: (self.stamp_ns / 1_000_000_000) as i64,
+                nsec: (self.stamp_ns % 1_000_000_000) as i32,
             }),
             frame_id: self.frame_id.clone(),
             // An entity replaces the one that had its id before.
@@ -232,7 +234,7 @@ struct SceneEntity {
 #[derive(Clone, PartialEq, prost::Message)]
 struct ArrowPrimitive {
     #[prost(message, optional, tag = "1")]
-    pose: Option<Pose>,
+    pose: Option<FoxglovePose>,
     #[prost(double, tag = "2")]
     shaft_length: f64,
     #[prost(double, tag = "3")]
@@ -249,13 +251,13 @@ struct ArrowPrimitive {
 #[derive(Clone, PartialEq, prost::Message)]
 struct LinePrimitive {
     #[prost(message, optional, tag = "2")]
-    pose: Option<Pose>,
+    pose: Option<FoxglovePose>,
     #[prost(double, tag = "3")]
     thickness: f64,
     #[prost(bool, tag = "4")]
     scale_invariant: bool,
     #[prost(message, repeated, tag = "5")]
-    points: Vec<Vector>,
+    points: Vec<FoxgloveVector>,
     #[prost(message, optional, tag = "6")]
     color: Option<Color>,
 }
@@ -263,7 +265,7 @@ struct LinePrimitive {
 #[derive(Clone, PartialEq, prost::Message)]
 struct TextPrimitive {
     #[prost(message, optional, tag = "1")]
-    pose: Option<Pose>,
+    pose: Option<FoxglovePose>,
     #[prost(bool, tag = "2")]
     billboard: bool,
     #[prost(double, tag = "3")]
@@ -274,32 +276,6 @@ struct TextPrimitive {
     color: Option<Color>,
     #[prost(string, tag = "6")]
     text: String,
-}
-
-#[derive(Clone, Copy, PartialEq, prost::Message)]
-struct Pose {
-    #[prost(message, optional, tag = "1")]
-    position: Option<Vector>,
-    #[prost(message, optional, tag = "2")]
-    orientation: Option<Rotation>,
-}
-
-#[derive(Clone, Copy, PartialEq, prost::Message)]
-struct Vector {
-    #[prost(double, tag = "1")]
-    x: f64,
-    #[prost(double, tag = "2")]
-    y: f64,
-    #[prost(double, tag = "3")]
-    z: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, prost::Message)]
-struct Rotation {
-    #[prost(double, tag = "3")]
-    z: f64,
-    #[prost(double, tag = "4")]
-    w: f64,
 }
 
 #[derive(Clone, Copy, PartialEq, prost::Message)]
@@ -314,15 +290,14 @@ struct Color {
     a: f64,
 }
 
-impl From<[f64; 3]> for Vector {
-    fn from([x, y, z]: [f64; 3]) -> Self {
-        Self { x, y, z }
-    }
+fn vector([x, y, z]: [f64; 3]) -> FoxgloveVector {
+    FoxgloveVector { x, y, z }
 }
 
-fn pose(at_m: [f64; 3], bearing_rad: f64) -> Option<Pose> {
+fn pose(at_m: [f64; 3], bearing_rad: f64) -> Option<FoxglovePose> {
     let (z, w) = (0.5 * bearing_rad).sin_cos();
-    Some(Pose { position: Some(at_m.into()), orientation: Some(Rotation { z, w }) })
+    let orientation = FoxgloveQuaternion { z, w, ..FoxgloveQuaternion::default() };
+    Some(FoxglovePose { position: Some(vector(at_m)), orientation: Some(orientation) })
 }
 
 fn color([r, g, b]: [f64; 3]) -> Option<Color> {
@@ -331,7 +306,7 @@ fn color([r, g, b]: [f64; 3]) -> Option<Color> {
 
 impl From<&SceneLine> for LinePrimitive {
     fn from(line: &SceneLine) -> Self {
-        let points = line.points_m.iter().map(|&point_m| point_m.into()).collect();
+        let points = line.points_m.iter().map(|&point_m| vector(point_m)).collect();
         Self {
             pose: pose([0.0; 3], 0.0),
             thickness: 3.0, // pixels

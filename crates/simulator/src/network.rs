@@ -145,6 +145,11 @@ impl Tunnel {
     pub fn tangent(&self, i: usize) -> Vector {
         tangent(&self.centreline_m, i)
     }
+
+    /// Length of the centreline, metres.
+    pub fn length_m(&self) -> f64 {
+        self.centreline_m.windows(2).map(|step| (step[1] - step[0]).norm()).sum()
+    }
 }
 
 /// Unit direction of a polyline at point `i`.

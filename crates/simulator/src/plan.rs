@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
+use crate::course::swaying;
 use crate::lidar::Lidar;
 use crate::mine::Mine;
 use crate::network::{Network, Point};
@@ -13,8 +14,6 @@ use crate::vehicle::{Handling, Vehicle};
 
 /// Height from floor to roof, m.
 const HEIGHT_M: f64 = 3.0;
-/// Largest distance between points of a centreline, m.
-const STEP_M: f64 = 0.5;
 /// Places that are nearer are one, m.
 const LEAST_LENGTH_M: f64 = 0.01;
 /// A mine is smaller, m.
@@ -212,8 +211,7 @@ fn check(what: &str, value: f64, is_right: bool, expected: &'static str) -> Resu
 /// Adds a straight tunnel.
 fn straight(network: &mut Network, from: usize, to: usize, width_m: f64) {
     let [from_m, to_m] = [from, to].map(|node| network.nodes[node].position_m);
-    let steps = ((to_m - from_m).norm() / STEP_M).ceil().max(1.0) as usize;
-    let line: Vec<Point> = (0..=steps).map(|step| from_m + (to_m - from_m) * (step as f64 / steps as f64)).collect();
+    let line = swaying(from_m, to_m, 0.0);
     let half_widths_m = vec![0.5 * width_m; line.len()];
     network.add_tunnel(from, to, line, half_widths_m);
 }
@@ -245,9 +243,6 @@ fn tour(network: &Network, start: usize) -> Result<Vec<Point>, usize> {
 
 /// The tunnels from a node up to and with the nearest one that is left.
 fn way_to_nearest(network: &Network, from: usize, left: &BTreeSet<usize>) -> Option<Vec<usize>> {
-    let length_m = |tunnel: usize| -> f64 {
-        network.tunnels[tunnel].centreline_m.windows(2).map(|step| (step[1] - step[0]).norm()).sum()
-    };
     // Dijkstra's shortest ways; mines are small enough to look through all nodes for the nearest.
     let mut ways: BTreeMap<usize, (f64, Vec<usize>)> = BTreeMap::from([(from, (0.0, Vec::new()))]);
     let mut done = BTreeSet::new();
@@ -264,7 +259,7 @@ fn way_to_nearest(network: &Network, from: usize, left: &BTreeSet<usize>) -> Opt
             if left.contains(&tunnel) {
                 return Some(on);
             }
-            let to_m = way_m + length_m(tunnel);
+            let to_m = way_m + network.tunnels[tunnel].length_m();
             if ways.get(&to).is_none_or(|(known_m, _)| to_m < *known_m) {
                 ways.insert(to, (to_m, on));
             }

@@ -75,7 +75,7 @@ impl Callable {
     }
 }
 
-/// The callables of one engine, which are in the table as long as it is.
+/// The callables of one engine. They leave the table with it.
 #[derive(Default)]
 pub(crate) struct Callables {
     /// Section of the configuration, and key.

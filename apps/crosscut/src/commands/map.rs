@@ -3,7 +3,7 @@
 use anyhow::Context;
 use crosscut_flight::Mapper;
 use crosscut_ingest::recordings_in;
-use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, stream};
+use crosscut_pipeline::{Registry, StopFlag, StreamOptions, stream};
 use crosscut_stage::Frame;
 
 use crate::cli::MapArgs;
@@ -33,12 +33,7 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
     let mut diagnostics = Diagnostics::default();
-    match summary.end {
-        End::Failed(failure) if summary.revolutions == 0 => anyhow::bail!("{failure}"),
-        End::Failed(failure) => diagnostics.error(failure),
-        End::Interrupted => diagnostics.interrupt(),
-        End::Complete | End::ResultsLost(_) => {}
-    }
+    diagnostics.ended(&summary)?;
     let cannot = || format!("cannot write {}", args.out.display());
     out.write_all(maps::text(&args.out, &mapper).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
     let map = mapper.map();

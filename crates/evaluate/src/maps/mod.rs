@@ -21,7 +21,7 @@ mod truth;
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::Map;
+use crosscut_flight::{Map, loops_in};
 use serde::Serialize;
 
 use crate::Proportion;
@@ -91,7 +91,7 @@ impl MapFigures {
         for passage in &flown {
             figures.passages.count(found.contains(passage));
         }
-        let loops = loops_of(&flown);
+        let loops = loops_in(flown.iter().copied());
         figures.loops = Proportion { hits: map.loops().min(loops) as u64, of: loops as u64 };
         figures.false_loops = map.loops().saturating_sub(loops) as u64;
         let named: BTreeSet<usize> = (0..places.len()).filter_map(one).collect();
@@ -179,19 +179,4 @@ fn matched(visits: &[Vec<[u64; 2]>], through: &BTreeSet<usize>, truth: &MapTruth
 
 fn ordered(a: usize, b: usize) -> [usize; 2] {
     [a.min(b), a.max(b)]
-}
-
-/// Passages less places, plus parts that are not connected.
-fn loops_of(passages: &BTreeSet<[usize; 2]>) -> usize {
-    let mut part: std::collections::BTreeMap<usize, usize> = passages.iter().flatten().map(|&at| (at, at)).collect();
-    let mut loops = 0;
-    for &[from, to] in passages {
-        let (from, to) = (part[&from], part[&to]);
-        if from == to {
-            loops += 1;
-        } else {
-            part.values_mut().filter(|of| **of == from).for_each(|of| *of = to);
-        }
-    }
-    loops
 }

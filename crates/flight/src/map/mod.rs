@@ -5,6 +5,8 @@ mod outline;
 mod travelled;
 mod visit;
 
+use std::collections::BTreeMap;
+
 use nalgebra::Point2;
 
 use crosscut_stage::{HereKind, counted};
@@ -81,6 +83,27 @@ pub struct Merge {
     pub why: String,
 }
 
+/// How many loops passages between these pairs of nodes close: passages less nodes, plus parts that are not connected.
+pub fn loops_in(passages: impl IntoIterator<Item = [usize; 2]>) -> usize {
+    let mut parents: BTreeMap<usize, usize> = BTreeMap::new();
+    let root = |parents: &BTreeMap<usize, usize>, mut node: usize| {
+        while let Some(&parent) = parents.get(&node) {
+            node = parent;
+        }
+        node
+    };
+    let mut loops = 0;
+    for ends in passages {
+        let [from, to] = ends.map(|node| root(&parents, node));
+        if from == to {
+            loops += 1;
+        } else {
+            parents.insert(from, to);
+        }
+    }
+    loops
+}
+
 impl Map {
     /// How many ways of junctions were not taken.
     pub fn ways_not_taken(&self) -> usize {
@@ -88,21 +111,9 @@ impl Map {
         junctions.flat_map(|node| &node.ways).filter(|way| !way.taken).count()
     }
 
-    /// How many loops the passages close: passages less nodes, plus parts that are not connected.
+    /// How many loops the passages close.
     pub fn loops(&self) -> usize {
-        let mut part: Vec<usize> = (0..self.nodes.len()).collect();
-        let root = |part: &[usize], mut node: usize| {
-            while part[node] != node {
-                node = part[node];
-            }
-            node
-        };
-        let mut loops = 0;
-        for passage in &self.passages {
-            let [from, to] = [passage.from, passage.to].map(|node| root(&part, node));
-            if from == to { loops += 1 } else { part[from] = to }
-        }
-        loops
+        loops_in(self.passages.iter().map(|passage| [passage.from, passage.to]))
     }
 
     /// The map in a line: `11 junctions: 7 tees, 3 crossings, 1 with 5 ways; 4 dead ends; 2 loops; 3 ways not taken`.

@@ -127,9 +127,7 @@ impl Visit {
         let nearest = self.ways.iter().enumerate().min_by(|a, b| off_rad(a.1).total_cmp(&off_rad(b.1)));
         nearest.map_or(0, |(index, _)| index)
     }
-}
 
-impl Visit {
     /// Whether the vehicle came or left on the side of a dead end that is closed: then it is none.
     pub(crate) fn passes_through_the_end(&self) -> bool {
         let is_behind = |way: &Way, place_m: Point2<f64>| {

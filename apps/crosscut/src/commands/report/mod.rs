@@ -53,12 +53,9 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     let title = names.collect::<Vec<_>>().join(", ");
     let flown = fly(title, recording, truths, config, registry, &stop, args.quiet)?;
     let mut diagnostics = Diagnostics::default();
-    match &flown.summary.end {
-        End::Failed(failure) if flown.summary.revolutions == 0 => anyhow::bail!("{failure}"),
-        End::Failed(failure) => diagnostics.error(failure),
-        End::Interrupted => diagnostics.interrupt(),
-        End::Complete if flown.summary.revolutions == 0 => anyhow::bail!("no scan could be read"),
-        End::Complete | End::ResultsLost(_) => {}
+    diagnostics.ended(&flown.summary)?;
+    if flown.summary.revolutions == 0 && matches!(flown.summary.end, End::Complete) {
+        anyhow::bail!("no scan could be read");
     }
     let cannot = || format!("cannot write {}", args.out.display());
     out.write_all(page::html(&flown).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;

@@ -1,6 +1,5 @@
 //! A value as rows of a table: one row for each of its numbers or texts, with its indices.
 
-use std::borrow::Cow;
 use std::io::{self, Write};
 use std::iter::repeat_n;
 use std::sync::Arc;
@@ -12,6 +11,8 @@ use crosscut_rrd::arrow::array::{
 use crosscut_rrd::arrow::compute::concat;
 use crosscut_rrd::arrow::datatypes::{DataType, Field, Float32Type, Float64Type, Int64Type, Schema};
 use crosscut_rrd::{Array, Numbers, Value};
+
+use crate::typeset::csv_field;
 
 /// The columns `revolution`, `stamp_ns`, one for each index, and `value`. That of revolutions or stamps is empty for a
 /// value without one.
@@ -61,7 +62,7 @@ fn shape_and_numbers(array: &Array) -> (Vec<usize>, ArrayRef) {
 
 /// The first line of a CSV file: the names of the columns.
 pub(super) fn write_csv_header(out: &mut impl Write, rows: &RecordBatch) -> io::Result<()> {
-    let names: Vec<_> = rows.schema_ref().fields().iter().map(|field| quoted(field.name())).collect();
+    let names: Vec<_> = rows.schema_ref().fields().iter().map(|field| csv_field(field.name())).collect();
     writeln!(out, "{}", names.join(","))
 }
 
@@ -79,19 +80,10 @@ pub(super) fn write_csv(out: &mut impl Write, rows: &RecordBatch) -> io::Result<
             DataType::Float64 => writeln!(out, "{:?}", values.as_primitive::<Float64Type>().value(row)),
             DataType::Float32 => writeln!(out, "{:?}", values.as_primitive::<Float32Type>().value(row)),
             DataType::Int64 => writeln!(out, "{}", values.as_primitive::<Int64Type>().value(row)),
-            _ => writeln!(out, "{}", quoted(values.as_string::<i32>().value(row))),
+            _ => writeln!(out, "{}", csv_field(values.as_string::<i32>().value(row))),
         }?;
     }
     Ok(())
-}
-
-/// A text as a field of CSV (RFC 4180).
-fn quoted(text: &str) -> Cow<'_, str> {
-    if text.contains(['"', ',', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\"")).into()
-    } else {
-        text.into()
-    }
 }
 
 #[cfg(test)]

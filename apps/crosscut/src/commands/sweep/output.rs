@@ -129,11 +129,7 @@ fn times(grid: &Grid, rows: &[Row<'_>]) -> String {
     text
 }
 
-/// A line of CSV (RFC 4180).
+/// A line of CSV.
 fn line(cells: impl Iterator<Item = String>) -> String {
-    let cell = |cell: String| match cell.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell,
-    };
-    cells.map(cell).collect::<Vec<_>>().join(",") + "\n"
+    cells.map(|cell| typeset::csv_field(&cell).into_owned()).collect::<Vec<_>>().join(",") + "\n"
 }
