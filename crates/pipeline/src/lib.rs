@@ -36,7 +36,7 @@ pub use crosscut_spectral::ZERO_TOLERANCE;
 pub use crosscut_stage as stage;
 pub use crosscut_stage::{Failure, Frame};
 
-pub use config::{Config, ConfigError, Layer, Preset};
+pub use config::{Config, ConfigError, Layer, Preset, nearest_and_all};
 pub use engine::Engine;
 pub use note_counts::{NoteCount, NoteCounts};
 pub use registry::Registry;

@@ -91,6 +91,18 @@ impl Grid {
         }
     }
 
+    /// The segments of all cells within `reach_m` of a place, along each axis. A segment may come several times.
+    pub(crate) fn near(&self, place_m: Point, reach_m: f64) -> impl Iterator<Item = u32> + '_ {
+        let offset_m = place_m - self.origin_m;
+        let cells = move |at_m: f64, cells: usize| {
+            let cell = |at_m: f64| ((at_m / CELL_M).max(0.0) as usize).min(cells.saturating_sub(1));
+            if cells == 0 { 0..0 } else { cell(at_m - reach_m)..cell(at_m + reach_m) + 1 }
+        };
+        let (columns, rows) = (cells(offset_m.x, self.columns), cells(offset_m.y, self.rows));
+        let touched = rows.flat_map(move |row| columns.clone().map(move |column| row * self.columns + column));
+        touched.flat_map(|cell| &self.members[self.start[cell] as usize..self.start[cell + 1] as usize]).copied()
+    }
+
     /// The cells that the bounding box of a segment touches.
     fn cells_under(&self, segment: &Segment) -> impl Iterator<Item = usize> + use<> {
         let cell = |point: Point| {

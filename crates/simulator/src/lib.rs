@@ -23,6 +23,9 @@
 //! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for
 //!   reports.
 //!
+//! - [`Driven`]: a vehicle that obeys commands, with limits, disturbances and contact with the rock, in a [`World`];
+//!   [`families`] has worlds to explore by name.
+//!
 //! [`Suite::clouds`] gives the places of a suite as seen by a lidar of many rings: [`Cloud`]s without beams.
 //!
 //! To add a scenario or a suite, add an entry to its list, and the function that the entry names.
@@ -43,6 +46,7 @@
 
 mod cloud;
 mod course;
+mod driven;
 mod exits;
 mod grid;
 mod junction;
@@ -64,8 +68,10 @@ mod suite;
 pub mod surface;
 pub mod truth;
 pub mod vehicle;
+mod world;
 
 pub use cloud::{Cloud, Rings};
+pub use driven::{Agility, Command, Driven, Sensed};
 pub use junction::Places;
 pub use mine::Mine;
 pub use plan::{Plan, PlanError};
@@ -73,3 +79,4 @@ pub use recording::{RecordingError, write_mcap};
 pub use scenario::{Scenario, scenarios};
 pub use scene::{Flight, Scene};
 pub use suite::{SCENES, Split, Suite, suites};
+pub use world::{Family, World, families};

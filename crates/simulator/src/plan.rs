@@ -11,6 +11,7 @@ use crate::network::{Network, Point};
 use crate::scene::Flight;
 use crate::surface::{Surface, Texture};
 use crate::vehicle::{Handling, Vehicle};
+use crate::world::World;
 
 /// Height from floor to roof, m.
 const HEIGHT_M: f64 = 3.0;
@@ -24,6 +25,9 @@ const BEFORE_FACE_M: f64 = 2.5;
 const ON_THE_SPOT_RAD: f64 = 1.0;
 /// It stays this share of the width from the middle (standard deviation), at most 0.2 m.
 const OFFSET_SHARE: f64 = 0.05;
+
+/// An ordinary lidar: it loses beams at random, far off and at grazing incidence.
+const LIDAR: Lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
 
 /// A mine as its surveyor draws it: places, and the ways between them.
 ///
@@ -141,17 +145,9 @@ impl Plan {
     /// # Errors
     /// When ids or numbers are not usable, or the mine is not in one piece.
     pub fn fly(&self, seed: u64) -> Result<Flight, PlanError> {
-        let network = self.network()?;
-        let of_degree =
-            |is_right: fn(usize) -> bool| (0..self.nodes.len()).find(|&node| is_right(network.degree(node)));
-        let start =
-            of_degree(|degree| degree == 1).or_else(|| of_degree(|degree| degree > 0)).ok_or(PlanError::Empty)?;
-        let route_m = tour(&network, start).map_err(|node| {
-            let [node, from] = [node, start].map(|node| self.nodes[node].id.to_string());
-            PlanError::NotReached { node, from }
-        })?;
-        let texture = Texture { bump_sd_m: self.roughness_m, bump_length_m: 0.8, ..Texture::SMOOTH };
-        let lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
+        let (network, start) = self.checked()?;
+        let route_m = tour(&network, start).map_err(|node| self.not_reached(node, start))?;
+        let (texture, lidar) = (self.texture(), LIDAR);
         let narrowest_m = self.edges.iter().map(|edge| edge.width_m).fold(f64::INFINITY, f64::min);
         let handling = Handling {
             turn_on_spot_rad: ON_THE_SPOT_RAD,
@@ -161,6 +157,35 @@ impl Plan {
         let surface = Surface::new(&network, &texture, seed);
         let vehicle = Vehicle::new(handling, route_m, lidar.sweep_s, seed);
         Ok(Flight::new(Mine::new(network, surface), lidar, vehicle, seed))
+    }
+
+    /// The mine with a vehicle before the face of the first dead end, or at the first node if there is none.
+    ///
+    /// # Errors
+    /// As [`Plan::fly`].
+    pub fn world(&self, seed: u64) -> Result<World, PlanError> {
+        let (network, start) = self.checked()?;
+        tour(&network, start).map_err(|node| self.not_reached(node, start))?;
+        Ok(World::new(network, &self.texture(), LIDAR, start, seed))
+    }
+
+    /// The tunnels, and the node that a flight starts at.
+    fn checked(&self) -> Result<(Network, usize), PlanError> {
+        let network = self.network()?;
+        let of_degree =
+            |is_right: fn(usize) -> bool| (0..self.nodes.len()).find(|&node| is_right(network.degree(node)));
+        let start =
+            of_degree(|degree| degree == 1).or_else(|| of_degree(|degree| degree > 0)).ok_or(PlanError::Empty)?;
+        Ok((network, start))
+    }
+
+    fn not_reached(&self, node: usize, from: usize) -> PlanError {
+        let [node, from] = [node, from].map(|node| self.nodes[node].id.to_string());
+        PlanError::NotReached { node, from }
+    }
+
+    fn texture(&self) -> Texture {
+        Texture { bump_sd_m: self.roughness_m, bump_length_m: 0.8, ..Texture::SMOOTH }
     }
 
     /// The tunnels. The first nodes are those of the plan; bends along an edge are nodes of two tunnels.

@@ -55,7 +55,7 @@ fn fly(network: Network, route: &[usize], texture: Texture, lidar: Lidar, seed: 
 }
 
 /// A long drive with junctions every 14 to 24 m. The ends of short branches are visible, those of long ones are not.
-fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
+pub(crate) fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     const HALF_WIDTH_M: f64 = 1.75;
     let mut network = Network::new(3.0);
     let mut route = vec![network.add_node(Point::origin())];
@@ -84,7 +84,7 @@ fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
 }
 
 /// A net of tunnels around blocks of rock, with spurs, alcoves, pillars and a chamber, and a route of `steps` tunnels.
-fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
+pub(crate) fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
     const SIDE: usize = 4;
     const SPACING_M: f64 = 27.0;
     let mut network = Network::new(4.0);
@@ -113,7 +113,7 @@ fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
 }
 
 /// Edges of a square grid: all on the rim, and most of the inner ones. Every node has at least two.
-fn grid_edges(side: usize, rng: &mut Generator) -> Vec<(usize, usize)> {
+pub(crate) fn grid_edges(side: usize, rng: &mut Generator) -> Vec<(usize, usize)> {
     let across = (0..side).flat_map(|row| (1..side).map(move |column| (row * side + column - 1, row * side + column)));
     let up = (1..side).flat_map(|row| (0..side).map(move |column| ((row - 1) * side + column, row * side + column)));
     let mut edges: Vec<(usize, usize)> = across.chain(up).collect();
@@ -151,7 +151,7 @@ fn wander(network: &Network, steps: usize, rng: &mut Generator) -> Vec<usize> {
 }
 
 /// Adds a dead end at a node, in the direction of the node's first tunnel turned by `turn_rad`, if a few draws find room.
-fn add_spur(
+pub(crate) fn add_spur(
     network: &mut Network,
     node: usize,
     half_width_m: f64,
@@ -176,7 +176,7 @@ fn add_spur(
 }
 
 /// Directions of the tunnels at a node, in the order of the tunnels.
-fn headings_rad(network: &Network, node: usize) -> Vec<f64> {
+pub(crate) fn headings_rad(network: &Network, node: usize) -> Vec<f64> {
     let mut headings = Vec::new();
     for tunnel in &network.tunnels {
         let n = tunnel.centreline_m.len();
@@ -198,7 +198,7 @@ fn add_alcoves(network: &mut Network, count: usize, rng: &mut Generator) {
 }
 
 /// Adds pillars beside the centrelines, and one in every chamber, all with room to pass on both sides.
-fn add_pillars(network: &mut Network, count: usize, rng: &mut Generator) {
+pub(crate) fn add_pillars(network: &mut Network, count: usize, rng: &mut Generator) {
     for _ in 0..count {
         let Some((tunnel, at)) = mid_tunnel(network, 4.0, rng) else { continue };
         let tunnel = &network.tunnels[tunnel];

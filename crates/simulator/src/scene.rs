@@ -82,7 +82,7 @@ impl Scene {
     }
 }
 
-fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, is_moving: bool) -> LaserScan {
+pub(crate) fn message(lidar: &Lidar, readings: &[Reading], stamp_ns: u64, is_moving: bool) -> LaserScan {
     let beam_s = lidar.step_rad() / std::f64::consts::TAU * lidar.sweep_s;
     LaserScan {
         header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "laser".into() },

@@ -92,6 +92,12 @@ impl Surface {
         self.segments.iter().map(|segment| segment.distance_m(point_m)).fold(limit_m, f64::min)
     }
 
+    /// Whether a disc touches the surface.
+    pub fn touches(&self, centre_m: Point, radius_m: f64) -> bool {
+        let is_met = |segment: u32| self.segments[segment as usize].distance_m(centre_m) < radius_m;
+        self.grid.near(centre_m, radius_m).any(is_met)
+    }
+
     fn cast_at(
         &self,
         origin_m: Point,
@@ -204,6 +210,18 @@ mod tests {
             let wanted_m = all.filter(|&range_m| range_m <= limit_m).min_by(f64::total_cmp);
             let found_m = surface.cast(origin_m, direction, limit_m).map(|hit| hit.range_m);
             assert_eq!(found_m, wanted_m, "from {origin_m} towards {direction}");
+        }
+    }
+
+    #[test]
+    fn touching_with_and_without_the_grid_agrees() {
+        let surface = Surface::new(&winding(), &Texture { bump_sd_m: 0.2, bump_length_m: 0.7, ..Texture::SMOOTH }, 1);
+        let mut rng = generator(9, "discs");
+        for _ in 0..3000 {
+            let centre_m = Point::new(rng.random_range(-30.0..30.0), rng.random_range(-30.0..30.0));
+            let radius_m = rng.random_range(0.1..3.0);
+            let is_met = surface.clearance_m(centre_m, 100.0) < radius_m;
+            assert_eq!(surface.touches(centre_m, radius_m), is_met, "a disc of {radius_m} m at {centre_m}");
         }
     }
 

@@ -62,6 +62,19 @@ pub struct Mapper {
     in_node_at_m: f64,
 }
 
+/// Where the vehicle is on the map.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// The map; its passages have no courses.
+    pub map: Map,
+    /// The node that the vehicle is in, or was in last.
+    pub node: usize,
+    /// The vehicle is in that node, and was there long enough for it to be believed.
+    pub is_there: bool,
+    /// Brings poses as they are tracked now into the frame of the map.
+    pub correction: Isometry2<f64>,
+}
+
 /// What is kept of a node to recognise it.
 #[derive(Clone, Debug)]
 struct Place {
@@ -130,6 +143,18 @@ impl Mapper {
             passage.via_m = via_m.iter().map(|place_m| ended.graph.poses[*visit] * place_m).collect();
         }
         ended.map
+    }
+
+    /// Where the vehicle is on the map up to now; `None` before the first node.
+    pub fn located(&self) -> Option<Located> {
+        let ended = self.ended();
+        let last = ended.last?;
+        Some(Located {
+            node: last.node,
+            is_there: ended.graph.poses.len() > self.graph.poses.len(),
+            correction: ended.graph.poses[last.visit] * last.tracked.inverse(),
+            map: ended.map,
+        })
     }
 
     /// The visits up to now as a pose graph: their poses in the map's frame, and what was measured between them.

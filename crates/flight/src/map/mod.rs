@@ -11,7 +11,7 @@ use nalgebra::Point2;
 
 use crosscut_stage::{HereKind, counted};
 
-pub use mapper::Mapper;
+pub use mapper::{Located, Mapper};
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
 /// frame of the flight's first pose.

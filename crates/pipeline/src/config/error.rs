@@ -36,7 +36,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> S
 }
 
 /// Lists all of the known names, after the nearest; for short lists.
-pub(super) fn nearest_and_all(name: &str, known: &[&str]) -> String {
+pub fn nearest_and_all(name: &str, known: &[&str]) -> String {
     let guess = best(name, known).map_or_else(String::new, |best| format!("did you mean {best}? "));
     format!("{guess}there are: {}", known.join(", "))
 }

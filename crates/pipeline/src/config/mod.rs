@@ -9,7 +9,7 @@ mod print;
 mod resolve;
 mod schema;
 
-pub use error::ConfigError;
+pub use error::{ConfigError, nearest_and_all};
 pub use layer::{Layer, Preset};
 pub use resolve::Config;
 pub(crate) use schema::MEMORY_MB;

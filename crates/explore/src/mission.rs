@@ -1,0 +1,190 @@
+//! The closed loop: scan, detector, flight, map, planner, command.
+
+use std::time::Instant;
+
+use nalgebra::Point2;
+
+use crosscut_flight::{Flight, Map, Mapper};
+use crosscut_pipeline::{Config, Engine, Registry, Sensor};
+use crosscut_simulator::pose::Pose;
+use crosscut_simulator::{Agility, Command, Driven, World};
+use crosscut_stage::{Failure, Frame};
+
+use crate::judge::Judge;
+use crate::navigator::{Decision, End, Navigator, Step};
+use crate::planner::PlannerKind;
+
+/// The vehicle's first revolutions stand still, so that it has seen where it is.
+const STANDS: u32 = 3;
+
+/// Contacts that are no farther apart than this are one crash, revolutions.
+const SAME_CRASH: u64 = 20;
+
+/// After this many crashes the mission is over.
+const MOST_CRASHES: u32 = 10;
+
+/// What a mission is flown with.
+#[derive(Clone, Copy)]
+pub struct Setup<'a> {
+    /// The stages, the flight and the sensor.
+    pub config: &'a Config,
+    /// The stages to choose from.
+    pub registry: &'a Registry,
+    /// The planner.
+    pub planner: PlannerKind,
+    /// What the vehicle is able to do.
+    pub agility: Agility,
+    /// Seed of everything that is random in the vehicle and its lidar.
+    pub seed: u64,
+}
+
+/// One revolution of a mission, for those who watch it.
+#[derive(Debug)]
+pub struct Moment<'a> {
+    /// All that is known of the revolution.
+    pub frame: &'a Frame,
+    /// The map so far.
+    pub mapper: &'a Mapper,
+    /// What the navigator answered.
+    pub step: &'a Step,
+    /// The true pose at the end of the revolution.
+    pub true_pose: Pose,
+}
+
+/// What became of a mission.
+#[derive(Clone, Debug)]
+pub struct Flown {
+    /// Ways of the mine.
+    pub ways: usize,
+    /// Those that were visited: flown through their middle, or their dead end seen from within 10 m.
+    pub ways_visited: usize,
+    /// The middles of those that were not, in the frame of the mine, metres.
+    pub missed_m: Vec<Point2<f64>>,
+    /// Entries into a way to a dead end that had been entered before; the one to home does not count.
+    pub entered_in_vain: u32,
+    /// The vehicle was within 5 m of its start at the end.
+    pub home: bool,
+    /// Contacts with the rock.
+    pub crashes: u32,
+    /// The true way flown, metres.
+    pub way_m: f64,
+    /// The least way through all of the mine and back, metres.
+    pub offline_m: f64,
+    /// `offline_m` is exact; else it is a bound from above.
+    pub offline_is_exact: bool,
+    /// The way of depth-first search on the true mine, metres.
+    pub depth_first_m: f64,
+    /// Revolutions.
+    pub revolutions: u64,
+    /// Decisions of the planner.
+    pub decisions: u32,
+    /// Those at which the count of walls was wrong.
+    pub decisions_on_wrong_count: u32,
+    /// How it ended; `None` if it was stopped from outside, after too many crashes, or by a failure.
+    pub end: Option<End>,
+    /// A stage failed.
+    pub failure: Option<Failure>,
+    /// The map at the end.
+    pub map: Map,
+    /// The time that each revolution took from the scan to the command, without the simulator, nanoseconds. It is not part
+    /// of the results.
+    pub loop_ns: Vec<u64>,
+}
+
+impl Flown {
+    /// Every way was visited, and the vehicle is home without a crash.
+    pub fn is_success(&self) -> bool {
+        self.ways_visited == self.ways && self.home && self.crashes == 0
+    }
+}
+
+/// Flies a mission. `watch` sees every revolution, and stops the mission by returning `false`.
+///
+/// The vehicle senses for one revolution while it obeys the command that it was given after the revolution before. Contact
+/// with the rock is counted as a crash; the vehicle then stands where it last was clear, and the mission goes on.
+pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool) -> Flown {
+    let width_m: f64 = 2.0 * setup.agility.radius_m;
+    let mut engine = Engine::new(setup.config, setup.registry);
+    let sensor = Sensor::new(setup.config.params("ingest"));
+    let mut flight = Flight::new(setup.config.params("flight"), width_m);
+    let mut mapper = Mapper::default();
+    let Agility { speed_max_m_s, turn_rate_max_rad_s, radius_m, .. } = setup.agility;
+    let mut navigator = Navigator::new((setup.planner.new)(), speed_max_m_s, turn_rate_max_rad_s, radius_m);
+    let mut driven = Driven::new(world, setup.agility, setup.seed);
+    let mut judge = Judge::new(world);
+    let mut frame = Frame::default();
+    let mut command = Command::default();
+    let mut flown = Flown::new(&judge);
+    let mut last_contact: Option<u64> = None;
+    loop {
+        let sensed = driven.step(command);
+        judge.add(driven.pose().position_m);
+        if driven.is_in_contact() {
+            flown.crashes += u32::from(last_contact.is_none_or(|last| flown.revolutions - last > SAME_CRASH));
+            last_contact = Some(flown.revolutions);
+        }
+        let began = Instant::now();
+        frame.notes.clear();
+        frame.revolution.clear();
+        sensor.revolution(&sensed.scan, &mut frame.revolution, &mut frame.notes);
+        frame.revolution.seq = flown.revolutions;
+        frame.revolution.stamp_ns = sensed.stamp_ns;
+        frame.revolution.odometry = Some(sensed.odometry);
+        if let Err(failure) = engine.process(&mut frame) {
+            flown.failure = Some(failure);
+            break;
+        }
+        flight.add(&mut frame);
+        mapper.add(&frame);
+        let step = navigator.step(&frame, &mapper);
+        flown.loop_ns.push(u64::try_from(began.elapsed().as_nanos()).unwrap_or(u64::MAX));
+        flown.revolutions += 1;
+        if let Some(Decision { .. }) = &step.decision {
+            flown.decisions += 1;
+            let is_wrong = frame.junction.junctions != driven.walls_in_view() as usize;
+            flown.decisions_on_wrong_count += u32::from(is_wrong);
+        }
+        command = if flown.revolutions < u64::from(STANDS) { Command::default() } else { step.command };
+        let goes_on = watch(&Moment { frame: &frame, mapper: &mapper, step: &step, true_pose: driven.pose() });
+        flown.end = step.end;
+        if flown.end.is_some() || !goes_on || flown.crashes >= MOST_CRASHES {
+            break;
+        }
+    }
+    flown.finish(&judge, &driven, mapper.map())
+}
+
+impl Flown {
+    fn new(judge: &Judge) -> Self {
+        let (offline_m, offline_is_exact) = judge.offline_m();
+        Self {
+            ways: judge.ways(),
+            ways_visited: 0,
+            missed_m: Vec::new(),
+            entered_in_vain: 0,
+            home: false,
+            crashes: 0,
+            way_m: 0.0,
+            offline_m,
+            offline_is_exact,
+            depth_first_m: judge.depth_first_m(),
+            revolutions: 0,
+            decisions: 0,
+            decisions_on_wrong_count: 0,
+            end: None,
+            failure: None,
+            map: Map::default(),
+            loop_ns: Vec::new(),
+        }
+    }
+
+    fn finish(mut self, judge: &Judge, driven: &Driven, map: Map) -> Self {
+        self.ways_visited = judge.visited();
+        self.missed_m = judge.missed_m();
+        self.entered_in_vain = judge.in_vain();
+        self.home = judge.is_home(driven.pose().position_m);
+        self.way_m = driven.way_m();
+        self.map = map;
+        self
+    }
+}

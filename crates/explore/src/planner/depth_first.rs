@@ -1,0 +1,25 @@
+//! `depth_first`: on as long as there is a new way, then back to the place found last that has one.
+
+use super::{Choice, Planner, PlannerKind};
+use crate::known::Known;
+
+pub(super) const KIND: PlannerKind = PlannerKind {
+    name: "depth_first",
+    doc: "the new way nearest to straight ahead, else back to the junction found last that has one",
+    new: || Box::new(DepthFirst),
+};
+
+struct DepthFirst;
+
+impl Planner for DepthFirst {
+    fn choose(&mut self, known: &Known) -> Option<Choice> {
+        if let Some(way) = known.straightest_new_way() {
+            return Some(Choice { way, why: "the new way nearest to straight ahead".to_owned() });
+        }
+        // A place that cannot be reached is passed over.
+        let last_first = (0..known.places.len()).rev().filter(|&place| known.has_new_way(place));
+        let route = last_first.filter_map(|place| known.route(|to| to == place)).next()?;
+        let why = format!("back to place {}, found last of those with a new way", route.to);
+        Some(Choice { way: route.way, why })
+    }
+}

@@ -1,0 +1,76 @@
+//! Whole missions, small ones.
+
+use crosscut_explore::{Flown, Setup, fly, planners};
+use crosscut_pipeline::{Preset, Registry, Settings};
+use crosscut_simulator::{Agility, Plan, World, families};
+
+fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {
+    let registry = Registry::standard();
+    let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
+    let planner = *planners().iter().find(|kind| kind.name == planner).expect("a planner of that name");
+    let setup = Setup { config: &config, registry: &registry, planner, agility, seed };
+    fly(world, &setup, &mut |moment| moment.frame.revolution.seq < most_revolutions)
+}
+
+fn tee(seed: u64) -> World {
+    let tee = families().iter().find(|family| family.name == "tee").expect("there is one");
+    (tee.world)(seed)
+}
+
+#[test]
+fn every_planner_visits_all_of_a_tee_and_comes_home() {
+    for planner in planners() {
+        let flown = mission(&tee(1), planner.name, Agility::default(), 1, 3000);
+        assert!(flown.is_success(), "{}: {flown:?}", planner.name);
+        assert!(flown.way_m < 1.25 * flown.depth_first_m, "{}: {} m", planner.name, flown.way_m);
+        assert_eq!(flown.map.ways_not_taken(), 0);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_mission() {
+    let way = |seed| {
+        let registry = Registry::standard();
+        let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
+        let setup =
+            Setup { config: &config, registry: &registry, planner: planners()[0], agility: Agility::default(), seed };
+        let mut poses = Vec::new();
+        let flown = fly(&tee(2), &setup, &mut |moment| {
+            poses.push((moment.true_pose, moment.step.command, moment.frame.pose));
+            moment.frame.revolution.seq < 150
+        });
+        assert_eq!(flown.revolutions, 151);
+        poses
+    };
+    let first = way(5);
+    assert!(first == way(5), "the same seed");
+    assert!(first != way(6), "another seed");
+}
+
+#[test]
+fn a_vehicle_that_cannot_brake_crashes_and_that_is_counted() {
+    let agility = Agility { acceleration_m_s2: 0.15, ..Agility::default() };
+    let flown = mission(&tee(1), "depth_first", agility, 1, 1200);
+    assert!(flown.crashes > 0 && !flown.is_success(), "{flown:?}");
+}
+
+#[test]
+fn a_vehicle_that_cannot_get_on_ends_its_mission() {
+    let agility = Agility { speed_max_m_s: 0.01, ..Agility::default() };
+    let flown = mission(&tee(1), "nearest_frontier", agility, 1, 5000);
+    assert!(flown.end.is_some() && !flown.is_success(), "{flown:?}");
+}
+
+#[test]
+fn a_loop_of_a_plan_is_flown_through_and_left() {
+    let plan = Plan::from_json(
+        r#"{"nodes": [{"id": "portal", "x_m": 0, "y_m": 0}, {"id": 1, "x_m": 16, "y_m": 0}, {"id": 2, "x_m": 32, "y_m": 0}],
+            "edges": [{"from": "portal", "to": 1, "width_m": 3}, {"from": 1, "to": 2, "width_m": 3, "via_m": [[16, 14], [32, 14]]},
+                      {"from": 1, "to": 2, "width_m": 3}], "roughness_m": 0.05}"#,
+    );
+    let world = plan.and_then(|plan| plan.world(1)).expect("a world");
+    let flown = mission(&world, "nearest_frontier", Agility::default(), 1, 3000);
+    assert!(flown.is_success(), "{flown:?}");
+    // A bend where no third way is belongs to the loop: of the plan's places only two are ends of ways.
+    assert_eq!((flown.ways, flown.offline_is_exact), (2, true));
+}
