@@ -1,6 +1,6 @@
 //! What one revolution becomes in Python.
 
-use crosscut_report::ResultsLine;
+use crosscut_report::{HereLine, ResultsLine, SteadyLine};
 use crosscut_stage::{Embedding, Frame, Step, Weights};
 use numpy::IntoPyArray;
 use pyo3::intern;
@@ -45,7 +45,7 @@ impl Answer {
     /// As a `crosscut.Result`.
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep) -> PyResult<Bound<'py, PyAny>> {
         let Self { line, eigenvalues, clusters, w, u, timings_ms } = self;
-        let [result, wall, opening] = classes(py)?;
+        let [result, wall, opening, _, _, _, of_pose] = classes(py)?;
         let walls =
             line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
         let openings = line.openings.iter().map(|o| {
@@ -83,6 +83,10 @@ impl Answer {
         fields.set_item(intern!(py, "clusters"), clusters.into_pyarray(py))?;
         fields.set_item(intern!(py, "notes"), PyTuple::new(py, line.notes)?)?;
         fields.set_item(intern!(py, "timings_ms"), timings)?;
+        fields.set_item(intern!(py, "here"), line.here.map(|here| of_here(py, here)).transpose()?)?;
+        fields.set_item(intern!(py, "steady"), line.steady.map(|steady| of_steady(py, steady)).transpose()?)?;
+        let pose = line.pose.map(|pose| of_pose.call1((pose.x_m, pose.y_m, pose.yaw_rad)));
+        fields.set_item(intern!(py, "pose"), pose.transpose()?)?;
         fields.set_item(intern!(py, "W"), weights.filter(|_| keep.w))?;
         fields.set_item(intern!(py, "L"), laplacian)?;
         fields.set_item(intern!(py, "U"), u.map(|u| arrays::embedding(py, &u)).transpose()?)?;
@@ -90,13 +94,41 @@ impl Answer {
     }
 }
 
-/// `Result`, `Wall` and `Opening`.
-fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 3]> {
-    static CLASSES: [PyOnceLock<Py<PyType>>; 3] = [const { PyOnceLock::new() }; 3];
-    let [result, wall, opening] = &CLASSES;
+/// As a `crosscut.Here`.
+fn of_here(py: Python<'_>, here: HereLine) -> PyResult<Bound<'_, PyAny>> {
+    let [_, _, _, of_here, ..] = classes(py)?;
+    of_here.call1((here.kind, PyTuple::new(py, here.ways)?, here.confidence))
+}
+
+/// As a `crosscut.Steady`.
+fn of_steady(py: Python<'_>, steady: SteadyLine) -> PyResult<Bound<'_, PyAny>> {
+    let [_, _, _, _, of_steady, followed, _] = classes(py)?;
+    let openings = steady.openings.iter().map(|o| followed.call1((o.track, o.bearing_rad, o.width_m)));
+    let openings = PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?;
+    let here = steady.here.map(|here| self::of_here(py, here)).transpose()?;
+    of_steady.call1((steady.junctions, here, openings))
+}
+
+/// The classes of a result and of its parts.
+fn classes(py: Python<'_>) -> PyResult<[&Bound<'_, PyType>; 7]> {
+    static CLASSES: [(&str, PyOnceLock<Py<PyType>>); 7] = [
+        ("Result", PyOnceLock::new()),
+        ("Wall", PyOnceLock::new()),
+        ("Opening", PyOnceLock::new()),
+        ("Here", PyOnceLock::new()),
+        ("Steady", PyOnceLock::new()),
+        ("FollowedOpening", PyOnceLock::new()),
+        ("Pose", PyOnceLock::new()),
+    ];
+    let [result, wall, opening, here, steady, followed, pose] = &CLASSES;
+    let import = |(name, class): &'static (&str, PyOnceLock<Py<PyType>>)| class.import(py, "crosscut._results", name);
     Ok([
-        result.import(py, "crosscut._results", "Result")?,
-        wall.import(py, "crosscut._results", "Wall")?,
-        opening.import(py, "crosscut._results", "Opening")?,
+        import(result)?,
+        import(wall)?,
+        import(opening)?,
+        import(here)?,
+        import(steady)?,
+        import(followed)?,
+        import(pose)?,
     ])
 }

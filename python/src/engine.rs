@@ -37,6 +37,8 @@ struct Work {
 impl Work {
     fn write(&mut self, scan: &Scan, seq: u64) {
         scan.write(&self.sensor, seq, &mut self.frame);
+        // What a flight added to the scan before.
+        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
     }
 
     fn process(&mut self, scan: &Scan, seq: u64) -> Result<(), Failure> {
@@ -174,9 +176,8 @@ impl Engine {
                 work.frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
             }
             work.stages.process(&mut work.frame)?;
-            let answer = Answer::of(&work.frame, self.keep);
             map.get().add(&mut work.frame);
-            Ok(answer)
+            Ok(Answer::of(&work.frame, self.keep))
         })?;
         added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
     }

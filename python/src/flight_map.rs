@@ -73,6 +73,11 @@ impl FlightMap {
         Ok((nodes, passages))
     }
 
+    /// The map as `run --map` writes it.
+    fn json(&self, py: Python<'_>) -> String {
+        py.detach(|| crosscut::map_json(&self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map()))
+    }
+
     /// The map in a line.
     fn summary(&self, py: Python<'_>) -> String {
         py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map().summary())

@@ -7,6 +7,7 @@ mod arrays;
 mod engine;
 mod error;
 mod flight_map;
+mod odometry;
 mod program;
 mod recording;
 mod scan;
@@ -23,6 +24,8 @@ mod _native {
     use crate::engine::Engine;
     #[pymodule_export]
     use crate::flight_map::FlightMap;
+    #[pymodule_export]
+    use crate::odometry::poses_of_message;
     #[pymodule_export]
     use crate::program::program;
     #[pymodule_export]

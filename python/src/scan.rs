@@ -1,6 +1,6 @@
 //! One scan: as a driver gives it, or as a recording shows it.
 
-use crosscut_messages::LaserScan;
+use crosscut_messages::{Cloud, LaserScan, ScanDecoder, ScanMessage};
 use crosscut_pipeline::Sensor;
 use crosscut_stage::{Frame, Notes, Point, Revolution};
 use numpy::IntoPyArray;
@@ -8,6 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Matrix};
+use crate::error::Class;
 
 /// One scan. Made of ranges, of points, or by `crosscut.read`.
 #[pyclass(frozen, module = "crosscut")]
@@ -20,6 +21,8 @@ pub(crate) struct Scan {
 enum Content {
     /// A message, which the sensor of an engine makes a revolution.
     Message { scan: LaserScan, stamp_ns: u64 },
+    /// A message with points, which the sensor of an engine turns and selects.
+    Cloud { cloud: Cloud, stamp_ns: u64 },
     /// A revolution, with what ingest noted of it.
     Revolution(Revolution, Notes),
 }
@@ -37,6 +40,10 @@ impl Scan {
                 sensor.revolution(scan, &mut frame.revolution, &mut frame.notes);
                 frame.revolution.stamp_ns = *stamp_ns;
             }
+            Content::Cloud { cloud, stamp_ns } => {
+                sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes);
+                frame.revolution.stamp_ns = *stamp_ns;
+            }
             Content::Revolution(revolution, notes) => {
                 frame.revolution.clone_from(revolution);
                 frame.notes.clone_from(notes);
@@ -51,6 +58,7 @@ impl Scan {
             Content::Message { scan, .. } => {
                 Some((&scan.ranges, [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max]))
             }
+            Content::Cloud { .. } => None,
             Content::Revolution(revolution, _) => {
                 revolution.sweep.as_ref().map(|sweep| (&sweep.ranges_m[..], sweep.wire_geometry))
             }
@@ -104,6 +112,28 @@ impl Scan {
         Ok(Self { seq, content: Content::Revolution(revolution, Notes::default()) })
     }
 
+    /// A message as it is on the wire, of any type and encoding that recordings may have.
+    #[staticmethod]
+    #[pyo3(signature = (message, message_type="sensor_msgs/msg/LaserScan", *, encoding="cdr", seq=None))]
+    fn from_message(
+        py: Python<'_>,
+        message: &[u8],
+        message_type: &str,
+        encoding: &str,
+        seq: Option<u64>,
+    ) -> PyResult<Self> {
+        let unknown = || PyValueError::new_err(format!("{message_type} in {encoding} is no scan that can be read"));
+        let decoder = ScanDecoder::for_schema(message_type, "", encoding).ok_or_else(unknown)?;
+        let mut decoded = ScanMessage::default();
+        decoder.decode_into(message, &mut decoded).map_err(|error| Class::Read.because(py, &error))?;
+        let stamp_ns = decoded.header().stamp.to_ns().unwrap_or(0);
+        let content = match decoded {
+            ScanMessage::Scan(scan) => Content::Message { scan, stamp_ns },
+            ScanMessage::Cloud(cloud) => Content::Cloud { cloud, stamp_ns },
+        };
+        Ok(Self { seq, content })
+    }
+
     #[getter]
     fn seq(&self) -> Option<u64> {
         self.seq
@@ -112,7 +142,7 @@ impl Scan {
     #[getter]
     fn stamp_ns(&self) -> u64 {
         match &self.content {
-            Content::Message { stamp_ns, .. } => *stamp_ns,
+            Content::Message { stamp_ns, .. } | Content::Cloud { stamp_ns, .. } => *stamp_ns,
             Content::Revolution(revolution, _) => revolution.stamp_ns,
         }
     }
@@ -121,6 +151,7 @@ impl Scan {
     fn frame_id(&self) -> &str {
         match &self.content {
             Content::Message { scan, .. } => &scan.header.frame_id,
+            Content::Cloud { cloud, .. } => &cloud.header.frame_id,
             Content::Revolution(revolution, _) => &revolution.frame_id,
         }
     }
@@ -160,19 +191,19 @@ impl Scan {
     #[getter]
     fn notes(&self) -> Vec<String> {
         match &self.content {
-            Content::Message { .. } => Vec::new(),
+            Content::Message { .. } | Content::Cloud { .. } => Vec::new(),
             Content::Revolution(_, notes) => notes.iter().map(str::to_owned).collect(),
         }
     }
 
     fn __repr__(&self) -> String {
         let seq = self.seq.map(|seq| format!("seq={seq}, ")).unwrap_or_default();
-        match (self.wire(), &self.content) {
-            (Some((ranges_m, _)), _) => format!("Scan({seq}beams={}, stamp_ns={})", ranges_m.len(), self.stamp_ns()),
-            (None, Content::Revolution(cloud, _)) => {
-                format!("Scan({seq}points={}, stamp_ns={})", cloud.len(), self.stamp_ns())
-            }
+        let content = match (self.wire(), &self.content) {
+            (Some((ranges_m, _)), _) => format!("beams={}", ranges_m.len()),
+            (None, Content::Cloud { cloud, .. }) => format!("points={}", cloud.points_m.len()),
+            (None, Content::Revolution(cloud, _)) => format!("points={}", cloud.len()),
             (None, Content::Message { .. }) => unreachable!("a message has ranges"),
-        }
+        };
+        format!("Scan({seq}{content}, stamp_ns={})", self.stamp_ns())
     }
 }

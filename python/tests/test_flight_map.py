@@ -17,8 +17,9 @@ def test_the_map_is_that_of_the_command_line(program: str, tee: Path, tmp_path: 
     subprocess.run([program, "map", tee, "--out", path, "--quiet"], check=True)
     expected = json.loads(path.read_text())
     flight = crosscut.FlightMap()
-    results = [flight.add(scan) for scan in crosscut.read(tee)]
-    assert results == list(crosscut.Engine().process_many(crosscut.read(tee)))
+    for scan in crosscut.read(tee):
+        flight.add(scan)
+    assert flight.to_dict() == expected
     graph = flight.to_networkx()
     assert graph.number_of_nodes() == len(expected["nodes"]) == 1
     assert graph.number_of_edges() == len(expected["edges"])
@@ -29,6 +30,20 @@ def test_the_map_is_that_of_the_command_line(program: str, tee: Path, tmp_path: 
         assert [list(visit) for visit in node["visits"]] == of_program["visits"]
         assert len(node["ways"]) == len(of_program["ways"])
     assert repr(flight).startswith("FlightMap(1 junction: 1 tee;")
+
+
+def test_results_of_a_flight_are_the_lines_of_the_command_line(program: str, tee: Path) -> None:
+    lines = subprocess.run([program, "run", tee, "--results", "-", "--quiet"], check=True, capture_output=True, text=True)
+    engine = crosscut.Engine()
+    flight = crosscut.FlightMap(engine)
+    results = [flight.add(scan) for scan in crosscut.read(tee)]
+    assert [result.to_dict() for result in results] == [json.loads(line) for line in lines.stdout.splitlines()]
+    last = results[-1]
+    assert last.here is not None and last.steady is not None and last.pose is not None
+    assert last.here.kind in ("junction", "passage", "dead_end", "chamber")
+    assert all(way is None or way < len(last.openings) for way in last.here.ways)
+    alone = engine.process(next(iter(crosscut.read(tee))))
+    assert (alone.here, alone.steady, alone.pose) == (None, None, None), "of the flight alone"
 
 
 def test_a_given_pose_is_the_odometry() -> None:

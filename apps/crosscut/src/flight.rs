@@ -9,6 +9,7 @@ use crate::exit::UsageError;
 /// Opens the recordings of a flight, read with the settings of the sensor in `config`.
 pub(crate) fn open(args: &FlightArgs, config: &Config) -> anyhow::Result<Recording> {
     refuse_empty_span(args.from, args.to)?;
+    refuse_live(args)?;
     Ok(Recording::open(&args.input, &options(args, config), sensor(config))?)
 }
 
@@ -42,6 +43,17 @@ fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
         every: args.every,
         csv,
         odometry: true,
+    }
+}
+
+/// Refuses a live robot, which the program of the Python package hears.
+fn refuse_live(args: &FlightArgs) -> Result<(), UsageError> {
+    let live = args.input.iter().filter_map(|path| path.to_str()).find(|path| path.starts_with("zenoh://"));
+    match live {
+        Some(robot) => Err(UsageError(format!(
+            "{robot} is a live robot, which `crosscut run` of the Python package hears: see docs/deployment.md"
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -34,6 +34,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
+use crosscut_flight::Map;
 use crosscut_pipeline::Registry;
 
 use crate::cli::{Cli, Command};
@@ -71,6 +72,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
     }
+}
+
+/// The map of a flight as JSON, as `run --map` writes it.
+pub fn map_json(map: &Map) -> String {
+    maps::json(map).to_string()
 }
 
 #[cfg(feature = "rerun")]

@@ -26,7 +26,7 @@ pub(crate) fn text(path: &Path, mapper: &Mapper) -> String {
 }
 
 /// The contract of the map: nodes, edges and merges.
-fn json(map: &Map) -> Value {
+pub(crate) fn json(map: &Map) -> Value {
     let node = |(id, node): (usize, &Node)| {
         let way = |way: &crosscut_flight::NodeWay| json!({"bearing_rad": way.bearing_rad, "width_m": way.width_m, "taken": way.taken, "edge": way.passage});
         let ways: Vec<Value> = node.ways.iter().map(way).collect();

@@ -1,6 +1,7 @@
 //! Several configurations on one revolution.
 
-use crosscut_stage::{Frame, Step};
+use crosscut_spectral::{ZERO_TOLERANCE, recount};
+use crosscut_stage::{Eigenvalues, Frame, Step};
 
 use crate::engine::Worker;
 use crate::{Config, Engine, Registry};
@@ -25,7 +26,8 @@ pub fn settings_of_step(config: &Config, step: Step) -> String {
 }
 
 /// Runs the stages of several configurations on one revolution. Each stage runs once for all configurations that agree in
-/// its settings and in those of the stages before it: W is made once for all zero tolerances.
+/// its settings and in those of the stages before it: W is made once for all zero tolerances, and so is a full
+/// decomposition, of which each tolerance takes the eigenvectors of its zeros.
 pub struct Variants {
     branches: Vec<Branch>,
 }
@@ -33,32 +35,60 @@ pub struct Variants {
 /// A stage with settings of its own, and those that go on from its result.
 struct Branch {
     settings: String,
-    worker: Worker,
+    run: Run,
     next: Vec<Branch>,
     /// Of the last stage: the configurations that end here, by their place.
     configurations: Vec<usize>,
 }
 
+enum Run {
+    Stage(Worker),
+    /// Counts the zeros of the decomposition once more, with a τ that is no larger than any before.
+    Recount(f64),
+}
+
+impl Branch {
+    fn new(settings: String, run: Run) -> Self {
+        Self { settings, run, next: Vec::new(), configurations: Vec::new() }
+    }
+}
+
+/// τ, if `config` chose a full decomposition: it then has the spectrum by every smaller τ as well.
+fn recounted_tolerance(config: &Config, registry: &Registry) -> Option<f64> {
+    let kind = config.kind(&registry.spectral);
+    let counts_below_tolerance = kind.params.iter().any(|spec| spec.name == ZERO_TOLERANCE.spec.name);
+    let is_full = kind.properties.eigenvalues == Eigenvalues::All;
+    (is_full && counts_below_tolerance).then(|| config.params("spectral").get(ZERO_TOLERANCE))
+}
+
 impl Variants {
     /// The stages that `configs` chose. How scans are read is not theirs: they are to agree in that.
     pub fn new(configs: &[&Config], registry: &Registry) -> Self {
+        let mut falling: Vec<_> = configs
+            .iter()
+            .enumerate()
+            .map(|(at, config)| (at, *config, recounted_tolerance(config, registry)))
+            .collect();
+        // The largest τ of a decomposition comes first, as its U has all columns of the others.
+        let tolerance = |tolerance: Option<f64>| tolerance.unwrap_or(0.0);
+        falling.sort_by(|(.., a), (.., b)| tolerance(*b).total_cmp(&tolerance(*a)));
         let mut branches = Vec::new();
-        for (place, config) in configs.iter().enumerate() {
+        for (place, config, tolerance) in falling {
             let Engine { weigh, decompose, cluster, report } = Engine::new(config, registry);
-            let mut level: &mut Vec<Branch> = &mut branches;
-            let mut last = None;
-            for worker in [weigh, decompose, cluster, report] {
-                let settings = settings_of_step(config, worker.step);
-                let known = level.iter().position(|branch| branch.settings == settings);
-                let at = known.unwrap_or_else(|| {
-                    level.push(Branch { settings, worker, next: Vec::new(), configurations: Vec::new() });
-                    level.len() - 1
-                });
-                let branch = &mut level[at];
-                last = Some(&mut branch.configurations);
-                level = &mut branch.next;
+            let mut level = &mut branches;
+            for worker in [weigh, decompose] {
+                let mut settings = settings_of_step(config, worker.step);
+                if worker.step == Step::Spectral && tolerance.is_some() {
+                    settings = without_tolerance(&settings);
+                }
+                level = &mut branch(level, settings, Run::Stage(worker)).next;
             }
-            last.expect("there are four stages").push(place);
+            if let Some(tolerance) = tolerance {
+                level = &mut branch(level, tolerance.to_string(), Run::Recount(tolerance)).next;
+            }
+            let clusters = branch(level, settings_of_step(config, cluster.step), Run::Stage(cluster));
+            let reports = branch(&mut clusters.next, settings_of_step(config, report.step), Run::Stage(report));
+            reports.configurations.push(place);
         }
         Self { branches }
     }
@@ -70,13 +100,34 @@ impl Variants {
     }
 }
 
+/// The branch of `level` with these settings, which is added if there is none.
+fn branch(level: &mut Vec<Branch>, settings: String, run: Run) -> &mut Branch {
+    let known = level.iter().position(|branch| branch.settings == settings);
+    let at = known.unwrap_or_else(|| {
+        level.push(Branch::new(settings, run));
+        level.len() - 1
+    });
+    &mut level[at]
+}
+
+fn without_tolerance(settings: &str) -> String {
+    let key = format!("spectral.{}=", ZERO_TOLERANCE.spec.name);
+    settings.lines().filter(|setting| !setting.starts_with(&key)).map(|setting| format!("{setting}\n")).collect()
+}
+
 fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize, &Frame)) {
     let notes = frame.notes.clone();
     let failure = frame.failure.take();
     for branch in branches {
         frame.notes.clone_from(&notes);
         frame.failure.clone_from(&failure);
-        branch.worker.work(frame).ok(); // a failure travels in the frame
+        match &mut branch.run {
+            Run::Stage(worker) => {
+                worker.work(frame).ok(); // a failure travels in the frame
+            }
+            Run::Recount(tolerance) if frame.failure.is_none() => recount(&mut frame.spectrum, *tolerance),
+            Run::Recount(_) => {}
+        }
         branch.configurations.iter().for_each(|place| each(*place, frame));
         walk(&mut branch.next, frame, each);
     }
@@ -109,9 +160,12 @@ mod tests {
     #[test]
     fn each_configuration_has_the_answer_that_it_gives_alone() {
         let registry = Registry::standard();
-        let settings: [&[&str]; 5] = [
+        let settings: [&[&str]; 8] = [
             &[],
             &["spectral.zero_tolerance=1e-3"],
+            &["spectral.zero_tolerance=0.7"],
+            &["spectral.zero_tolerance=1e-9", "kmeans.seed=7"],
+            &["spectral.kind=nalgebra", "spectral.zero_tolerance=0.9"],
             &["affinity.sigma_per_m2=0.001"],
             &["kmeans.seed=7"],
             &["affinity.kind=dbscan"],
@@ -122,17 +176,36 @@ mod tests {
             let mut answers = vec![None; configs.len()];
             let mut shared = frame();
             variants.process(&mut shared, &mut |place, frame| {
-                answers[place] =
-                    Some((frame.junction.clone(), frame.spectrum.eigenvalues.clone(), frame.notes.clone()));
+                answers[place] = Some((frame.junction.clone(), frame.spectrum.clone(), frame.notes.clone()));
             });
             for (config, answer) in configs.iter().zip(answers) {
                 let mut alone = frame();
                 Engine::new(config, &registry).process(&mut alone).expect("an answer");
-                let (junction, eigenvalues, notes) = answer.expect("given");
-                assert_eq!((junction.junctions, eigenvalues), (alone.junction.junctions, alone.spectrum.eigenvalues));
+                let (junction, spectrum, notes) = answer.expect("given");
+                assert_eq!(junction.junctions, alone.junction.junctions);
+                assert_eq!((spectrum.k, spectrum.tolerance), (alone.spectrum.k, alone.spectrum.tolerance));
+                assert_eq!(spectrum.margin_decades, alone.spectrum.margin_decades);
+                assert_eq!((spectrum.eigenvalues, spectrum.u), (alone.spectrum.eigenvalues, alone.spectrum.u));
                 assert!(notes.iter().eq(alone.notes.iter()));
             }
         }
+    }
+
+    #[test]
+    fn a_sweep_over_the_zero_tolerance_decomposes_once() {
+        let registry = Registry::standard();
+        let with = |settings: &[&str]| config(&registry, settings);
+        let configs = [
+            with(&["spectral.zero_tolerance=1e-9"]),
+            with(&["spectral.zero_tolerance=1e-3"]),
+            with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-9"]),
+            with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-3"]),
+        ];
+        let variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
+        assert_eq!(variants.branches.len(), 1, "one W");
+        let spectral = &variants.branches[0].next;
+        let counts: Vec<usize> = spectral.iter().map(|branch| branch.next.len()).collect();
+        assert_eq!(counts, [2, 1, 1], "`slicing` finds no more eigenvectors than its tolerance asks for");
     }
 
     #[test]
@@ -145,14 +218,9 @@ mod tests {
                 if fails { Err(crosscut_stage::StageError::TooLarge("no".to_owned())) } else { Ok(()) }
             })
         };
-        let leaf = |place, fails| Branch {
-            settings: String::new(),
-            worker: worker(fails),
-            next: Vec::new(),
-            configurations: vec![place],
-        };
-        let trunk =
-            |next, fails| Branch { settings: String::new(), worker: worker(fails), next, configurations: Vec::new() };
+        let new = |fails| Branch::new(String::new(), Run::Stage(worker(fails)));
+        let leaf = |place, fails| Branch { configurations: vec![place], ..new(fails) };
+        let trunk = |next, fails| Branch { next, ..new(fails) };
         let branches = vec![trunk(vec![leaf(0, true), leaf(1, false)], false), trunk(vec![leaf(2, false)], true)];
         let mut variants = Variants { branches };
         let (mut frame, mut failed) = (Frame::default(), Vec::new());

@@ -57,7 +57,7 @@ pub mod slicing;
 use crosscut_stage::{Kind, SpectralStage};
 
 pub use laplacian::Laplacian;
-pub use zero_rule::ZERO_TOLERANCE;
+pub use zero_rule::{ZERO_TOLERANCE, recount};
 
 /// The solvers that crosscut ships, in the order in which messages list them; the first is the default.
 pub const KINDS: &[Kind<dyn SpectralStage>] =

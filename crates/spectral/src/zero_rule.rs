@@ -1,6 +1,6 @@
 //! Which eigenvalues count as zero.
 
-use crosscut_stage::{Number, Params, Spectrum};
+use crosscut_stage::{Embedding, Number, Params, Spectrum};
 
 /// τ. The paper gives none; how far τ could be moved before k changes is the margin.
 pub const ZERO_TOLERANCE: Number = Number::new("zero_tolerance", "", 1e-7)
@@ -32,6 +32,20 @@ impl ZeroRule {
         spectrum.k = below.max(spectrum.eigenvalues.len().min(1));
         spectrum.margin_decades = Spectrum::tolerance_margin_decades(&spectrum.eigenvalues, n, spectrum.k, tolerance);
     }
+}
+
+/// Sets k, the margin and U of a full decomposition, which were made with a larger τ, to those of this τ. What was
+/// decomposed stays as it is.
+///
+/// # Panics
+/// If a zero by this τ is none by the one before, or U is sparse: a full decomposition makes it dense.
+pub fn recount(spectrum: &mut Spectrum, tolerance: f64) {
+    let n = spectrum.eigenvalues.len();
+    let counted = spectrum.k;
+    ZeroRule::Tolerance(tolerance).count(spectrum, n);
+    assert!(spectrum.k <= counted, "τ {tolerance} counts {} zeros; U was made for {counted}", spectrum.k);
+    let Embedding::Dense(u) = &mut spectrum.u else { panic!("U of a full decomposition is dense") };
+    u.truncate(n, spectrum.k);
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 - :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
 - :class:`FlightMap`: junctions, dead ends and passages of a flight.
+- :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
 - :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
 
@@ -17,23 +18,31 @@ from ._engine import Engine, Recording, count, read
 from ._errors import Error, LossWarning, ReadError, SettingsError, StageError
 from ._flight_map import FlightMap
 from ._native import Scan, __version__
-from ._results import Opening, Result, Wall, results
+from ._program import report, run, sweep
+from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
 
 __all__ = [
     "Engine",
     "Error",
     "FlightMap",
+    "FollowedOpening",
+    "Here",
     "LossWarning",
     "Opening",
+    "Pose",
     "ReadError",
     "Recording",
     "Result",
     "Scan",
     "SettingsError",
     "StageError",
+    "Steady",
     "Wall",
     "__version__",
     "count",
     "read",
+    "report",
     "results",
+    "run",
+    "sweep",
 ]

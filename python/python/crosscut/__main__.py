@@ -22,6 +22,19 @@ def main() -> int:
     ``--set affinity.kind=python:module.name``, or the like in a file of settings, takes a callable of one's own; modules are
     found from the current folder.
     """
+    if sys.argv[1:2] == ["run"] and "--on" in sys.argv:
+        at = sys.argv.index("--on")
+        where, arguments = sys.argv[at + 1 : at + 2], sys.argv[2:at] + sys.argv[at + 2 :]
+        if where != ["ray"]:
+            print("error: --on takes ray", file=sys.stderr)
+            return 2
+        from . import ray
+
+        return ray.main(arguments)
+    if sys.argv[1:2] == ["run"] and any(argument.startswith("zenoh://") for argument in sys.argv):
+        from . import live
+
+        return live.main(sys.argv[2:])
     stages: dict[str, Callable[..., Any]] = {}
     for argument in sys.argv[1:]:
         for module, name in _NAMED.findall(argument + _settings_in(argument)):

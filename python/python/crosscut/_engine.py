@@ -53,8 +53,16 @@ class Engine:
         **sections: Section | Callable[..., Any],
     ) -> None:
         stages: list[Any] = [sections.pop(name) if callable(sections.get(name)) else None for name in STAGES]
-        self._made_of = (preset, _settings(settings, sections), stages, list(keep))
+        self._made_of = (preset, setting_changes(settings, sections), stages, list(keep))
         self._native = _native.Engine(*self._made_of)
+
+    @classmethod
+    def with_changes(cls, preset: str, changes: Iterable[str]) -> Engine:
+        """From settings as the command line has them: ``section.key=value``, the value in TOML."""
+        made = cls.__new__(cls)
+        made._made_of = (preset, list(changes), [None, None, None], [])
+        made._native = _native.Engine(*made._made_of)
+        return made
 
     @property
     def config(self) -> str:
@@ -157,7 +165,7 @@ def count(
     >>> count(np.full(360, 2.0), 0.0, np.pi / 180).place
     'closed'
     """
-    changes = _settings(settings, sections)
+    changes = setting_changes(settings, sections)
     engines: dict[Any, _native.Engine] = _OF_THREAD.__dict__.setdefault("engines", {})
     key = (preset, *changes)
     if key not in engines:
@@ -212,20 +220,20 @@ def as_scan(scan: Any) -> Scan:
     return Scan.from_points(scan)
 
 
-def _settings(settings: Mapping[str, object] | None, sections: Mapping[str, Any]) -> list[str]:
+def setting_changes(settings: Mapping[str, object] | None, sections: Mapping[str, Any]) -> list[str]:
     """Each as ``section.key=value``, the value in TOML."""
-    changes = [f"{name}={_toml(value)}" for name, value in (settings or {}).items()]
+    changes = [f"{name}={toml(value)}" for name, value in (settings or {}).items()]
     for section, values in sections.items():
         if section not in SECTIONS:
             raise TypeError(f"there is no argument or section {section!r}; sections are {', '.join(SECTIONS)}")
         values = {"kind": values} if isinstance(values, str) else values
         if not isinstance(values, Mapping):
             raise TypeError(f"{section} is a mapping of settings, not {values!r}")
-        changes += [f"{section}.{key}={_toml(value)}" for key, value in values.items()]
+        changes += [f"{section}.{key}={toml(value)}" for key, value in values.items()]
     return changes
 
 
-def _toml(value: object) -> str:
+def toml(value: object) -> str:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, numbers.Integral):
@@ -235,5 +243,5 @@ def _toml(value: object) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Iterable):
-        return f"[{', '.join(map(_toml, value))}]"
+        return f"[{', '.join(map(toml, value))}]"
     raise TypeError(f"{value!r} is not a setting: numbers, texts, true, false and lists are")

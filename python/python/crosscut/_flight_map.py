@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 from ._engine import Engine, as_scan
@@ -56,5 +57,14 @@ class FlightMap:
             graph.add_edge(start, end, key=number, **attributes)
         return graph
 
+    def to_dict(self) -> dict[str, Any]:
+        """The map so far, in the form that ``crosscut run --map`` writes: plain numbers, lists and texts."""
+        flight_map: dict[str, Any] = json.loads(self._map.json())
+        return flight_map
+
+    def summary(self) -> str:
+        """The map in a line: junctions by their ways, dead ends, loops, ways not taken."""
+        return self._map.summary()
+
     def __repr__(self) -> str:
-        return f"FlightMap({self._map.summary()})"
+        return f"FlightMap({self.summary()})"

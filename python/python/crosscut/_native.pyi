@@ -34,6 +34,12 @@ class Scan:
     ) -> Scan:
         """A cloud of points, (n, 2) or (n, 3), metres; x forward, y left."""
 
+    @staticmethod
+    def from_message(
+        message: bytes, message_type: str = "sensor_msgs/msg/LaserScan", *, encoding: str = "cdr", seq: int | None = None
+    ) -> Scan:
+        """A message as it is on the wire, of any type and encoding that recordings may have."""
+
     @property
     def seq(self) -> int | None:
         """Its number in its topic; None if it has none."""
@@ -77,6 +83,7 @@ class FlightMap:
     @property
     def pose(self) -> tuple[float, float, float] | None: ...
     def graph(self) -> tuple[list[dict[str, Any]], list[tuple[int, int, dict[str, Any]]]]: ...
+    def json(self) -> str: ...
     def summary(self) -> str: ...
 
 class Engine:
@@ -99,5 +106,6 @@ class Engine:
     @property
     def config(self) -> str: ...
 
+def poses_of_message(message: bytes, message_type: str) -> list[tuple[int, str, str, float, float, float]]: ...
 def program(args: Sequence[str | os.PathLike[str]], stages: Mapping[str, Callable[..., Any]]) -> int: ...
 def check_affinity(function: Callable[..., Any]) -> None: ...

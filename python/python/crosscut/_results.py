@@ -45,6 +45,50 @@ class Opening(NamedTuple):
     """The end of a limited view cuts it: bearing and width are those of the part in view."""
 
 
+class Here(NamedTuple):
+    """The place that the vehicle is in."""
+
+    kind: str
+    """``junction``, ``passage``, ``dead_end`` or ``chamber``."""
+    ways: tuple[int | None, ...]
+    """By bearing ascending: the index of the opening that a way of the place leads to; None where no opening lies behind."""
+    confidence: float
+    """0 to 1."""
+
+
+class FollowedOpening(NamedTuple):
+    """An opening that is followed from scan to scan."""
+
+    track: int
+    """Its number in the flight."""
+    bearing_rad: float
+    """Direction towards the branch, anticlockwise from straight ahead."""
+    width_m: float
+    """Clear width across the branch, metres."""
+
+
+class Steady(NamedTuple):
+    """The answer over the last scans of a flight."""
+
+    junctions: int
+    """The number of walls, islands left out."""
+    here: Here | None
+    """The place; its ways are indices of the openings below."""
+    openings: tuple[FollowedOpening, ...]
+    """By bearing ascending."""
+
+
+class Pose(NamedTuple):
+    """Where a scan was taken, in the frame of the flight's first pose."""
+
+    x_m: float
+    """Forward of the first pose, metres."""
+    y_m: float
+    """To the left of the first pose, metres."""
+    yaw_rad: float
+    """Anticlockwise from the first pose, in (-π, π]."""
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Result:
     """The answer for one scan. Two results are equal if all but their timings are.
@@ -82,6 +126,12 @@ class Result:
     """What was dropped, repaired or replaced."""
     timings_ms: dict[str, float] = dataclasses.field(repr=False)
     """Milliseconds that each stage took."""
+    here: Here | None = None
+    """The place that the vehicle is in, where that is known; of scans that a :class:`FlightMap` added."""
+    steady: Steady | None = None
+    """The answer over the last scans; of scans that a :class:`FlightMap` added."""
+    pose: Pose | None = None
+    """Where the scan was taken; of scans that a :class:`FlightMap` added."""
     W: Any = dataclasses.field(default=None, repr=False)
     """The affinity matrix (n, n), an array or a ``scipy.sparse.csr_array``; with ``keep=("W",)``."""
     L: Any = dataclasses.field(default=None, repr=False)
@@ -113,9 +163,21 @@ class Result:
             "eigenvalues": self.eigenvalues[:16].tolist(),
             "walls": [wall._asdict() | {"bearing_rad": list(wall.bearing_rad)} for wall in self.walls],
             "openings": [opening._asdict() | {"walls": list(opening.walls)} for opening in self.openings],
+            "here": _here(self.here),
+            "steady": self.steady
+            and {
+                "junctions": self.steady.junctions,
+                "here": _here(self.steady.here),
+                "openings": [opening._asdict() for opening in self.steady.openings],
+            },
+            "pose": self.pose and self.pose._asdict(),
             "labels": self.labels.tolist(),
             "notes": list(self.notes),
         }
+
+
+def _here(here: Here | None) -> dict[str, Any] | None:
+    return here and here._asdict() | {"ways": list(here.ways)}
 
 
 def _same(mine: Any, other: Any) -> bool:

@@ -1,0 +1,128 @@
+"""Commands of the program, on whole recordings. Each runs in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ._engine import Section, setting_changes, toml
+from ._errors import Error, LossWarning, ReadError, SettingsError
+
+if TYPE_CHECKING:
+    import pyarrow
+
+StrPath: TypeAlias = "str | os.PathLike[str]"
+
+DONE, FAILED, WRONG_USAGE, SOMETHING_LOST, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes."""
+
+COMMAND = (sys.executable, "-m", "crosscut")
+"""The program in this environment."""
+
+
+def run(
+    flight: StrPath | Iterable[StrPath],
+    *,
+    results: StrPath | None = None,
+    map: StrPath | None = None,
+    preset: str = "default",
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> None:
+    """Writes the answers for a whole flight into files, as ``crosscut run`` does.
+
+    ``results``: ``FILE.jsonl`` for :func:`results`, or ``FILE.mcap`` with the scans beside them and drawings for Foxglove.
+    ``map``: junctions, dead ends and passages as JSON. Several paths, or a folder, are the parts of one flight.
+    """
+    outputs = [part for option, path in (("--results", results), ("--map", map)) if path is not None
+               for part in (option, path)]
+    if not outputs:
+        raise TypeError("run() writes nothing without results= or map=")
+    _finish(["run", *_paths(flight), *outputs, *configuration(preset, settings, sections), "--quiet"])
+
+
+def report(
+    flight: StrPath | Iterable[StrPath],
+    out: StrPath,
+    *,
+    preset: str = "default",
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> Path:
+    """Writes one self-contained HTML page on a flight: counts over time, junctions, map, settings. Returns its path."""
+    _finish(["report", *_paths(flight), "--out", out, *configuration(preset, settings, sections), "--quiet"])
+    return Path(out)
+
+
+def sweep(
+    flights: StrPath | Iterable[StrPath],
+    grid: Mapping[str, Sequence[object]],
+    out: StrPath,
+    *,
+    jobs: int | None = None,
+    preset: str = "default",
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> pyarrow.Table:
+    """Every combination of settings on every flight, one row each; needs pyarrow.
+
+    >>> sweep("flights/", {"affinity.sigma_per_m2": [0.5, 1.5], "preset": ["paper", "default"]}, out="sweep/")
+
+    ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
+    kept, so that an interrupted one goes on. ``jobs`` flights are processed at a time (None: one for each processor).
+    """
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    axes = [part for key, values in grid.items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
+    at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
+    options = [*configuration(preset, settings, sections), *at_a_time]
+    _finish(["sweep", *_paths(flights), *axes, "--out", out, *options, "--quiet"])
+    table = pyarrow.csv.read_csv(Path(out) / "sweep.csv")
+    pyarrow.parquet.write_table(table, Path(out) / "sweep.parquet")  # the program of the wheel writes none
+    return table
+
+
+def _finish(arguments: Sequence[StrPath]) -> None:
+    """Runs a command to its end; what it says becomes an exception or warnings."""
+    with subprocess.Popen([*COMMAND, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+        try:
+            _, said = process.communicate()
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)  # it saves what it has
+            process.wait()
+            raise
+    lines = said.splitlines()
+    if process.returncode == SOMETHING_LOST:
+        for line in lines:
+            warnings.warn(line, LossWarning, stacklevel=3)
+    elif process.returncode == INTERRUPTED:
+        raise KeyboardInterrupt
+    elif process.returncode != DONE:
+        raise failure(process.returncode, said)
+
+
+def failure(code: int, said: str) -> Error:
+    """The exception for an exit code and what was written to standard error."""
+    errors = [line.removeprefix("error: ") for line in said.splitlines() if line.startswith("error: ")]
+    text = "\n".join(errors) or said.strip() or f"crosscut ended with code {code}"
+    return {FAILED: ReadError, WRONG_USAGE: SettingsError}.get(code, Error)(text)
+
+
+def _paths(paths: StrPath | Iterable[StrPath]) -> list[StrPath]:
+    return [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+
+
+def configuration(preset: str, settings: Mapping[str, object] | None, sections: Mapping[str, Any]) -> list[str]:
+    chosen = [] if preset == "default" else ["--preset", preset]
+    return chosen + [part for change in setting_changes(settings, sections) for part in ("--set", change)]
+
+
+def _value(value: object) -> str:
+    return value if isinstance(value, str) else toml(value)

@@ -1,0 +1,189 @@
+"""A live robot: a real Zenoh router on this machine, and recorded messages on the keys of rmw_zenoh."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import in_wheel
+
+import crosscut
+import crosscut.live
+
+zenoh = pytest.importorskip("zenoh")
+
+HASH = "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
+SCANS = f"7/robot1/scan/sensor_msgs::msg::dds_::LaserScan_/{HASH}"
+ODOMETRY = f"7/robot1/odom/nav_msgs::msg::dds_::Odometry_/{HASH}"
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def router(port: int) -> Any:
+    """A Zenoh router on this port of the loopback."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"router"')
+    config.insert_json5("listen/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return zenoh.open(config)
+
+
+@pytest.fixture
+def network() -> Iterator[tuple[Any, int]]:
+    port = free_port()
+    session = router(port)
+    yield session, port
+    session.close()
+
+
+def recorded(path: Path) -> list[tuple[str, bytes]]:
+    """The scans and the odometry of a recording in order, each on its key, as CDR."""
+    mcap = pytest.importorskip("mcap.reader")
+    keys = {"/scan": SCANS, "/odom": ODOMETRY}
+    with path.open("rb") as file:
+        messages = mcap.make_reader(file).iter_messages(topics=list(keys))
+        return [(keys[channel.topic], message.data) for _, channel, message in messages]
+
+
+def send(session: Any, messages: list[tuple[str, bytes]], pause_s: float, lost: frozenset[int] = frozenset()) -> None:
+    """As rmw_zenoh: the number, the stamp and the publisher are attached."""
+    sent: dict[str, int] = {}
+    for key, data in messages:
+        number = sent[key] = sent.get(key, -1) + 1
+        if number not in lost:
+            publisher = hashlib.sha256(key.encode()).digest()[:16]
+            session.put(key, data, attachment=number.to_bytes(8, "little") + bytes(8) + b"\x10" + publisher)
+            time.sleep(pause_s)
+
+
+def wait_for_subscriber(session: Any, key: str) -> None:
+    publisher = session.declare_publisher(key)
+    deadline = time.monotonic() + 30
+    while not publisher.matching_status.matching:
+        assert time.monotonic() < deadline, "nobody subscribes"
+        time.sleep(0.05)
+    publisher.undeclare()
+
+
+def test_answers_to_a_live_robot_are_those_of_its_recording(
+    network: tuple[Any, int], tee: Path, tmp_path: Path
+) -> None:
+    session, port = network
+    heard: dict[str, list[dict[str, Any]]] = {"results": [], "map": []}
+    listeners = [session.declare_subscriber(f"crosscut/{name}", lambda sample, name=name: heard[name].append(
+        json.loads(sample.payload.to_bytes()))) for name in heard]
+    results, flight_map = tmp_path / "live.jsonl", tmp_path / "live.json"
+    process = subprocess.Popen(
+        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom",
+         "--publish", "crosscut", "--results", results, "--map", flight_map],
+        stderr=subprocess.PIPE, text=True)
+    try:
+        wait_for_subscriber(session, SCANS)
+        wait_for_subscriber(session, ODOMETRY)
+        messages = recorded(tee)
+        send(session, messages, 0.005)
+        scans = sum(key == SCANS for key, _ in messages)
+        deadline = time.monotonic() + 30
+        while len(heard["results"]) < scans and time.monotonic() < deadline:
+            time.sleep(0.1)
+    finally:
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+    assert process.returncode == 0, said
+    assert f"{scans} scans answered, 0 missed" in said
+    expected = list(crosscut.Engine().process_many(crosscut.read(tee)))
+    live = [json.loads(line) for line in results.read_text().splitlines()]
+    assert live == heard["results"], "what is published is what is written"
+    for found, of_file in zip(live, expected, strict=True):
+        for name in ("labels", "junctions", "k", "eigenvalues", "stamp_ns"):
+            assert found[name] == of_file.to_dict()[name], (of_file.seq, name)
+    assert any(line["pose"] is not None and line["pose"]["x_m"] > 1.0 for line in live), "odometry was heard"
+    assert [node["kind"] for node in json.loads(flight_map.read_text())["nodes"]] == ["junction"]
+    assert heard["map"][-1] == json.loads(flight_map.read_text())
+    assert len(listeners) == 2
+
+
+def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) -> None:
+    session, port = network
+    messages = [message for message in recorded(tee) if message[0] == SCANS][:12]
+    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+        wait_for_subscriber(session, SCANS)
+        send(session, messages, 0.002, lost=frozenset({3, 4, 8}))
+        taken = [next(iter(robot)) for _ in range(len(messages) - 3)]
+    assert robot.missed == 3
+    assert robot.clock_ns is not None and robot.clock_ns > 0
+    assert [pose for _, pose in taken] == [None] * len(taken)
+
+
+def test_a_slow_answer_leaves_out_the_oldest_scans(network: tuple[Any, int], tee: Path) -> None:
+    session, port = network
+    messages = [message for message in recorded(tee) if message[0] == SCANS][: crosscut.live.AHEAD + 5]
+    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+        wait_for_subscriber(session, SCANS)
+        send(session, messages, 0.002)
+        deadline = time.monotonic() + 30
+        while robot.missed < 5 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        first = next(iter(robot))[0]
+    assert robot.missed == 5
+    assert first.stamp_ns == crosscut.Scan.from_message(messages[5][1]).stamp_ns
+
+
+@pytest.mark.filterwarnings("ignore::crosscut.LossWarning")
+def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
+    port = free_port()
+    session = router(port)
+    messages = [message for message in recorded(tee) if message[0] == SCANS]
+    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+        wait_for_subscriber(session, SCANS)
+        send(session, messages[:3], 0.002)
+        before = [next(iter(robot))[0].stamp_ns for _ in range(3)]
+        session.close()
+        again = router(port)
+        try:
+            wait_for_subscriber(again, SCANS)
+            send(again, messages[5:8], 0.002)
+            after = [next(iter(robot))[0].stamp_ns for _ in range(3)]
+        finally:
+            again.close()
+    stamps = [crosscut.Scan.from_message(data).stamp_ns for _, data in messages]
+    assert before + after == stamps[:3] + stamps[5:8]
+
+
+def test_silence_and_what_cannot_be_read_are_told(network: tuple[Any, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    session, port = network
+    monkeypatch.setattr(crosscut.live, "SILENCE_S", 0.3)
+    with crosscut.live.Robot(f"127.0.0.1:{port}", "scan", message_type="sensor_msgs/msg/LaserScan") as robot:
+        wait_for_subscriber(session, "scan")
+        session.put("scan", b"no scan")
+        threading.Timer(1.5, robot.close).start()
+        with pytest.warns(crosscut.LossWarning, match="what arrives on scan cannot be read"):
+            assert list(robot) == []
+
+
+def test_a_robot_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+    done = subprocess.run([in_wheel(), "run", f"zenoh://127.0.0.1:{free_port()}/scan"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert "no Zenoh router answers at 127.0.0.1" in done.stderr
+    done = subprocess.run([in_wheel(), "run", "zenoh://127.0.0.1"], capture_output=True, text=True)
+    assert done.returncode == 2 and "has a host and a topic" in done.stderr
+
+
+def test_the_import_needs_no_zenoh() -> None:
+    script = "import sys; sys.modules['zenoh'] = None; import crosscut.live, crosscut.ray"
+    subprocess.run([sys.executable, "-c", script], check=True)

@@ -1,0 +1,120 @@
+"""Flights on a Ray cluster: real workers and nodes, which are killed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import SHIPPED, in_wheel
+
+import crosscut
+import crosscut.ray
+
+FLIGHTS = 8
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """Two nodes on this machine; the second one can be taken away."""
+    ray = pytest.importorskip("ray")
+    from ray.cluster_utils import Cluster
+
+    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    ray.init(address=made.address, log_to_driver=False)
+    yield made
+    ray.shutdown()
+    made.shutdown()
+
+
+@pytest.fixture
+def archive(tmp_path: Path) -> Path:
+    """A folder of flights, one of them damaged, one that is no recording."""
+    folder = tmp_path / "archive"
+    folder.mkdir()
+    for number in range(FLIGHTS - 2):
+        shutil.copy(SHIPPED[number % len(SHIPPED)], folder / f"flight{number:02}.mcap")
+    whole = SHIPPED[0].read_bytes()
+    (folder / "cut.mcap").write_bytes(whole[: len(whole) * 2 // 3])
+    (folder / "text.mcap").write_text("no recording")
+    return folder
+
+
+def first_then_slow(tmp_path: Path, program: str) -> list[str]:
+    """The program, which waits at its first run for each flight, so that it can be killed there."""
+    script = tmp_path / "slow.sh"
+    script.write_text(
+        f'#!/bin/sh\nmark="{tmp_path}/started-$(basename "$2")"\n'
+        f'if mkdir "$mark" 2>/dev/null; then echo $$ > "$mark/pid"; exec sleep 600; fi\nexec "{program}" "$@"\n'
+    )
+    script.chmod(0o755)
+    return [str(script)]
+
+
+def test_rows_are_those_of_one_process_though_workers_and_a_node_are_lost(
+    cluster: Any, archive: Path, tmp_path: Path, program: str
+) -> None:
+    expected = crosscut.ray.run_here(archive, tmp_path / "here", command=[program])
+    node = cluster.add_node(num_cpus=2)
+    command = first_then_slow(tmp_path, program)
+    killed: list[int] = []
+    finished = threading.Event()
+
+    def disturb() -> None:
+        """Kills each program at its first run, and takes the second node away amid."""
+        while not finished.wait(0.2):
+            for mark in sorted(tmp_path.glob("started-*/pid")):
+                if text := mark.read_text().strip():
+                    mark.unlink()
+                    os.kill(int(text), signal.SIGKILL)
+                    killed.append(int(text))
+            if len(killed) >= 3 and len(cluster.worker_nodes) > 0:
+                cluster.remove_node(node, allow_graceful=False)
+
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    try:
+        found = crosscut.ray.run(archive, tmp_path / "ray", command=command)
+    finally:
+        finished.set()
+        disturber.join()
+    assert len(killed) >= FLIGHTS, "each flight was killed once"
+    assert not cluster.worker_nodes, "the node was lost"
+    assert found == expected
+    assert found.num_rows == FLIGHTS
+    codes = dict(zip((Path(flight).name for flight in found["flight"].to_pylist()), found["code"].to_pylist(), strict=True))
+    assert (codes["cut.mcap"], codes["text.mcap"], codes["flight00.mcap"]) == (3, 1, 0)
+    names = {path.name for path in (tmp_path / "here").iterdir()}
+    assert {path.name for path in (tmp_path / "ray").iterdir()} == names, "nothing unfinished is left"
+    for name in names - {"times.csv", "flights.parquet"}:
+        if not name.endswith(".done.json"):
+            assert (tmp_path / "ray" / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
+
+
+def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: Path, program: str) -> None:
+    out = tmp_path / "out"
+    first = crosscut.ray.run(archive, out, command=[program])
+    stamps = {path: path.stat().st_mtime_ns for path in out.glob("*.jsonl")}
+    again = max(stamps)
+    (out / again.name.replace(".jsonl", ".done.json")).unlink()
+    assert crosscut.ray.run(archive, out, command=[program]) == first
+    changed = {path for path in out.glob("*.jsonl") if path.stat().st_mtime_ns != stamps[path]}
+    assert changed == {again}
+    failed = (out / "failures.csv").read_text().splitlines()[1:]
+    assert [Path(line.split(",")[0]).name for line in failed] == ["cut.mcap", "text.mcap"]
+
+
+def test_the_command_line_says_what_failed(archive: Path, tmp_path: Path) -> None:
+    few = [archive / "flight00.mcap", archive / "text.mcap"]
+    command = [in_wheel(), "run", "--on", "ray", *few, "--out", tmp_path / "out", "--address", "local"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 3, done.stderr
+    assert "2 flights, 1 failed, 0 damaged" in done.stderr and "text.mcap" in done.stderr
+    refused = subprocess.run([in_wheel(), "run", "--on", "dask", *few], capture_output=True, text=True)
+    assert (refused.returncode, refused.stderr) == (2, "error: --on takes ray\n")
