@@ -3,6 +3,7 @@
 mod comparison;
 mod configuration;
 mod evaluation;
+mod exploring;
 mod figures;
 mod flight;
 mod following;

@@ -57,6 +57,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 
         Command::Run(args) => commands::run::run(&args, registry),
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),
+        Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
         Command::Paper(args) => commands::paper::paper(&args, registry),

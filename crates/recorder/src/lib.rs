@@ -41,6 +41,7 @@ mod file;
 mod layout;
 mod live;
 mod matrices;
+mod mission;
 mod mounting;
 mod notes;
 mod options;
@@ -65,6 +66,7 @@ mod why;
 
 pub use crosscut_rrd::schema;
 pub use layout::Layout;
+pub use mission::{MissionDecision, MissionMap, MissionMoment, MissionRecorder};
 pub use mounting::Mounting;
 pub use options::{RecorderError, RecorderOptions};
 pub use recorder::Recorder;

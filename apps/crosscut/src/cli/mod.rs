@@ -1,5 +1,6 @@
 //! The command line: every command with its options.
 
+pub(crate) mod explore;
 pub(crate) mod record;
 pub(crate) mod rrd;
 pub(crate) mod sweep;
@@ -13,6 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crosscut_messages::ScanType;
 
 use crate::maps::FORMATS;
+use explore::ExploreArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
 use sweep::SweepArgs;
@@ -40,6 +42,8 @@ pub(crate) enum Command {
     View(ViewArgs),
     /// Simulate a flight through a mine, or scenes for evaluation, with the true answers.
     Simulate(SimulateArgs),
+    /// Explore a simulated mine in closed loop: a vehicle that finds every way by its junctions, and comes home.
+    Explore(ExploreArgs),
     /// Compare the results of one or more configurations with the truth in recordings.
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.

@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod evaluate;
+pub(crate) mod explore;
 pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod paper;

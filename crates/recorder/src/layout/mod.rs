@@ -2,6 +2,7 @@
 //!
 //! [`pages`] places the views on a page, [`views`] makes each view. A page is readable at 1400×900.
 
+pub(crate) mod mission;
 mod pages;
 mod properties;
 mod together;

@@ -1,0 +1,46 @@
+//! The options of `crosscut explore`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+
+use super::ConfigArgs;
+use super::record::rrd_path;
+
+#[derive(Debug, Args)]
+pub(crate) struct ExploreArgs {
+    /// World to explore; --list shows them.
+    #[arg(value_name = "MISSION")]
+    pub(crate) mission: Option<String>,
+    /// Plan of a mine to explore, all of it: {"nodes":[{"id","x_m","y_m"}],"edges":[{"from","to","width_m","via_m"}]}.
+    #[arg(long, value_name = "PLAN.json", conflicts_with = "mission")]
+    pub(crate) plan: Option<PathBuf>,
+    /// Fly missions in every world of --list, and print a table of them.
+    #[arg(long, conflicts_with_all = ["mission", "plan"])]
+    pub(crate) all: bool,
+    /// How the ways are chosen; --list shows the planners.
+    #[arg(long, value_name = "NAME", default_value = "nearest_frontier")]
+    pub(crate) planner: String,
+    /// Seed of the world, of the vehicle and of its lidar; the same seed gives the same mission.
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    pub(crate) seed: u64,
+    /// Number of missions, with the seeds from --seed on. With more than one, a table is printed.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::one_or_more)]
+    pub(crate) count: usize,
+    /// Write the outcome: ways, ways_visited, home, crashes, way_m, offline_m, revolutions, the map and more; a list of
+    /// outcomes without maps for several missions. `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) json: Option<PathBuf>,
+    /// Save a recording of the mission for the Rerun viewer: vehicle, scan, openings, decisions and the map as it grows.
+    #[arg(long, value_name = "MISSION.rrd", conflicts_with_all = ["all", "count"], value_parser = PathBufValueParser::new().try_map(rrd_path))]
+    pub(crate) save: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
+    /// List the worlds and the planners.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Show no progress bar and no summary.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}

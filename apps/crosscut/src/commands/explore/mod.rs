@@ -1,0 +1,236 @@
+//! `crosscut explore`: missions in closed loop through simulated mines.
+
+mod outcome;
+#[cfg(feature = "rerun")]
+mod save;
+mod table;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::Context;
+use crosscut_explore::{Flown, Moment, PlannerKind, Setup, fly, planners};
+use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
+use crosscut_simulator::{Agility, Family, Plan, World, families};
+use indicatif::ProgressBar;
+use serde_json::Value;
+
+use crate::cli::explore::ExploreArgs;
+use crate::config;
+use crate::diagnostics::Diagnostics;
+use crate::exit::{Outcome, UsageError};
+use crate::interrupt::stop_on_interrupt;
+use crate::say::say;
+use crate::{outputs, progress};
+
+/// Flies missions, or lists what there is.
+pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    if args.list {
+        return list();
+    }
+    let config = config::resolve(&args.config, registry)?;
+    let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
+    let jobs = jobs(args)?;
+    let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).cloned().collect();
+    let written: Vec<&Path> = args.json.iter().chain(&args.save).map(PathBuf::as_path).collect();
+    outputs::refuse(&written, &read)?;
+    let mut json = args.json.as_deref().map(|path| outputs::create(path, &read)).transpose()?;
+    let stop = StopFlag::default();
+    stop_on_interrupt(stop.clone())?;
+    let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
+    let bar = progress::bar(None, args.quiet);
+    let mut diagnostics = Diagnostics::default();
+    let flown = if let [job] = &jobs[..] {
+        vec![Some(fleet.fly_alone(job, args.save.as_deref(), &bar, &mut diagnostics)?)]
+    } else {
+        fleet.fly_all(&jobs, &bar)
+    };
+    bar.finish_and_clear();
+    let missions: Vec<(&Job, &Flown)> =
+        jobs.iter().zip(&flown).filter_map(|(job, flown)| Some((job, flown.as_ref()?))).collect();
+    if let (Some(out), Some(path)) = (&mut json, &args.json) {
+        let outcome = match &missions[..] {
+            [(job, flown)] if jobs.len() == 1 => outcome::whole(job, flown),
+            several => Value::Array(several.iter().map(|(job, flown)| outcome::figures(job, flown)).collect()),
+        };
+        let written = writeln!(out, "{outcome}").and_then(|()| out.flush());
+        written.with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    if !args.quiet {
+        match &missions[..] {
+            [(_, flown)] if jobs.len() == 1 => say(outcome::words(flown)),
+            several => say(table::table(several)),
+        }
+    }
+    if let Some((job, failure)) = missions.iter().find_map(|(job, flown)| Some((job, flown.failure.as_ref()?))) {
+        anyhow::bail!("mission {} of seed {}: {failure}", job.name, job.seed);
+    }
+    if stop.is_set() {
+        diagnostics.interrupt();
+    }
+    Ok(diagnostics.outcome())
+}
+
+/// One mission to fly.
+struct Job {
+    name: String,
+    seed: u64,
+    place: Place,
+}
+
+impl Job {
+    fn world(&self) -> World {
+        match &self.place {
+            Place::Family(family) => (family.world)(self.seed),
+            Place::Plan(world) => World::clone(world),
+        }
+    }
+}
+
+/// Where a mission is flown.
+enum Place {
+    Family(&'static Family),
+    Plan(Box<World>),
+}
+
+fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
+    let seeds = || (0..args.count as u64).map(|number| args.seed.wrapping_add(number));
+    if let Some(path) = &args.plan {
+        let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|error| in_plan(&error))?;
+        let plan = Plan::from_json(&text).map_err(|error| in_plan(&error))?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        return seeds()
+            .map(|seed| {
+                let world = plan.world(seed).map_err(|error| in_plan(&error))?;
+                Ok(Job { name: name.clone(), seed, place: Place::Plan(Box::new(world)) })
+            })
+            .collect();
+    }
+    let chosen: Vec<&Family> = match &args.mission {
+        Some(name) => vec![chosen("mission", name, families(), |family| family.name)?],
+        None if args.all => families().iter().collect(),
+        None => {
+            let usage = "name a mission, --plan PLAN.json or --all; --list shows the missions";
+            return Err(UsageError(usage.to_owned()).into());
+        }
+    };
+    let of_family = |family: &'static Family| {
+        seeds().map(move |seed| Job { name: family.name.to_owned(), seed, place: Place::Family(family) })
+    };
+    Ok(chosen.into_iter().flat_map(of_family).collect())
+}
+
+/// What missions are flown with.
+struct Fleet<'a> {
+    config: &'a Config,
+    registry: &'a Registry,
+    planner: PlannerKind,
+    stop: &'a StopFlag,
+}
+
+impl Fleet<'_> {
+    fn fly(&self, job: &Job, bar: &ProgressBar) -> Flown {
+        self.fly_in(&job.world(), job.seed, bar, &mut |_| {})
+    }
+
+    /// One mission, recorded at `save`. If it cannot be recorded, it is flown all the same.
+    #[cfg(feature = "rerun")]
+    fn fly_alone(
+        &self,
+        job: &Job,
+        save: Option<&Path>,
+        bar: &ProgressBar,
+        diagnostics: &mut Diagnostics,
+    ) -> anyhow::Result<Flown> {
+        let world = job.world();
+        let saved = save.map(|path| save::Saved::create(path, &job.name, self.config, &world)).transpose();
+        diagnostics.lost_all(saved.as_ref().err());
+        let mut saved = saved.unwrap_or_default();
+        let flown = self.fly_in(&world, job.seed, bar, &mut |moment| {
+            if let Some(saved) = &mut saved {
+                saved.add(moment);
+            }
+        });
+        diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
+        Ok(flown)
+    }
+
+    #[cfg(not(feature = "rerun"))]
+    fn fly_alone(
+        &self,
+        job: &Job,
+        save: Option<&Path>,
+        bar: &ProgressBar,
+        _: &mut Diagnostics,
+    ) -> anyhow::Result<Flown> {
+        if save.is_some() {
+            return Err(crate::exit::without_rerun());
+        }
+        Ok(self.fly(job, bar))
+    }
+
+    fn fly_in(&self, world: &World, seed: u64, bar: &ProgressBar, watch: &mut dyn FnMut(&Moment)) -> Flown {
+        let agility = Agility::default();
+        let setup = Setup { config: self.config, registry: self.registry, planner: self.planner, agility, seed };
+        fly(world, &setup, &mut |moment| {
+            bar.inc(1);
+            watch(moment);
+            !self.stop.is_set()
+        })
+    }
+
+    /// Flies the missions on all cores; `None` for those that an interrupt left out.
+    fn fly_all(&self, jobs: &[Job], bar: &ProgressBar) -> Vec<Option<Flown>> {
+        let flown: Vec<Mutex<Option<Flown>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some((job, slot)) = (!self.stop.is_set())
+                .then(|| next.fetch_add(1, Ordering::Relaxed))
+                .and_then(|number| jobs.get(number).zip(flown.get(number)))
+            {
+                let one = self.fly(job, bar);
+                *slot.lock().expect("nobody panics while holding it") = Some(one);
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get).min(jobs.len());
+        std::thread::scope(|scope| {
+            for number in 0..threads {
+                let named = std::thread::Builder::new().name(format!("mission-{number}"));
+                if named.spawn_scoped(scope, work).is_err() {
+                    break; // the threads that there are do all the work
+                }
+            }
+            work();
+        });
+        flown.into_iter().map(|slot| slot.into_inner().expect("nobody panics while holding it")).collect()
+    }
+}
+
+/// The entry of a name, or what there is and the nearest name.
+fn chosen<T>(
+    what: &str,
+    name: &str,
+    list: &'static [T],
+    name_of: fn(&T) -> &'static str,
+) -> Result<&'static T, UsageError> {
+    list.iter().find(|entry| name_of(entry) == name).ok_or_else(|| {
+        let all: Vec<&str> = list.iter().map(name_of).collect();
+        UsageError(format!("there is no {what} {name:?}; {}", nearest_and_all(name, &all)))
+    })
+}
+
+fn list() -> anyhow::Result<Outcome> {
+    let mut text = String::from("missions, a different world for each seed:\n");
+    for family in families() {
+        text += &format!("  {:<18}{}\n", family.name, family.doc);
+    }
+    text += "\nplanners (--planner NAME):\n";
+    for planner in planners() {
+        text += &format!("  {:<18}{}\n", planner.name, planner.doc);
+    }
+    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,74 @@
+//! What became of a mission, for programs and for people.
+
+use crosscut_explore::Flown;
+use crosscut_stage::counted;
+use serde_json::{Value, json};
+
+use super::Job;
+use crate::maps;
+
+/// The outcome with the map.
+pub(super) fn whole(job: &Job, flown: &Flown) -> Value {
+    let mut outcome = figures(job, flown);
+    outcome["map"] = maps::json(&flown.map);
+    outcome
+}
+
+/// The outcome without the map.
+pub(super) fn figures(job: &Job, flown: &Flown) -> Value {
+    let missed_m: Vec<[f64; 2]> = flown.missed_m.iter().map(|place_m| [place_m.x, place_m.y]).collect();
+    json!({
+        "mission": job.name,
+        "seed": job.seed,
+        "success": flown.is_success(),
+        "ways": flown.ways,
+        "ways_visited": flown.ways_visited,
+        "missed_m": missed_m,
+        "entered_in_vain": flown.entered_in_vain,
+        "home": flown.home,
+        "crashes": flown.crashes,
+        "way_m": flown.way_m,
+        "offline_m": flown.offline_m,
+        "offline_is_exact": flown.offline_is_exact,
+        "depth_first_m": flown.depth_first_m,
+        "revolutions": flown.revolutions,
+        "decisions": flown.decisions,
+        "decisions_on_wrong_count": flown.decisions_on_wrong_count,
+        "end": end(flown),
+    })
+}
+
+fn end(flown: &Flown) -> &'static str {
+    match (&flown.failure, flown.end) {
+        (Some(_), _) => "failed",
+        (None, Some(end)) => end.name(),
+        (None, None) => "stopped",
+    }
+}
+
+/// The outcome in two lines.
+pub(super) fn words(flown: &Flown) -> String {
+    let home = if flown.home { "home again" } else { "not home" };
+    let crashes = match flown.crashes {
+        0 => "no crash".to_owned(),
+        1 => "1 crash".to_owned(),
+        several => format!("{several} crashes"),
+    };
+    let why = match flown.end.map(crosscut_explore::End::name) {
+        Some("stuck") => "; it could not get on",
+        Some("gave_up") => "; it found nothing new for too long",
+        None => "; it was stopped",
+        _ => "",
+    };
+    let bound = if flown.offline_is_exact { "" } else { "at most " };
+    format!(
+        "{} of {} visited, {home}, {crashes}{why}; {:.0} m flown in {}, the least is {bound}{:.0} m, depth-first {:.0} m\n{}",
+        flown.ways_visited,
+        counted(flown.ways as u64, "way"),
+        flown.way_m,
+        counted(flown.revolutions, "revolution"),
+        flown.offline_m,
+        flown.depth_first_m,
+        flown.map.summary(),
+    )
+}

@@ -1,0 +1,69 @@
+//! The recording of a mission for the Rerun viewer.
+
+use std::path::Path;
+
+use crosscut_explore::Moment;
+use crosscut_pipeline::Config;
+use crosscut_recorder::{MissionDecision, MissionMap, MissionMoment, MissionRecorder, RecorderError};
+use crosscut_simulator::World;
+use crosscut_stage::HereKind;
+use nalgebra::{Isometry2, Point2};
+
+/// The map is drawn anew after this many revolutions: it costs more than all else.
+const MAP_EVERY: u64 = 20;
+
+/// A mission that is recorded.
+pub(super) struct Saved {
+    recorder: MissionRecorder,
+    failed: Option<RecorderError>,
+}
+
+impl Saved {
+    pub(super) fn create(path: &Path, name: &str, config: &Config, world: &World) -> Result<Self, RecorderError> {
+        let start = world.start;
+        let home = Isometry2::new(start.position_m.coords, start.heading_rad).inverse();
+        let segments = world.mine.surface().segments().iter();
+        let mine_m: Vec<[Point2<f64>; 2]> =
+            segments.map(|segment| [home * segment.from_m, home * segment.to_m]).collect();
+        let config = format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION"));
+        let recorder = MissionRecorder::create(path, name, &config, &mine_m)?;
+        Ok(Self { recorder, failed: None })
+    }
+
+    pub(super) fn add(&mut self, moment: &Moment) {
+        if self.failed.is_some() {
+            return;
+        }
+        let frame = moment.frame;
+        let map = (frame.revolution.seq % MAP_EVERY == 0).then(|| drawn(&moment.mapper.map()));
+        let (tracked, correction) = (frame.pose.unwrap_or_default(), moment.step.correction);
+        let decision = moment.step.decision.as_ref().map(|decision| MissionDecision {
+            place: decision.place,
+            bearing_rad: decision.bearing_rad + correction.rotation.angle(),
+            why: &decision.why,
+        });
+        let (vehicle, goal_m) = (correction * tracked, correction * moment.step.goal_m);
+        let moment = MissionMoment { frame, vehicle, goal_m, doing: moment.step.doing, decision, map };
+        self.failed = self.recorder.add(&moment).err();
+    }
+
+    /// Ends the file, and returns the first error.
+    pub(super) fn finish(mut self) -> Result<(), RecorderError> {
+        match self.failed.take() {
+            Some(error) => Err(error),
+            None => self.recorder.finish(),
+        }
+    }
+}
+
+fn drawn(map: &crosscut_flight::Map) -> MissionMap {
+    let places = map.nodes.iter().map(|node| (node.position_m, node.kind == HereKind::Junction)).collect();
+    let ways = map.nodes.iter().flat_map(|node| {
+        node.ways.iter().map(|way| (node.position_m, way.bearing_rad, way.taken || node.kind != HereKind::Junction))
+    });
+    let passages = map.passages.iter().map(|passage| {
+        let [from, to] = [passage.from, passage.to].map(|node| map.nodes[node].position_m);
+        std::iter::once(from).chain(passage.via_m.iter().copied()).chain([to]).collect()
+    });
+    MissionMap { places, ways: ways.collect(), passages: passages.collect() }
+}

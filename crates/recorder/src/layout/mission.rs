@@ -1,0 +1,100 @@
+//! The page of a mission: the mine from above, what the vehicle decided and why, and the counts over time.
+
+use nalgebra::Point2;
+use rerun::blueprint::components::{BackgroundKind, Eye3DKind, LinkAxis, PanelState, TextLogColumn};
+use rerun::blueprint::datatypes::{self, TextLogColumnKind};
+use rerun::blueprint::{
+    Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial3DView, TextDocumentView, TextLogView,
+    TimeSeriesView, Vertical,
+};
+use rerun::external::re_sdk_types::blueprint::archetypes::{
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
+};
+use rerun::{RecordingStream, RecordingStreamResult};
+
+use super::properties::{self, Properties};
+use super::time_panel;
+
+/// The entities of a mission.
+pub(crate) struct Entities {
+    pub(crate) mine: &'static str,
+    pub(crate) vehicle: &'static str,
+    pub(crate) trail: &'static str,
+    pub(crate) scan: &'static str,
+    pub(crate) openings: &'static str,
+    pub(crate) goal: &'static str,
+    pub(crate) choice: &'static str,
+    pub(crate) passages: &'static str,
+    pub(crate) ways: &'static str,
+    pub(crate) places: &'static str,
+    pub(crate) why: &'static str,
+    pub(crate) log: &'static str,
+    pub(crate) walls: &'static str,
+    pub(crate) new_ways: &'static str,
+}
+
+pub(crate) const ENTITIES: Entities = Entities {
+    mine: "/mission/mine",
+    vehicle: "/mission/vehicle",
+    trail: "/mission/trail",
+    scan: "/mission/scan",
+    openings: "/mission/openings",
+    goal: "/mission/goal",
+    choice: "/mission/choice",
+    passages: "/mission/map/passages",
+    ways: "/mission/map/ways",
+    places: "/mission/map/places",
+    why: "/mission/why",
+    log: "/mission/log",
+    walls: "/mission/walls",
+    new_ways: "/mission/new_ways",
+};
+
+/// Sends the page for a mine whose outline has these points.
+pub(crate) fn send(rec: &RecordingStream, outline_m: impl Iterator<Item = Point2<f64>>) -> RecordingStreamResult<()> {
+    let (mut low, mut high) = (Point2::new(-10.0, -10.0), Point2::new(10.0, 10.0));
+    for place_m in outline_m {
+        (low, high) = (low.inf(&place_m), high.sup(&place_m));
+    }
+    let mut properties = Properties::default();
+    let above = from_above(&mut properties, low, high);
+    let why = TextDocumentView::new("The last decision").with_origin(ENTITIES.why);
+    let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
+    let columns = TextLogColumns::new().with_text_log_columns([column(TextLogColumnKind::Body)]);
+    let log = TextLogView::new("Decisions: click to go there").with_origin(ENTITIES.log);
+    let log = properties.with(log, "TextLogColumns", columns);
+    let walls = plot(&mut properties, "Walls in view", ENTITIES.walls);
+    let left = plot(&mut properties, "Ways on the map not taken", ENTITIES.new_ways);
+    let words = Vertical::new([why.into(), log, walls, left]).with_row_shares([0.7, 1.6, 0.8, 0.8]);
+    let page = Horizontal::new([above, words.into()]).with_column_shares([2.1, 1.0]).with_name("Mission");
+    let layout = Blueprint::new(page)
+        .with_auto_views(false)
+        .with_auto_layout(false)
+        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
+        .with_time_panel(time_panel());
+    properties::send(rec, &layout, properties)
+}
+
+fn from_above(properties: &mut Properties, low: Point2<f64>, high: Point2<f64>) -> ContainerLike {
+    let middle = nalgebra::center(&low, &high);
+    let size = high - low;
+    // The viewer's field of view is 55° from top to bottom; the view is about as wide as high.
+    let height = (1.05 * size.y.max(size.x)) as f32;
+    let name = "The mine from above: map blue, ways not taken red, truth grey";
+    let view = Spatial3DView::new(name).with_origin("/mission").with_contents(["+ /mission/**"]);
+    let eye = EyeControls3D::new()
+        .with_kind(Eye3DKind::Orbital)
+        .with_position([middle.x as f32, middle.y as f32, height])
+        .with_look_target([middle.x as f32, middle.y as f32, 0.0])
+        .with_eye_up([0.0f32, 1.0, 0.0]);
+    let view = properties.with(view, "EyeControls3D", eye);
+    let view = properties.with(view, "LineGrid3D", LineGrid3D::new().with_visible(false));
+    properties.with(view, "Background", Background::new(BackgroundKind::SolidColor))
+}
+
+fn plot(properties: &mut Properties, name: &str, entity: &str) -> ContainerLike {
+    let view = TimeSeriesView::new(name).with_origin(entity);
+    let view = properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
+    properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false))
+}
