@@ -9,7 +9,7 @@ use crate::program::root;
 const README_LINES: usize = 120;
 const PAGE_LINES: usize = 200;
 /// Beside the page of results, which a command makes.
-const PAGES: usize = 11;
+const PAGES: usize = 12;
 
 /// Before a paragraph or a table, this comment names the published figures that must stand in it.
 const MARK: &str = "\n<!-- figures: ";
