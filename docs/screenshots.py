@@ -33,10 +33,18 @@ def main(crosscut: str):
         if name == "tee":
             take(crosscut, [paper, "--layout", "stages"], seq, "tee")
             take(crosscut, [paper, "--layout", "stages"], seq, "stages-light", light=True)
+    maps(crosscut)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
     take(crosscut, [run(crosscut, robot, "default", "robot"), "--with", robot], 20, "sensors-robot")
     why(crosscut, tee)
+
+
+def maps(crosscut: str):
+    """The page `map` of a simulated flight with loops."""
+    loops = WORK / "loops.mcap"
+    subprocess.run([crosscut, "simulate", "loops", "--seed", "1", "--out", loops, "--quiet"], check=True)
+    take(crosscut, [run(crosscut, loops, "default", "loops", detail="light"), "--layout", "map"], 3000, "map-loops")
 
 
 def why(crosscut: str, tee: Path):
@@ -60,13 +68,13 @@ def why(crosscut: str, tee: Path):
         take(crosscut, [right, "--layout", "stages"], seq, f"why-{name}-changed")
 
 
-def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around: int | None = None) -> Path:
+def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around: int | None = None, detail="default") -> Path:
     """The recording of a flight, or of some revolutions of it."""
     saved = WORK / f"{name}.rrd"
     saved.parent.mkdir(parents=True, exist_ok=True)
     chosen = [] if around is None else ["--record-revolutions", f"{max(0, around - 20)}..{around + 20}"]
     changes = [part for setting in settings for part in ("--set", setting)]
-    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", *chosen]
+    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--record", detail, *chosen]
     subprocess.run(command, check=True)
     return saved
 

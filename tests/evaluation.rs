@@ -241,3 +241,21 @@ fn two_families_or_configurations_of_one_name_are_refused() {
     let ran = run(["evaluate", &at("a"), "--with", &at("a/mine.toml"), "--with", &at("b/mine.toml")]).expect_code(0);
     assert!(ran.stdout.contains(&at("a/mine.toml")) && ran.stdout.contains(&at("b/mine.toml")), "{}", ran.stdout);
 }
+
+#[test]
+fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = folder.path().join("tee.mcap");
+    run(["simulate".as_ref(), "tee".as_ref(), "--out".as_ref(), flight.as_os_str()]).expect_code(0);
+    let json = folder.path().join("figures.json");
+    let args = ["evaluate".as_ref(), flight.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let ran = run(args).expect_code(0);
+    assert!(ran.stderr.contains("ms a revolution"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("flights: % of the revolutions whose place is right"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("every change") && ran.stdout.contains("8 m radius"), "{}", ran.stdout);
+    let figures: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).expect("written")).expect("JSON");
+    let flight = &figures["families"][0]["results"][0]["flight"];
+    assert_eq!(flight["map"]["false_merges"], 0, "{flight}");
+    assert_eq!(flight["map"]["recall"]["share"], 1.0, "the tee is found: {flight}");
+    assert!(flight["here"]["passage"]["share"].as_f64().is_some_and(|share| share > 0.9), "{flight}");
+}

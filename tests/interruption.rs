@@ -177,3 +177,18 @@ fn an_interrupted_evaluation_says_so_in_its_files() {
         assert!(std::fs::read_to_string(&file).expect("written").contains("interrupted"), "{file}");
     }
 }
+
+#[test]
+#[cfg(unix)]
+fn a_killed_run_leaves_the_map_up_to_then() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(600, &Writing::default()));
+    let map = folder.path().join("map.json");
+    let args = ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--map".as_ref(), map.as_os_str()];
+    let mut child = crosscut(args).stderr(Stdio::null()).spawn().expect("the program starts");
+    await_or_panic(|| map.metadata().is_ok_and(|file| file.len() > 0));
+    signal(&child, "KILL");
+    child.wait().expect("it ends");
+    let written: serde_json::Value = serde_json::from_slice(&std::fs::read(&map).expect("a map")).expect("JSON");
+    assert!(written["nodes"].is_array() && written["merges"].is_array(), "{written}");
+}

@@ -76,3 +76,31 @@ fn a_plan_is_flown_and_its_map_has_its_junctions() {
     let refused = simulate(&flight).expect_code(2).stderr;
     assert!(refused.contains("plan.json: edge 2 names the node 4"), "{refused}");
 }
+
+fn topics(path: &Path) -> Vec<String> {
+    let bytes = std::fs::read(path).expect("a recording");
+    let messages = mcap::MessageStream::new(&bytes).expect("an MCAP").map(|message| message.expect("a message"));
+    let mut topics: Vec<String> = messages.map(|message| message.channel.topic.clone()).collect();
+    topics.sort();
+    topics.dedup();
+    topics
+}
+
+#[test]
+fn a_flight_has_the_map_of_its_mine_and_the_odometry_that_was_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let fly = |name: &str, options: &[&str]| {
+        let made = folder.path().join(name);
+        let args = ["simulate", "tee"].iter().chain(options).copied().chain(["--out"]).map(std::ffi::OsStr::new);
+        run(args.chain([made.as_os_str()])).expect_code(0);
+        made
+    };
+    let usual = fly("usual.mcap", &[]);
+    assert_eq!(topics(&usual), ["/odom", "/scan", "/tf", "/truth", "/truth/map"]);
+    assert_eq!(topics(&fly("scans.mcap", &["--no-odometry"])), ["/scan", "/truth", "/truth/map"]);
+    let drifting = fly("drifting.mcap", &["--drift", "0.1"]);
+    assert_eq!(scans(&usual), scans(&drifting), "drift changes the odometry alone");
+    assert_ne!(std::fs::read(usual).expect("made"), std::fs::read(drifting).expect("made"));
+    let refused = run(["simulate", "tee", "--drift", "2", "--out", "nowhere.mcap"]).expect_code(2).stderr;
+    assert!(refused.contains("a share of the way"), "{refused}");
+}

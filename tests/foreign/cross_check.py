@@ -11,6 +11,7 @@ import carmen
 import determinism
 import elsewhere
 import formats
+import graphs
 import html_page
 import killing
 import mcap_io
@@ -36,6 +37,7 @@ CHECKS = {
     "elsewhere": elsewhere,
     "carmen": carmen,
     "formats": formats,
+    "graphs": graphs,
     "messages": messages,
 }
 # Need a browser; `browser` needs a program with the feature `web` too.

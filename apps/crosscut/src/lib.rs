@@ -19,6 +19,7 @@ mod exit;
 mod figure;
 mod flight;
 mod interrupt;
+mod map_file;
 mod maps;
 mod observers;
 mod outputs;
@@ -28,6 +29,8 @@ mod say;
 mod scoring;
 mod summary;
 mod typeset;
+mod unfinished;
+mod written;
 mod wrong;
 
 use std::ffi::OsString;

@@ -42,10 +42,15 @@ pub(crate) fn json(map: &Map) -> Value {
         json!({"node": merge.node, "at_ns": merge.at_ns, "score": merge.score, "runner_up": merge.runner_up,
                "why": merge.why})
     };
+    let refusal = |refusal: &crosscut_flight::Refusal| {
+        json!({"node": refusal.node, "at_ns": refusal.at_ns, "score": refusal.score, "runner_up": refusal.runner_up,
+               "why": refusal.why})
+    };
     json!({
         "nodes": map.nodes.iter().enumerate().map(node).collect::<Vec<_>>(),
         "edges": map.passages.iter().enumerate().map(edge).collect::<Vec<_>>(),
         "merges": map.merges.iter().map(merge).collect::<Vec<_>>(),
+        "refusals": map.refusals.iter().map(refusal).collect::<Vec<_>>(),
     })
 }
 

@@ -88,6 +88,7 @@ mod recorder_options {
             match layout {
                 LayoutArg::Overview => Self::Overview,
                 LayoutArg::Stages => Self::Stages,
+                LayoutArg::Map => Self::Map,
                 LayoutArg::Speed => Self::Speed,
             }
         }

@@ -3,11 +3,14 @@
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 use anyhow::Context;
+use crosscut_evaluate::flights::{FlightFigures, FlightScore};
 use crosscut_evaluate::{Evaluation, Score};
-use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths};
-use crosscut_messages::{Truth, TruthError};
+use crosscut_flight::Mapper;
+use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths, truth_map};
+use crosscut_messages::{Truth, TruthError, TruthMap};
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError, counted};
@@ -19,6 +22,8 @@ use crate::wrong::Wrong;
 pub(crate) struct Scored {
     /// Figures over every revolution that has a truth.
     pub(crate) evaluation: Evaluation,
+    /// The figures of the flight, and the time that following it took, if its mine is known.
+    pub(crate) flight: Option<(FlightFigures, FlightTime)>,
     /// The wrong answers.
     pub(crate) wrong: Wrong,
     /// How the run ended.
@@ -45,9 +50,16 @@ pub(crate) fn score(
     let mut source = WithTruth { recording: open(path, options, config)?, truths: Truths::open(path)?, queue: &queue };
     let (mut evaluation, mut wrong, mut not_compared) =
         (Evaluation::default(), Wrong::default(), NotCompared::default());
+    let mine = truth_map(path)?.transpose();
+    let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));
+    let mut followed = mine.ok().flatten().map(|mine| Followed::new(&mine));
+    let options = StreamOptions { stop: stop.clone(), flight: followed.is_some(), ..StreamOptions::default() };
     let mut results = |frame: &Frame| {
         match queue.compare(frame) {
             Ok((truth, score)) => {
+                if let Some(followed) = &mut followed {
+                    followed.add(frame, &truth);
+                }
                 evaluation.add(&score);
                 wrong.take(frame, &truth, &score);
             }
@@ -56,11 +68,58 @@ pub(crate) fn score(
         bar.inc(1);
         Ok(())
     };
-    let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
     let summary = stream(&mut source, config, registry, &mut results, &mut [], &options);
     let end = summary.context("a thread could not be started")?.end;
     let lost = source.recording.losses().iter().map(ToString::to_string);
-    Ok(Scored { evaluation, wrong, end, losses: lost.chain(not_compared.messages(path)).collect() })
+    let losses = lost.chain(not_compared.messages(path)).chain(bad_map).collect();
+    Ok(Scored { evaluation, flight: followed.map(Followed::finish), wrong, end, losses })
+}
+
+/// A flight that is followed, and its map.
+struct Followed {
+    score: FlightScore,
+    mapper: Mapper,
+    time: FlightTime,
+}
+
+/// The time that poses, places, steady answers and the map take.
+#[derive(Debug, Default)]
+pub(crate) struct FlightTime {
+    revolutions_ns: Vec<u64>,
+}
+
+impl Followed {
+    fn new(mine: &TruthMap) -> Self {
+        Self { score: FlightScore::new(mine), mapper: Mapper::default(), time: FlightTime::default() }
+    }
+
+    fn add(&mut self, frame: &Frame, truth: &Truth) {
+        let start = Instant::now();
+        self.mapper.add(frame);
+        let map_ns = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.time.revolutions_ns.push(map_ns.saturating_add(frame.timings.flight_ns().unwrap_or(0)));
+        self.score.add(frame, truth);
+    }
+
+    fn finish(self) -> (FlightFigures, FlightTime) {
+        (self.score.figures(&self.mapper.map()), self.time)
+    }
+}
+
+impl FlightTime {
+    pub(crate) fn merge(&mut self, other: Self) {
+        self.revolutions_ns.extend(other.revolutions_ns);
+    }
+
+    /// The median and the 99th percentile in words; `None` without revolutions.
+    pub(crate) fn words(mut self) -> Option<String> {
+        self.revolutions_ns.sort_unstable();
+        let last = self.revolutions_ns.len().checked_sub(1)?;
+        let [p50, p99] = [50, 99].map(|percent| self.revolutions_ns[last * percent / 100] as f64 * 1e-6);
+        Some(format!(
+            "pose, place, steady answer and map: {p50:.2} ms a revolution, {p99:.2} ms in the 99th percentile"
+        ))
+    }
 }
 
 /// The truth of each revolution on its way: results leave in the order of the source.

@@ -86,6 +86,7 @@ mod confidence;
 mod contingency;
 mod differences;
 mod evaluation;
+pub mod flights;
 mod flips;
 pub mod maps;
 mod openings;

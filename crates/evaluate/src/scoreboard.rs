@@ -1,5 +1,6 @@
 //! Evaluations by family of scenes and configuration.
 
+use crate::flights::FlightFigures;
 use crate::{Evaluation, Score};
 
 /// An evaluation for each family and configuration.
@@ -16,6 +17,8 @@ pub struct Family {
     pub name: String,
     /// One evaluation per configuration, in their order.
     pub evaluations: Vec<Evaluation>,
+    /// The figures of its flights per configuration, if it has any whose mine is known.
+    pub flights: Vec<Option<FlightFigures>>,
 }
 
 impl Scoreboard {
@@ -41,6 +44,28 @@ impl Scoreboard {
         self.evaluation(family, configuration).merge(evaluation);
     }
 
+    /// Adds the figures of a flight of `family` for the configuration of this index.
+    ///
+    /// # Panics
+    /// If there is no such configuration.
+    pub fn add_flight(&mut self, family: &str, configuration: usize, figures: &FlightFigures) {
+        let place = self.place_of(family);
+        self.families[place].flights[configuration].get_or_insert_default().merge(figures);
+    }
+
+    /// The figures of the flights of all families for each configuration.
+    pub fn all_flights(&self) -> Vec<Option<FlightFigures>> {
+        let mut all = vec![None; self.configurations.len()];
+        for family in &self.families {
+            for (sum, part) in all.iter_mut().zip(&family.flights) {
+                if let Some(part) = part {
+                    sum.get_or_insert_with(FlightFigures::default).merge(part);
+                }
+            }
+        }
+        all
+    }
+
     /// Names of the configurations.
     pub fn configurations(&self) -> &[String] {
         &self.configurations
@@ -63,11 +88,16 @@ impl Scoreboard {
     }
 
     fn evaluation(&mut self, family: &str, configuration: usize) -> &mut Evaluation {
-        let place = self.families.iter().position(|known| known.name == family).unwrap_or_else(|| {
-            let evaluations = vec![Evaluation::default(); self.configurations.len()];
-            self.families.push(Family { name: family.to_owned(), evaluations });
-            self.families.len() - 1
-        });
+        let place = self.place_of(family);
         &mut self.families[place].evaluations[configuration]
+    }
+
+    fn place_of(&mut self, family: &str) -> usize {
+        self.families.iter().position(|known| known.name == family).unwrap_or_else(|| {
+            let evaluations = vec![Evaluation::default(); self.configurations.len()];
+            let flights = vec![None; self.configurations.len()];
+            self.families.push(Family { name: family.to_owned(), evaluations, flights });
+            self.families.len() - 1
+        })
     }
 }

@@ -1,6 +1,10 @@
 //! Tables of a scoreboard, independent of their format.
 
+use crosscut_messages::TruthKind;
+
 use crate::confidence::BINS;
+use crate::flights::{FlightFigures, RADIUS_M};
+use crate::maps::MapFigures;
 use crate::{Evaluation, Figures, Percentiles, Proportion, Scoreboard};
 
 /// A table of text, without a format.
@@ -20,10 +24,103 @@ pub fn overview(scoreboard: &Scoreboard) -> Vec<Table> {
         Some([low, high]) => format!("{} [{}, {}]", share(figures.right), percent(Some(low)), percent(Some(high))),
         None => NO_VALUE.to_owned(),
     };
-    vec![
+    let mut tables = vec![
         by_family(scoreboard, "right: count equal and every wall matched, % [95 % interval]", right),
         by_family(scoreboard, "right counts, %", |figures| share(figures.right_count)),
+    ];
+    tables.extend(flights(scoreboard));
+    tables
+}
+
+/// Places, steady answers and maps of flights: a row for each family that has flights whose mine is known, and
+/// configuration. No table without such a flight.
+pub fn flights(scoreboard: &Scoreboard) -> Vec<Table> {
+    let each = scoreboard.families().iter().map(|family| (family.name.as_str(), family.flights.clone()));
+    let all = Some((ALL, scoreboard.all_flights())).filter(|_| scoreboard.families().len() > 1);
+    let mut named: Vec<([String; 2], FlightFigures)> = Vec::new();
+    for (family, of_configurations) in each.chain(all) {
+        for (configuration, figures) in scoreboard.configurations().iter().zip(of_configurations) {
+            named.extend(figures.map(|figures| ([family.to_owned(), configuration.clone()], figures)));
+        }
+    }
+    if named.is_empty() { Vec::new() } else { vec![places(&named), maps(&named)] }
+}
+
+fn places(named: &[([String; 2], FlightFigures)]) -> Table {
+    const KINDS: [TruthKind; 4] = [TruthKind::Junction, TruthKind::Passage, TruthKind::DeadEnd, TruthKind::Chamber];
+    let rows = named.iter().flat_map(|(names, figures)| {
+        let answers = [
+            ("single", &figures.here, figures.count, figures.flicker),
+            ("steady", &figures.steady_here, figures.steady_count, figures.steady_flicker),
+        ];
+        answers.map(|(answer, here, count, flicker)| {
+            let of_kinds = KINDS.map(|kind| share(here.get(&kind).copied().unwrap_or_default()));
+            let names = names.iter().cloned().chain([answer.to_owned()]);
+            names.chain(of_kinds).chain([share(count), number(flicker.value().map(|share| 100.0 * share), 2)]).collect()
+        })
+    });
+    let header =
+        ["family", "configuration", "answer", "junction", "passage", "dead end", "chamber", "count right", "flicker"];
+    Table {
+        title:
+            "flights: % of the revolutions whose place is right, by kind of place; right counts; counts that flicker"
+                .to_owned(),
+        header: header.map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }
+}
+
+/// Columns of a table of maps, after those that name the row.
+pub const MAP_COLUMNS: [&str; 11] = [
+    "exact",
+    "F1",
+    "nodes / true",
+    "same place P",
+    "same place R",
+    "false merges",
+    "ways right",
+    "passages (false)",
+    "loops (false)",
+    "length off",
+    "precision, recall",
+];
+
+/// The cells of [`MAP_COLUMNS`].
+pub fn map_cells(figures: &MapFigures) -> Vec<String> {
+    let with_false = |of: Proportion, wrong: u64| format!("{} of {} ({wrong})", of.hits, of.of);
+    let has_ways = figures.degree.of + figures.passages.of > 0;
+    let lengths = Percentiles::of(&figures.length_errors);
+    let only = |cell: String| if has_ways { cell } else { NO_VALUE.to_owned() };
+    vec![
+        only(format!("{} of {}", figures.exact.hits, figures.exact.of)),
+        number(figures.f1(), 3),
+        number(figures.over_count(), 2),
+        share(figures.same_precision),
+        share(figures.same_recall),
+        figures.false_merges.to_string(),
+        share(figures.degree),
+        only(with_false(figures.passages, figures.false_passages)),
+        only(with_false(figures.loops, figures.false_loops)),
+        percent(lengths.map(|errors| errors.p50)),
+        format!("{}, {}", share(figures.precision), share(figures.recall)),
     ]
+}
+
+fn maps(named: &[([String; 2], FlightFigures)]) -> Table {
+    let radius = format!("{RADIUS_M} m radius");
+    let rows = named.iter().flat_map(|(names, figures)| {
+        let ways = [("map", &figures.map), ("every change", &figures.every_change), (&radius, &figures.radius)];
+        ways.map(|(way, figures)| {
+            names.iter().cloned().chain([way.to_owned()]).chain(map_cells(figures)).collect::<Vec<_>>()
+        })
+    });
+    let header = ["family", "configuration", "nodes by"].into_iter().chain(MAP_COLUMNS);
+    Table {
+        title: "maps: flights whose map is exact; nodes against places, pairs of visits, ways, passages, loops; %"
+            .to_owned(),
+        header: header.map(str::to_owned).collect(),
+        rows: rows.collect(),
+    }
 }
 
 /// All other figures: tables with a row per family and configuration, then confusion and reliability per configuration.

@@ -15,6 +15,7 @@
 //! All of it is deterministic: the same revolutions give the same poses.
 
 mod belief;
+mod evidence;
 mod flight;
 mod g2o;
 mod here;
@@ -30,7 +31,7 @@ mod surroundings;
 pub use flight::{Flight, PARAMS};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
-pub use map::{Located, Map, Mapper, Merge, Node, NodeWay, Passage, loops_in};
+pub use map::{Anchored, Located, Map, Mapper, Merge, Node, NodeWay, Passage, Refusal, loops_in};
 pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
 pub use scan_match::{Matched, Motion, ScanMatcher};

@@ -1,6 +1,6 @@
 //! Returns that lie on a line of returns, with the normal of that line.
 
-use nalgebra::{Matrix2, Point2, Unit, Vector2};
+use nalgebra::{Isometry2, Matrix2, Point2, Unit, Vector2};
 
 use crosscut_stage::Point;
 
@@ -22,6 +22,13 @@ pub(crate) struct LinePoint {
     pub(crate) position_m: Point2<f64>,
     /// Of the line, towards the sensor.
     pub(crate) normal: Unit<Vector2<f64>>,
+}
+
+impl LinePoint {
+    /// It in the frame that `pose` is in.
+    pub(crate) fn at(&self, pose: &Isometry2<f64>) -> Self {
+        Self { position_m: pose * self.position_m, normal: pose.rotation * self.normal }
+    }
 }
 
 /// The returns that lie on a line of at least three, in message order.

@@ -9,10 +9,11 @@
 //! with ρ of Geman and McClure and x̂, P the predicted pose and its covariance. The second term decides where the walls
 //! do not: along a straight smooth tunnel.
 
-use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 
 use crosscut_stage::{Revolution, wrap_angle_rad};
 
+use crate::evidence::{Evidence, stepped};
 use crate::line_points::{LinePoint, line_points};
 use crate::local_map::LocalMap;
 
@@ -129,8 +130,7 @@ impl ScanMatcher {
             let information = walls.information + prior_information;
             let Some(factor) = information.cholesky() else { return (f64::INFINITY, lost) };
             let step = factor.solve(&-(walls.gradient + prior_information * off));
-            let position_m = pose.translation.vector + step.xy();
-            pose = Isometry2::new(position_m, pose.rotation.angle() + step.z);
+            pose = stepped(&pose, &step);
             if step.amax() < CONVERGED {
                 break;
             }
@@ -151,24 +151,12 @@ impl ScanMatcher {
         }
     }
 
-    /// Value, gradient and curvature of the walls' part of the sum at a pose.
+    /// The walls' part of the sum at a pose.
     fn evidence_at(&self, pose: &Isometry2<f64>) -> Evidence {
-        let mut evidence = Evidence::default();
-        for point in &self.line_points {
-            let placed = LinePoint { position_m: pose * point.position_m, normal: pose.rotation * point.normal };
-            let Some(wall) = self.map.nearest(&placed) else { continue };
-            let distance_m = wall.normal.dot(&(placed.position_m - wall.position_m));
-            let arm_m = placed.position_m.coords - pose.translation.vector;
-            let by_yaw = wall.normal.dot(&Vector2::new(-arm_m.y, arm_m.x));
-            let by_pose = Vector3::new(wall.normal.x, wall.normal.y, by_yaw);
-            let kernel = KERNEL_M * KERNEL_M / (KERNEL_M * KERNEL_M + distance_m * distance_m);
-            let weight = kernel * kernel / (DEVIATION_M * DEVIATION_M);
-            evidence.information += by_pose * by_pose.transpose() * weight;
-            evidence.gradient += by_pose * (weight * distance_m);
-            evidence.cost += kernel * distance_m * distance_m / (DEVIATION_M * DEVIATION_M);
-            evidence.matched += 1;
-        }
-        evidence
+        const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
+        let Evidence { cost, information, gradient, matched } =
+            Evidence::of(&self.line_points, &self.map, pose, KERNEL_M);
+        Evidence { cost: cost * WEIGHT, information: information * WEIGHT, gradient: gradient * WEIGHT, matched }
     }
 
     /// Adds the revolution to the map if the vehicle has moved or turned enough since the last one that was added.
@@ -181,18 +169,9 @@ impl ScanMatcher {
         self.keyframe = self.pose;
         self.map.keep_around(&Point2::from(self.pose.translation.vector), MAP_RADIUS_M);
         for point in &self.line_points {
-            let position_m = self.pose * point.position_m;
-            self.map.insert(LinePoint { position_m, normal: self.pose.rotation * point.normal });
+            self.map.insert(point.at(&self.pose));
         }
     }
-}
-
-#[derive(Default)]
-struct Evidence {
-    cost: f64,
-    information: Matrix3<f64>,
-    gradient: Vector3<f64>,
-    matched: usize,
 }
 
 /// Covariance of the motion between two poses that are matched to the same walls.

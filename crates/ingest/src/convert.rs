@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use crosscut_messages::{
     CDR_ENCODING, DecodeError, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC, PointCloud2,
-    ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_TOPIC, TfMessage,
+    ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME,
+    TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
 };
 use mcap::records::MessageHeader;
 
@@ -54,6 +55,7 @@ enum Kind {
     Transforms,
     /// The bytes are copied.
     Truth,
+    TruthMap,
 }
 
 /// A topic of the recording, and what becomes of it.
@@ -124,8 +126,10 @@ fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, C
         let to = if is_static { format!("{TF_TOPIC}_static") } else { TF_TOPIC.to_owned() };
         routes.push(Route { kind: Kind::Transforms, from: topic.clone(), to });
     }
-    let truth = topics.iter().find(|topic| topic.name == TRUTH_TOPIC);
-    routes.extend(truth.map(|topic| Route { kind: Kind::Truth, from: topic.clone(), to: TRUTH_TOPIC.to_owned() }));
+    for (kind, name) in [(Kind::Truth, TRUTH_TOPIC), (Kind::TruthMap, TRUTH_MAP_TOPIC)] {
+        let truth = topics.iter().find(|topic| topic.name == name);
+        routes.extend(truth.map(|topic| Route { kind, from: topic.clone(), to: name.to_owned() }));
+    }
     Ok(routes)
 }
 
@@ -155,7 +159,7 @@ fn recoded(route: &Route, message: &container::Message) -> Result<Vec<u8>, Decod
         }
         Kind::Odometry => in_cdr::<Odometry>(&route.from, &message.data),
         Kind::Transforms => in_cdr::<TfMessage>(&route.from, &message.data),
-        Kind::Truth => Ok(message.data.clone()),
+        Kind::Truth | Kind::TruthMap => Ok(message.data.clone()),
     }
 }
 
@@ -165,10 +169,11 @@ fn add_channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, route: &Route) -> Re
         Kind::Scan(_) => (LaserScan::SCHEMA_NAME, LaserScan::SCHEMA_TEXT),
         Kind::Odometry => (Odometry::SCHEMA_NAME, Odometry::SCHEMA_TEXT),
         Kind::Transforms => (TfMessage::SCHEMA_NAME, TfMessage::SCHEMA_TEXT),
-        Kind::Truth => (crosscut_messages::TRUTH_SCHEMA_NAME, crosscut_messages::TRUTH_SCHEMA_TEXT),
+        Kind::Truth => (TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT),
+        Kind::TruthMap => (TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT),
     };
     let (schema_encoding, encoding) = match route.kind {
-        Kind::Truth => (crosscut_messages::JSON_SCHEMA_ENCODING, crosscut_messages::JSON_ENCODING),
+        Kind::Truth | Kind::TruthMap => (crosscut_messages::JSON_SCHEMA_ENCODING, crosscut_messages::JSON_ENCODING),
         _ => (SCHEMA_ENCODING, CDR_ENCODING),
     };
     let schema = mcap.add_schema(type_name, schema_encoding, text.as_bytes())?;

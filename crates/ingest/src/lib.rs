@@ -8,7 +8,7 @@
 //!
 //! - [`Sensor`] makes one scan a revolution: pure, no I/O, for a robot's own program as well.
 //! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source).
-//! - [`describe`] tells what is in a file; [`Truths`] reads the truth beside the scans.
+//! - [`describe`] tells what is in a file; [`Truths`] reads the truth beside the scans, [`truth_map`] that of a flight's mine.
 //! - [`convert()`] writes any recording as an MCAP of ROS 2.
 //!
 //! # One scan
@@ -128,4 +128,4 @@ pub use odometry::Odometry;
 pub use recording::{ReadOptions, Recording};
 pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD};
 pub use topics::{TopicInfo, TopicList};
-pub use truths::Truths;
+pub use truths::{Truths, truth_map};

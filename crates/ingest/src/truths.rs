@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 
-use crosscut_messages::{JSON_ENCODING, TRUTH_TOPIC, Truth, TruthError};
+use crosscut_messages::{JSON_ENCODING, TRUTH_MAP_TOPIC, TRUTH_TOPIC, Truth, TruthError, TruthMap, TruthMapError};
 
 use crate::container::{self, TopicReader};
 use crate::topics::topics_of;
@@ -15,6 +15,22 @@ pub struct Truths {
     reader: TopicReader,
     /// Read, but not asked for yet, by log time.
     waiting: BTreeMap<u64, VecDeque<Result<Truth, TruthError>>>,
+}
+
+/// The map of the mine in the recording `path`; `None` if it holds none.
+///
+/// # Errors
+/// When the recording cannot be read; the inner error is that of the message.
+pub fn truth_map(path: &Path) -> Result<Option<Result<TruthMap, TruthMapError>>, IngestError> {
+    let container = container::open(path, &CsvGeometry::default())?;
+    let contents = container.contents();
+    let mut channels = contents.channels_of(TRUTH_MAP_TOPIC);
+    channels.retain(|id| contents.channels.get(id).is_some_and(|topic| topic.encoding == JSON_ENCODING));
+    if channels.is_empty() {
+        return Ok(None);
+    }
+    let mut reader = TopicReader::new(container, channels);
+    Ok(reader.next().map(|message| TruthMap::from_json(&message.data)))
 }
 
 impl Truths {

@@ -53,6 +53,7 @@ pub mod schema;
 mod standard;
 mod tf;
 mod truth;
+mod truth_map;
 
 pub use cloud::{Cloud, NumberType};
 pub use error::DecodeError;
@@ -67,7 +68,12 @@ pub use scene::{SCENE_SCHEMA_NAME, Scene, SceneArrow, SceneLine, SceneText};
 pub use schema::SCHEMA_ENCODING;
 pub use standard::{Header, Quaternion, Time, Vector3};
 pub use tf::{TfMessage, Transform, TransformStamped};
-pub use truth::{TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, Truth, TruthError, TruthOpening};
+pub use truth::{
+    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, Truth, TruthError, TruthKind, TruthOpening, TruthPlace, TruthPose,
+};
+pub use truth_map::{
+    TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TruthEdge, TruthMap, TruthMapError, TruthNode, TruthWay,
+};
 
 /// A scan with more beams is refused.
 pub const MOST_BEAMS: usize = 1 << 20;
@@ -94,3 +100,5 @@ pub const ODOMETRY_TOPIC: &str = "/odom";
 pub const TF_TOPIC: &str = "/tf";
 /// Where truth is written, at the log time of the scan that it belongs to.
 pub const TRUTH_TOPIC: &str = "/truth";
+/// Where the map of a flight's mine is written, once.
+pub const TRUTH_MAP_TOPIC: &str = "/truth/map";

@@ -20,6 +20,46 @@ pub struct Truth {
     /// One entry a beam, in message order: the id of the wall that it hits, [`Truth::NO_RETURN`] or
     /// [`Truth::NO_WALL`]. Walls and islands are numbered together from 0, by their smallest beam index.
     pub labels: Vec<i32>,
+    /// Where the scan was taken; only on flights.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose: Option<TruthPose>,
+    /// What kind of place that is; only on flights, and only where it is clear.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub here: Option<TruthPlace>,
+}
+
+/// The pose of the sensor at the first beam of a scan, in the frame of that of the flight's first scan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TruthPose {
+    /// Ahead of the first pose, m.
+    pub x_m: f64,
+    /// To the left of the first pose, m.
+    pub y_m: f64,
+    /// Anticlockwise from the heading of the first pose, rad.
+    pub yaw_rad: f64,
+}
+
+/// What lies at the place of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TruthPlace {
+    /// Kind of the place.
+    pub kind: TruthKind,
+    /// Number of its ways.
+    pub ways: u32,
+}
+
+/// A kind of place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TruthKind {
+    /// Three or more ways.
+    Junction,
+    /// Two ways.
+    Passage,
+    /// One way.
+    DeadEnd,
+    /// Much wider than its one or two ways.
+    Chamber,
 }
 
 /// One way on.
@@ -84,9 +124,14 @@ mod tests {
     fn the_message_of_the_contract_is_read_and_written_as_it_stands() {
         let text = br#"{"walls":1,"islands":1,"openings":[{"bearing_rad":0.5,"width_m":3.5}],"labels":[0,-1,1,-2]}"#;
         let truth = Truth::from_json(text).expect("of the schema");
+        assert_eq!((truth.pose, truth.here), (None, None));
         assert_eq!(truth.openings, [TruthOpening { bearing_rad: 0.5, width_m: 3.5 }]);
         assert_eq!((truth.walls, truth.islands, &truth.labels[..]), (1, 1, &[0, -1, 1, -2][..]));
         assert_eq!(truth.to_json(), text);
+        let flown = br#"{"walls":2,"islands":0,"openings":[],"labels":[],"pose":{"x_m":1.5,"y_m":0.0,"yaw_rad":-0.5},"here":{"kind":"dead_end","ways":1}}"#;
+        let truth = Truth::from_json(flown).expect("of the schema");
+        assert_eq!(truth.here, Some(TruthPlace { kind: TruthKind::DeadEnd, ways: 1 }));
+        assert_eq!(truth.to_json(), flown);
     }
 
     #[test]

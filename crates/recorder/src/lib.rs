@@ -38,6 +38,7 @@ mod beam_order;
 mod colors;
 mod exact;
 mod file;
+mod flight_map;
 mod layout;
 mod live;
 mod matrices;

@@ -16,6 +16,7 @@ use crate::backlog::{Backlog, Lost, Room};
 use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
 use crate::file::RrdFile;
+use crate::flight_map::{self, FlightMap};
 use crate::layout::{Extent, Shown};
 use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
@@ -71,6 +72,7 @@ pub struct Recorder {
     watch: Watch,
     times: Times,
     notes: Notes,
+    map: FlightMap,
     beams: BeamGeometry,
     pictures: Pictures,
     flushed_stamp_ns: u64,
@@ -135,6 +137,7 @@ impl Recorder {
             watch: Watch::default(),
             times: Times::default(),
             notes: Notes::default(),
+            map: FlightMap::default(),
             beams: BeamGeometry::default(),
             pictures: Pictures::default(),
             flushed_stamp_ns: 0,
@@ -153,6 +156,9 @@ impl Recorder {
     }
 
     fn record(&mut self, frame: &Frame) -> Result<(), RecorderError> {
+        if frame.failure.is_none() {
+            self.map.add(frame); // a map needs the whole flight, whatever is recorded of it
+        }
         let Some(mut share) = self.plan.share_of(frame) else { return Ok(()) };
         self.recorded.fetch_add(1, Ordering::Relaxed);
         let revolution = &frame.revolution;
@@ -173,7 +179,10 @@ impl Recorder {
         }
         let is_room = self.make_room(frame, &mut share);
         match &frame.failure {
-            None if is_room => self.log(frame, share),
+            None if is_room => {
+                self.log(frame, share);
+                self.map.log(&mut self.rows, frame, begins_part);
+            }
             None => {}
             Some(failure) => self.log_failure(&failure.to_string()),
         }
@@ -351,6 +360,7 @@ fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderEr
     spectrum::log_static(rec)?;
     partition::log_static(rec)?;
     profile::log_static(rec)?;
+    flight_map::log_static(rec)?;
     report::log_static(rec)?;
     timing::log_static(rec)?;
     why::log_static(rec)?;

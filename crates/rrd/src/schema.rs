@@ -216,6 +216,22 @@ entities! {
     REPORT_WALLS: "/report/walls", TENSOR, ["wall", "id, returns, from_rad, to_rad, island, class"], "rad", Exact,
         Revolution, "a row for each wall; its class is its colour";
     REPORT_AXIS: "/report/axis", SCALAR, ["end"], "", Drawing, File, "what plots of counts reach at least";
+    FLIGHT_POSE: "/flight/pose", TENSOR, ["x_m, y_m, yaw_rad"], "m, rad", Exact, Event,
+        "pose in the map's frame by what is known then, at each revolution that has one; drawn as an arrowhead";
+    FLIGHT_HERE: "/flight/here", "StateChange:state", [], "", Exact, Event,
+        "kind of the place by the steady answer, at each revolution where it is known";
+    FLIGHT_PATH: "/flight/path", LINES_2D, ["point", "axis"], "m", Drawing, Change, "the way so far, corrected";
+    FLIGHT_WALLS: "/flight/walls", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
+        "walls so far, a point for each square of 0.2 m, corrected; drawn again when many are new";
+    FLIGHT_WALLS_NEW: "/flight/walls/new", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
+        "walls that are not in `/flight/walls` yet";
+    FLIGHT_NODES: "/flight/nodes", "Points2D:positions", ["node", "axis"], "m", F32, Change,
+        "junctions and dead ends of the map by number, with y downwards; arrows are their ways";
+    FLIGHT_PASSAGES: "/flight/passages", LINES_2D, ["point", "axis"], "m", Drawing, Change, "passages of the map";
+    FLIGHT_GRAPH: "/flight/graph", "GraphNodes:node_ids", ["node"], "", Exact, Change,
+        "the map as a graph: nodes by number, and a pair of them for each passage";
+    FLIGHT_SUMMARY: "/flight/summary", DOCUMENT, [], "", Words, Change,
+        "the map in words, and why places are taken to be seen before or not";
     TIMING_INGEST: "/timing/ingest", SCALAR, [], "ms", Exact, Revolution, "time of ingest";
     TIMING_AFFINITY: "/timing/affinity", SCALAR, [], "ms", Exact, Revolution, "time of affinity";
     TIMING_SPECTRAL: "/timing/spectral", SCALAR, [], "ms", Exact, Revolution, "time of spectral";

@@ -124,11 +124,21 @@ impl Value {
                 let texts = cell.values.as_string::<i32>().iter().flatten();
                 Ok(Self::Texts(texts.map(str::to_owned).collect()))
             }
+            DataType::Struct(_) => joined(&cell.values).map(Self::Texts),
             DataType::List(_) => lists(&cell.values).map(Self::Lists),
             _ if number => Array::new(vec![], vec![], flat(&cell.values)?).map(Self::Numbers),
             _ => array(&cell.values).map(Self::Numbers),
         }
     }
+}
+
+/// Items of several texts, such as the two ends of an edge, with a space between them.
+fn joined(values: &ArrayRef) -> Result<Vec<String>, String> {
+    let fields = values.as_struct().columns().iter();
+    let fields: Option<Vec<_>> = fields.map(|field| field.as_string_opt::<i32>()).collect();
+    let fields = fields.ok_or("neither numbers nor words")?;
+    let item = |at: usize| fields.iter().map(|field| field.value(at)).collect::<Vec<_>>().join(" ");
+    Ok((0..values.len()).map(item).collect())
 }
 
 /// Items of one number, or of equally many.

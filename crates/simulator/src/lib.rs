@@ -20,6 +20,7 @@
 //! - [`vehicle`]: follows a route by pure pursuit, with disturbances of course, yaw, roll and pitch, and drifting
 //!   odometry.
 //! - [`Plan`]: a mine as its surveyor draws it, and a flight through all of it.
+//! - [`network::Network::map`]: the map of a mine, and [`network::Network::place_at`]: what kind of place lies where.
 //! - [`scenarios`]: flights by name. [`suites`]: families of scenes by name, with seeds for development and for
 //!   reports.
 //!
@@ -66,6 +67,7 @@ mod segment;
 mod skeleton;
 mod suite;
 pub mod surface;
+mod survey;
 pub mod truth;
 pub mod vehicle;
 mod world;

@@ -24,17 +24,101 @@ pub(crate) fn tunnel(seed: u64) -> Flight {
 
 /// A flight through a mine of tunnels 6 m wide and 4 m high that cross many times, its walls wet in places.
 pub(crate) fn mine(seed: u64) -> Flight {
-    through_mine(9, seed)
+    through_rooms(&Rooms { steps: 9, ..Rooms::MINE }, seed)
 }
 
 /// A longer flight through such a mine, which comes back to places that it has seen before.
 pub(crate) fn loops(seed: u64) -> Flight {
-    through_mine(24, seed)
+    through_rooms(&Rooms::MINE, seed)
 }
 
-fn through_mine(steps: usize, seed: u64) -> Flight {
-    let (network, route) = rooms(steps, &mut generator(seed, "mine"));
-    let texture = Texture { bump_sd_m: 0.15, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
+/// A flight through straight corridors of one length and width, which meet at right angles.
+pub(crate) fn lookalike(seed: u64) -> Flight {
+    let rooms = Rooms {
+        spacing_m: 22.0,
+        disorder: 0.0,
+        half_width_m: [1.74, 1.76],
+        swell: 0.0,
+        spurs: 0.0,
+        chambers: 0,
+        alcoves: 0,
+        pillars: 0,
+        bump_sd_m: 0.06,
+        wet_share: 0.0,
+        ..Rooms::MINE
+    };
+    through_rooms(&rooms, seed)
+}
+
+/// A flight through tunnels 2.4 m wide that meet every 10 m.
+pub(crate) fn close(seed: u64) -> Flight {
+    let rooms = Rooms {
+        steps: 50,
+        spacing_m: 10.0,
+        disorder: 0.25,
+        half_width_m: [1.1, 1.3],
+        spurs: 0.0,
+        chambers: 0,
+        alcoves: 0,
+        pillars: 0,
+        bump_sd_m: 0.08,
+        wet_share: 0.0,
+        ..Rooms::MINE
+    };
+    through_rooms(&rooms, seed)
+}
+
+/// A flight through a mine with a chamber in every third place.
+pub(crate) fn chambers(seed: u64) -> Flight {
+    through_rooms(&Rooms { chambers: 8, pillars: 0, ..Rooms::MINE }, seed)
+}
+
+/// A flight through a mine with many pillars.
+pub(crate) fn pillars(seed: u64) -> Flight {
+    through_rooms(&Rooms { pillars: 60, ..Rooms::MINE }, seed)
+}
+
+/// What a net of tunnels looks like, and how far the flight through it goes.
+struct Rooms {
+    /// Tunnels of the route.
+    steps: usize,
+    spacing_m: f64,
+    /// How far places and tunnels stray from a square grid, 0 to 1.
+    disorder: f64,
+    half_width_m: [f64; 2],
+    /// Variation of the width along a tunnel, as a share.
+    swell: f64,
+    /// Share of the places with a dead end.
+    spurs: f64,
+    /// Chambers: at every third place of the route, from the third on.
+    chambers: usize,
+    alcoves: usize,
+    /// Pillars that are drawn; those without room are left out.
+    pillars: usize,
+    bump_sd_m: f64,
+    wet_share: f64,
+}
+
+impl Rooms {
+    const MINE: Self = Self {
+        steps: 24,
+        spacing_m: 27.0,
+        disorder: 1.0,
+        half_width_m: [2.7, 3.3],
+        swell: 0.08,
+        spurs: 0.6,
+        chambers: 1,
+        alcoves: 12,
+        pillars: 10,
+        bump_sd_m: 0.15,
+        wet_share: 0.25,
+    };
+}
+
+fn through_rooms(rooms: &Rooms, seed: u64) -> Flight {
+    let (network, route) = rooms.network(&mut generator(seed, "mine"));
+    let texture =
+        Texture { bump_sd_m: rooms.bump_sd_m, bump_length_m: 1.0, wet_share: rooms.wet_share, wet_length_m: 1.5 };
     let lidar = Lidar {
         loss: 0.05,
         loss_at_range_max: 0.3,
@@ -83,33 +167,41 @@ pub(crate) fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     (network, route)
 }
 
-/// A net of tunnels around blocks of rock, with spurs, alcoves, pillars and a chamber, and a route of `steps` tunnels.
+/// The net of a mine, and a route of `steps` tunnels through it.
 pub(crate) fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
-    const SIDE: usize = 4;
-    const SPACING_M: f64 = 27.0;
-    let mut network = Network::new(4.0);
-    for index in 0..SIDE * SIDE {
-        let mut jitter_m = || rng.random_range(-4.0..4.0);
-        let (x, y) = ((index % SIDE) as f64 * SPACING_M + jitter_m(), (index / SIDE) as f64 * SPACING_M + jitter_m());
-        network.add_node(Point::new(x, y));
-    }
-    for (from, to) in grid_edges(SIDE, rng) {
-        let (from_m, to_m) = (network.nodes[from].position_m, network.nodes[to].position_m);
-        let line = swaying(from_m, to_m, rng.random_range(-1.5..1.5));
-        let widths = half_widths(line.len(), rng.random_range(2.7..3.3), 0.08, rng);
-        network.add_tunnel(from, to, line, widths);
-    }
-    let route = wander(&network, steps, rng);
-    for node in 0..SIDE * SIDE {
-        if rng.random_bool(0.6) {
-            add_spur(&mut network, node, 2.7, |rng| rng.random_range(-PI..PI), rng);
+    Rooms { steps, ..Rooms::MINE }.network(rng)
+}
+
+impl Rooms {
+    /// A net of tunnels around blocks of rock, and a route through it.
+    fn network(&self, rng: &mut Generator) -> (Network, Vec<usize>) {
+        const SIDE: usize = 4;
+        let mut network = Network::new(4.0);
+        for index in 0..SIDE * SIDE {
+            let mut jitter_m = || self.disorder * rng.random_range(-4.0..4.0);
+            let [x, y] = [index % SIDE, index / SIDE].map(|at| at as f64 * self.spacing_m + jitter_m());
+            network.add_node(Point::new(x, y));
         }
+        for (from, to) in grid_edges(SIDE, rng) {
+            let (from_m, to_m) = (network.nodes[from].position_m, network.nodes[to].position_m);
+            let line = swaying(from_m, to_m, self.disorder * rng.random_range(-1.5..1.5));
+            let half_width_m = rng.random_range(self.half_width_m[0]..self.half_width_m[1]);
+            let widths = half_widths(line.len(), half_width_m, self.swell, rng);
+            network.add_tunnel(from, to, line, widths);
+        }
+        let route = wander(&network, self.steps, rng);
+        for node in 0..SIDE * SIDE {
+            if rng.random_bool(self.spurs) {
+                add_spur(&mut network, node, self.half_width_m[0], |rng| rng.random_range(-PI..PI), rng);
+            }
+        }
+        for &node in route.iter().skip(2).step_by(3).take(self.chambers) {
+            network.nodes[node].chamber_radius_m = 6.0;
+        }
+        add_alcoves(&mut network, self.alcoves, rng);
+        add_pillars(&mut network, self.pillars, rng);
+        (network, route)
     }
-    let chamber = route[2];
-    network.nodes[chamber].chamber_radius_m = 6.0;
-    add_alcoves(&mut network, 12, rng);
-    add_pillars(&mut network, 10, rng);
-    (network, route)
 }
 
 /// Edges of a square grid: all on the rim, and most of the inner ones. Every node has at least two.
@@ -242,7 +334,9 @@ mod tests {
     #[test]
     fn tunnels_meet_only_at_their_nodes() {
         for seed in 0..40 {
-            for (network, _) in [drive(&mut generator(seed, "tunnel")), rooms(9, &mut generator(seed, "mine"))] {
+            for (network, _) in
+                [drive(&mut generator(seed, "tunnel")), Rooms::MINE.network(&mut generator(seed, "mine"))]
+            {
                 for (a, tunnel) in network.tunnels.iter().enumerate() {
                     for other in &network.tunnels[..a] {
                         assert_apart(&network, [tunnel, other], seed);
@@ -273,7 +367,7 @@ mod tests {
     #[test]
     fn pillars_leave_room_to_pass_on_both_sides() {
         for seed in 0..40 {
-            let (network, _) = rooms(9, &mut generator(seed, "mine"));
+            let (network, _) = Rooms::MINE.network(&mut generator(seed, "mine"));
             let bare = Network { pillars: Vec::new(), ..network.clone() };
             let surface = Surface::new(&bare, &Texture::SMOOTH, 0);
             for pillar in &network.pillars {

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use crosscut_messages::{
     CDR_ENCODING, Endian, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, ODOMETRY_TOPIC, Odometry,
-    SCAN_TOPIC, SCHEMA_ENCODING, TF_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
+    SCAN_TOPIC, SCHEMA_ENCODING, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC,
+    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
 };
 use mcap::records::MessageHeader;
 
@@ -79,6 +80,12 @@ fn write_all(
         };
         mcap.write_to_known_channel(&header(scan), &scene.scan.encode(Endian::Little))?;
         mcap.write_to_known_channel(&header(truth), &scene.truth.to_json())?;
+        if let Some(map) = &scene.map {
+            let schema =
+                mcap.add_schema(TRUTH_MAP_SCHEMA_NAME, JSON_SCHEMA_ENCODING, TRUTH_MAP_SCHEMA_TEXT.as_bytes())?;
+            let channel = mcap.add_channel(schema, TRUTH_MAP_TOPIC, JSON_ENCODING, &BTreeMap::new())?;
+            mcap.write_to_known_channel(&header(channel), &map.to_json())?;
+        }
         if let (Some(odometry), Some(transforms)) = (&scene.odometry, scene.transforms()) {
             let (odometry_channel, tf_channel) = match motion {
                 Some(channels) => channels,

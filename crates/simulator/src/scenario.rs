@@ -36,6 +36,14 @@ pub fn scenarios() -> &'static [Scenario] {
             fly: presets::mine,
         },
         Scenario { name: "loops", doc: "through such a mine, back to places seen before", fly: presets::loops },
+        Scenario {
+            name: "lookalike",
+            doc: "through straight corridors of one length and width, back to places seen before",
+            fly: presets::lookalike,
+        },
+        Scenario { name: "close", doc: "through narrow tunnels that meet every 10 m, many times", fly: presets::close },
+        Scenario { name: "chambers", doc: "as loops, with chambers where tunnels meet", fly: presets::chambers },
+        Scenario { name: "pillars", doc: "as loops, with many pillars", fly: presets::pillars },
     ]
 }
 

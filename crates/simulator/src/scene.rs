@@ -1,7 +1,7 @@
 //! A scan with its truth, and flights as sequences of them.
 
 use crosscut_messages::{
-    Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, Vector3,
+    Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, TruthMap, Vector3,
 };
 
 use crate::lidar::{Echo, Lidar};
@@ -9,6 +9,7 @@ use crate::mine::Mine;
 use crate::noise::{Generator, generator};
 use crate::pose::{Motion, Pose};
 use crate::reading::Reading;
+use crate::survey::seen_from;
 use crate::truth::Scenery;
 use crate::vehicle::{OdometryState, Vehicle};
 
@@ -28,6 +29,8 @@ pub struct Scene {
     pub odometry: Option<Odometry>,
     /// True pose at the first beam, if the scene belongs to a flight.
     pub pose: Option<Pose>,
+    /// The map of the mine, with the first scene of a flight.
+    pub map: Option<TruthMap>,
 }
 
 /// The noise-free view of one sweep.
@@ -49,13 +52,14 @@ impl<'a> View<'a> {
     pub(crate) fn scene(&self, mine: &Mine, stamp_ns: u64, rng: &mut Generator) -> Scene {
         let readings = self.lidar.read(mine.surface(), &self.echoes, rng);
         let scan = message(self.lidar, &readings, stamp_ns, self.is_moving);
-        Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None, pose: None }
+        Scene { stamp_ns, scan, truth: self.scenery.truth(&readings), odometry: None, pose: None, map: None }
     }
 }
 
 impl Scene {
-    /// The scene at another time.
+    /// The scene at another time, apart from its flight.
     pub(crate) fn restamped(mut self, stamp_ns: u64) -> Self {
+        (self.map, self.truth.pose, self.truth.here) = (None, None, None);
         self.stamp_ns = stamp_ns;
         self.scan.header.stamp = Time::from_ns(stamp_ns);
         if let Some(odometry) = &mut self.odometry {
@@ -112,12 +116,31 @@ pub struct Flight {
     vehicle: Vehicle,
     stamp_ns: u64,
     rng: Generator,
+    /// The pose of the first scene.
+    origin: Option<Pose>,
+    has_odometry: bool,
 }
 
 impl Flight {
     /// A flight of `vehicle` through `mine`, with errors of the lidar drawn from `seed`.
     pub fn new(mine: Mine, lidar: Lidar, vehicle: Vehicle, seed: u64) -> Self {
-        Self { mine, lidar, vehicle, stamp_ns: FIRST_STAMP_NS, rng: generator(seed, "lidar") }
+        let rng = generator(seed, "lidar");
+        Self { mine, lidar, vehicle, stamp_ns: FIRST_STAMP_NS, rng, origin: None, has_odometry: true }
+    }
+
+    /// The same flight with odometry that drifts by this share of the way: the way is longer or shorter by it, and the
+    /// heading drifts by a tenth of it in rad per metre. Seeds draw the side and the sign. Other errors stay.
+    #[must_use]
+    pub fn with_drift(mut self, share: f64, seed: u64) -> Self {
+        self.vehicle.set_drift(share, seed);
+        self
+    }
+
+    /// The same flight without odometry.
+    #[must_use]
+    pub fn without_odometry(mut self) -> Self {
+        self.has_odometry = false;
+        self
     }
 
     /// The mine that the flight is in.
@@ -133,8 +156,15 @@ impl Iterator for Flight {
         let (motion, state) = self.vehicle.next()?;
         let view = View::of(&self.mine, &self.lidar, &motion);
         let mut scene = view.scene(&self.mine, self.stamp_ns, &mut self.rng);
-        scene.odometry = Some(odometry(&state, self.stamp_ns));
+        scene.odometry = self.has_odometry.then(|| odometry(&state, self.stamp_ns));
         scene.pose = Some(motion.start);
+        let network = self.mine.network();
+        if self.origin.is_none() {
+            scene.map = Some(network.map(&motion.start));
+        }
+        let origin = self.origin.get_or_insert(motion.start);
+        scene.truth.pose = Some(seen_from(origin, motion.start.position_m, motion.start.heading_rad));
+        scene.truth.here = network.place_at(&motion.start.position_m);
         self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
         Some(scene)
     }

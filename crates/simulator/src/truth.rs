@@ -221,6 +221,7 @@ impl Scenery {
             (Reading::Echo(_), Some(wall)) => *wall as i32,
             (Reading::Echo(_), None) | (Reading::Dust(_) | Reading::Mixed(_), _) => Truth::NO_WALL,
         });
-        Truth { walls: self.walls, islands: self.islands, openings: self.openings.clone(), labels: labels.collect() }
+        let openings = self.openings.clone();
+        Truth { walls: self.walls, islands: self.islands, openings, labels: labels.collect(), ..Truth::default() }
     }
 }

@@ -7,6 +7,9 @@ use crate::pose::{Motion, Pose};
 /// Steps of the motion within one sweep.
 const STEPS_PER_SWEEP: usize = 10;
 
+/// Drift of the heading in rad per metre of way, as a part of that of the way.
+const TURN_DRIFT: f64 = 0.1;
+
 /// Motion and errors of the vehicle. Disturbances are correlated in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Handling {
@@ -79,6 +82,7 @@ pub struct Vehicle {
     pitch: Drifting,
     scale: f64,
     turn_bias_rad_s: f64,
+    turn_bias_rad_per_m: f64,
     rng: Generator,
 }
 
@@ -100,11 +104,21 @@ impl Vehicle {
             pitch: Drifting::new(handling.tilt_sd_rad, 0.5),
             scale: 1.0 + handling.odometry_scale_sd * normal(&mut rng),
             turn_bias_rad_s: handling.odometry_turn_sd_rad_s * normal(&mut rng),
+            turn_bias_rad_per_m: 0.0,
             handling,
             route_m,
             sweep_s,
             rng,
         }
+    }
+
+    /// Lets the odometry drift by this share of the way, in place of its relative error in speed, and its heading by
+    /// [`TURN_DRIFT`] of it. The signs are drawn.
+    pub(crate) fn set_drift(&mut self, share: f64, seed: u64) {
+        let mut rng = generator(seed, "drift");
+        let mut signed = |value: f64| value.copysign(normal(&mut rng));
+        self.scale = 1.0 + signed(share);
+        self.turn_bias_rad_per_m = signed(TURN_DRIFT * share);
     }
 
     /// One step of pure pursuit.
@@ -147,7 +161,8 @@ impl Vehicle {
         let turned_rad = self.pose.heading_rad - before.heading_rad;
         let odometry = &mut self.odometry;
         odometry.velocity_m_s = moved * self.scale / dt_s;
-        odometry.turn_rate_rad_s = turned_rad / dt_s + self.turn_bias_rad_s;
+        odometry.turn_rate_rad_s =
+            turned_rad / dt_s + self.turn_bias_rad_s + self.turn_bias_rad_per_m * moved.norm() / dt_s;
         odometry.position_m += nalgebra::Rotation2::new(odometry.heading_rad) * odometry.velocity_m_s * dt_s;
         odometry.heading_rad += odometry.turn_rate_rad_s * dt_s;
     }

@@ -219,12 +219,23 @@ pub(crate) struct SimulateArgs {
     /// Seed of the random numbers; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
     pub(crate) seed: u64,
+    /// Drift of the odometry of a flight, as a share of its way; its heading drifts by a tenth of it in rad per metre.
+    #[arg(long, value_name = "SHARE", value_parser = drift_share, conflicts_with_all = ["suite", "no_odometry"])]
+    pub(crate) drift: Option<f64>,
+    /// A flight without odometry.
+    #[arg(long, conflicts_with = "suite")]
+    pub(crate) no_odometry: bool,
     /// List the scenarios and suites.
     #[arg(long)]
     pub(crate) list: bool,
     /// Show no progress bar and no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+fn drift_share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=0.5).contains(share));
+    share.ok_or_else(|| "the drift is a share of the way, from 0 to 0.5".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -62,6 +62,8 @@ pub(crate) enum LayoutArg {
     Overview,
     /// One revolution, stage by stage.
     Stages,
+    /// The map of the flight: the way, the walls, places and passages.
+    Map,
     /// Time of each stage, and whether the stages keep up with the sensor.
     Speed,
 }

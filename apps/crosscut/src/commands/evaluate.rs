@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{ReadOptions, Truths, recordings_in};
 use crosscut_pipeline::{End, Registry, StopFlag};
@@ -16,7 +17,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::say;
-use crate::scoring::{self, Scored};
+use crate::scoring::{self, FlightTime, Scored};
 use crate::{outputs, progress, typeset};
 
 /// Runs every configuration on every recording and compares the results with the truth.
@@ -37,7 +38,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
 
     let bar = progress::bar(revolutions, args.quiet);
     let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
-    let (options, mut wrong) = (read_options(args), 0);
+    let (options, mut wrong, mut time) = (read_options(args), 0, FlightTime::default());
     'all: for path in &recordings {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
@@ -48,6 +49,10 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
             let scored = scoring::score(path, &options, &column.config, registry, &stop, &bar)?;
             bar.suspend(|| report(path, &column.name, &scored, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
+            if let Some((figures, taken)) = scored.flight {
+                scoreboard.add_flight(&family, place, &figures);
+                time.merge(taken);
+            }
             if let Some(folder) = &args.draw_wrong {
                 let drawn = scored.wrong.write(folder, &family, &column.name);
                 diagnostics.lost_all(drawn.err().map(|error| format!("{error:#}")));
@@ -57,6 +62,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     }
     bar.finish_and_clear();
 
+    if let Some(words) = time.words().filter(|_| !args.quiet) {
+        say(words);
+    }
     if args.draw_wrong.is_some() && wrong == 0 && !diagnostics.ended_early() {
         say("every answer is right, so nothing is drawn");
     }
@@ -205,19 +213,26 @@ fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> St
     let names = scoreboard.configurations();
     let configurations: Vec<_> =
         names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
-    let results = |evaluations: &[Evaluation]| -> Vec<_> {
-        let named = names.iter().zip(evaluations);
-        named.map(|(name, of)| json!({"configuration": name, "figures": of.figures()})).collect()
+    let results = |evaluations: &[Evaluation], flights: &[Option<FlightFigures>]| -> Vec<_> {
+        let named = names.iter().zip(evaluations).zip(flights);
+        let result = |((name, of), flight): ((&String, &Evaluation), &Option<FlightFigures>)| {
+            let mut result = json!({"configuration": name, "figures": of.figures()});
+            if let Some(flight) = flight {
+                result["flight"] = json!(flight);
+            }
+            result
+        };
+        named.map(result).collect()
     };
     let families: Vec<_> = scoreboard
         .families()
         .iter()
-        .map(|family| json!({"family": family.name, "results": results(&family.evaluations)}))
+        .map(|family| json!({"family": family.name, "results": results(&family.evaluations, &family.flights)}))
         .collect();
     let document = json!({
         "configurations": configurations,
         "families": families,
-        "all": results(&scoreboard.all()),
+        "all": results(&scoreboard.all(), &scoreboard.all_flights()),
         "problems": problems,
     });
     format!("{document:#}\n")
@@ -229,7 +244,13 @@ mod tests {
 
     fn outcome_of(end: End) -> (Outcome, Vec<String>) {
         let mut diagnostics = Diagnostics::default();
-        let scored = Scored { evaluation: Evaluation::default(), wrong: Default::default(), end, losses: Vec::new() };
+        let scored = Scored {
+            evaluation: Evaluation::default(),
+            flight: None,
+            wrong: Default::default(),
+            end,
+            losses: Vec::new(),
+        };
         report(Path::new("tee.mcap"), "paper", &scored, &mut diagnostics);
         (diagnostics.outcome(), diagnostics.problems().to_vec())
     }

@@ -1,25 +1,22 @@
 //! `crosscut run`: a recorded flight through all stages.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use crosscut_flight::Mapper;
-use crosscut_ingest::{Recording, Sensor, recordings_in};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
-use crosscut_report::ResultsLine;
+use crosscut_ingest::{Recording, recordings_in};
+use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::{Failure, FailureCause, Frame, Step, counted};
 
-use crate::answers::AnswersFile;
 use crate::cli::RunArgs;
 use crate::diagnostics::{Diagnostics, NO_RETURN};
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::observers::{self, Observers};
-use crate::over_time::{self, OverTime};
+use crate::over_time;
 use crate::say::say;
-use crate::{config, flight, maps, outputs, progress, summary};
+use crate::written::Written;
+use crate::{config, flight, outputs, progress, summary};
 
 /// Runs the flight. The results of a revolution are on disk before any observer sees it.
 pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -54,7 +51,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     let summary = ran.context("a thread could not be started")?;
     if !args.quiet {
         say(summary::text(&summary, start.elapsed()).trim_end());
-        say(format_args!("\n{}", written.mapper.map().summary()));
+        say(format_args!("\n{}", written.map_summary()));
     }
 
     let finished = written.finish(recording.starts_at_s().unwrap_or(0.0));
@@ -63,7 +60,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     diagnostics.lost_all(&summary.observer_errors);
     note_left_out(&recording, &mut diagnostics);
     if summary.revolutions > 0 {
-        note_empty_outputs(written.returns, &observers, &mut diagnostics);
+        note_empty_outputs(written.returns(), &observers, &mut diagnostics);
     }
     report_end(&summary, args, &mut diagnostics);
     if args.follow && stop.is_set() {
@@ -84,85 +81,6 @@ fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError
     match &args.record.save {
         Some(save) => outputs::refuse_parts(save, read.iter().map(PathBuf::as_path).chain(written)),
         None => Ok(()),
-    }
-}
-
-/// The files that the report thread writes.
-struct Written {
-    results: Option<Results>,
-    over_time: Option<OverTime>,
-    mapper: Mapper,
-    map: Option<(PathBuf, Box<dyn Write + Send>)>,
-    /// Returns of all revolutions so far.
-    returns: usize,
-}
-
-impl Written {
-    /// Opens the files. Without the picture over time or the map the run continues; without results it fails.
-    fn open(args: &RunArgs, config: &Config, read: &[PathBuf], diagnostics: &mut Diagnostics) -> anyhow::Result<Self> {
-        let results = args.results.as_ref().map(|path| Results::create(path, config, read)).transpose()?;
-        let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
-        let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
-        diagnostics.lost_all(over_time.as_ref().err().map(|error| format!("{error:#}")));
-        let map = args.map.as_ref().map(|path| Ok((path.clone(), outputs::create(path, read)?))).transpose();
-        diagnostics.lost_all(map.as_ref().err().map(|error: &anyhow::Error| format!("{error:#}")));
-        let map = map.unwrap_or_default();
-        Ok(Self { results, over_time: over_time.unwrap_or_default(), mapper: Mapper::default(), map, returns: 0 })
-    }
-
-    fn is_nothing(&self) -> bool {
-        self.results.is_none() && self.over_time.is_none() && self.map.is_none()
-    }
-
-    fn take(&mut self, frame: &Frame) -> io::Result<()> {
-        self.returns += frame.revolution.len();
-        self.mapper.add(frame);
-        if let Some(results) = &mut self.results {
-            results.take(frame)?;
-        }
-        if let Some(over_time) = &mut self.over_time {
-            over_time.take(frame);
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
-        if let Some(Results::Mcap(answers)) = &mut self.results {
-            answers.finish().context("the results")?;
-        }
-        if let Some((path, out)) = &mut self.map {
-            let written = out.write_all(maps::text(path, &self.mapper).as_bytes()).and_then(|()| out.flush());
-            written.with_context(|| format!("cannot write {}", path.display()))?;
-        }
-        self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
-    }
-}
-
-/// The file of results.
-enum Results {
-    Lines(Box<dyn Write + Send>),
-    Mcap(Box<AnswersFile<Box<dyn Write + Send>>>),
-}
-
-impl Results {
-    fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
-        let out = outputs::create(path, read)?;
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
-            return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
-        }
-        Ok(Self::Lines(out))
-    }
-
-    fn take(&mut self, frame: &Frame) -> io::Result<()> {
-        match self {
-            Self::Lines(out) => {
-                let mut line = Vec::new();
-                ResultsLine::of(frame).write(&mut line)?;
-                out.write_all(&line)?;
-                out.flush()
-            }
-            Self::Mcap(answers) => answers.take(frame),
-        }
     }
 }
 

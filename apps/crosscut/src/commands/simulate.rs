@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use crosscut_pipeline::StopFlag;
-use crosscut_simulator::{Plan, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
+use crosscut_simulator::{Flight, Plan, SCENES, Scene, Split, Suite, scenarios, suites, write_mcap};
 use crosscut_stage::counted;
 
 use crate::cli::{SimulateArgs, SplitArg};
@@ -56,7 +56,16 @@ fn list() -> anyhow::Result<Outcome> {
 fn flight(name: &str, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let scenario = scenario.ok_or_else(|| unknown("scenario", name, scenarios().iter().map(|s| s.name)))?;
-    write(out, (scenario.fly)(args.seed), None, args.quiet, stop)
+    write(out, with_odometry((scenario.fly)(args.seed), args), None, args.quiet, stop)
+}
+
+/// The flight with the odometry that was asked for.
+fn with_odometry(flight: Flight, args: &SimulateArgs) -> Flight {
+    match args.drift {
+        _ if args.no_odometry => flight.without_odometry(),
+        Some(share) => flight.with_drift(share, args.seed),
+        None => flight,
+    }
 }
 
 /// A flight through all of the mine of a plan.
@@ -65,7 +74,7 @@ fn planned(path: &Path, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> any
     let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|error| in_plan(&error))?;
     let flight = Plan::from_json(&text).and_then(|plan| plan.fly(args.seed)).map_err(|error| in_plan(&error))?;
-    write(out, flight, None, args.quiet, stop)
+    write(out, with_odometry(flight, args), None, args.quiet, stop)
 }
 
 fn suite_into(name: &str, args: &SimulateArgs, folder: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {

@@ -17,6 +17,7 @@
 //!   places, and none is of no place. Where a flight begins or ends, a place may be found that was not flown through.
 
 mod baselines;
+mod differences;
 mod truth;
 
 use std::collections::BTreeSet;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crosscut_messages::{TruthMap, TruthPose};
 use serde::{Deserialize, Serialize};
 
 use super::{BELONGS, THROUGH, VISITED, ordered};
@@ -46,7 +47,30 @@ pub struct WhereAt {
     pub position_m: [f64; 2],
 }
 
+impl From<&TruthMap> for MapTruth {
+    /// The mine, without revolutions.
+    fn from(map: &TruthMap) -> Self {
+        let place = |node: &crosscut_messages::TruthNode| TruePlace {
+            position_m: [node.x_m, node.y_m],
+            ways: node.ways.len(),
+            width_m: node.ways.iter().map(|way| way.width_m).fold(0.0, f64::max),
+        };
+        let passage =
+            |edge: &crosscut_messages::TruthEdge| TruePassage { ends: [edge.from, edge.to], length_m: edge.length_m };
+        Self {
+            places: map.nodes.iter().map(place).collect(),
+            passages: map.edges.iter().map(passage).collect(),
+            at: Vec::new(),
+        }
+    }
+}
+
 impl MapTruth {
+    /// Adds the next revolution of the flight.
+    pub fn add(&mut self, stamp_ns: u64, pose: &TruthPose) {
+        self.at.push(WhereAt { stamp_ns, position_m: [pose.x_m, pose.y_m] });
+    }
+
     /// The nearest place and how many of its widths it is away.
     fn nearest(&self, at: &WhereAt) -> Option<(usize, f64)> {
         let widths = |place: &TruePlace| {
@@ -94,6 +118,12 @@ impl MapTruth {
         let from = self.at.partition_point(|at| at.stamp_ns < from_ns);
         let to = self.at.partition_point(|at| at.stamp_ns <= to_ns);
         self.at.get(from..to).and_then(|during| during.get(during.len() / 2)).and_then(|at| self.within(at, BELONGS))
+    }
+
+    /// The place nearest in the middle of a visit, and its distance in widths.
+    pub(super) fn nearest_during(&self, [from_ns, to_ns]: [u64; 2]) -> Option<(usize, f64)> {
+        let during: Vec<&WhereAt> = self.at.iter().filter(|at| (from_ns..=to_ns).contains(&at.stamp_ns)).collect();
+        during.get(during.len() / 2).and_then(|at| self.nearest(at))
     }
 
     pub(super) fn places_of(&self, visits: &[[u64; 2]]) -> BTreeSet<Option<usize>> {

@@ -34,7 +34,7 @@ fn right_map() -> Map {
     Map {
         nodes: vec![node(3, &[[97, 103]]), node(3, &[[117, 123], [157, 160]]), node(1, &[[137, 143]])],
         passages: vec![passage(0, 1, 21.0), passage(1, 2, 20.0)],
-        merges: Vec::new(),
+        ..Map::default()
     }
 }
 
@@ -106,7 +106,7 @@ fn a_place_where_the_flight_begins_need_not_be_found() {
     map.nodes[0].visits[0] = [99, 103];
     truth.at.drain(..9);
     assert_eq!(MapFigures::of(&map, &truth).exact.hits, 1, "a flight that begins in the first place");
-    let without = Map { nodes: map.nodes.split_off(1), passages: vec![passage(0, 1, 20.0)], merges: Vec::new() };
+    let without = Map { nodes: map.nodes.split_off(1), passages: vec![passage(0, 1, 20.0)], ..Map::default() };
     let figures = MapFigures::of(&without, &truth);
     assert_eq!((figures.exact.hits, figures.recall.of), (1, 2));
 }

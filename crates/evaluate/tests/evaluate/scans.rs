@@ -6,7 +6,7 @@ use crosscut_report::{ResultsLine, WallLine};
 /// A truth with these labels; its first `islands` walls are islands.
 pub(crate) fn truth(labels: &[i32], islands: u32) -> Truth {
     let walls = labels.iter().max().map_or(0, |&last| (last + 1).max(0) as u32);
-    Truth { walls: walls - islands, islands, openings: Vec::new(), labels: labels.to_vec() }
+    Truth { walls: walls - islands, islands, labels: labels.to_vec(), ..Truth::default() }
 }
 
 /// An answer with these labels; the walls in `islands` are reported as islands.

@@ -1,7 +1,10 @@
 //! The map of a flight: junctions and dead ends, and the passages between them.
 
+mod anchored;
 mod mapper;
+mod nodes;
 mod outline;
+mod recognise;
 mod travelled;
 mod visit;
 
@@ -11,6 +14,7 @@ use nalgebra::Point2;
 
 use crosscut_stage::{HereKind, counted};
 
+pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
@@ -23,6 +27,8 @@ pub struct Map {
     pub passages: Vec<Passage>,
     /// Visits that were taken to be to a node seen before, in order.
     pub merges: Vec<Merge>,
+    /// Visits that look like a node seen before and were not taken to be to it, in order.
+    pub refusals: Vec<Refusal>,
 }
 
 /// A junction or a dead end.
@@ -72,6 +78,21 @@ pub struct Passage {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merge {
     /// The node.
+    pub node: usize,
+    /// Stamp at the end of the visit.
+    pub at_ns: u64,
+    /// Share of the walls seen that lie on those of the node, 0 to 1.
+    pub score: f64,
+    /// Share of the walls seen that lie on those of the second likeliest place, if there is any.
+    pub runner_up: Option<f64>,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// A visit that looks like one to a node seen before, and was taken to be to a new one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal {
+    /// The likeliest node.
     pub node: usize,
     /// Stamp at the end of the visit.
     pub at_ns: u64,

@@ -1,19 +1,21 @@
 //! Whether two outlines are of one place: point to line, from several starts.
 
-use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
+use crate::evidence::{Evidence, stepped};
 use crate::line_points::LinePoint;
 use crate::local_map::LocalMap;
-
-use super::visit::placed;
 
 /// At most this many line points are matched; more add time and no certainty.
 const MOST_POINTS: usize = 160;
 
+/// While a fit is looked for, every n-th of them is.
+const SEARCHED_POINTS: usize = 2;
+
 /// A line point lies on a wall that is no farther than this.
 const ON_WALL_M: f64 = 0.12;
 
-/// ρ of Geman and McClure turns from a square to a constant about here.
+/// The kernel of the fit turns from a square to a constant about here.
 const KERNEL_M: f64 = 0.3;
 
 const ITERATIONS: usize = 15;
@@ -21,6 +23,12 @@ const ITERATIONS: usize = 15;
 /// The anchors of two visits of one place lie within this of each other, along each axis; starts are a step apart.
 const APART_M: f64 = 3.0;
 const START_STEP_M: f64 = 1.0;
+
+/// The starts from which a fit is looked for: the best by [`Squares`].
+const STARTS: usize = 3;
+
+/// Walls as squares of this side, to find starts.
+const SQUARE_M: f64 = 0.3;
 
 /// How well one outline lies on another.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +44,7 @@ pub(crate) struct Fit {
 pub(crate) struct Walls {
     map: LocalMap,
     points: Vec<LinePoint>,
+    squares: Squares,
     reach_m: f64,
 }
 
@@ -46,7 +55,8 @@ impl Walls {
         let every = outline.len().div_ceil(MOST_POINTS).max(1);
         let points: Vec<LinePoint> = outline.iter().step_by(every).copied().collect();
         let reach_m = points.iter().map(|point| point.position_m.coords.norm()).fold(0.0, f64::max);
-        Self { map, points, reach_m }
+        let squares = Squares::new(outline, reach_m);
+        Self { map, points, squares, reach_m }
     }
 
     /// The best fit of `other` on these walls, turned by about `yaw_rad`.
@@ -57,11 +67,11 @@ impl Walls {
             let offset_m = Vector2::new(f64::from(x), f64::from(y)) * START_STEP_M;
             Isometry2::new(offset_m, yaw_rad)
         });
-        let mut starts: Vec<_> = starts.map(|start| (self.share_on(other, &start, KERNEL_M), start)).collect();
-        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let fits = starts.iter().take(4).map(|(_, start)| {
+        let mut starts: Vec<_> = starts.map(|start| (self.squares.hits(&other.points, &start), start)).collect();
+        starts.sort_by_key(|(hits, _)| std::cmp::Reverse(*hits));
+        let fits = starts.iter().take(STARTS).map(|(_, start)| {
             let pose = self.align(other, *start);
-            let shares = [self.share_on(other, &pose, ON_WALL_M), other.share_on(self, &pose.inverse(), ON_WALL_M)];
+            let shares = [self.share_on(other, &pose), other.share_on(self, &pose.inverse())];
             Fit { pose, share: shares[0].min(shares[1]) }
         });
         let is_near = |fit: &Fit| fit.pose.translation.vector.amax() <= APART_M + START_STEP_M;
@@ -69,14 +79,14 @@ impl Walls {
     }
 
     /// Share of the line points of `other` at `pose` that lie on these walls, of those that are near enough to.
-    fn share_on(&self, other: &Self, pose: &Isometry2<f64>, within_m: f64) -> f64 {
+    fn share_on(&self, other: &Self, pose: &Isometry2<f64>) -> f64 {
         let (mut on, mut all) = (0, 0);
-        for point in other.points.iter().map(|point| placed(point, pose)) {
+        for point in other.points.iter().map(|point| point.at(pose)) {
             if point.position_m.coords.norm() > 0.8 * self.reach_m {
                 continue;
             }
             all += 1;
-            let is_on = |wall: &LinePoint| wall.normal.dot(&(point.position_m - wall.position_m)).abs() < within_m;
+            let is_on = |wall: &LinePoint| wall.normal.dot(&(point.position_m - wall.position_m)).abs() < ON_WALL_M;
             on += usize::from(self.map.nearest(&point).is_some_and(is_on));
         }
         if all < 10 { 0.0 } else { f64::from(on as u32) / f64::from(all) }
@@ -86,25 +96,56 @@ impl Walls {
     fn align(&self, other: &Self, start: Isometry2<f64>) -> Isometry2<f64> {
         let mut pose = start;
         for _ in 0..ITERATIONS {
-            let (mut information, mut gradient) = (Matrix3::identity() * 1e-3, Vector3::zeros());
-            for point in &other.points {
-                let at = placed(point, &pose);
-                let Some(wall) = self.map.nearest(&at) else { continue };
-                let distance_m = wall.normal.dot(&(at.position_m - wall.position_m));
-                let arm_m = at.position_m.coords - pose.translation.vector;
-                let by_yaw = wall.normal.dot(&Vector2::new(-arm_m.y, arm_m.x));
-                let by_pose = Vector3::new(wall.normal.x, wall.normal.y, by_yaw);
-                let kernel = KERNEL_M * KERNEL_M / (KERNEL_M * KERNEL_M + distance_m * distance_m);
-                information += by_pose * by_pose.transpose() * (kernel * kernel);
-                gradient += by_pose * (kernel * kernel * distance_m);
-            }
-            let Some(factor) = information.cholesky() else { break };
+            let points = other.points.iter().step_by(SEARCHED_POINTS);
+            let Evidence { information, gradient, .. } = Evidence::of(points, &self.map, &pose, KERNEL_M);
+            let Some(factor) = (information + Matrix3::identity() * 1e-3).cholesky() else { break };
             let step = factor.solve(&-gradient);
-            pose = Isometry2::new(pose.translation.vector + step.xy(), pose.rotation.angle() + step.z);
+            pose = stepped(&pose, &step);
             if step.amax() < 1e-3 {
                 break;
             }
         }
         pose
     }
+}
+
+/// Squares in which or beside which a wall lies: a rough and fast answer to how well line points lie on walls.
+#[derive(Clone, Debug)]
+struct Squares {
+    is_wall: Vec<bool>,
+    /// Squares from the middle to a side.
+    half: i32,
+}
+
+impl Squares {
+    fn new(outline: &[LinePoint], reach_m: f64) -> Self {
+        let half = (reach_m.min(100.0) / SQUARE_M) as i32 + 2;
+        let side = (2 * half + 1) as usize;
+        let mut squares = Self { is_wall: vec![false; side * side], half };
+        for point in outline {
+            let [x, y] = square_of(&point.position_m);
+            for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+                if let Some(at) = squares.index([x + dx, y + dy]) {
+                    squares.is_wall[at] = true;
+                }
+            }
+        }
+        squares
+    }
+
+    /// How many line points lie in or beside a square with a wall.
+    fn hits(&self, points: &[LinePoint], pose: &Isometry2<f64>) -> usize {
+        let is_hit =
+            |point: &&LinePoint| self.index(square_of(&(pose * point.position_m))).is_some_and(|at| self.is_wall[at]);
+        points.iter().filter(is_hit).count()
+    }
+
+    fn index(&self, [x, y]: [i32; 2]) -> Option<usize> {
+        let is_inside = x.abs() <= self.half && y.abs() <= self.half;
+        is_inside.then(|| ((y + self.half) * (2 * self.half + 1) + x + self.half) as usize)
+    }
+}
+
+fn square_of(position_m: &Point2<f64>) -> [i32; 2] {
+    [position_m.x, position_m.y].map(|along_m| ((along_m / SQUARE_M).floor() as i32).clamp(-1_000_000, 1_000_000))
 }

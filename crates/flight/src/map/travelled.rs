@@ -1,5 +1,7 @@
 //! The way of a flight so far, and what was passed since the last node.
 
+use std::collections::VecDeque;
+
 use nalgebra::{Isometry2, Point2};
 
 /// Places along a passage are this far apart.
@@ -8,6 +10,9 @@ const VIA_M: f64 = 2.0;
 /// Steps shorter than this add nothing to the way: poses of a standing vehicle tremble.
 const STEP_M: f64 = 0.3;
 
+/// So many steps are remembered, to know from where the vehicle comes.
+const TRAIL: usize = 10;
+
 /// The way so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Travelled {
@@ -15,8 +20,10 @@ pub(super) struct Travelled {
     pub(super) way_m: f64,
     /// Widths since the last node, and their number.
     pub(super) widths_m: [f64; 2],
-    /// Places since the last node, as they were tracked, [`VIA_M`] apart.
-    pub(super) via_m: Vec<Point2<f64>>,
+    /// Places since the last node, as they were tracked, [`VIA_M`] apart, with the way up to there.
+    pub(super) via: Vec<(f64, Point2<f64>)>,
+    /// The last places, [`STEP_M`] and more apart.
+    trail_m: VecDeque<Point2<f64>>,
 }
 
 impl Travelled {
@@ -28,10 +35,19 @@ impl Travelled {
                 self.way_m += step_m.unwrap_or(0.0);
                 self.from = Some(pose);
                 let place_m = Point2::from(pose.translation.vector);
-                if self.via_m.last().is_none_or(|last_m| (place_m - last_m).norm() > VIA_M) {
-                    self.via_m.push(place_m);
+                if self.trail_m.len() == TRAIL {
+                    self.trail_m.pop_front();
+                }
+                self.trail_m.push_back(place_m);
+                if self.via.last().is_none_or(|(_, last_m)| (place_m - last_m).norm() > VIA_M) {
+                    self.via.push((self.way_m, place_m));
                 }
             }
         }
+    }
+
+    /// A place a few metres back.
+    pub(super) fn came_from(&self) -> Option<Point2<f64>> {
+        self.trail_m.front().copied()
     }
 }

@@ -24,6 +24,8 @@ const BEHIND_M: f64 = 1.0;
 #[derive(Clone, Debug)]
 struct Sample {
     pose: Isometry2<f64>,
+    /// The way of the flight up to there.
+    way_m: f64,
     /// In the frame of that pose.
     ways: Vec<Way>,
     look_m: f64,
@@ -38,6 +40,8 @@ pub(crate) struct OpenVisit {
     samples: Vec<Sample>,
     outline: Vec<LinePoint>,
     outlined_from: Option<Isometry2<f64>>,
+    /// Where the vehicle was before.
+    came_from: Option<Point2<f64>>,
 }
 
 /// A stay that has ended.
@@ -53,14 +57,20 @@ pub(crate) struct Visit {
     pub(crate) look_m: f64,
     /// In the frame of the anchor.
     pub(crate) outline: Vec<LinePoint>,
-    /// Where the vehicle was at its first and its last revolution, in the frame of the anchor.
+    /// The way of the flight where the vehicle reached the anchor, and where it left it.
+    pub(crate) reached_at_m: f64,
+    pub(crate) left_at_m: f64,
+    /// The belief in this number of ways, summed over its revolutions.
+    pub(crate) belief: f64,
+    /// Where the vehicle was shortly before and after, in the frame of the anchor.
     pub(crate) came_from: Point2<f64>,
     pub(crate) left_to: Point2<f64>,
 }
 
 impl OpenVisit {
-    pub(crate) fn new(kind: HereKind, began_ns: u64) -> Self {
-        Self { began_ns, kind, samples: Vec::new(), outline: Vec::new(), outlined_from: None }
+    /// That begins; `came_from`: a place shortly before, as it was tracked.
+    pub(crate) fn new(kind: HereKind, began_ns: u64, came_from: Option<Point2<f64>>) -> Self {
+        Self { began_ns, kind, samples: Vec::new(), outline: Vec::new(), outlined_from: None, came_from }
     }
 
     pub(crate) fn kind(&self) -> HereKind {
@@ -68,10 +78,17 @@ impl OpenVisit {
     }
 
     /// Adds a revolution at which this place holds: what it saw itself, and its line points.
-    pub(crate) fn add(&mut self, pose: Isometry2<f64>, seen: &Here, line_points: impl FnOnce() -> Vec<LinePoint>) {
+    pub(crate) fn add(
+        &mut self,
+        pose: Isometry2<f64>,
+        way_m: f64,
+        seen: &Here,
+        line_points: impl FnOnce() -> Vec<LinePoint>,
+    ) {
         if seen.kind == self.kind {
             self.samples.push(Sample {
                 pose,
+                way_m,
                 ways: seen.ways.clone(),
                 look_m: seen.look_m,
                 confidence: seen.confidence,
@@ -82,13 +99,14 @@ impl OpenVisit {
             self.outlined_from = Some(pose);
             let reach_m = OUTLINE_LOOKS * seen.look_m;
             let near = line_points().into_iter().filter(|point| point.position_m.coords.norm() < reach_m);
-            self.outline.extend(near.map(|point| placed(&point, &pose)));
+            self.outline.extend(near.map(|point| point.at(&pose)));
         }
     }
 
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
-    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number.
-    pub(crate) fn end(self, ended_ns: u64) -> Option<Visit> {
+    /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
+    /// the vehicle is now, if it has left.
+    pub(crate) fn end(self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {
             *belief.entry(sample.ways.len()).or_default() += sample.confidence;
@@ -96,7 +114,7 @@ impl OpenVisit {
         if belief.values().sum::<f64>() < LEAST_BELIEF {
             return None;
         }
-        let (&ways, _) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (&ways, &belief) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
         let with = || self.samples.iter().filter(|sample| sample.ways.len() == ways);
         let count = with().count() as f64;
         let middle_m =
@@ -104,17 +122,20 @@ impl OpenVisit {
         let off_m = |sample: &Sample| (sample.pose.translation.vector - middle_m).norm();
         let best = with().min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;
         let to_anchor = best.pose.inverse();
-        let at =
-            |sample: Option<&Sample>| sample.map(|sample| to_anchor * Point2::from(sample.pose.translation.vector));
+        let place = |pose: &Isometry2<f64>| to_anchor * Point2::from(pose.translation.vector);
+        let (first, last) = (self.samples.first()?, self.samples.last()?);
         Some(Visit {
             kind: self.kind,
             time_ns: [self.began_ns, ended_ns],
             anchor: best.pose,
             ways: best.ways.clone(),
             look_m: best.look_m,
-            outline: self.outline.iter().map(|point| placed(point, &to_anchor)).collect(),
-            came_from: at(self.samples.first())?,
-            left_to: at(self.samples.last())?,
+            outline: self.outline.iter().map(|point| point.at(&to_anchor)).collect(),
+            belief,
+            reached_at_m: first.way_m + place(&first.pose).coords.norm(),
+            left_at_m: last.way_m - place(&last.pose).coords.norm(),
+            came_from: self.came_from.map_or(place(&first.pose), |place_m| to_anchor * place_m),
+            left_to: place(left_to.as_ref().unwrap_or(&last.pose)),
         })
     }
 }
@@ -136,9 +157,4 @@ impl Visit {
         let dead_end = self.ways.iter().filter(|_| self.kind == HereKind::DeadEnd);
         dead_end.into_iter().any(|way| is_behind(way, self.came_from) || is_behind(way, self.left_to))
     }
-}
-
-/// A line point in the frame that `pose` is in.
-pub(crate) fn placed(point: &LinePoint, pose: &Isometry2<f64>) -> LinePoint {
-    LinePoint { position_m: pose * point.position_m, normal: pose.rotation * point.normal }
 }

@@ -127,6 +127,11 @@ fn a_dead_end_that_is_flown_through_is_no_node() {
     let map = straight(&[(4.0, Junction), (20.0, Passage), (26.0, DeadEnd), (40.0, Passage), (44.0, Junction)], 5.0);
     assert!(map.summary().starts_with("2 junctions: 2 tees; 0 dead ends; 0 loops; "), "{}", map.summary());
     assert_eq!(map.passages.len(), 1, "{:?}", map.passages);
+    let passage = &map.passages[0];
+    let ends_m = [passage.from, passage.to].map(|node| map.nodes[node].position_m.x);
+    assert!((passage.length_m - (ends_m[1] - ends_m[0])).abs() < 0.5, "{passage:?}");
+    assert!(passage.via_m.windows(2).all(|two| two[0].x < two[1].x), "the course does not double back: {passage:?}");
+    assert!(passage.via_m.iter().all(|place_m| ends_m[0] < place_m.x && place_m.x < ends_m[1]), "{passage:?}");
     let to_the_face = straight(&[(4.0, Junction), (20.0, Passage), (26.0, DeadEnd)], 5.0);
     assert!(to_the_face.summary().contains("1 dead end"), "{}", to_the_face.summary());
 }

@@ -1,7 +1,7 @@
 //! Truths beside scans: which belongs to which, in every way of writing a recording.
 
-use crosscut_ingest::{IngestError, Truths};
-use crosscut_messages::{TRUTH_SCHEMA_NAME, Truth};
+use crosscut_ingest::{IngestError, Truths, truth_map};
+use crosscut_messages::{TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, Truth, TruthMap};
 
 use crate::flight::{Folder, Form, Record, plain_flight, time_ns};
 
@@ -97,4 +97,23 @@ fn a_recording_without_truth_is_refused_with_what_it_has() {
     let mut in_cdr = truth_at(time_ns(0), 1);
     in_cdr.encoding = "cdr";
     assert!(refused(&[in_cdr]).contains("cdr"));
+}
+
+#[test]
+fn the_map_of_a_mine_is_found_and_a_broken_one_is_an_error() {
+    let folder = Folder::new();
+    let with_map = |data: Vec<u8>| {
+        let mut records = with_truths(3, 0..3);
+        let (topic, type_name) = (TRUTH_MAP_TOPIC, TRUTH_MAP_SCHEMA_NAME);
+        records.push(Record { topic, type_name, encoding: "json", log_time_ns: time_ns(0), data });
+        records.sort_by_key(|record| record.log_time_ns);
+        records
+    };
+    for form in Form::all() {
+        let of = |records: &[Record]| truth_map(&folder.add("flight.mcap", &form.write(records))).expect("readable");
+        assert!(of(&with_truths(3, 0..3)).is_none());
+        let map = of(&with_map(TruthMap::default().to_json())).expect("there is one").expect("of the schema");
+        assert_eq!(map, TruthMap::default());
+        assert!(of(&with_map(b"{}".to_vec())).expect("there is one").is_err());
+    }
 }

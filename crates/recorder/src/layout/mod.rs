@@ -27,13 +27,15 @@ pub enum Layout {
     /// One revolution, stage by stage.
     #[default]
     Stages,
+    /// The map of the flight: the way, the walls, places and passages.
+    Map,
     /// Time of each stage, and whether it keeps up with the sensor.
     Speed,
 }
 
 impl Layout {
     /// The pages of a flight, in the order of their tabs.
-    const ALL: [Self; 3] = [Self::Overview, Self::Stages, Self::Speed];
+    const ALL: [Self; 4] = [Self::Overview, Self::Stages, Self::Map, Self::Speed];
 
     /// All pages, this one first.
     fn all_from(first: Option<Self>) -> impl Iterator<Item = Self> {
@@ -44,6 +46,7 @@ impl Layout {
         match self {
             Self::Overview => pages::overview(views),
             Self::Stages => pages::stages(views),
+            Self::Map => pages::map(views),
             Self::Speed => pages::speed(views),
         }
     }
@@ -52,6 +55,7 @@ impl Layout {
         match self {
             Self::Overview => together::halves("Overview", [left, right].map(pages::overview)),
             Self::Stages => together::stages(left, right),
+            Self::Map => together::halves("Map", [left, right].map(pages::map)),
             Self::Speed => together::halves("Speed", [left, right].map(pages::speed)),
         }
     }

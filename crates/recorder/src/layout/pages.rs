@@ -41,6 +41,15 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
     ]
 }
 
+/// The map of the flight so far: the way, the walls, the places and passages, and why.
+pub(super) fn map(views: &mut Views) -> ContainerLike {
+    let from_above = Vertical::new([views.flight_map(), views.flight_places()]).with_row_shares([1.0, 0.13]);
+    let words = Tabs::new([views.flight_summary(), views.answer(), views.log("Log")]);
+    let aside = Vertical::new([views.flight_graph(), words.into()]).with_row_shares([0.8, 1.0]);
+    let page = Horizontal::new([from_above.into(), aside.into()]).with_column_shares([1.0, 0.62]);
+    page.with_name("Map: places and passages").into()
+}
+
 /// Time of each stage, and whether it keeps up with the sensor.
 pub(super) fn speed(views: &mut Views) -> ContainerLike {
     let times = Vertical::new([views.timings(), views.total(), views.returns_count()]).with_row_shares([1.4, 1.0, 0.7]);

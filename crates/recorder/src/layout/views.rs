@@ -3,7 +3,8 @@
 use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind, LinkAxis, TextLogColumn};
 use rerun::blueprint::datatypes;
 use rerun::blueprint::{
-    ContainerLike, Spatial2DView, Spatial3DView, StateTimelineView, TextDocumentView, TextLogView, TimeSeriesView,
+    ContainerLike, GraphView, Spatial2DView, Spatial3DView, StateTimelineView, TextDocumentView, TextLogView,
+    TimeSeriesView,
 };
 use rerun::components::Range1D;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
@@ -16,11 +17,12 @@ use super::{Extent, Side};
 use crate::profile::profile_bounds;
 use crate::scan::step_m;
 use crate::schema::{
-    ABOUT, AFFINITY_LINKS, AFFINITY_SCALE, CONFIG, Entity, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS,
-    KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_JUNCTIONS,
-    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS,
-    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
-    SPECTRAL_K, SPECTRAL_MARGIN, TIMING, TIMING_SUMMARY, TIMING_TOTAL,
+    ABOUT, AFFINITY_LINKS, AFFINITY_SCALE, CONFIG, Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES,
+    FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SUMMARY, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS,
+    KMEANS_LABELS, KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE,
+    REPORT_JUNCTIONS, REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES,
+    SCAN_OPENINGS, SCAN_RETURNS, SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART,
+    SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K, SPECTRAL_MARGIN, TIMING, TIMING_SUMMARY, TIMING_TOTAL,
 };
 use crate::spectrum::chart_bounds;
 
@@ -221,6 +223,29 @@ impl Views {
         let origin = self.path(REPORT_PLACE);
         let view = StateTimelineView::new(self.titled("Place over revolutions: click to go there")).with_origin(origin);
         self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+    }
+
+    /// The way, walls, places and passages so far, from above.
+    pub(super) fn flight_map(&self) -> ContainerLike {
+        let contents =
+            self.entities([FLIGHT_WALLS, FLIGHT_WALLS_NEW, FLIGHT_PATH, FLIGHT_PASSAGES, FLIGHT_NODES, FLIGHT_POSE]);
+        let view = Spatial2DView::new(self.titled("Map so far [m]: ways not taken pink"));
+        view.with_origin(self.origin()).with_contents(contents).into()
+    }
+
+    pub(super) fn flight_graph(&self) -> ContainerLike {
+        let contents = self.entities([FLIGHT_GRAPH]);
+        GraphView::new(self.titled("Junctions and dead ends")).with_origin(self.origin()).with_contents(contents).into()
+    }
+
+    pub(super) fn flight_places(&mut self) -> ContainerLike {
+        let origin = self.path(FLIGHT_HERE);
+        let view = StateTimelineView::new(self.titled("Place: click to go there")).with_origin(origin);
+        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+    }
+
+    pub(super) fn flight_summary(&self) -> ContainerLike {
+        self.document("Map in words", FLIGHT_SUMMARY).into()
     }
 
     pub(super) fn timings(&mut self) -> ContainerLike {

@@ -192,17 +192,17 @@ fn drawn(p: &crosscut_stage::Point) -> Vec<f64> {
     p.iter().map(|&x| f64::from(x as f32)).collect()
 }
 
-fn points(value: &Value) -> Vec<Vec<f64>> {
+pub(crate) fn points(value: &Value) -> Vec<Vec<f64>> {
     let Value::Numbers(array) = value else { return Vec::new() };
     array.to_f64().chunks(array.shape[1].max(1)).map(<[f64]>::to_vec).collect()
 }
 
-fn lines(value: &Value) -> Vec<Vec<Vec<f64>>> {
+pub(crate) fn lines(value: &Value) -> Vec<Vec<Vec<f64>>> {
     let Value::Lists(lists) = value else { return Vec::new() };
     lists.iter().map(|list| points(&Value::Numbers(list.clone()))).collect()
 }
 
-fn wholes(value: &Value) -> Vec<i64> {
+pub(crate) fn wholes(value: &Value) -> Vec<i64> {
     match value {
         Value::Numbers(array) => match &array.numbers {
             Numbers::I64(numbers) => numbers.clone(),
@@ -212,7 +212,7 @@ fn wholes(value: &Value) -> Vec<i64> {
     }
 }
 
-fn texts(value: &Value) -> &[String] {
+pub(crate) fn texts(value: &Value) -> &[String] {
     match value {
         Value::Texts(texts) => texts,
         _ => &[],

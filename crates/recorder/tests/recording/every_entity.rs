@@ -10,7 +10,7 @@ use crosscut_stage::{Beam, Embedding, Frame, Step};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 
 use crate::reading::record;
-use crate::{drawings, frames};
+use crate::{drawings, flight_map, frames};
 
 type F16 = <Float16Type as ArrowPrimitiveType>::Native;
 
@@ -27,6 +27,7 @@ fn flight() -> Vec<Frame> {
     frames[2] = frames::empty_frame(2);
     frames[3].notes.add("3 beams masked");
     frames::make_sparse(&mut frames[4].affinity);
+    frames.iter_mut().for_each(flight_map::fly);
     frames
 }
 
@@ -34,7 +35,10 @@ fn flight() -> Vec<Frame> {
 type Compare<'a> = Box<dyn Fn(&Value, &Frame) -> bool + 'a>;
 
 /// What a component is compared with.
-fn comparison<'a>(entity: &str, component: &str, frames: &'a [Frame]) -> Option<Compare<'a>> {
+fn comparison<'a>(entity: &'a str, component: &'a str, frames: &'a [Frame]) -> Option<Compare<'a>> {
+    if entity.starts_with("/flight/") {
+        return flight_map::comparison(entity, component, frames);
+    }
     if let Some(step) = Step::ALL.into_iter().find(|step| entity == format!("/timing/{step}")) {
         return Some(Box::new(move |value, frame| is_number(value, frame.timings.ns(step) as f64 * 1e-6)));
     }

@@ -6,6 +6,7 @@ mod drawings;
 mod emptiness;
 mod every_entity;
 mod file;
+mod flight_map;
 mod frames;
 mod killing;
 mod merged;

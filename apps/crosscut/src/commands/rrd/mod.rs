@@ -9,7 +9,6 @@ mod output;
 pub(super) mod parquet;
 mod selection;
 mod table;
-mod unfinished;
 
 use std::path::Path;
 

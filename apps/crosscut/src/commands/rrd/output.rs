@@ -10,8 +10,8 @@ use crosscut_rrd::{Array, Numbers, Row, Value};
 use super::npy::NpyFile;
 use super::parquet::ParquetFile;
 use super::table;
-use super::unfinished::Unfinished;
 use crate::exit::UsageError;
+use crate::unfinished::Unfinished;
 
 /// Where values are written: a file, which replaces an older one when it is finished, or standard output.
 pub(super) struct Output {

@@ -4,36 +4,36 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
-
-use crate::exit::INTERRUPTED;
+#[cfg(feature = "rerun")]
+use {crate::exit::INTERRUPTED, anyhow::Context};
 
 /// A file that is written beside the one that it will replace. Dropped before it is finished, it is removed.
-pub(super) struct Unfinished {
+pub(crate) struct Unfinished {
     target: PathBuf,
     path: PathBuf,
 }
 
 impl Unfinished {
     /// In the folder of the target, so that a rename replaces the target. If that is a link, the linked file is replaced.
-    pub(super) fn beside(target: &Path) -> Self {
+    pub(crate) fn beside(target: &Path) -> Self {
         let target = target.canonicalize().unwrap_or_else(|_| target.to_owned());
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let path = target.with_file_name(format!(".{name}.{}", std::process::id()));
         Self { target, path }
     }
 
-    pub(super) fn create(&self) -> io::Result<File> {
+    pub(crate) fn create(&self) -> io::Result<File> {
         File::create(&self.path)
     }
 
     /// Replaces the target.
-    pub(super) fn finish(self) -> io::Result<()> {
+    pub(crate) fn finish(self) -> io::Result<()> {
         std::fs::rename(&self.path, &self.target)
     }
 
+    #[cfg(feature = "rerun")]
     /// From now on Ctrl-C removes the file and ends the program.
-    pub(super) fn remove_on_interrupt(&self) -> anyhow::Result<()> {
+    pub(crate) fn remove_on_interrupt(&self) -> anyhow::Result<()> {
         let path = self.path.clone();
         ctrlc::set_handler(move || {
             std::fs::remove_file(&path).ok(); // it may not be there yet, or finished

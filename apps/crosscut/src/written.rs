@@ -1,0 +1,113 @@
+//! What a run writes beside a recording: results, the picture over time, the map.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crosscut_flight::Mapper;
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::Config;
+use crosscut_report::ResultsLine;
+use crosscut_stage::Frame;
+
+use crate::answers::AnswersFile;
+use crate::cli::RunArgs;
+use crate::diagnostics::Diagnostics;
+use crate::map_file::MapFile;
+use crate::outputs;
+use crate::over_time::OverTime;
+
+/// The files that the report thread writes.
+pub(crate) struct Written {
+    results: Option<Results>,
+    over_time: Option<OverTime>,
+    mapper: Mapper,
+    map: Option<MapFile>,
+    returns: usize,
+}
+
+impl Written {
+    /// Opens the files. Without the picture over time or the map the run continues; without results it fails.
+    pub(crate) fn open(
+        args: &RunArgs,
+        config: &Config,
+        read: &[PathBuf],
+        diagnostics: &mut Diagnostics,
+    ) -> anyhow::Result<Self> {
+        let results = args.results.as_ref().map(|path| Results::create(path, config, read)).transpose()?;
+        let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
+        let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
+        diagnostics.lost_all(over_time.as_ref().err().map(|error| format!("{error:#}")));
+        let map = args.map.as_ref().map(|path| MapFile::create(path, read)).transpose();
+        diagnostics.lost_all(map.as_ref().err().map(|error| format!("{error:#}")));
+        let map = map.unwrap_or_default();
+        Ok(Self { results, over_time: over_time.unwrap_or_default(), mapper: Mapper::default(), map, returns: 0 })
+    }
+
+    /// Returns of all revolutions so far.
+    pub(crate) fn returns(&self) -> usize {
+        self.returns
+    }
+
+    /// The map so far in a line.
+    pub(crate) fn map_summary(&self) -> String {
+        self.mapper.map().summary()
+    }
+
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.results.is_none() && self.over_time.is_none() && self.map.is_none()
+    }
+
+    pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
+        self.returns += frame.revolution.len();
+        self.mapper.add(frame);
+        if let Some(map) = &mut self.map {
+            map.update(&self.mapper);
+        }
+        if let Some(results) = &mut self.results {
+            results.take(frame)?;
+        }
+        if let Some(over_time) = &mut self.over_time {
+            over_time.take(frame);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
+        if let Some(Results::Mcap(answers)) = &mut self.results {
+            answers.finish().context("the results")?;
+        }
+        if let Some(map) = &mut self.map {
+            map.finish(&self.mapper)?;
+        }
+        self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
+    }
+}
+
+/// The file of results.
+enum Results {
+    Lines(Box<dyn Write + Send>),
+    Mcap(Box<AnswersFile<Box<dyn Write + Send>>>),
+}
+
+impl Results {
+    fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
+        let out = outputs::create(path, read)?;
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
+            return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
+        }
+        Ok(Self::Lines(out))
+    }
+
+    fn take(&mut self, frame: &Frame) -> io::Result<()> {
+        match self {
+            Self::Lines(out) => {
+                let mut line = Vec::new();
+                ResultsLine::of(frame).write(&mut line)?;
+                out.write_all(&line)?;
+                out.flush()
+            }
+            Self::Mcap(answers) => answers.take(frame),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Places that move with the map when its drift is corrected.
+
+use nalgebra::Isometry2;
+
+use super::Mapper;
+
+/// A place relative to the latest visit before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchored {
+    /// The visit, as an index of [`Mapper::poses`]; `None` before the first.
+    pub visit: Option<usize>,
+    /// The place in the frame of that visit, or in the map's before the first.
+    pub pose: Isometry2<f64>,
+}
+
+impl Mapper {
+    /// Where the visits were, by what is known now, in the map's frame.
+    pub fn poses(&self) -> &[Isometry2<f64>] {
+        &self.graph.poses
+    }
+
+    /// A pose as it is tracked since the latest visit that has ended, relative to this visit.
+    pub fn anchored(&self, tracked: Isometry2<f64>) -> Anchored {
+        match &self.last {
+            Some(last) => Anchored { visit: Some(last.visit), pose: last.tracked.inv_mul(&tracked) },
+            None => Anchored { visit: None, pose: tracked },
+        }
+    }
+
+    /// Where an anchored place lies by what is known now.
+    pub fn placed(&self, anchored: &Anchored) -> Isometry2<f64> {
+        anchored.visit.and_then(|visit| self.graph.poses.get(visit)).map_or(anchored.pose, |pose| pose * anchored.pose)
+    }
+}

@@ -1,0 +1,102 @@
+//! The map of the flight, compared with what a mapper makes of the same frames.
+
+use std::f64::consts::PI;
+
+use crosscut_flight::{Map, Mapper};
+use crosscut_rrd::{Numbers, Value};
+use crosscut_stage::{Frame, Here, HereKind, Steady, Way};
+use nalgebra::{Isometry2, Point2};
+
+use crate::drawings::{lines, points, texts, wholes};
+
+/// The way of the vehicle from frame to frame: far enough for a new drawing.
+const STEP_M: f64 = 3.0;
+
+/// Gives a frame its pose and its place: it comes along a tee.
+pub(crate) fn fly(frame: &mut Frame) {
+    let seq = frame.revolution.seq as f64;
+    let way = |bearing_rad: f64| Way { bearing_rad, width_m: 3.5, opening: None };
+    let ways = [-PI / 2.0, PI / 2.0, PI].map(way).to_vec();
+    let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, confidence: 1.0 };
+    frame.pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
+    frame.here = Some(here.clone());
+    frame.steady = Some(Steady { junctions: 3, here: Some(here), openings: Vec::new() });
+}
+
+/// What an entity of the map is compared with.
+pub(crate) fn comparison<'a>(
+    entity: &'a str,
+    component: &'a str,
+    frames: &[Frame],
+) -> Option<Box<dyn Fn(&Value, &Frame) -> bool + 'a>> {
+    let mut mapper = Mapper::default();
+    let added = |frame: &Frame| {
+        mapper.add(frame);
+        mapper.map()
+    };
+    let maps: Vec<Map> = frames.iter().map(added).collect();
+    let first = frames[0].revolution.seq;
+    let map_at = move |frame: &Frame| maps[(frame.revolution.seq - first) as usize].clone();
+    Some(match (entity, component) {
+        ("/flight/pose", "Tensor:data") => Box::new(|value, frame| {
+            let pose = frame.pose.expect("a pose");
+            let Value::Numbers(array) = value else { return false };
+            array.numbers == Numbers::F64(vec![pose.translation.x, pose.translation.y, pose.rotation.angle()])
+        }),
+        ("/flight/pose", "LineStrips2D:strips") => Box::new(|value, frame| {
+            let at_m = frame.pose.expect("a pose").translation;
+            lines(value)[0].iter().all(|place| (place[0] - at_m.x).hypot(place[1] + at_m.y) < 1.5)
+        }),
+        ("/flight/here", "StateChange:state") => Box::new(|value, _| texts(value) == ["junction"]),
+        ("/flight/path", "LineStrips2D:strips") => Box::new(|value, frame| {
+            let last = lines(value)[0].last().expect("a place").clone();
+            last == drawn(&Point2::from(frame.pose.expect("a pose").translation.vector))
+        }),
+        ("/flight/walls" | "/flight/walls/new", "Points2D:positions") => Box::new(|value, frame| {
+            let far_m = STEP_M * frame.revolution.seq as f64 + 13.0;
+            points(value).iter().all(|wall| wall[0].hypot(wall[1]) < far_m)
+        }),
+        ("/flight/nodes", "Points2D:positions") => Box::new(move |value, frame| {
+            points(value).into_iter().eq(map_at(frame).nodes.iter().map(|node| drawn(&node.position_m)))
+        }),
+        ("/flight/nodes", "Points2D:labels") | ("/flight/graph", "GraphNodes:node_ids") => {
+            Box::new(move |value, frame| {
+                let numbers = (0..map_at(frame).nodes.len()).map(|id| id.to_string());
+                texts(value).iter().cloned().eq(numbers)
+            })
+        }
+        ("/flight/nodes", "Arrows2D:vectors" | "Arrows2D:origins") => {
+            Box::new(move |value, frame| points(value).len() == 3 * map_at(frame).nodes.len())
+        }
+        ("/flight/nodes", "Arrows2D:colors") => {
+            Box::new(move |value, frame| wholes(value).len() == 3 * map_at(frame).nodes.len())
+        }
+        ("/flight/nodes", "Points2D:colors") | ("/flight/graph", "GraphNodes:colors") => {
+            Box::new(move |value, frame| wholes(value).len() == map_at(frame).nodes.len())
+        }
+        ("/flight/passages", "LineStrips2D:strips") => {
+            Box::new(move |value, frame| lines(value).len() == map_at(frame).passages.len())
+        }
+        ("/flight/graph", "GraphNodes:positions") => Box::new(move |value, frame| {
+            points(value).into_iter().eq(map_at(frame).nodes.iter().map(|node| {
+                let [x, y] = [node.position_m.x, -node.position_m.y].map(|along_m| f64::from(along_m as f32 * 8.0));
+                vec![x, y]
+            }))
+        }),
+        ("/flight/graph", "GraphNodes:labels") => {
+            Box::new(move |value, frame| texts(value).len() == map_at(frame).nodes.len())
+        }
+        ("/flight/graph", "GraphEdges:edges") => Box::new(move |value, frame| {
+            texts(value).iter().cloned().eq(map_at(frame).passages.iter().map(|of| format!("{} {}", of.from, of.to)))
+        }),
+        ("/flight/graph", "GraphEdges:graph_type") => Box::new(|_, _| true),
+        ("/flight/summary", "TextDocument:text") => {
+            Box::new(move |value, frame| texts(value)[0].starts_with(&format!("# {}", map_at(frame).summary())))
+        }
+        _ => return None,
+    })
+}
+
+fn drawn(place_m: &Point2<f64>) -> Vec<f64> {
+    [place_m.x, -place_m.y].map(|along_m| f64::from(along_m as f32)).to_vec()
+}
