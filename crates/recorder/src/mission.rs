@@ -166,7 +166,7 @@ impl MissionRecorder {
         if is_far {
             self.trail_m.push(at_m);
         }
-        if moment.frame.revolution.seq % TRAIL_EVERY == 0 {
+        if moment.frame.revolution.seq.is_multiple_of(TRAIL_EVERY) {
             let line = self.trail_m.iter().map(|place_m| above(*place_m, 0.1));
             self.rec.log(ENTITIES.trail, &LineStrips3D::new([line.collect::<Vec<_>>()]))?;
         }
