@@ -23,12 +23,11 @@ pub(crate) fn fly(frame: &mut Frame) {
     frame.steady = Some(Steady { junctions: 3, here: Some(here), openings: Vec::new() });
 }
 
+/// Whether a value in the recording is that of the frame.
+type Comparison<'a> = Box<dyn Fn(&Value, &Frame) -> bool + 'a>;
+
 /// What an entity of the map is compared with.
-pub(crate) fn comparison<'a>(
-    entity: &'a str,
-    component: &'a str,
-    frames: &[Frame],
-) -> Option<Box<dyn Fn(&Value, &Frame) -> bool + 'a>> {
+pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Frame]) -> Option<Comparison<'a>> {
     let mut mapper = Mapper::default();
     let added = |frame: &Frame| {
         mapper.add(frame);

@@ -35,7 +35,7 @@ impl Saved {
             return;
         }
         let frame = moment.frame;
-        let map = (frame.revolution.seq % MAP_EVERY == 0).then(|| drawn(&moment.mapper.map()));
+        let map = frame.revolution.seq.is_multiple_of(MAP_EVERY).then(|| drawn(&moment.mapper.map()));
         let (tracked, correction) = (frame.pose.unwrap_or_default(), moment.step.correction);
         let decision = moment.step.decision.as_ref().map(|decision| MissionDecision {
             place: decision.place,
