@@ -136,6 +136,10 @@ fn a_recording_reads_back_and_is_reproducible() {
         match topic {
             "/scan" => assert_eq!(LaserScan::decode(&message.data).expect("a scan"), scene.scan),
             "/truth" => assert!(message.data[..] == scene.truth.to_json(), "another truth"),
+            "/truth/map" => {
+                let map = scene.map.as_ref().expect("with the first scene alone");
+                assert!(message.data[..] == map.to_json(), "another map");
+            }
             "/odom" => assert_eq!(Some(Odometry::decode(&message.data).expect("odometry")), scene.odometry),
             "/tf" => assert_eq!(Some(TfMessage::decode(&message.data).expect("transforms")), scene.transforms()),
             other => panic!("what is {other}"),
@@ -143,7 +147,7 @@ fn a_recording_reads_back_and_is_reproducible() {
         topics.push(topic.to_owned());
     }
     assert!(flight.next().is_none(), "fewer scans than scenes");
-    assert_eq!(topics[..4], ["/scan", "/truth", "/odom", "/tf"]);
+    assert_eq!(topics[..6], ["/scan", "/truth", "/truth/map", "/odom", "/tf", "/scan"]);
 }
 
 #[test]
