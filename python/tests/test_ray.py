@@ -111,8 +111,8 @@ def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: P
 
 
 def test_the_command_line_says_what_failed(archive: Path, tmp_path: Path) -> None:
-    few = [archive / "flight00.mcap", archive / "text.mcap"]
-    command = [in_wheel(), "run", "--on", "ray", *few, "--out", tmp_path / "out", "--address", "local"]
+    few = [str(archive / name) for name in ("flight00.mcap", "text.mcap")]
+    command = [in_wheel(), "run", "--on", "ray", *few, "--out", str(tmp_path / "out"), "--address", "local"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 3, done.stderr
     assert "2 flights, 1 failed, 0 damaged" in done.stderr and "text.mcap" in done.stderr
