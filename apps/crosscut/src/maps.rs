@@ -74,8 +74,7 @@ pub(crate) fn picture(map: &Map) -> String {
         .set("font-size", 12)
         .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));
     for passage in &map.passages {
-        let [from, to] = [passage.from, passage.to].map(|node| map.nodes[node].position_m);
-        let course = std::iter::once(&from).chain(&passage.via_m).chain(std::iter::once(&to)).map(|p| at(p.x, p.y));
+        let course = map.course_m(passage).map(|p| at(p.x, p.y));
         let points: Vec<String> = course.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let line = Polyline::new().set("points", points.join(" ")).set("fill", "none");
         page = page.add(line.set("stroke", "#56b4e9").set("stroke-width", 3));
@@ -101,9 +100,7 @@ fn geojson(map: &Map) -> Value {
                "properties": {"node": id, "kind": node.kind.name(), "ways": node.ways.len()}})
     };
     let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
-        let [from, to] = [edge.from, edge.to].map(|node| map.nodes[node].position_m);
-        let course = std::iter::once(&from).chain(&edge.via_m).chain(std::iter::once(&to));
-        let course: Vec<[f64; 2]> = course.map(|place_m| [place_m.x, place_m.y]).collect();
+        let course: Vec<[f64; 2]> = map.course_m(edge).map(|place_m| [place_m.x, place_m.y]).collect();
         json!({"type": "Feature", "geometry": {"type": "LineString", "coordinates": course},
                "properties": {"edge": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m,
                               "width_m": edge.width_m}})

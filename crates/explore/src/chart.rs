@@ -1,9 +1,9 @@
 //! The flight's map with what the vehicle notes beside it: which ways it tried, and how it went from place to place.
 
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::{Isometry2, Point2};
 
 use crosscut_flight::{Located, NodeWay};
-use crosscut_stage::{HereKind, Way, wrap_angle_rad};
+use crosscut_stage::{HereKind, Way, unit, wrap_angle_rad};
 
 use crate::known::{Known, KnownPlace, KnownWay, WayState};
 
@@ -138,7 +138,7 @@ impl Chart {
 
     /// Whether the trail leads through the mouth of a way and on: the place may be on the map twice.
     fn is_on_trail(&self, place_m: Point2<f64>, way: &NodeWay) -> bool {
-        let along = Vector2::new(way.bearing_rad.cos(), way.bearing_rad.sin());
+        let along = unit(way.bearing_rad);
         let mouth_m = (1.4 * way.width_m).clamp(1.5, 9.0);
         let within_m = 0.3 * way.width_m.min(5.0) + 0.3;
         let is_passed = |far_m: f64| {

@@ -36,6 +36,13 @@ pub(crate) struct Limits {
     pub(crate) radius_m: f64,
 }
 
+impl Limits {
+    /// How fast to turn towards what lies this far to the left.
+    fn turn_rate_rad_s(&self, off_rad: f64) -> f64 {
+        (GAIN_PER_S * off_rad).clamp(-self.turn_rate_max_rad_s, self.turn_rate_max_rad_s)
+    }
+}
+
 /// The command towards a goal. `stops`: the vehicle is to come to rest there.
 pub(crate) fn towards(
     goal_m: Point2<f64>,
@@ -50,11 +57,12 @@ pub(crate) fn towards(
     let Some(&last) = way.last() else { return Command::default() };
     let left_m = (last - here_m).norm();
     if left_m < 0.25 {
-        return if stops { Command::default() } else { turn_to(goal_m, pose, limits) };
+        let turn_rate_rad_s = if stops { 0.0 } else { limits.turn_rate_rad_s(off_rad(goal_m, pose)) };
+        return Command { speed_m_s: 0.0, turn_rate_rad_s };
     }
     let target_m = way.iter().copied().find(|place_m| (place_m - here_m).norm() > LOOK_AHEAD_M).unwrap_or(last);
     let off_rad = off_rad(target_m, pose);
-    let turn_rate_rad_s = (GAIN_PER_S * off_rad).clamp(-limits.turn_rate_max_rad_s, limits.turn_rate_max_rad_s);
+    let turn_rate_rad_s = limits.turn_rate_rad_s(off_rad);
     if off_rad.abs() > ON_THE_SPOT_RAD {
         return Command { speed_m_s: 0.0, turn_rate_rad_s };
     }
@@ -74,13 +82,6 @@ pub(crate) fn towards(
         speed_m_s = 0.12;
     }
     Command { speed_m_s, turn_rate_rad_s }
-}
-
-/// Turns on the spot towards a place.
-fn turn_to(place_m: Point2<f64>, pose: &Isometry2<f64>, limits: &Limits) -> Command {
-    let turn_rate_rad_s =
-        (GAIN_PER_S * off_rad(place_m, pose)).clamp(-limits.turn_rate_max_rad_s, limits.turn_rate_max_rad_s);
-    Command { speed_m_s: 0.0, turn_rate_rad_s }
 }
 
 /// How far to the left of straight ahead a place lies.

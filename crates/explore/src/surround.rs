@@ -5,7 +5,7 @@ use std::collections::{BinaryHeap, VecDeque};
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_stage::Revolution;
+use crosscut_stage::{Revolution, unit};
 
 /// Side of a cell, m.
 const CELL_M: f64 = 0.2;
@@ -261,7 +261,7 @@ impl Field {
 
     /// How far it is free in a direction, for a disc of a radius, up to the edge of the grid.
     pub(crate) fn free_m(&self, direction_rad: f64, radius_m: f64) -> f64 {
-        let direction = nalgebra::Vector2::new(direction_rad.cos(), direction_rad.sin());
+        let direction = unit(direction_rad);
         let mut along_m = 0.0;
         while along_m < FARTHEST_M && self.clearance_at_m(self.start + direction * along_m) >= radius_m {
             along_m += 0.5 * CELL_M;
@@ -285,7 +285,7 @@ mod tests {
     use super::*;
     use crosscut_stage::Point;
 
-    /// A tunnel along x, 3 m wide and 16 m long, as it is seen from its middle.
+    /// A tunnel along x, 3 m wide and 16 m long, seen from its middle.
     fn tunnel() -> Revolution {
         let sides =
             [-1.5, 1.5].into_iter().flat_map(|y| (-80..=80).map(move |i| Point::new(0.1 * f64::from(i), y, 0.0)));

@@ -1,7 +1,8 @@
 //! What a vehicle with a limited view has seen around it: square cells of free space and of walls, in the frame of the
 //! poses. Each cell is what the last scan in whose view it lay saw there.
 
-use nalgebra::{Isometry2, Point2, Rotation2, Vector2};
+use crosscut_stage::unit;
+use nalgebra::{Isometry2, Point2, Vector2};
 
 /// Side of a cell.
 const CELL_M: f64 = 0.1;
@@ -154,10 +155,6 @@ impl Surroundings {
     fn at(&self, place_m: Vector2<f64>) -> Seen {
         self.index_of(place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or(Seen::Never)
     }
-}
-
-fn unit(bearing_rad: f64) -> Vector2<f64> {
-    Rotation2::new(bearing_rad) * Vector2::x()
 }
 
 fn cell_of(place_m: Vector2<f64>) -> [i64; 2] {

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use crosscut_flight::{Anchored, Map, Mapper, Node};
-use crosscut_stage::{Frame, HereKind, Point, counted};
-use nalgebra::{Isometry2, Point2, Vector2};
+use crosscut_stage::{Frame, HereKind, Point, counted, unit};
+use nalgebra::{Isometry2, Point2};
 use rerun::{
     Arrows2D, AsComponents, GraphEdges, GraphNodes, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult,
     StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
@@ -29,13 +29,13 @@ const CELL_M: f64 = 0.2;
 const WALLS_EVERY_M: f64 = 0.7;
 /// Returns farther than this add little, and are drawn where the heading of the pose is uncertain.
 const WALLS_WITHIN_M: f64 = 12.0;
-/// All walls are drawn again once so many, as a share, are new: this bounds what is written.
+/// All walls are drawn again once this share is new: this bounds what is written.
 const NEW_SHARE: f64 = 0.25;
 /// Length of the arrows of ways.
 const WAY_M: f64 = 3.0;
-/// A graph view is laid out in points of the screen; so many are a metre.
+/// A graph view is laid out in points of the screen; this many are a metre.
 const GRAPH_PER_M: f64 = 8.0;
-/// The summary shows the last so many merges and refusals.
+/// The summary shows this many of the last merges and refusals.
 const SHOWN_REASONS: usize = 8;
 
 /// A passage, and a way that was taken.
@@ -52,7 +52,7 @@ pub(crate) struct FlightMap {
     walls: Vec<Anchored>,
     cells: BTreeSet<[i64; 2]>,
     walls_from: Option<Point2<f64>>,
-    /// What was drawn last: the map, so many places of the path, and of the walls, the first in `/flight/walls`.
+    /// What was drawn last: the map, the number of places of the path, and of the walls, those in `/flight/walls` and all.
     drawn: Map,
     drawn_path: usize,
     drawn_walls: [usize; 2],
@@ -172,14 +172,10 @@ impl FlightMap {
 
 /// Nodes with their ways, passages, the graph, and all in words.
 fn log_map(rows: &mut Rows, map: &Map) {
-    let passages = map.passages.iter().map(|passage| {
-        let [from, to] = [passage.from, passage.to].map(|node| &map.nodes[node].position_m);
-        std::iter::once(from).chain(&passage.via_m).chain([to]).map(drawn).collect::<Vec<_>>()
-    });
+    let passages = map.passages.iter().map(|passage| map.course_m(passage).map(drawn).collect::<Vec<_>>());
     rows.log(&FLIGHT_PASSAGES, &LineStrips2D::new(passages));
     let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
-    let along = |bearing_rad: f64| WAY_M * Vector2::new(bearing_rad.cos(), bearing_rad.sin());
-    let arrows = Arrows2D::from_vectors(ways().map(|(_, way)| drawn(&along(way.bearing_rad).into())))
+    let arrows = Arrows2D::from_vectors(ways().map(|(_, way)| drawn(&(WAY_M * unit(way.bearing_rad)).into())))
         .with_origins(ways().map(|(node, _)| drawn(&node.position_m)))
         .with_colors(ways().map(|(_, way)| color(if way.taken { PASSAGE } else { OPENING })));
     let numbers = (0..map.nodes.len()).map(|id| id.to_string());

@@ -67,7 +67,7 @@ mod why;
 
 pub use crosscut_rrd::schema;
 pub use layout::Layout;
-pub use mission::{MissionDecision, MissionMap, MissionMoment, MissionRecorder};
+pub use mission::{MissionDecision, MissionMoment, MissionRecorder};
 pub use mounting::Mounting;
 pub use options::{RecorderError, RecorderOptions};
 pub use recorder::Recorder;

@@ -13,7 +13,8 @@
 
 use std::path::Path;
 
-use crosscut_stage::Frame;
+use crosscut_flight::{Map, Node, NodeWay};
+use crosscut_stage::{Frame, HereKind};
 use nalgebra::{Isometry2, Point2};
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
@@ -58,7 +59,7 @@ pub struct MissionMoment<'a> {
     /// The decision that was taken at this revolution.
     pub decision: Option<MissionDecision<'a>>,
     /// The map, at revolutions at which it is to be drawn anew.
-    pub map: Option<MissionMap>,
+    pub map: Option<Map>,
 }
 
 /// A decision of the planner.
@@ -70,17 +71,6 @@ pub struct MissionDecision<'a> {
     pub bearing_rad: f64,
     /// Why.
     pub why: &'a str,
-}
-
-/// A map to draw.
-#[derive(Clone, Debug, Default)]
-pub struct MissionMap {
-    /// Position of each place, and whether it is a junction.
-    pub places: Vec<(Point2<f64>, bool)>,
-    /// The place of each way, its direction, and whether it was taken.
-    pub ways: Vec<(Point2<f64>, f64, bool)>,
-    /// The course of each passage.
-    pub passages: Vec<Vec<Point2<f64>>>,
 }
 
 /// Records a mission for the Rerun viewer.
@@ -200,24 +190,27 @@ impl MissionRecorder {
         Ok(self.rec.log(ENTITIES.why, &TextDocument::from_markdown(text))?)
     }
 
-    fn log_map(&self, map: &MissionMap) -> Result<(), RecorderError> {
-        let courses = map.passages.iter().map(|course| course.iter().map(|place_m| above(*place_m, 0.5)).collect());
+    fn log_map(&self, map: &Map) -> Result<(), RecorderError> {
+        let courses = map.passages.iter().map(|of| map.course_m(of).map(|place_m| above(*place_m, 0.5)).collect());
         self.rec.log(ENTITIES.passages, &LineStrips3D::new(courses.collect::<Vec<Vec<[f32; 3]>>>()))?;
-        let of_way = |(place_m, bearing_rad, _): &(Point2<f64>, f64, bool)| {
-            let [x, y, _] = along(*bearing_rad, WAY_M).map(f64::from);
-            [above(*place_m, 0.6), above(place_m + nalgebra::Vector2::new(x, y), 0.6)]
+        // A dead end has no way to explore.
+        let is_taken = |node: &Node, way: &NodeWay| way.taken || node.kind != HereKind::Junction;
+        let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
+        let of_way = |(node, way): (&Node, &NodeWay)| {
+            let [x, y, _] = along(way.bearing_rad, WAY_M).map(f64::from);
+            [above(node.position_m, 0.6), above(node.position_m + nalgebra::Vector2::new(x, y), 0.6)]
         };
-        let colors = map.ways.iter().map(|(_, _, taken)| color(if *taken { TAKEN } else { NEW }));
-        self.rec.log(ENTITIES.ways, &LineStrips3D::new(map.ways.iter().map(of_way)).with_colors(colors))?;
-        let labels = (0..map.places.len()).map(|number| number.to_string());
-        let radii = map.places.iter().map(|(_, junction)| Radius::new_ui_points(if *junction { 7.0 } else { 4.0 }));
-        let places = Points3D::new(map.places.iter().map(|(place_m, _)| above(*place_m, 0.7)))
+        let colors = ways().map(|(node, way)| color(if is_taken(node, way) { TAKEN } else { NEW }));
+        self.rec.log(ENTITIES.ways, &LineStrips3D::new(ways().map(of_way)).with_colors(colors))?;
+        let labels = (0..map.nodes.len()).map(|number| number.to_string());
+        let is_junction = |node: &Node| node.kind == HereKind::Junction;
+        let radii = map.nodes.iter().map(|node| Radius::new_ui_points(if is_junction(node) { 7.0 } else { 4.0 }));
+        let places = Points3D::new(map.nodes.iter().map(|node| above(node.position_m, 0.7)))
             .with_labels(labels)
             .with_show_labels(true)
             .with_radii(radii);
         self.rec.log(ENTITIES.places, &places.with_colors([color(WORDS)]))?;
-        let left = map.ways.iter().filter(|(_, _, taken)| !taken).count();
-        Ok(self.rec.log(ENTITIES.new_ways, &Scalars::single(left as f64))?)
+        Ok(self.rec.log(ENTITIES.new_ways, &Scalars::single(map.ways_not_taken() as f64))?)
     }
 }
 

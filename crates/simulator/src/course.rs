@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use rand::RngExt;
 
-use crate::network::{Point, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Point, left_of};
 use crate::noise::Generator;
 
 /// Largest distance between points of a centreline, metres.

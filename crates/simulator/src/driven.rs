@@ -5,7 +5,9 @@ use nalgebra::Isometry2;
 
 use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
-use crate::network::{Point, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Point, left_of};
 use crate::noise::{Drifting, Generator, generator, normal};
 use crate::pose::{Motion, Pose};
 use crate::scene::{FIRST_STAMP_NS, message};

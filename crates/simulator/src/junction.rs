@@ -8,7 +8,9 @@ use crate::cloud::{Cloud, Rings};
 use crate::course::{bent, half_widths};
 use crate::lidar::Lidar;
 use crate::mine::Mine;
-use crate::network::{Disc, Network, Point, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Disc, Network, Point, left_of};
 use crate::noise::{Generator, generator};
 use crate::pose::{Motion, Pose};
 use crate::scene::{FIRST_STAMP_NS, Scene, View};

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::network::{Point, Vector, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Point, Vector};
 use crate::pose::{Motion, Pose};
 use crate::surface::Surface;
 
@@ -67,6 +69,13 @@ impl Lidar {
         mixed_at_edges: 0.0,
         loss_at_edges: 0.0,
     };
+
+    /// An ordinary one: it loses beams at random, far off and at grazing incidence.
+    pub(crate) const ORDINARY: Self = Self { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Self::CLEAN };
+
+    /// An ordinary one in a mine with wet walls and some dust.
+    pub(crate) const IN_WET_MINE: Self =
+        Self { loss: 0.05, loss_at_range_max: 0.3, loss_on_wet: 0.7, dust: 0.003, ..Self::ORDINARY };
 }
 
 /// The noise-free echo of a beam.

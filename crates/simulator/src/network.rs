@@ -161,8 +161,3 @@ pub(crate) fn tangent(line: &[Point], i: usize) -> Vector {
 pub(crate) fn left_of(direction: Vector) -> Vector {
     Vector::new(-direction.y, direction.x)
 }
-
-/// Unit vector of an angle.
-pub(crate) fn unit(angle_rad: f64) -> Vector {
-    Vector::new(angle_rad.cos(), angle_rad.sin())
-}

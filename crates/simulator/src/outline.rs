@@ -5,7 +5,9 @@ use std::f64::consts::{PI, TAU};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
 
-use crate::network::{Network, Point, Tunnel, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Network, Point, Tunnel, left_of};
 
 /// The border of the rock as closed contours: the rim of the mine, and the blocks between its tunnels.
 pub(crate) fn rock(network: &Network) -> Vec<Vec<Point>> {

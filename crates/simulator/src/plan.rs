@@ -26,9 +26,6 @@ const ON_THE_SPOT_RAD: f64 = 1.0;
 /// It stays this share of the width from the middle (standard deviation), at most 0.2 m.
 const OFFSET_SHARE: f64 = 0.05;
 
-/// An ordinary lidar: it loses beams at random, far off and at grazing incidence.
-const LIDAR: Lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
-
 /// A mine as its surveyor draws it: places, and the ways between them.
 ///
 /// ```
@@ -147,7 +144,7 @@ impl Plan {
     pub fn fly(&self, seed: u64) -> Result<Flight, PlanError> {
         let (network, start) = self.checked()?;
         let route_m = tour(&network, start).map_err(|node| self.not_reached(node, start))?;
-        let (texture, lidar) = (self.texture(), LIDAR);
+        let (texture, lidar) = (self.texture(), Lidar::ORDINARY);
         let narrowest_m = self.edges.iter().map(|edge| edge.width_m).fold(f64::INFINITY, f64::min);
         let handling = Handling {
             turn_on_spot_rad: ON_THE_SPOT_RAD,
@@ -166,7 +163,7 @@ impl Plan {
     pub fn world(&self, seed: u64) -> Result<World, PlanError> {
         let (network, start) = self.checked()?;
         tour(&network, start).map_err(|node| self.not_reached(node, start))?;
-        Ok(World::new(network, &self.texture(), LIDAR, start, seed))
+        Ok(World::new(network, &self.texture(), Lidar::ORDINARY, start, seed))
     }
 
     /// The tunnels, and the node that a flight starts at.

@@ -8,7 +8,9 @@ use rand::seq::SliceRandom;
 use crate::course::{bent, half_widths, swaying};
 use crate::lidar::Lidar;
 use crate::mine::Mine;
-use crate::network::{Disc, Network, Point, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Disc, Network, Point, left_of};
 use crate::noise::{Generator, generator};
 use crate::scene::Flight;
 use crate::surface::{Surface, Texture};
@@ -18,8 +20,7 @@ use crate::vehicle::{Handling, Vehicle};
 pub(crate) fn tunnel(seed: u64) -> Flight {
     let (network, route) = drive(&mut generator(seed, "tunnel"));
     let texture = Texture { bump_sd_m: 0.12, bump_length_m: 0.8, ..Texture::SMOOTH };
-    let lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
-    fly(network, &route, texture, lidar, seed)
+    fly(network, &route, texture, Lidar::ORDINARY, seed)
 }
 
 /// A flight through a mine of tunnels 6 m wide and 4 m high that cross many times, its walls wet in places.
@@ -117,17 +118,7 @@ impl Rooms {
 
 fn through_rooms(rooms: &Rooms, seed: u64) -> Flight {
     let (network, route) = rooms.network(&mut generator(seed, "mine"));
-    let texture =
-        Texture { bump_sd_m: rooms.bump_sd_m, bump_length_m: 1.0, wet_share: rooms.wet_share, wet_length_m: 1.5 };
-    let lidar = Lidar {
-        loss: 0.05,
-        loss_at_range_max: 0.3,
-        loss_at_grazing: 0.3,
-        loss_on_wet: 0.7,
-        dust: 0.003,
-        ..Lidar::CLEAN
-    };
-    fly(network, &route, texture, lidar, seed)
+    fly(network, &route, rooms.texture(), Lidar::IN_WET_MINE, seed)
 }
 
 fn fly(network: Network, route: &[usize], texture: Texture, lidar: Lidar, seed: u64) -> Flight {
@@ -167,12 +158,21 @@ pub(crate) fn drive(rng: &mut Generator) -> (Network, Vec<usize>) {
     (network, route)
 }
 
+/// The rock of a mine.
+pub(crate) fn rock_of_mine() -> Texture {
+    Rooms::MINE.texture()
+}
+
 /// The net of a mine, and a route of `steps` tunnels through it.
 pub(crate) fn rooms(steps: usize, rng: &mut Generator) -> (Network, Vec<usize>) {
     Rooms { steps, ..Rooms::MINE }.network(rng)
 }
 
 impl Rooms {
+    fn texture(&self) -> Texture {
+        Texture { bump_sd_m: self.bump_sd_m, bump_length_m: 1.0, wet_share: self.wet_share, wet_length_m: 1.5 }
+    }
+
     /// A net of tunnels around blocks of rock, and a route through it.
     fn network(&self, rng: &mut Generator) -> (Network, Vec<usize>) {
         const SIDE: usize = 4;

@@ -183,7 +183,9 @@ fn wet_patches(n: usize, step_m: f64, texture: &Texture, rng: &mut Generator) ->
 mod tests {
     use super::*;
     use crate::course::{bent, half_widths};
-    use crate::network::{Disc, unit};
+    use crosscut_stage::unit;
+
+    use crate::network::Disc;
 
     fn winding() -> Network {
         let mut rng = generator(5, "winding");

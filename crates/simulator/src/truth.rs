@@ -22,7 +22,9 @@ use crosscut_messages::{Truth, TruthOpening};
 use crate::exits::{Exit, Sight, exits};
 use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
-use crate::network::{Point, Vector, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Point, Vector, left_of};
 use crate::pose::Motion;
 use crate::reading::Reading;
 

@@ -1,6 +1,8 @@
 //! A vehicle that follows a route through a mine, with disturbances, and odometry that drifts.
 
-use crate::network::{Point, Vector, left_of, unit};
+use crosscut_stage::unit;
+
+use crate::network::{Point, Vector, left_of};
 use crate::noise::{Drifting, Generator, generator, normal};
 use crate::pose::{Motion, Pose};
 

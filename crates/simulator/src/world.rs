@@ -10,7 +10,7 @@ use crate::mine::Mine;
 use crate::network::{Network, Point};
 use crate::noise::{Generator, generator};
 use crate::pose::Pose;
-use crate::presets::{add_pillars, add_spur, drive, headings_rad, rooms};
+use crate::presets::{add_pillars, add_spur, drive, headings_rad, rock_of_mine, rooms};
 use crate::surface::{Surface, Texture};
 
 /// The vehicle starts this far from the face of a dead end, m.
@@ -94,9 +94,6 @@ impl World {
 /// Bumps of ordinary rock.
 const ROUGH: Texture = Texture { bump_sd_m: 0.08, bump_length_m: 0.8, ..Texture::SMOOTH };
 
-/// An ordinary lidar: it loses beams at random, far off and at grazing incidence.
-const LIDAR: Lidar = Lidar { loss: 0.03, loss_at_range_max: 0.2, loss_at_grazing: 0.3, ..Lidar::CLEAN };
-
 fn tee(seed: u64) -> World {
     let mut rng = generator(seed, "world of a tee");
     let mut network = Network::new(3.0);
@@ -109,46 +106,44 @@ fn tee(seed: u64) -> World {
     let tee = add(&mut network, start, 0.0, 18.0);
     add(&mut network, tee, 1.5, 16.0);
     add(&mut network, tee, -1.6, 16.0);
-    World::new(network, &ROUGH, LIDAR, start, seed)
+    World::new(network, &ROUGH, Lidar::ORDINARY, start, seed)
 }
 
 fn tree(seed: u64) -> World {
     let mut rng = generator(seed, "world of a tree");
     let network = branching([1.5, 2.0], [14.0, 28.0], &mut rng);
-    World::new(network, &ROUGH, LIDAR, 0, seed)
+    World::new(network, &ROUGH, Lidar::ORDINARY, 0, seed)
 }
 
 fn narrow(seed: u64) -> World {
     let mut rng = generator(seed, "world of narrow tunnels");
     let network = branching([0.8, 1.2], [9.0, 20.0], &mut rng);
-    World::new(network, &Texture { bump_sd_m: 0.04, ..ROUGH }, LIDAR, 0, seed)
+    World::new(network, &Texture { bump_sd_m: 0.04, ..ROUGH }, Lidar::ORDINARY, 0, seed)
 }
 
 fn loops(seed: u64) -> World {
     let mut rng = generator(seed, "world of loops");
     let (network, start) = blocks([1.7, 2.3], 21.0, &mut rng);
-    World::new(network, &ROUGH, LIDAR, start, seed)
+    World::new(network, &ROUGH, Lidar::ORDINARY, start, seed)
 }
 
 fn dust(seed: u64) -> World {
     let mut rng = generator(seed, "world of dust");
     let (network, start) = blocks([1.7, 2.3], 21.0, &mut rng);
-    World::new(network, &ROUGH, Lidar { loss: 0.1, dust: 0.02, ..LIDAR }, start, seed)
+    World::new(network, &ROUGH, Lidar { loss: 0.1, dust: 0.02, ..Lidar::ORDINARY }, start, seed)
 }
 
 fn wet(seed: u64) -> World {
     let mut rng = generator(seed, "world of wet rock");
     let (network, start) = blocks([2.7, 3.3], 27.0, &mut rng);
-    let texture = Texture { bump_sd_m: 0.15, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
-    let lidar = Lidar { loss: 0.05, loss_at_range_max: 0.3, loss_on_wet: 0.7, dust: 0.003, ..LIDAR };
-    World::new(network, &texture, lidar, start, seed)
+    World::new(network, &rock_of_mine(), Lidar::IN_WET_MINE, start, seed)
 }
 
 fn pillars(seed: u64) -> World {
     let mut rng = generator(seed, "world of pillars");
     let (mut network, start) = blocks([2.7, 3.3], 27.0, &mut rng);
     add_pillars(&mut network, 10, &mut rng);
-    World::new(network, &ROUGH, LIDAR, start, seed)
+    World::new(network, &ROUGH, Lidar::ORDINARY, start, seed)
 }
 
 fn chambers(seed: u64) -> World {
@@ -159,7 +154,7 @@ fn chambers(seed: u64) -> World {
             network.nodes[node].chamber_radius_m = rng.random_range(1.5..2.2) * network.half_width_at_m(node);
         }
     }
-    World::new(network, &ROUGH, LIDAR, start, seed)
+    World::new(network, &ROUGH, Lidar::ORDINARY, start, seed)
 }
 
 /// Two straight rails with rungs at equal distances. The vehicle starts at the end of a rail.
@@ -188,21 +183,19 @@ fn ladder(seed: u64) -> World {
     for (&from, &to) in rails[0].iter().zip(&rails[1]).skip(1).take(rungs) {
         add(&mut network, from, to);
     }
-    World::new(network, &Texture { bump_sd_m: 0.05, ..ROUGH }, LIDAR, rails[0][0], seed)
+    World::new(network, &Texture { bump_sd_m: 0.05, ..ROUGH }, Lidar::ORDINARY, rails[0][0], seed)
 }
 
 fn tunnel(seed: u64) -> World {
     let (network, route) = drive(&mut generator(seed, "tunnel"));
     let texture = Texture { bump_sd_m: 0.12, bump_length_m: 0.8, ..Texture::SMOOTH };
-    World::new(network, &texture, LIDAR, route[0], seed)
+    World::new(network, &texture, Lidar::ORDINARY, route[0], seed)
 }
 
 fn mine(seed: u64) -> World {
     let (network, route) = rooms(9, &mut generator(seed, "mine"));
-    let texture = Texture { bump_sd_m: 0.15, bump_length_m: 1.0, wet_share: 0.25, wet_length_m: 1.5 };
-    let lidar = Lidar { loss: 0.05, loss_at_range_max: 0.3, loss_on_wet: 0.7, dust: 0.003, ..LIDAR };
     let start = (0..network.nodes.len()).find(|&node| network.degree(node) == 1).unwrap_or(route[0]);
-    World::new(network, &texture, lidar, start, seed)
+    World::new(network, &rock_of_mine(), Lidar::IN_WET_MINE, start, seed)
 }
 
 /// A tree of tunnels from node 0, a dead end, on.

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::iter::repeat_n;
 
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Vector2};
 
 use crate::Point;
 
@@ -206,6 +206,11 @@ pub fn widest_run(beams: usize, holds: impl Fn(usize) -> bool) -> (usize, usize)
 pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
     let turned = angle_rad.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }
+}
+
+/// The unit vector of an angle; x is ahead, y left.
+pub fn unit(angle_rad: f64) -> Vector2<f64> {
+    Vector2::new(angle_rad.cos(), angle_rad.sin())
 }
 
 #[cfg(test)]

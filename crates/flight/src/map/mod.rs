@@ -126,6 +126,12 @@ pub fn loops_in(passages: impl IntoIterator<Item = [usize; 2]>) -> usize {
 }
 
 impl Map {
+    /// A passage from node to node: where it begins, the places along it, where it ends.
+    pub fn course_m<'a>(&'a self, passage: &'a Passage) -> impl Iterator<Item = &'a Point2<f64>> {
+        let [from, to] = [passage.from, passage.to].map(|node| &self.nodes[node].position_m);
+        std::iter::once(from).chain(&passage.via_m).chain([to])
+    }
+
     /// How many ways of junctions were not taken.
     pub fn ways_not_taken(&self) -> usize {
         let junctions = self.nodes.iter().filter(|node| node.kind == HereKind::Junction);

@@ -172,16 +172,19 @@ impl Mapper {
         self.absorb_turned(from, into, first.inv_mul(&other).rotation.angle())
     }
 
-    /// The same; `turned_rad` brings directions in the frame of `from` into that of `into`.
+    /// Makes node `from` a part of node `into`, whose frame `turned_rad` brings directions of `from` into.
     fn absorb_turned(&mut self, from: usize, into: usize, turned_rad: f64) -> usize {
         let (gone, place) = (self.map.nodes.remove(from), self.places.remove(from));
-        let renumbered = |node: usize| if node > from { node - 1 } else { node };
-        let into = renumbered(into);
+        let into = if into > from { into - 1 } else { into };
+        let moved = |node: usize| match node {
+            same if same == from => into,
+            later if later > from => later - 1,
+            earlier => earlier,
+        };
         let ways_rad = &self.places[into].ways_rad;
         let way_into: Vec<usize> =
             place.ways_rad.iter().map(|rad| nearest_way(ways_rad, rad + turned_rad).unwrap_or(0)).collect();
         for passage in &mut self.map.passages {
-            let moved = |node: usize| if node == from { into } else { renumbered(node) };
             (passage.from, passage.to) = (moved(passage.from), moved(passage.to));
         }
         for (at, way) in gone.ways.iter().enumerate() {
@@ -191,16 +194,16 @@ impl Mapper {
             }
         }
         for decided in self.map.merges.iter_mut().map(|merge| &mut merge.node) {
-            *decided = if *decided == from { into } else { renumbered(*decided) };
+            *decided = moved(*decided);
         }
         for refused in self.map.refusals.iter_mut().map(|refusal| &mut refusal.node) {
-            *refused = if *refused == from { into } else { renumbered(*refused) };
+            *refused = moved(*refused);
         }
         if let Some(last) = &mut self.last {
             if last.node == from {
                 last.way = way_into.get(last.way).copied().unwrap_or(0);
             }
-            last.node = if last.node == from { into } else { renumbered(last.node) };
+            last.node = moved(last.node);
         }
         place.belief.into_iter().for_each(|(ways, of)| *self.places[into].belief.entry(ways).or_default() += of);
         self.map.nodes[into].visits.extend(gone.visits);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_stage::{Here, HereKind, Way, wrap_angle_rad};
+use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
 
 use crate::line_points::LinePoint;
 
@@ -151,9 +151,7 @@ impl Visit {
 
     /// Whether the vehicle came or left on the side of a dead end that is closed: then it is none.
     pub(crate) fn passes_through_the_end(&self) -> bool {
-        let is_behind = |way: &Way, place_m: Point2<f64>| {
-            place_m.coords.dot(&nalgebra::Vector2::new(way.bearing_rad.cos(), way.bearing_rad.sin())) < -BEHIND_M
-        };
+        let is_behind = |way: &Way, place_m: Point2<f64>| place_m.coords.dot(&unit(way.bearing_rad)) < -BEHIND_M;
         let dead_end = self.ways.iter().filter(|_| self.kind == HereKind::DeadEnd);
         dead_end.into_iter().any(|way| is_behind(way, self.came_from) || is_behind(way, self.left_to))
     }

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use crosscut_explore::Moment;
 use crosscut_pipeline::Config;
-use crosscut_recorder::{MissionDecision, MissionMap, MissionMoment, MissionRecorder, RecorderError};
+use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError};
 use crosscut_simulator::World;
-use crosscut_stage::HereKind;
 use nalgebra::{Isometry2, Point2};
 
 /// The map is drawn anew after this many revolutions: it costs more than all else.
@@ -35,7 +34,7 @@ impl Saved {
             return;
         }
         let frame = moment.frame;
-        let map = frame.revolution.seq.is_multiple_of(MAP_EVERY).then(|| drawn(&moment.mapper.map()));
+        let map = frame.revolution.seq.is_multiple_of(MAP_EVERY).then(|| moment.mapper.map());
         let (tracked, correction) = (frame.pose.unwrap_or_default(), moment.step.correction);
         let decision = moment.step.decision.as_ref().map(|decision| MissionDecision {
             place: decision.place,
@@ -54,16 +53,4 @@ impl Saved {
             None => self.recorder.finish(),
         }
     }
-}
-
-fn drawn(map: &crosscut_flight::Map) -> MissionMap {
-    let places = map.nodes.iter().map(|node| (node.position_m, node.kind == HereKind::Junction)).collect();
-    let ways = map.nodes.iter().flat_map(|node| {
-        node.ways.iter().map(|way| (node.position_m, way.bearing_rad, way.taken || node.kind != HereKind::Junction))
-    });
-    let passages = map.passages.iter().map(|passage| {
-        let [from, to] = [passage.from, passage.to].map(|node| map.nodes[node].position_m);
-        std::iter::once(from).chain(passage.via_m.iter().copied()).chain([to]).collect()
-    });
-    MissionMap { places, ways: ways.collect(), passages: passages.collect() }
 }

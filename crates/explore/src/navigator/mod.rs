@@ -1,27 +1,28 @@
 //! The navigator: follows passages, stops at places, asks the planner, leaves by the way that it chose.
 
+mod answer;
+mod deciding;
+
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{Located, Mapper};
+use crosscut_flight::Mapper;
 use crosscut_simulator::Command;
-use crosscut_stage::{Beam, Frame, Here, HereKind, Revolution, Way, wrap_angle_rad};
+use crosscut_stage::{Frame, Here, HereKind, Way, unit, wrap_angle_rad};
 
-use crate::chart::{Chart, in_map};
-use crate::known::{Known, Route, WayState};
-use crate::planner::{Choice, Planner};
+use crate::chart::Chart;
+use crate::planner::Planner;
 use crate::steering::{Limits, towards};
 use crate::surround::{Field, Surround};
+
+pub use answer::{Decision, End, Step};
 
 /// The vehicle is home within this of where it started, by its own map, m.
 const HOME_M: f64 = 3.0;
 
 /// After this many revolutions there it is home whatever the place looks like; in passing it takes fewer.
 const MOST_NEAR_HOME: u64 = 50;
-
-/// From a place that is no farther from home the vehicle flies straight there, m.
-const STRAIGHT_HOME_M: f64 = 15.0;
 
 /// The revolutions that a place is looked at before a decision, at least, and at most before one without the map.
 const LEAST_LOOKS: u64 = 6;
@@ -36,12 +37,6 @@ const MOST_AWAY: u64 = 12;
 
 /// The vehicle turns back where it is free for less than this ahead, m.
 const BEFORE_FACE_M: f64 = 1.3;
-
-/// A way without an opening whose end is nearer than this is not entered, m.
-const SEEN_TO_END_M: f64 = 6.0;
-
-/// Beams within this of the middle of such a way show its end.
-const END_WITHIN_RAD: f64 = 0.15;
 
 /// The vehicle has left a place once it is this much farther away than its look, m.
 const BEYOND_LOOK_M: f64 = 0.7;
@@ -62,28 +57,6 @@ const MOST_STUCK: u32 = 6;
 /// A mission that finds nothing new is given up after this many revolutions, and these for each metre of the map.
 const LIMIT: f64 = 1500.0;
 const LIMIT_PER_M: f64 = 30.0;
-
-/// How a mission ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The vehicle is home by its own map, and knows of nothing left to explore.
-    Home,
-    /// The vehicle could not get on.
-    Stuck,
-    /// Nothing new was found for longer than it takes to fly through the whole map more than twice.
-    GaveUp,
-}
-
-impl End {
-    /// Its name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Home => "home",
-            Self::Stuck => "stuck",
-            Self::GaveUp => "gave_up",
-        }
-    }
-}
 
 /// What the navigator is doing.
 #[derive(Clone, Copy, Debug)]
@@ -118,36 +91,6 @@ struct Left {
     /// The direction in which it was really left, in the frame of the map.
     really_rad: Option<f64>,
     way_m: f64,
-}
-
-/// A decision at a place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Decision {
-    /// Where it was taken, as tracked.
-    pub at_m: Point2<f64>,
-    /// The place on the map; `None` where the map has none.
-    pub place: Option<usize>,
-    /// The direction chosen, in the axes of the tracked poses.
-    pub bearing_rad: f64,
-    /// Why, in words.
-    pub why: String,
-}
-
-/// What the navigator answers to a frame.
-#[derive(Clone, Debug)]
-pub struct Step {
-    /// What the vehicle is to do.
-    pub command: Command,
-    /// Where it is heading for, as tracked.
-    pub goal_m: Point2<f64>,
-    /// Brings tracked poses into the frame of the map, as it was at the last decision.
-    pub correction: Isometry2<f64>,
-    /// What it is doing, in a word.
-    pub doing: &'static str,
-    /// The decision that was taken at this frame.
-    pub decision: Option<Decision>,
-    /// Set once the mission is over.
-    pub end: Option<End>,
 }
 
 /// Flies a vehicle by what the frames of its flight show.
@@ -338,10 +281,7 @@ impl Navigator {
     fn way_ahead(&self, here: &Here, pose: &Isometry2<f64>) -> Option<Way> {
         let yaw_rad = pose.rotation.angle();
         let here_m = Point2::from(pose.translation.vector);
-        let back = self.chart.back_m(self.correction * here_m, here.look_m.clamp(2.0, 5.0)).map(|back_m| {
-            let towards = self.correction.inverse() * back_m - here_m;
-            towards.y.atan2(towards.x)
-        });
+        let back = self.back_rad(here_m, here.look_m.clamp(2.0, 5.0));
         let off = |way: &Way, from_rad: f64| wrap_angle_rad(way.bearing_rad + yaw_rad - from_rad).abs();
         let backward = back.and_then(|back_rad| {
             let nearest = (0..here.ways.len())
@@ -353,6 +293,13 @@ impl Navigator {
         let ahead = here.ways.iter().enumerate().filter(|(number, _)| Some(*number) != backward);
         let ahead = ahead.map(|(_, way)| *way).filter(|way| off(way, self.course_rad) < most_rad);
         ahead.min_by(|a, b| off(a, self.course_rad).total_cmp(&off(b, self.course_rad)))
+    }
+
+    /// The direction of where the vehicle was this far back.
+    fn back_rad(&self, here_m: Point2<f64>, far_m: f64) -> Option<f64> {
+        let back_m = self.chart.back_m(self.correction * here_m, far_m)?;
+        let towards = self.correction.inverse() * back_m - here_m;
+        Some(towards.y.atan2(towards.x))
     }
 
     /// Sets the goal within a place, and says whether the vehicle has reached it.
@@ -390,107 +337,6 @@ impl Navigator {
         looks >= LEAST_LOOKS && (is_near || looks > MOST_TO_MIDDLE)
     }
 
-    /// Asks the planner, and begins to leave.
-    fn decide(&mut self, located: Option<Located>, kind: HereKind, frame: &Frame, pose: &Isometry2<f64>) -> Decision {
-        let steady = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
-        let here_m = Point2::from(pose.translation.vector);
-        let look_m = steady.map_or(3.0, |here| here.look_m);
-        let (bearing_rad, place, why) = match &located {
-            Some(located) => {
-                self.correction = located.correction;
-                self.map_m = located.map.passages.iter().map(|passage| passage.length_m).sum();
-                let turn_rad = self.correction.rotation.angle();
-                let in_view = steady.map_or_else(Vec::new, |here| in_map(&here.ways, pose, &self.correction));
-                let place_m = located.map.nodes[located.node].position_m;
-                self.note_ends(place_m, frame, pose.rotation.angle() + turn_rad);
-                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
-                self.note_link(&known);
-                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
-                let (way, bearing_rad, why) = self.choose(&known, self.correction * here_m);
-                let way = way.and_then(|way| known.places[known.here].ways.get(way));
-                if way.is_some_and(|way| way.state == WayState::New) {
-                    self.last_new = self.now;
-                }
-                (bearing_rad - turn_rad, Some((known.here, place_m)), why)
-            }
-            None if kind == HereKind::Junction => {
-                let on = steady.and_then(|here| self.way_ahead(here, pose));
-                let on_rad = on.map_or(self.course_rad, |way| way.bearing_rad + pose.rotation.angle());
-                (on_rad, None, "straight on: the map has no place here".to_owned())
-            }
-            None => {
-                let back = self.chart.back_m(self.correction * here_m, 2.5).map(|back_m| {
-                    let towards = self.correction.inverse() * back_m - here_m;
-                    towards.y.atan2(towards.x)
-                });
-                (back.unwrap_or(self.course_rad + PI), None, "back: no way ahead".to_owned())
-            }
-        };
-        let bearing_rad = wrap_angle_rad(bearing_rad);
-        self.course_rad = bearing_rad;
-        self.is_armed = false;
-        let (at_m, way_m) = (here_m, self.way_m);
-        self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
-        self.doing = Doing::Leave { began: self.now };
-        self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
-        Decision { at_m, place: place.map(|(place, _)| place), bearing_rad, why }
-    }
-
-    /// The way to take, its direction in the frame of the map, and why.
-    fn choose(&mut self, known: &Known, here_m: Point2<f64>) -> (Option<usize>, f64, String) {
-        let ways = &known.places[known.here].ways;
-        let by = |choice: Choice| {
-            let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
-            (Some(choice.way), bearing_rad, choice.why)
-        };
-        let first = (known.places[known.here].position_m, known.heading_rad + PI);
-        let (first_m, back_rad) = *self.first.get_or_insert(first);
-        if let Some(choice) = self.planner.choose(known) {
-            self.goes_home = false;
-            return by(choice);
-        }
-        if !self.goes_home {
-            self.last_new = self.now; // the way home has its own limit
-        }
-        self.goes_home = true;
-        let off_m = |place: usize| (known.places[place].position_m - first_m).norm();
-        let first = (0..known.places.len()).min_by(|&a, &b| off_m(a).total_cmp(&off_m(b))).unwrap_or(0);
-        if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
-            return by(Choice { way, why: format!("home, {length_m:.0} m away") });
-        }
-        // At the first place the way back from it leads home. Elsewhere the vehicle is lost, and tries where home lies.
-        let home_rad = (-here_m.y).atan2(-here_m.x);
-        let is_first = known.here == first;
-        if is_first && here_m.coords.norm() < STRAIGHT_HOME_M {
-            return (None, home_rad, "straight home".to_owned());
-        }
-        let wanted_rad = if is_first { back_rad } else { home_rad };
-        let off_rad = |way: usize| wrap_angle_rad(ways[way].bearing_rad - wanted_rad).abs();
-        let way = (0..ways.len()).min_by(|&a, &b| off_rad(a).total_cmp(&off_rad(b))).unwrap_or(0);
-        by(Choice { way, why: "towards home".to_owned() })
-    }
-
-    /// Notes the ways that are seen to end near by.
-    fn note_ends(&mut self, place_m: Point2<f64>, frame: &Frame, yaw_rad: f64) {
-        let ways = frame.here.iter().flat_map(|here| &here.ways);
-        for way in ways.filter(|way| way.opening.is_none()) {
-            if is_seen_to_end(&frame.revolution, way.bearing_rad) {
-                self.chart.ends(place_m, wrap_angle_rad(way.bearing_rad + yaw_rad));
-            }
-        }
-    }
-
-    /// Notes how the vehicle came from the place before.
-    fn note_link(&mut self, known: &Known) {
-        let Some(left) = self.left.take() else { return };
-        if let (Some((from, _)), Some(really_rad)) = (left.place, left.really_rad)
-            && let Some(back) = known.way_back()
-        {
-            let to = (known.here, known.places[known.here].ways[back].bearing_rad);
-            self.chart.link((from, really_rad), to, self.way_m - left.way_m);
-        }
-    }
-
     /// Out of a place by the chosen way.
     fn leave(&mut self, seen: Option<&Here>, steady: Option<&Here>, pose: &Isometry2<f64>, began: u64) {
         let Some(left) = self.left else {
@@ -508,9 +354,7 @@ impl Navigator {
             let really_rad = from.y.atan2(from.x);
             let led_into = !has_failed && wrap_angle_rad(really_rad - left.bearing_rad).abs() < 0.8;
             let turn_rad = self.correction.rotation.angle();
-            if let Some((_, place_m)) = left.place {
-                self.chart.tried(place_m, wrap_angle_rad(left.bearing_rad + turn_rad), led_into);
-            }
+            self.note_try(&left, led_into);
             if let Some(left) = &mut self.left {
                 left.really_rad = Some(wrap_angle_rad(really_rad + turn_rad));
             }
@@ -548,10 +392,7 @@ impl Navigator {
             }
             match (self.doing, self.left) {
                 (Doing::Leave { .. }, Some(left)) => {
-                    if let Some((_, place_m)) = left.place {
-                        let bearing_rad = left.bearing_rad + self.correction.rotation.angle();
-                        self.chart.tried(place_m, wrap_angle_rad(bearing_rad), false);
-                    }
+                    self.note_try(&left, false);
                     self.arrive(left.kind, here_m);
                 }
                 _ => {
@@ -581,28 +422,4 @@ fn freest(field: &Field, course_rad: f64, radius_m: f64) -> (f64, f64) {
         }
     }
     (best.1, best.2)
-}
-
-/// Whether nearly every beam about a bearing returns from near by.
-fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
-    let Some(sweep) = revolution.as_sweep() else { return false };
-    let about = sweep.bearings_rad.iter().zip(&sweep.beams);
-    let about = about.filter(|(beam_rad, _)| wrap_angle_rad(**beam_rad - bearing_rad).abs() < END_WITHIN_RAD);
-    let (mut near, mut all) = (0, 0);
-    for (_, beam) in about {
-        let range_m = match beam {
-            Beam::Return(number) => revolution.range_m(*number as usize),
-            Beam::NoReturn | Beam::Unknown => f64::INFINITY,
-        };
-        if range_m.is_finite() && range_m > SEEN_TO_END_M {
-            return false;
-        }
-        all += 1;
-        near += u32::from(range_m.is_finite());
-    }
-    all > 0 && f64::from(near) > 0.8 * f64::from(all)
-}
-
-fn unit(angle_rad: f64) -> Vector2<f64> {
-    Vector2::new(angle_rad.cos(), angle_rad.sin())
 }

@@ -1,0 +1,157 @@
+//! At a place: what the planner is told, what it chooses, and what is noted.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Isometry2, Point2};
+
+use crosscut_flight::Located;
+use crosscut_stage::{Beam, Frame, HereKind, Revolution, unit, wrap_angle_rad};
+
+use super::answer::Decision;
+use super::{Doing, Left, Navigator};
+use crate::chart::in_map;
+use crate::known::{Known, Route, WayState};
+use crate::planner::Choice;
+
+/// From a place that is no farther from home the vehicle flies straight there, m.
+const STRAIGHT_HOME_M: f64 = 15.0;
+
+/// A way without an opening whose end is nearer than this is not entered, m.
+const SEEN_TO_END_M: f64 = 6.0;
+
+/// Beams within this of the middle of such a way show its end.
+const END_WITHIN_RAD: f64 = 0.15;
+
+impl Navigator {
+    /// Asks the planner, and begins to leave.
+    pub(super) fn decide(
+        &mut self,
+        located: Option<Located>,
+        kind: HereKind,
+        frame: &Frame,
+        pose: &Isometry2<f64>,
+    ) -> Decision {
+        let steady = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
+        let here_m = Point2::from(pose.translation.vector);
+        let look_m = steady.map_or(3.0, |here| here.look_m);
+        let (bearing_rad, place, why) = match &located {
+            Some(located) => {
+                self.correction = located.correction;
+                self.map_m = located.map.passages.iter().map(|passage| passage.length_m).sum();
+                let turn_rad = self.correction.rotation.angle();
+                let in_view = steady.map_or_else(Vec::new, |here| in_map(&here.ways, pose, &self.correction));
+                let place_m = located.map.nodes[located.node].position_m;
+                self.note_ends(place_m, frame, pose.rotation.angle() + turn_rad);
+                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
+                self.note_link(&known);
+                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
+                let (way, bearing_rad, why) = self.choose(&known, self.correction * here_m);
+                let way = way.and_then(|way| known.places[known.here].ways.get(way));
+                if way.is_some_and(|way| way.state == WayState::New) {
+                    self.last_new = self.now;
+                }
+                (bearing_rad - turn_rad, Some((known.here, place_m)), why)
+            }
+            None if kind == HereKind::Junction => {
+                let on = steady.and_then(|here| self.way_ahead(here, pose));
+                let on_rad = on.map_or(self.course_rad, |way| way.bearing_rad + pose.rotation.angle());
+                (on_rad, None, "straight on: the map has no place here".to_owned())
+            }
+            None => {
+                let back_rad = self.back_rad(here_m, 2.5).unwrap_or(self.course_rad + PI);
+                (back_rad, None, "back: no way ahead".to_owned())
+            }
+        };
+        let bearing_rad = wrap_angle_rad(bearing_rad);
+        self.course_rad = bearing_rad;
+        self.is_armed = false;
+        let (at_m, way_m) = (here_m, self.way_m);
+        self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
+        self.doing = Doing::Leave { began: self.now };
+        self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
+        Decision { at_m, place: place.map(|(place, _)| place), bearing_rad, why }
+    }
+
+    /// The way to take, its direction in the frame of the map, and why.
+    fn choose(&mut self, known: &Known, here_m: Point2<f64>) -> (Option<usize>, f64, String) {
+        let ways = &known.places[known.here].ways;
+        let by = |choice: Choice| {
+            let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
+            (Some(choice.way), bearing_rad, choice.why)
+        };
+        let first = (known.places[known.here].position_m, known.heading_rad + PI);
+        let (first_m, back_rad) = *self.first.get_or_insert(first);
+        if let Some(choice) = self.planner.choose(known) {
+            self.goes_home = false;
+            return by(choice);
+        }
+        if !self.goes_home {
+            self.last_new = self.now; // the way home has its own limit
+        }
+        self.goes_home = true;
+        let off_m = |place: usize| (known.places[place].position_m - first_m).norm();
+        let first = (0..known.places.len()).min_by(|&a, &b| off_m(a).total_cmp(&off_m(b))).unwrap_or(0);
+        if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
+            return by(Choice { way, why: format!("home, {length_m:.0} m away") });
+        }
+        // At the first place the way back from it leads home. Elsewhere the vehicle is lost, and tries where home lies.
+        let home_rad = (-here_m.y).atan2(-here_m.x);
+        let is_first = known.here == first;
+        if is_first && here_m.coords.norm() < STRAIGHT_HOME_M {
+            return (None, home_rad, "straight home".to_owned());
+        }
+        let wanted_rad = if is_first { back_rad } else { home_rad };
+        let off_rad = |way: usize| wrap_angle_rad(ways[way].bearing_rad - wanted_rad).abs();
+        let way = (0..ways.len()).min_by(|&a, &b| off_rad(a).total_cmp(&off_rad(b))).unwrap_or(0);
+        by(Choice { way, why: "towards home".to_owned() })
+    }
+
+    /// Notes the ways that are seen to end near by.
+    fn note_ends(&mut self, place_m: Point2<f64>, frame: &Frame, yaw_rad: f64) {
+        let ways = frame.here.iter().flat_map(|here| &here.ways);
+        for way in ways.filter(|way| way.opening.is_none()) {
+            if is_seen_to_end(&frame.revolution, way.bearing_rad) {
+                self.chart.ends(place_m, wrap_angle_rad(way.bearing_rad + yaw_rad));
+            }
+        }
+    }
+
+    /// Notes how the vehicle came from the place before.
+    fn note_link(&mut self, known: &Known) {
+        let Some(left) = self.left.take() else { return };
+        if let (Some((from, _)), Some(really_rad)) = (left.place, left.really_rad)
+            && let Some(back) = known.way_back()
+        {
+            let to = (known.here, known.places[known.here].ways[back].bearing_rad);
+            self.chart.link((from, really_rad), to, self.way_m - left.way_m);
+        }
+    }
+
+    /// Notes whether the vehicle got into the way that it left a place by.
+    pub(super) fn note_try(&mut self, left: &Left, led_into: bool) {
+        if let Some((_, place_m)) = left.place {
+            let bearing_rad = left.bearing_rad + self.correction.rotation.angle();
+            self.chart.tried(place_m, wrap_angle_rad(bearing_rad), led_into);
+        }
+    }
+}
+
+/// Whether nearly every beam about a bearing returns from near by.
+fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
+    let Some(sweep) = revolution.as_sweep() else { return false };
+    let about = sweep.bearings_rad.iter().zip(&sweep.beams);
+    let about = about.filter(|(beam_rad, _)| wrap_angle_rad(**beam_rad - bearing_rad).abs() < END_WITHIN_RAD);
+    let (mut near, mut all) = (0, 0);
+    for (_, beam) in about {
+        let range_m = match beam {
+            Beam::Return(number) => revolution.range_m(*number as usize),
+            Beam::NoReturn | Beam::Unknown => f64::INFINITY,
+        };
+        if range_m.is_finite() && range_m > SEEN_TO_END_M {
+            return false;
+        }
+        all += 1;
+        near += u32::from(range_m.is_finite());
+    }
+    all > 0 && f64::from(near) > 0.8 * f64::from(all)
+}
