@@ -3,7 +3,8 @@
 //! - **Here right**: of the revolutions of a kind of place, those whose `here` has its kind and its number of ways; so for
 //!   the steady one. Between two kinds of place nothing is counted.
 //! - **Count right**: revolutions whose count is the true number of walls in view; so for the steady one.
-//! - **Flicker**: revolutions whose count differs from that of the one before although the true one does not.
+//! - **Flicker**: revolutions whose count differs from that of the one before although the true one has not changed for
+//!   half a second, of all of those: so late a steady answer may be.
 //! - **Map**: the figures of [`maps`](crate::maps), beside those of two plain ways to count.
 
 use std::collections::BTreeMap;
@@ -18,6 +19,9 @@ use crate::maps::{Counts, MapFigures, MapTruth, WhereAt, every_change, within_ra
 
 /// The radius of the baseline that takes all places within it to be one, metres.
 pub const RADIUS_M: f64 = 8.0;
+
+/// So long after a change of the true count no change of an answer is flicker.
+const LATE_NS: u64 = 500_000_000;
 
 /// The figures of flights, over any number of them. The module's page defines them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -66,8 +70,10 @@ pub struct FlightScore {
     counts: Counts,
     /// Of the ways of the steady place.
     ways: Counts,
-    /// True, single and steady count of the revolution before.
-    before: Option<[Option<usize>; 3]>,
+    /// Single and steady count of the revolution before.
+    before: Option<[Option<usize>; 2]>,
+    /// The true count, and since when it is that.
+    walls: Option<(u32, u64)>,
 }
 
 impl FlightScore {
@@ -79,6 +85,7 @@ impl FlightScore {
             counts: Counts::default(),
             ways: Counts::default(),
             before: None,
+            walls: None,
         }
     }
 
@@ -110,10 +117,13 @@ impl FlightScore {
         let (single, steady) = (frame.junction.junctions, frame.steady.as_ref().map(|steady| steady.junctions));
         figures.count.count(single == walls);
         figures.steady_count.count(steady == Some(walls));
-        let now = [Some(walls), Some(single), steady];
-        if let Some(before) = self.before.replace(now).filter(|before| before[0] == now[0]) {
-            figures.flicker.count(before[1] != now[1]);
-            figures.steady_flicker.count(before[2].is_some() && before[2] != now[2]);
+        let since = self.walls.filter(|(before, _)| *before == truth.walls).map_or(stamp_ns, |(_, since_ns)| since_ns);
+        self.walls = Some((truth.walls, since));
+        let now = [Some(single), steady];
+        let before = self.before.replace(now).filter(|_| stamp_ns.saturating_sub(since) >= LATE_NS);
+        if let Some(before) = before {
+            figures.flicker.count(before[0] != now[0]);
+            figures.steady_flicker.count(before[1].is_some() && before[1] != now[1]);
         }
     }
 
@@ -151,15 +161,19 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_the_count_is_flicker_only_if_the_truth_stays() {
+    fn a_change_of_the_count_is_flicker_only_if_the_truth_has_not_changed_for_half_a_second() {
         let mut score = FlightScore::new(&TruthMap::default());
-        for (walls, single, steady) in [(2, 2, 2), (2, 3, 2), (2, 2, 2), (3, 3, 2), (3, 3, 3)] {
-            score.add(&frame(single, steady, HereKind::Passage), &Truth { walls, ..Truth::default() });
+        let answers = [(2, 2, 2), (2, 3, 2), (2, 2, 2), (3, 3, 2), (3, 4, 2), (3, 3, 3), (3, 3, 4)];
+        for (at, (walls, single, steady)) in (0..).zip(answers) {
+            let mut frame = frame(single, steady, HereKind::Passage);
+            frame.revolution.stamp_ns = at * 250_000_000;
+            score.add(&frame, &Truth { walls, ..Truth::default() });
         }
+        // The third of two walls, and the third and fourth of three.
         let figures = score.figures(&Map::default());
         assert_eq!((figures.flicker.hits, figures.flicker.of), (2, 3));
-        assert_eq!((figures.steady_flicker.hits, figures.steady_flicker.of), (1, 3));
-        assert_eq!((figures.count.hits, figures.steady_count.hits), (4, 4));
+        assert_eq!((figures.steady_flicker.hits, figures.steady_flicker.of), (2, 3));
+        assert_eq!((figures.count.hits, figures.steady_count.hits), (5, 4));
     }
 
     #[test]

@@ -33,7 +33,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.08, 0.34, 0.45, -0.41, 0.19, 2.52, -0.81, 2.05];
+pub const BETA: [f64; Grounds::INPUTS] = [-2.01, 0.31, 0.38, -0.46, 0.06, 2.53, -0.71, 2.14];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;

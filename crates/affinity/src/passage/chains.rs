@@ -13,8 +13,10 @@ use super::verdict::Decision;
 const NEAR_M: f64 = 3.0;
 /// The weight of that edge, and of one across a gap that is within a wall although a vehicle could pass.
 const WEAK: f64 = 0.1;
-/// The eigenvalue of a way on falls with this power of its room ratio.
-const ROOM_POWER: i32 = 4;
+/// The odds of a way on of which too little is seen to tell them.
+const UNKNOWN_ODDS: f64 = 81.0;
+/// A way on that is surer than this leaves no smaller eigenvalue: it stays far above what rounding makes of a zero.
+const MOST_ODDS: f64 = 1e4;
 
 /// Writes W; holds its buffers. Walls and islands are chains of returns.
 #[derive(Clone, Debug)]
@@ -158,8 +160,9 @@ impl Chains {
     }
 
     /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
-    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, divided by a power of the room ratio;
-    /// half, because two edges at one wall may add up. The gap between the two ends of an only wall has no edge.
+    /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, divided by the odds that a vehicle can
+    /// pass; half, because two edges at one wall may add up. Where the odds are against what the rules decide it is
+    /// half of `leak`. The gap between the two ends of an only wall has no edge.
     fn connect_across_ways(&mut self, judge: &mut Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
         let ring = &judge.site.scan.ring;
         let gaps = if ring.full_turn { walls.len() } else { walls.len().saturating_sub(1) };
@@ -178,7 +181,8 @@ impl Chains {
             self.measures.push(measured);
             verdicts.push(verdict(ring, ends, decision.is_way(), decision, measured));
             if !is_only_wall && leak > 0.0 {
-                let eigenvalue = 0.5 * leak / decision.room_ratio.powi(ROOM_POWER);
+                let odds = measured.as_ref().map_or(UNKNOWN_ODDS, odds::odds);
+                let eigenvalue = 0.5 * leak / odds.clamp(1.0, MOST_ODDS);
                 let weight = eigenvalue / (1.0 / self.chains[at].volume + 1.0 / self.chains[next].volume);
                 self.connect(ring, ends[0], ends[1], weight);
             }

@@ -75,7 +75,7 @@ const HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
     .doc("vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall");
 
 const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
-    "the zero tolerance; gaps leak so that their eigenvalues come the nearer to it the less decided they are; 0: none",
+    "the zero tolerance; ways on leak so that their eigenvalues come the nearer to it the worse the odds are that a vehicle can pass; 0: none",
 );
 
 const WITHOUT: Names =
@@ -122,7 +122,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 /// 5. Each wall and each island becomes a chain (`chains.rs`): W_ij = Π exp(-c_g) over the gaps g between i and j,
 ///    which were joined at cost c_g, for the `neighbours` returns on either side of i. These weights do not fall with
 ///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
-///    one weak edge over each way on. Its eigenvalue is half of `leak`, divided by the fourth power of the room ratio.
+///    one weak edge over each way on. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
 ///
 /// A cloud is worked on by the sweep that a level vehicle sees of it ([`LevelView`]). Its walls are then carried on to
 /// the returns that are not seen (`carrying.rs`), by edges such that the second eigenvalue depends on the walls and not

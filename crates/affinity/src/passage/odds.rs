@@ -44,8 +44,16 @@ impl Term {
 
 /// p(a vehicle can pass) at a gap where this is measured.
 pub(super) fn p(measures: &Measures) -> f64 {
-    let log_odds = CONSTANT + TERMS.iter().zip(measures).map(|(term, &x)| term.log_odds(x)).sum::<f64>();
-    1.0 / (1.0 + (-log_odds).exp())
+    1.0 / (1.0 + (-log_odds(measures)).exp())
+}
+
+/// p / (1 - p).
+pub(super) fn odds(measures: &Measures) -> f64 {
+    log_odds(measures).exp()
+}
+
+fn log_odds(measures: &Measures) -> f64 {
+    CONSTANT + TERMS.iter().zip(measures).map(|(term, &x)| term.log_odds(x)).sum::<f64>()
 }
 
 impl Gap<'_> {
