@@ -64,7 +64,7 @@ def corridors(path: Path) -> dict:
     figures: dict = {"labelled": len(right), "labelled_right": sum(right), "revolutions": {}, "differ": {}, "percent": {}}
     for page in sorted(path.glob("corridor_*.md")):
         name = page.stem.removeprefix("corridor_")
-        differ, revolutions = map(int, re.search(r"^(\d+) of (\d+) revolutions", page.read_text(), re.MULTILINE).groups())
+        differ, revolutions = map(int, re.search(r"(\d+) of (\d+) revolutions", page.read_text()).groups())
         figures["revolutions"][name], figures["differ"][name] = revolutions, differ
         figures["percent"][name] = round(100 * differ / revolutions, 1)
     return figures
@@ -197,7 +197,8 @@ def page(results: dict) -> str:
 
     effects = results["effects"]
     rows = [[effect, right["paper"], right["default"]] for effect, right in effects["right"].items()]
-    parts.append(headed(effects, "Right answers, %, of 600 places for each effect.", table(["effect", "paper", "default"], rows)))
+    text = f"Right answers, %, of {effects['revolutions'] // (len(rows) - 1)} places for each effect."
+    parts.append(headed(effects, text, table(["effect", "paper", "default"], rows)))
     mixed = results["mixture"]
     keys = ["right", "sure", "sure_right", "auroc", "missed", "false"]
     header = ["right", "sure", "right of the sure", "AUROC", "openings missed", "openings false"]
