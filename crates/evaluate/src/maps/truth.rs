@@ -98,8 +98,11 @@ impl MapTruth {
         self.route().into_iter().collect()
     }
 
+    /// The passages flown from end to end. A place passed by too far off is not on the route, and those beside it are then
+    /// joined by none.
     pub(super) fn flown_passages(&self) -> BTreeSet<[usize; 2]> {
-        self.route().windows(2).map(|pair| ordered(pair[0], pair[1])).collect()
+        let pairs: BTreeSet<_> = self.route().windows(2).map(|pair| ordered(pair[0], pair[1])).collect();
+        pairs.into_iter().filter(|ends| self.length_m(*ends).is_some()).collect()
     }
 
     /// First and last stamp of each stay within a width of a place.
