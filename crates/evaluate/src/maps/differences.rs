@@ -22,13 +22,14 @@ impl MapTruth {
         let mut joined = BTreeSet::new();
         for passage in &map.passages {
             let ends = one(passage.from).zip(one(passage.to)).map(|(from, to)| ordered(from, to));
-            let is_new = ends.is_some_and(|ends| self.length_m(ends).is_some() && joined.insert(ends));
-            if !is_new {
-                said.push(format!("the passage {} to {} joins places {ends:?}", passage.from, passage.to));
+            match ends.and_then(|ends| self.passage(ends, passage.length_m, &joined)) {
+                Some(found) => _ = joined.insert(found),
+                None => said.push(format!("the passage {} to {} joins places {ends:?}", passage.from, passage.to)),
             }
         }
-        let flown = self.flown_passages();
-        said.extend(flown.difference(&joined).map(|ends| format!("the passage of places {ends:?} is missing")));
+        let missing =
+            self.flown_passages().difference(&joined).map(|&missing| self.passages[missing].ends).collect::<Vec<_>>();
+        said.extend(missing.into_iter().map(|ends| format!("the passage of places {ends:?} is missing")));
         said
     }
 

@@ -11,8 +11,9 @@
 //!   those that are: precision and recall. A **false merge** is a node whose visits belong to two places, or partly to
 //!   none.
 //! - **Degree**: share of the matched nodes with the true number of ways.
-//! - **Passages**: joined places that the map joins, and joins of the map that are not there. **Length**: error of the
-//!   length of right ones, relative. **Loops**: those of the passages flown; more are false.
+//! - **Passages**: those flown from place to place that the map has, and those of the map that are not there. Of several
+//!   between the same two places the one of the length. **Length**: error of the length of right ones, relative.
+//!   **Loops**: those of the passages flown; more are false.
 //! - **Exact**: each place flown through is one node, each passage flown between two of them one passage, none mixes two
 //!   places, and none is of no place. Where a flight begins or ends, a place may be found that was not flown through.
 
@@ -80,19 +81,21 @@ impl MapFigures {
         let joined = |from: usize, to: usize| Some(ordered(one(from)?, one(to)?));
         let mut found = BTreeSet::new();
         for passage in &map.passages {
-            let length_m = joined(passage.from, passage.to).and_then(|ends| truth.length_m(ends).zip(Some(ends)));
-            match length_m {
-                Some((length_m, ends)) if found.insert(ends) => {
+            let ends = joined(passage.from, passage.to);
+            match ends.and_then(|ends| truth.passage(ends, passage.length_m, &found)) {
+                Some(right) => {
+                    found.insert(right);
+                    let length_m = truth.passages[right].length_m;
                     figures.length_errors.push((passage.length_m - length_m).abs() / length_m);
                 }
-                _ => figures.false_passages += 1,
+                None => figures.false_passages += 1,
             }
         }
         let flown = truth.flown_passages();
         for passage in &flown {
             figures.passages.count(found.contains(passage));
         }
-        let loops = loops_in(flown.iter().copied());
+        let loops = loops_in(flown.iter().map(|&passage| truth.passages[passage].ends));
         figures.loops = Proportion { hits: map.loops().min(loops) as u64, of: loops as u64 };
         figures.false_loops = map.loops().saturating_sub(loops) as u64;
         let named: BTreeSet<usize> = (0..places.len()).filter_map(one).collect();

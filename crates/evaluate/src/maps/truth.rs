@@ -85,24 +85,45 @@ impl MapTruth {
         self.nearest(at).filter(|(_, off)| *off < widths).map(|(place, _)| place)
     }
 
-    /// The places flown through, in order, without the one in which the flight begins.
-    fn route(&self) -> Vec<usize> {
+    /// The places flown through, in order, without the one in which the flight begins, each with the way from the one before.
+    fn route(&self) -> Vec<(usize, f64)> {
         let began_in = self.at.first().and_then(|at| self.within(at, THROUGH));
         let after = self.at.iter().skip_while(|at| began_in.is_some() && self.within(at, THROUGH) == began_in);
-        let mut route: Vec<usize> = after.filter_map(|at| self.within(at, THROUGH)).collect();
-        route.dedup();
+        let (mut route, mut way_m, mut before) = (Vec::<(usize, f64)>::new(), 0.0, None::<[f64; 2]>);
+        for at in after {
+            let [x_m, y_m] = at.position_m;
+            way_m += before
+                .replace(at.position_m)
+                .map_or(0.0, |[from_x_m, from_y_m]| (x_m - from_x_m).hypot(y_m - from_y_m));
+            match self.within(at, THROUGH) {
+                Some(place) if route.last().is_none_or(|(last, _)| *last != place) => {
+                    route.push((place, std::mem::take(&mut way_m)));
+                }
+                Some(_) => way_m = 0.0,
+                None => {}
+            }
+        }
         route
     }
 
     pub(super) fn flown_through(&self) -> BTreeSet<usize> {
-        self.route().into_iter().collect()
+        self.route().into_iter().map(|(place, _)| place).collect()
     }
 
     /// The passages flown from end to end. A place passed by too far off is not on the route, and those beside it are then
     /// joined by none.
-    pub(super) fn flown_passages(&self) -> BTreeSet<[usize; 2]> {
-        let pairs: BTreeSet<_> = self.route().windows(2).map(|pair| ordered(pair[0], pair[1])).collect();
-        pairs.into_iter().filter(|ends| self.length_m(*ends).is_some()).collect()
+    pub(super) fn flown_passages(&self) -> BTreeSet<usize> {
+        let legs = self.route();
+        let legs = legs.windows(2).map(|pair| (ordered(pair[0].0, pair[1].0), pair[1].1));
+        legs.filter_map(|(ends, way_m)| self.passage(ends, way_m, &BTreeSet::new())).collect()
+    }
+
+    /// Of the passages between two places that are not taken, the one whose length is nearest to this one.
+    pub(super) fn passage(&self, ends: [usize; 2], length_m: f64, taken: &BTreeSet<usize>) -> Option<usize> {
+        let joins = |at: &usize| ordered(self.passages[*at].ends[0], self.passages[*at].ends[1]) == ends;
+        let off_m = |at: &usize| (self.passages[*at].length_m - length_m).abs();
+        let free = (0..self.passages.len()).filter(|at| joins(at) && !taken.contains(at));
+        free.min_by(|a, b| off_m(a).total_cmp(&off_m(b)))
     }
 
     /// First and last stamp of each stay within a width of a place.
@@ -131,11 +152,5 @@ impl MapTruth {
 
     pub(super) fn places_of(&self, visits: &[[u64; 2]]) -> BTreeSet<Option<usize>> {
         visits.iter().map(|visit| self.place_of(*visit)).collect()
-    }
-
-    /// Length of the shortest passage between two places.
-    pub(super) fn length_m(&self, ends: [usize; 2]) -> Option<f64> {
-        let joins = self.passages.iter().filter(|passage| ordered(passage.ends[0], passage.ends[1]) == ends);
-        joins.map(|passage| passage.length_m).min_by(f64::total_cmp)
     }
 }

@@ -110,3 +110,25 @@ fn a_place_where_the_flight_begins_need_not_be_found() {
     let figures = MapFigures::of(&without, &truth);
     assert_eq!((figures.exact.hits, figures.recall.of), (1, 2));
 }
+
+#[test]
+fn two_passages_between_the_same_places_are_two() {
+    let mut truth = truth();
+    truth.passages.push(TruePassage { ends: [0, 1], length_m: 40.0 });
+    let mut map = right_map();
+    assert_eq!(MapFigures::of(&map, &truth).exact.hits, 1, "the longer one was not flown");
+    map.passages.push(passage(0, 1, 39.0));
+    let figures = MapFigures::of(&map, &truth);
+    assert_eq!((figures.false_passages, figures.passages.of, figures.exact.hits), (0, 2, 1));
+    map.passages.push(passage(0, 1, 39.0));
+    assert_eq!(MapFigures::of(&map, &truth).false_passages, 1, "there is no third");
+}
+
+#[test]
+fn places_past_one_that_was_passed_too_far_off_are_joined_by_no_passage() {
+    let mut truth = truth();
+    let off = truth.at.iter_mut().filter(|at| (10.0..30.0).contains(&at.position_m[0]));
+    off.for_each(|at| at.position_m[1] = 2.0);
+    let figures = MapFigures::of(&right_map(), &truth);
+    assert_eq!((figures.recall.of, figures.passages.of, figures.exact.hits), (2, 0, 1), "{figures:?}");
+}
