@@ -103,16 +103,21 @@ impl OpenVisit {
         }
     }
 
+    /// Whether the stay counts as a visit.
+    pub(crate) fn is_believed(&self) -> bool {
+        self.samples.iter().map(|sample| sample.confidence).sum::<f64>() >= LEAST_BELIEF
+    }
+
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
     /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
     /// the vehicle is now, if it has left.
     pub(crate) fn end(self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
+        if !self.is_believed() {
+            return None;
+        }
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {
             *belief.entry(sample.ways.len()).or_default() += sample.confidence;
-        }
-        if belief.values().sum::<f64>() < LEAST_BELIEF {
-            return None;
         }
         let (&ways, &belief) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
         let with = || self.samples.iter().filter(|sample| sample.ways.len() == ways);
