@@ -10,7 +10,7 @@
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 
 use crate::line_points::LinePoint;
-use crate::local_map::Nearest;
+use crate::local_map::LocalMap;
 
 /// The sum at a pose, with its gradient and curvature (Gauss-Newton) by x, y and yaw.
 #[derive(Default)]
@@ -25,7 +25,7 @@ pub(crate) struct Evidence {
 impl Evidence {
     pub(crate) fn of<'a>(
         points: impl IntoIterator<Item = &'a LinePoint>,
-        walls: &impl Nearest,
+        walls: &LocalMap,
         pose: &Isometry2<f64>,
         kernel_m: f64,
     ) -> Self {

@@ -4,7 +4,7 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use crate::evidence::{Evidence, stepped};
 use crate::line_points::LinePoint;
-use crate::local_map::{FixedMap, LocalMap, Nearest as _};
+use crate::local_map::LocalMap;
 
 /// At most this many line points are matched; more add time and no certainty.
 const MOST_POINTS: usize = 160;
@@ -30,9 +30,6 @@ const STARTS: usize = 3;
 /// Walls as squares of this side, to find starts.
 const SQUARE_M: f64 = 0.3;
 
-/// What lies farther from the anchor is no part of the place: the pose has jumped.
-const MOST_REACH_M: f64 = 100.0;
-
 /// How well one outline lies on another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fit {
@@ -45,7 +42,7 @@ pub(crate) struct Fit {
 /// The walls of a place, around its anchor.
 #[derive(Clone, Debug)]
 pub(crate) struct Walls {
-    map: FixedMap,
+    map: LocalMap,
     points: Vec<LinePoint>,
     squares: Squares,
     reach_m: f64,
@@ -54,14 +51,12 @@ pub(crate) struct Walls {
 impl Walls {
     pub(crate) fn new(outline: &[LinePoint]) -> Self {
         let mut map = LocalMap::default();
-        let is_of_place = |point: &&LinePoint| point.position_m.coords.norm() < MOST_REACH_M;
-        let outline: Vec<LinePoint> = outline.iter().filter(is_of_place).copied().collect();
         outline.iter().for_each(|point| map.insert(*point));
         let every = outline.len().div_ceil(MOST_POINTS).max(1);
         let points: Vec<LinePoint> = outline.iter().step_by(every).copied().collect();
         let reach_m = points.iter().map(|point| point.position_m.coords.norm()).fold(0.0, f64::max);
-        let squares = Squares::new(&outline, reach_m);
-        Self { map: map.fixed(), points, squares, reach_m }
+        let squares = Squares::new(outline, reach_m);
+        Self { map, points, squares, reach_m }
     }
 
     /// The best fit of `other` on these walls, turned by about `yaw_rad`.
@@ -124,7 +119,7 @@ struct Squares {
 
 impl Squares {
     fn new(outline: &[LinePoint], reach_m: f64) -> Self {
-        let half = (reach_m / SQUARE_M) as i32 + 2;
+        let half = (reach_m.min(100.0) / SQUARE_M) as i32 + 2;
         let side = (2 * half + 1) as usize;
         let mut squares = Self { is_wall: vec![false; side * side], half };
         for point in outline {
