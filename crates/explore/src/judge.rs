@@ -40,7 +40,17 @@ impl Judge {
         let home_way = ways.iter().position(|way| way.ends.contains(&world.start_node));
         let [is_visited, was_entered] = [vec![false; ways.len()], vec![false; ways.len()]];
         let start_m = world.start.position_m;
-        Self { mine: world.mine.clone(), start_m, ways, is_visited, was_entered, within: None, was_in_half: [false; 2], in_vain: 0, home_way }
+        Self {
+            mine: world.mine.clone(),
+            start_m,
+            ways,
+            is_visited,
+            was_entered,
+            within: None,
+            was_in_half: [false; 2],
+            in_vain: 0,
+            home_way,
+        }
     }
 
     /// The vehicle is at a place.

@@ -55,7 +55,12 @@ pub(crate) struct Surround {
 impl Surround {
     /// For a vehicle of this radius.
     pub(crate) fn new(radius_m: f64) -> Self {
-        Self { radius_m, centre: [0, 0], cells: vec![([i32::MAX; 2], 0); (CELLS * CELLS) as usize], returns_m: Vec::new() }
+        Self {
+            radius_m,
+            centre: [0, 0],
+            cells: vec![([i32::MAX; 2], 0); (CELLS * CELLS) as usize],
+            returns_m: Vec::new(),
+        }
     }
 
     /// Adds the returns of a scan taken at `pose`.
@@ -342,5 +347,18 @@ mod tests {
             surround.add(&dusty, &Isometry2::identity());
         }
         assert!(surround.field(Point2::origin()).free_m(0.0, 0.3) < 2.0, "a pillar");
+    }
+
+    #[test]
+    fn how_far_the_disc_can_move_is_exact() {
+        let mut surround = Surround::new(0.3);
+        let mut blocked = tunnel();
+        blocked.points_m.extend((-10..=10).map(|i| Point::new(2.03, 0.05 * f64::from(i), 0.0)));
+        (0..6).for_each(|_| surround.add(&blocked, &Isometry2::identity()));
+        blocked.points_m.push(Point::new(1.0, 0.0, 0.0));
+        surround.add(&blocked, &Isometry2::identity());
+        let ahead_m = surround.field(Point2::origin()).ahead_m(0.0, 0.3);
+        assert!((ahead_m - 1.73).abs() < 1e-9, "{ahead_m} m: the wall, not the grain of dust before it");
+        assert!(surround.field(Point2::origin()).ahead_m(std::f64::consts::PI, 0.3) > 5.0, "nothing is behind");
     }
 }
