@@ -96,6 +96,14 @@ impl Flown {
     pub fn is_success(&self) -> bool {
         self.ways_visited == self.ways && self.home && self.crashes == 0
     }
+
+    /// The time that this share of the revolutions did not exceed, from the scan to the command, milliseconds; 0 without any.
+    pub fn loop_ms(&self, share: f64) -> f64 {
+        let mut loop_ns = self.loop_ns.clone();
+        loop_ns.sort_unstable();
+        let at = (loop_ns.len().saturating_sub(1) as f64 * share.clamp(0.0, 1.0)).round() as usize;
+        loop_ns.get(at).map_or(0.0, |&of_ns| of_ns as f64 * 1e-6)
+    }
 }
 
 /// Flies a mission. `watch` sees every revolution, and stops the mission by returning `false`.

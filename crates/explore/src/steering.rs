@@ -22,6 +22,9 @@ const BRAKING_M_S2: f64 = 0.7;
 /// A command takes effect this much later, s.
 const DELAY_S: f64 = 0.2;
 
+/// The vehicle stops this far from what lies straight ahead, m.
+const SPARE_M: f64 = 0.06;
+
 /// With this much room beside it the vehicle flies at full speed, m.
 const ROOMY_M: f64 = 0.7;
 
@@ -81,6 +84,8 @@ pub(crate) fn towards(
         // The way leads out of a place that is too near to a wall.
         speed_m_s = 0.12;
     }
+    let ahead_m = (field.ahead_m(pose.rotation.angle(), limits.radius_m + SPARE_M) - DELAY_S * speed_m_s).max(0.0);
+    speed_m_s = speed_m_s.min((2.0 * BRAKING_M_S2 * ahead_m).sqrt());
     Command { speed_m_s, turn_rate_rad_s }
 }
 

@@ -48,12 +48,19 @@ pub(crate) struct Surround {
     centre: Cell,
     /// Of each cell modulo the side: which cell it is, and its sum.
     cells: Vec<(Cell, i16)>,
+    /// The returns of the last scan.
+    returns_m: Vec<Point2<f64>>,
 }
 
 impl Surround {
     /// For a vehicle of this radius.
     pub(crate) fn new(radius_m: f64) -> Self {
-        Self { radius_m, centre: [0, 0], cells: vec![([i32::MAX; 2], 0); (CELLS * CELLS) as usize] }
+        Self {
+            radius_m,
+            centre: [0, 0],
+            cells: vec![([i32::MAX; 2], 0); (CELLS * CELLS) as usize],
+            returns_m: Vec::new(),
+        }
     }
 
     /// Adds the returns of a scan taken at `pose`.
@@ -61,8 +68,10 @@ impl Surround {
         let from_m = Point2::from(pose.translation.vector);
         self.centre = cell_of(from_m);
         let reach_m = 0.5 * f64::from(CELLS) * CELL_M;
+        self.returns_m.clear();
         for point_m in &revolution.points_m {
             let end_m = pose * Point2::new(point_m.x, point_m.y);
+            self.returns_m.push(end_m);
             let beam = end_m - from_m;
             let range_m = beam.norm();
             if range_m < 1e-6 {
@@ -93,6 +102,7 @@ impl Surround {
             before: vec![u32::MAX; clearance_m.len()],
             clearance_m,
             start: from_m,
+            rock_m: self.returns_m.iter().copied().filter(|return_m| self.is_rock(cell_of(*return_m))).collect(),
         };
         let Some(start) = field.index(cell_of(from_m)) else { return field };
         let mut heap = BinaryHeap::new();
@@ -136,7 +146,7 @@ impl Surround {
         let mut queue = VecDeque::new();
         for (at, slot) in nearest.iter_mut().enumerate() {
             let cell = [low[0] + at as i32 % CELLS, low[1] + at as i32 / CELLS];
-            if self.sum(cell).is_some_and(|sum| sum >= ROCK) {
+            if self.is_rock(cell) {
                 *slot = (0, cell);
                 queue.push_back(at);
             }
@@ -165,6 +175,10 @@ impl Surround {
         let slot = &mut self.cells[slot_of(cell)];
         let before = if slot.0 == cell { slot.1 } else { 0 };
         *slot = (cell, (before + by).clamp(FREEST, FULLEST));
+    }
+
+    fn is_rock(&self, cell: Cell) -> bool {
+        self.sum(cell).is_some_and(|sum| sum >= ROCK)
     }
 
     /// The sum of a cell; `None` if it was never seen, or too long ago.
@@ -211,6 +225,8 @@ pub(crate) struct Field {
     before: Vec<u32>,
     clearance_m: Vec<f64>,
     start: Point2<f64>,
+    /// Returns of the last scan that lie in cells of rock.
+    rock_m: Vec<Point2<f64>>,
 }
 
 /// A place that can be reached.
@@ -269,6 +285,19 @@ impl Field {
         along_m
     }
 
+    /// How far a disc of a radius can move in a direction before it touches a return of rock. It is exact, where
+    /// [`free_m`](Self::free_m) is off by up to a cell, and knows the last scan alone.
+    pub(crate) fn ahead_m(&self, direction_rad: f64, radius_m: f64) -> f64 {
+        let direction = unit(direction_rad);
+        let touches_at_m = |rock_m: &Point2<f64>| {
+            let from = rock_m - self.start;
+            let (along_m, beside_m) = (from.dot(&direction), from.perp(&direction));
+            let is_in_the_way = along_m > 0.0 && beside_m.abs() < radius_m;
+            is_in_the_way.then(|| along_m - (radius_m * radius_m - beside_m * beside_m).sqrt())
+        };
+        self.rock_m.iter().filter_map(touches_at_m).fold(FARTHEST_M, f64::min).max(0.0)
+    }
+
     fn index(&self, cell: Cell) -> Option<usize> {
         let (column, row) = (cell[0] - self.low[0], cell[1] - self.low[1]);
         let is_inside = (0..CELLS).contains(&column) && (0..CELLS).contains(&row);
@@ -318,5 +347,18 @@ mod tests {
             surround.add(&dusty, &Isometry2::identity());
         }
         assert!(surround.field(Point2::origin()).free_m(0.0, 0.3) < 2.0, "a pillar");
+    }
+
+    #[test]
+    fn how_far_the_disc_can_move_is_exact() {
+        let mut surround = Surround::new(0.3);
+        let mut blocked = tunnel();
+        blocked.points_m.extend((-10..=10).map(|i| Point::new(2.03, 0.05 * f64::from(i), 0.0)));
+        (0..6).for_each(|_| surround.add(&blocked, &Isometry2::identity()));
+        blocked.points_m.push(Point::new(1.0, 0.0, 0.0));
+        surround.add(&blocked, &Isometry2::identity());
+        let ahead_m = surround.field(Point2::origin()).ahead_m(0.0, 0.3);
+        assert!((ahead_m - 1.73).abs() < 1e-9, "{ahead_m} m: the wall, not the grain of dust before it");
+        assert!(surround.field(Point2::origin()).ahead_m(std::f64::consts::PI, 0.3) > 5.0, "nothing is behind");
     }
 }

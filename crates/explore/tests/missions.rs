@@ -5,8 +5,19 @@ use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_simulator::{Agility, Plan, World, families};
 
 fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {
+    mission_with(Preset::Default, world, planner, agility, seed, most_revolutions)
+}
+
+fn mission_with(
+    preset: Preset,
+    world: &World,
+    planner: &str,
+    agility: Agility,
+    seed: u64,
+    most_revolutions: u64,
+) -> Flown {
     let registry = Registry::standard();
-    let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
+    let config = Settings::new(preset).config(&registry).expect("the settings of a preset");
     let planner = *planners().iter().find(|kind| kind.name == planner).expect("a planner of that name");
     let setup = Setup { config: &config, registry: &registry, planner, agility, seed };
     fly(world, &setup, &mut |moment| moment.frame.revolution.seq < most_revolutions)
@@ -25,6 +36,12 @@ fn every_planner_visits_all_of_a_tee_and_comes_home() {
         assert!(flown.way_m < 1.25 * flown.depth_first_m, "{}: {} m", planner.name, flown.way_m);
         assert_eq!(flown.map.ways_not_taken(), 0);
     }
+}
+
+#[test]
+fn a_method_without_a_confidence_explores_a_tee() {
+    let flown = mission_with(Preset::Threshold, &tee(1), "nearest_frontier", Agility::default(), 1, 3000);
+    assert!(flown.is_success(), "{flown:?}");
 }
 
 #[test]

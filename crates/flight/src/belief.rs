@@ -15,7 +15,7 @@ const TIME_S: f64 = 50.0;
 /// This many answers are taken to be possible (K).
 const ANSWERS: f64 = 6.0;
 
-/// q is the confidence of the revolution within these bounds: errors of revolutions that follow each other are alike.
+/// [`sure`] is within these bounds: errors of revolutions that follow each other are alike.
 const LEAST_SURE: f64 = 0.4;
 const MOST_SURE: f64 = 0.8;
 
@@ -24,6 +24,12 @@ const INDEPENDENT_S: f64 = 0.1;
 
 /// Answers that are no longer likely are forgotten beyond this number of them.
 const MOST_KEPT: usize = 16;
+
+/// How much the answer of a revolution counts (q). One without a confidence of its own, as of a method that has none, counts
+/// as a doubtful one.
+pub(crate) fn sure(confidence: f64) -> f64 {
+    confidence.clamp(LEAST_SURE, MOST_SURE)
+}
 
 /// What has happened since the revolution before.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +66,7 @@ impl<A: Copy + PartialEq> Belief<A> {
         if !self.beliefs.iter().any(|(known, _)| *known == answer) {
             self.beliefs.push((answer, (change / ANSWERS).max(f64::MIN_POSITIVE)));
         }
-        let sure = confidence.clamp(LEAST_SURE, MOST_SURE);
+        let sure = sure(confidence);
         let weight = (since.time_s / INDEPENDENT_S).min(1.0);
         for (known, belief) in &mut self.beliefs {
             let likelihood = if *known == answer { sure } else { (1.0 - sure) / (ANSWERS - 1.0) };

@@ -52,13 +52,34 @@ impl LocalMap {
     /// The nearest line point within a cell's side whose normal points the same way.
     pub(crate) fn nearest(&self, point: &LinePoint) -> Option<&LinePoint> {
         let [x, y] = cell_of(&point.position_m);
-        let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
-        let cells = around.filter_map(|cell| self.cells.get(&cell));
-        let faces_alike = |other: &&LinePoint| other.normal.dot(&point.normal) > 0.7;
-        let candidates = cells.flatten().filter(faces_alike);
-        let by_distance = candidates.map(|other| ((other.position_m - point.position_m).norm_squared(), other));
-        let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (nearest.0 <= CELL_M * CELL_M).then_some(nearest.1)
+        let (in_x_m, in_y_m) = (point.position_m.x - f64::from(x) * CELL_M, point.position_m.y - f64::from(y) * CELL_M);
+        let (mut nearest, mut least_m2) = (None, CELL_M * CELL_M);
+        // The point's own cell is first: what is found there rules out most of the others.
+        for [dx, dy] in AROUND {
+            let (beside_x_m, beside_y_m) = (beside_m(dx, in_x_m), beside_m(dy, in_y_m));
+            if beside_x_m * beside_x_m + beside_y_m * beside_y_m > least_m2 {
+                continue;
+            }
+            for other in self.cells.get(&[x + dx, y + dy]).into_iter().flatten() {
+                let apart_m2 = (other.position_m - point.position_m).norm_squared();
+                if apart_m2 < least_m2 && other.normal.dot(&point.normal) > 0.7 {
+                    (nearest, least_m2) = (Some(other), apart_m2);
+                }
+            }
+        }
+        nearest
+    }
+}
+
+/// A cell and its neighbours, those that share a side first.
+const AROUND: [[i32; 2]; 9] = [[0, 0], [-1, 0], [1, 0], [0, -1], [0, 1], [-1, -1], [-1, 1], [1, -1], [1, 1]];
+
+/// How far the cells on one side, -1 or 1, are from a point that lies so far within its own cell; 0 for its own.
+fn beside_m(side: i32, within_m: f64) -> f64 {
+    match side {
+        0 => 0.0,
+        1 => CELL_M - within_m,
+        _ => within_m,
     }
 }
 
@@ -114,5 +135,23 @@ mod tests {
         map.keep_around(&Point2::new(30.0, 0.0), 20.0);
         assert_eq!(map.nearest(&facing(0.0, 0.0, [0.0, 1.0])), None);
         assert!(map.nearest(&facing(30.0, 0.1, [0.0, 1.0])).is_some());
+    }
+
+    #[test]
+    fn no_line_point_is_nearer_than_the_one_that_is_found() {
+        let mut map = LocalMap::default();
+        let spread = |i: u32, step: f64| (f64::from(i) * step).sin() * 4.0;
+        let point = |i: u32| facing(spread(i, 1.7), spread(i, 2.9) - 7.0, [spread(i, 0.3), spread(i, 0.7) + 0.1]);
+        (0..900).map(point).for_each(|point| map.insert(point));
+        let all: Vec<LinePoint> = map.cells.values().flatten().copied().collect();
+        let mut found = 0;
+        for asked in (1000..3000).map(|i| LinePoint { position_m: point(i).position_m * 1.3, ..point(i) }) {
+            let apart_m = |other: &&LinePoint| (other.position_m - asked.position_m).norm();
+            let alike = all.iter().filter(|other| other.normal.dot(&asked.normal) > 0.7 && apart_m(other) < CELL_M);
+            let nearest = alike.min_by(|a, b| apart_m(a).total_cmp(&apart_m(b)));
+            assert_eq!(map.nearest(&asked), nearest, "{asked:?}");
+            found += usize::from(nearest.is_some());
+        }
+        assert!((500..1900).contains(&found), "{found}: some are found, others are too far");
     }
 }

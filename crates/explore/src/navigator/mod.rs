@@ -180,14 +180,13 @@ impl Navigator {
                 if self.now - last_seen > MOST_AWAY {
                     self.doing = Doing::Follow;
                 } else if self.has_arrived(kind, began, from_m, steady, &pose, &field) {
-                    let located = mapper.located();
-                    let is_there = located.as_ref().is_some_and(|located| located.is_there);
-                    if is_there
+                    let is_in_node = mapper.is_in_node();
+                    if is_in_node
                         || self.now - began > MOST_LOOKS + MOST_TO_MIDDLE
                         || kind != HereKind::Junction && self.now - began > MOST_LOOKS
                     {
-                        let taken = self.decide(located.filter(|located| located.is_there), kind, frame, &pose);
-                        decision = Some(taken);
+                        let located = is_in_node.then(|| mapper.located()).flatten();
+                        decision = Some(self.decide(located, kind, frame, &pose));
                     }
                 }
             }

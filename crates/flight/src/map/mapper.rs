@@ -55,8 +55,6 @@ pub struct Located {
     pub map: Map,
     /// The node that the vehicle is in, or was in last.
     pub node: usize,
-    /// The vehicle is in that node, and was there long enough for it to be believed.
-    pub is_there: bool,
     /// Brings poses as they are tracked now into the frame of the map.
     pub correction: Isometry2<f64>,
 }
@@ -129,13 +127,18 @@ impl Mapper {
         ended.map
     }
 
-    /// Where the vehicle is on the map up to now; `None` before the first node.
+    /// Whether the vehicle is in a node, and has been there long enough for it to be believed.
+    pub fn is_in_node(&self) -> bool {
+        self.open.as_ref().is_some_and(OpenVisit::is_believed)
+    }
+
+    /// Where the vehicle is on the map up to now; `None` before the first node. It compares the place with those that are
+    /// known, which takes longer than a revolution: ask when it matters.
     pub fn located(&self) -> Option<Located> {
         let ended = self.ended();
         let last = ended.last?;
         Some(Located {
             node: last.node,
-            is_there: ended.graph.poses.len() > self.graph.poses.len(),
             correction: ended.graph.poses[last.visit] * last.tracked.inverse(),
             map: ended.map,
         })

@@ -6,6 +6,7 @@ use nalgebra::{Isometry2, Point2};
 
 use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
 
+use crate::belief::sure;
 use crate::line_points::LinePoint;
 
 /// The outline of a visit is taken each time the vehicle has moved this far.
@@ -29,7 +30,8 @@ struct Sample {
     /// In the frame of that pose.
     ways: Vec<Way>,
     look_m: f64,
-    confidence: f64,
+    /// How much it counts.
+    sure: f64,
 }
 
 /// A stay that has not ended. Poses are as they are tracked, with their drift.
@@ -91,7 +93,7 @@ impl OpenVisit {
                 way_m,
                 ways: seen.ways.clone(),
                 look_m: seen.look_m,
-                confidence: seen.confidence,
+                sure: sure(seen.confidence),
             });
         }
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
@@ -103,16 +105,21 @@ impl OpenVisit {
         }
     }
 
+    /// Whether the stay counts as a visit.
+    pub(crate) fn is_believed(&self) -> bool {
+        self.samples.iter().map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF
+    }
+
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
     /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
     /// the vehicle is now, if it has left.
     pub(crate) fn end(self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
+        if !self.is_believed() {
+            return None;
+        }
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {
-            *belief.entry(sample.ways.len()).or_default() += sample.confidence;
-        }
-        if belief.values().sum::<f64>() < LEAST_BELIEF {
-            return None;
+            *belief.entry(sample.ways.len()).or_default() += sample.sure;
         }
         let (&ways, &belief) = belief.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
         let with = || self.samples.iter().filter(|sample| sample.ways.len() == ways);

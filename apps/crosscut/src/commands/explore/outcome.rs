@@ -46,7 +46,7 @@ fn end(flown: &Flown) -> &'static str {
     }
 }
 
-/// The outcome in two lines.
+/// The outcome in three lines.
 pub(super) fn words(flown: &Flown) -> String {
     let home = if flown.home { "home again" } else { "not home" };
     let crashes = match flown.crashes {
@@ -62,7 +62,7 @@ pub(super) fn words(flown: &Flown) -> String {
     };
     let bound = if flown.offline_is_exact { "" } else { "at most " };
     format!(
-        "{} of {} visited, {home}, {crashes}{why}; {:.0} m flown in {}, the least is {bound}{:.0} m, depth-first {:.0} m\n{}",
+        "{} of {} visited, {home}, {crashes}{why}; {:.0} m flown in {}, the least is {bound}{:.0} m, depth-first {:.0} m\n{}\n{:.1} ms from scan to command, in 1 of 100 more than {:.1}",
         flown.ways_visited,
         counted(flown.ways as u64, "way"),
         flown.way_m,
@@ -70,5 +70,7 @@ pub(super) fn words(flown: &Flown) -> String {
         flown.offline_m,
         flown.depth_first_m,
         flown.map.summary(),
+        flown.loop_ms(0.5),
+        flown.loop_ms(0.99),
     )
 }
