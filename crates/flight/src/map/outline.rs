@@ -1,5 +1,7 @@
 //! Whether two outlines are of one place: point to line, from several starts.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use crate::evidence::{Evidence, stepped};
@@ -20,8 +22,9 @@ const KERNEL_M: f64 = 0.3;
 
 const ITERATIONS: usize = 15;
 
-/// The anchors of two visits of one place lie within this of each other, along each axis; starts are a step apart.
-const APART_M: f64 = 3.0;
+/// The anchors of two visits of one place, a wide chamber too, lie within this of each other, along each axis; starts are a
+/// step apart.
+const APART_M: f64 = 5.0;
 const START_STEP_M: f64 = 1.0;
 
 /// The starts from which a fit is looked for: the best by [`Squares`].
@@ -29,6 +32,10 @@ const STARTS: usize = 3;
 
 /// Walls as squares of this side, to find starts.
 const SQUARE_M: f64 = 0.3;
+
+/// What lies farther than this behind the nearest wall of its sector is hidden from the anchor.
+const HIDDEN_M: f64 = 0.5;
+const SECTORS: usize = 120;
 
 /// How well one outline lies on another.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +53,8 @@ pub(crate) struct Walls {
     points: Vec<LinePoint>,
     squares: Squares,
     reach_m: f64,
+    /// Of each sector around the anchor, the range of the nearest wall; infinite where there is none.
+    sight_m: Vec<f64>,
 }
 
 impl Walls {
@@ -56,7 +65,12 @@ impl Walls {
         let points: Vec<LinePoint> = outline.iter().step_by(every).copied().collect();
         let reach_m = points.iter().map(|point| point.position_m.coords.norm()).fold(0.0, f64::max);
         let squares = Squares::new(outline, reach_m);
-        Self { map, points, squares, reach_m }
+        let mut sight_m = vec![f64::INFINITY; SECTORS];
+        for point in outline {
+            let sight_m = &mut sight_m[sector_of(&point.position_m)];
+            *sight_m = sight_m.min(point.position_m.coords.norm());
+        }
+        Self { map, points, squares, reach_m, sight_m }
     }
 
     /// The best fit of `other` on these walls, turned by about `yaw_rad`.
@@ -78,16 +92,21 @@ impl Walls {
         fits.filter(is_near).max_by(|a, b| a.share.total_cmp(&b.share))
     }
 
-    /// Share of the line points of `other` at `pose` that lie on these walls, of those that are near enough to.
+    /// Share of the line points of `other` at `pose` that lie on these walls, of those that are near enough to. Where these
+    /// walls hide what is behind them, from the anchor at least, a point on none of them says nothing.
     fn share_on(&self, other: &Self, pose: &Isometry2<f64>) -> f64 {
         let (mut on, mut all) = (0, 0);
         for point in other.points.iter().map(|point| point.at(pose)) {
             if point.position_m.coords.norm() > 0.8 * self.reach_m {
                 continue;
             }
-            all += 1;
             let is_on = |wall: &LinePoint| wall.normal.dot(&(point.position_m - wall.position_m)).abs() < ON_WALL_M;
-            on += usize::from(self.map.nearest(&point).is_some_and(is_on));
+            if self.map.nearest(&point).is_some_and(is_on) {
+                on += 1;
+                all += 1;
+            } else if point.position_m.coords.norm() < self.sight_m[sector_of(&point.position_m)] + HIDDEN_M {
+                all += 1;
+            }
         }
         if all < 10 { 0.0 } else { f64::from(on as u32) / f64::from(all) }
     }
@@ -144,6 +163,11 @@ impl Squares {
         let is_inside = x.abs() <= self.half && y.abs() <= self.half;
         is_inside.then(|| ((y + self.half) * (2 * self.half + 1) + x + self.half) as usize)
     }
+}
+
+fn sector_of(position_m: &Point2<f64>) -> usize {
+    let turns = position_m.y.atan2(position_m.x) / TAU + 0.5;
+    ((turns * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
 fn square_of(position_m: &Point2<f64>) -> [i32; 2] {
