@@ -173,3 +173,43 @@ fn sector_of(position_m: &Point2<f64>) -> usize {
 fn square_of(position_m: &Point2<f64>) -> [i32; 2] {
     [position_m.x, position_m.y].map(|along_m| ((along_m / SQUARE_M).floor() as i32).clamp(-1_000_000, 1_000_000))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Unit;
+
+    /// Line points every 0.1 m from one place to another.
+    fn wall(from_m: [f64; 2], to_m: [f64; 2]) -> Vec<LinePoint> {
+        let (from_m, to_m) = (Point2::from(from_m), Point2::from(to_m));
+        let along = (to_m - from_m).normalize();
+        let steps = (10.0 * (to_m - from_m).norm()) as u32;
+        let point = |step: u32| from_m + 0.1 * f64::from(step) * along;
+        (0..=steps)
+            .map(|step| LinePoint {
+                position_m: point(step),
+                normal: Unit::new_normalize(Vector2::new(-along.y, along.x)),
+            })
+            .collect()
+    }
+
+    /// A room around the anchor, open towards +x.
+    fn room() -> Vec<LinePoint> {
+        let sides = [([8.0, 4.0], [-4.0, 4.0]), ([-4.0, 4.0], [-4.0, -4.0]), ([-4.0, -4.0], [8.0, -4.0])];
+        sides.into_iter().flat_map(|(from_m, to_m)| wall(from_m, to_m)).collect()
+    }
+
+    fn share_with(more: Vec<LinePoint>) -> f64 {
+        Walls::new(&room()).fit(&Walls::new(&[room(), more].concat()), 0.0).expect("both have walls").share
+    }
+
+    #[test]
+    fn a_wall_behind_the_walls_of_a_shorter_visit_says_nothing() {
+        assert!(share_with(wall([-6.0, 5.0], [2.0, 5.0])) > 0.95);
+    }
+
+    #[test]
+    fn a_wall_where_the_other_visit_looked_through_speaks_against_it() {
+        assert!(share_with(wall([1.5, 2.0], [1.5, -2.0])) < 0.95);
+    }
+}
