@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import subprocess
 from collections import deque
@@ -49,7 +50,7 @@ def stage_by_stage(engine: crosscut.Engine, scans: list[crosscut.Scan], batch: i
 @pytest.mark.parametrize("preset", ["default", "paper", "dbscan", "breakpoint"])
 @pytest.mark.parametrize("recording", recordings())
 def test_stages_apart_give_the_bytes_of_the_program(program: str, recording: Path, preset: str) -> None:
-    every = {"default": 1, "breakpoint": 5}.get(preset, 30)
+    every = 10 if preset == "default" else 100
     command = [program, "run", recording, "--results", "-", "--quiet", "--preset", preset, "--every", str(every)]
     expected = subprocess.run(command, capture_output=True)
     assert expected.returncode in (0, 3), expected.stderr
@@ -67,8 +68,6 @@ def test_a_cloud_and_a_scan_without_returns_travel_too() -> None:
         apart, failure = stage_by_stage(engine, scans, batch=3)
         flight = crosscut.FlightMap(engine)
         assert failure is None
-        import json
-
         whole = [flight.add(scan).to_dict() for scan in scans]
         assert [json.loads(line) for line in apart.splitlines()] == [{**line, "seq": at} for at, line in enumerate(whole)]
 
@@ -145,7 +144,7 @@ def test_every_message_arrives_once_and_in_order_over_a_way_that_loses_some(seed
         while added < count and window.has_room:
             window.add(f"message {added}")
             added += 1
-        assert len(window) <= size and len(way) <= 3 * size, "what is on the way is bounded"
+        assert len(window) <= size and len(way) <= 2 * size, "what is on the way is bounded"
         if way and chance.random() < 0.7:
             number, transmission, message = way.popleft()
             arrived += order.take(number, message)
@@ -154,7 +153,7 @@ def test_every_message_arrives_once_and_in_order_over_a_way_that_loses_some(seed
                 acknowledgements.append((number, transmission))
         elif acknowledgements:
             window.acknowledge(*acknowledgements.popleft())
-        else:
+        elif not way:
             now_s += window.patience_s + 1e-9
             window.repeat()
         assert now_s < 2000.0, "it comes to an end"

@@ -181,7 +181,7 @@ def _report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
                     opened.close()
                     if args.map:
                         with _whole(args.map) as file:
-                            file.write(flight.json().encode())
+                            file.write(flight.json().encode() + b"\n")
                     outcome = _told(frames, flight, failed, value.to_pylist() if ended else [])
             failure = outcome == FAILED
             node.send_output("acks", pa.array([], pa.null()), {**_own(about), "failed": "see the last node" if failure else ""})
