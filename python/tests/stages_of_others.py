@@ -5,17 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pyarrow as pa
 from dora import Node
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from sklearn.manifold import spectral_embedding
+
+Matrix = NDArray[np.float64]
 
 ZERO = 1e-6
 
 
-def embed(w: csr_array) -> tuple[np.ndarray, np.ndarray]:
+def embed(w: Matrix) -> tuple[Matrix, Matrix]:
     """Eigenvalues, and an orthonormal basis of the eigenvectors of those that are zero."""
-    degrees = w.sum(axis=1)
-    scale = 1.0 / np.sqrt(degrees)
-    eigenvalues = np.linalg.eigvalsh(np.eye(len(degrees)) - scale[:, None] * w.toarray() * scale)
+    scale = 1.0 / np.sqrt(w.sum(axis=1))
+    eigenvalues = np.linalg.eigvalsh(np.eye(len(w)) - scale[:, None] * w * scale)
     k = max(1, int((eigenvalues < ZERO).sum()))
     maps = spectral_embedding(w, n_components=k, drop_first=False, random_state=0, eigen_solver="arpack")
     return eigenvalues[: k + 1], np.linalg.qr(maps / scale[:, None])[0]
@@ -34,7 +36,7 @@ def main() -> None:
             made: dict[str, list[object]] = {name: [] for name in ("eigenvalues", "k", "u_value")}
             for starts, columns, values in zip(*(arrays.pop(f"w_{name}") for name in ("row_start", "column", "value"))):
                 n = len(starts) - 1
-                eigenvalues, u = embed(csr_array((values.values, columns.values, starts.values), shape=(n, n)))
+                eigenvalues, u = embed(csr_array((values.values, columns.values, starts.values), shape=(n, n)).toarray())
                 made["eigenvalues"].append(eigenvalues)
                 made["k"].append(u.shape[1])
                 made["u_value"].append(u.ravel())
