@@ -232,6 +232,7 @@ def test_a_daemon_that_is_lost_is_noticed_and_a_restart_completes(
     hosts.wait_until_connected()
     restarted = hosts.ask("restart", uuid).communicate(timeout=60)[0]
     wait_for(flow.results.exists, f"results after a restart; {restarted}")
+    wait_for(lambda: not any(map(flow.node, NODES)), "the end of all nodes")
     quick = ["--set", "kmeans.kind=python:stages_of_ones_own.nearest_row", "--quiet"]
     program = tmp_path / "program.jsonl"
     subprocess.run([in_wheel(), "run", tee, "--results", program, *quick], check=True, cwd=Path(__file__).parent)
