@@ -38,7 +38,7 @@ class Flow:
 
     def __init__(self, folder: Path, flights: list[Path], *options: str) -> None:
         self.results, self.map, self.file = folder / "flight.jsonl", folder / "map.json", folder / "flow.yml"
-        command = [SCRIPTS / "crosscut-dora", "dataflow", *flights, "--results", self.results, "--map", self.map, *options]
+        command: list[str | Path] = [SCRIPTS / "crosscut-dora", "dataflow", *flights, "--results", self.results, "--map", self.map, *options]
         self.file.write_text(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
     def run(self) -> subprocess.Popen[str]:
@@ -98,7 +98,7 @@ def sent_again(said: str) -> int:
 def expected(tee: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Results and map of the shipped flight, by the program."""
     folder = tmp_path_factory.mktemp("program")
-    outputs = ["--results", folder / "flight.jsonl", "--map", folder / "map.json", "--quiet"]
+    outputs: list[str | Path] = ["--results", folder / "flight.jsonl", "--map", folder / "map.json", "--quiet"]
     subprocess.run([in_wheel(), "run", tee, *outputs], check=True)
     return folder
 
@@ -244,7 +244,7 @@ def test_the_embedding_of_scikit_learn_takes_the_place_of_a_stage(tee: Path, tmp
     stage = Path(__file__).with_name("stages_of_others.py")
     own = Flow(tmp_path, [tee], "--every", "20", "--own", f"spectral={shutil.which('python', path=str(SCRIPTS))} {stage}")
     finish(own.run())
-    command = [in_wheel(), "run", tee, "--results", tmp_path / "ours.jsonl", "--every", "20", "--quiet"]
+    command: list[str | Path] = [in_wheel(), "run", tee, "--results", tmp_path / "ours.jsonl", "--every", "20", "--quiet"]
     subprocess.run(command, check=True)
     theirs, ours = ([json.loads(line) for line in path.read_text().splitlines()]
                     for path in (own.results, tmp_path / "ours.jsonl"))
@@ -265,7 +265,7 @@ def test_what_cannot_be_read_ends_the_dataflow_with_its_reason(tee: Path, tmp_pa
 
 
 def refused(*options: str) -> str:
-    command = [SCRIPTS / "crosscut-dora", "dataflow", "FLIGHT", *options]
+    command: list[str | Path] = [SCRIPTS / "crosscut-dora", "dataflow", "FLIGHT", *options]
     done: subprocess.CompletedProcess[Any] = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2
     return str(done.stderr)

@@ -51,7 +51,7 @@ def stage_by_stage(engine: crosscut.Engine, scans: list[crosscut.Scan], batch: i
 @pytest.mark.parametrize("recording", recordings())
 def test_stages_apart_give_the_bytes_of_the_program(program: str, recording: Path, preset: str) -> None:
     every = 10 if preset == "default" else 100
-    command = [program, "run", recording, "--results", "-", "--quiet", "--preset", preset, "--every", str(every)]
+    command: list[str | Path] = [program, "run", recording, "--results", "-", "--quiet", "--preset", preset, "--every", str(every)]
     expected = subprocess.run(command, capture_output=True)
     assert expected.returncode in (0, 3), expected.stderr
     engine = crosscut.Engine(preset)
@@ -63,8 +63,7 @@ def test_stages_apart_give_the_bytes_of_the_program(program: str, recording: Pat
 def test_a_cloud_and_a_scan_without_returns_travel_too() -> None:
     cloud = np.random.default_rng(1).uniform(-5.0, 5.0, (200, 3))
     scans = [crosscut.Scan.from_points(cloud), crosscut.Scan([np.inf] * 90, 0.0, 0.07), crosscut.Scan.from_points(cloud[:0])]
-    for settings in ({}, {"affinity": "rbf", "spectral": "components"}):
-        engine = crosscut.Engine(**settings)
+    for engine in (crosscut.Engine(), crosscut.Engine(affinity="rbf", spectral="components")):
         apart, failure = stage_by_stage(engine, scans, batch=3)
         flight = crosscut.FlightMap(engine)
         assert failure is None
@@ -136,7 +135,7 @@ def test_every_message_arrives_once_and_in_order_over_a_way_that_loses_some(seed
         if not is_lost():
             way.append((number, transmission, message))
 
-    window = Window(send, size, lambda: now_s)
+    window: Window[str] = Window(send, size, lambda: now_s)
     order: Order[str] = Order()
     arrived: list[str] = []
     added = 0
@@ -163,7 +162,7 @@ def test_every_message_arrives_once_and_in_order_over_a_way_that_loses_some(seed
 
 def test_nothing_is_sent_again_where_nothing_is_lost() -> None:
     way: deque[tuple[int, int]] = deque()
-    window = Window(lambda number, transmission, _: way.append((number, transmission)), 8, lambda: 0.0)
+    window: Window[None] = Window(lambda number, transmission, _: way.append((number, transmission)), 8, lambda: 0.0)
     for _ in range(100):
         while window.has_room:
             window.add(None)

@@ -29,6 +29,7 @@ class Window(Generic[Message]):
         self._send, self._size, self._clock = send, size, clock
         self._number = self._transmission = 0
         self._waiting: dict[int, tuple[int, Message]] = {}  # in the order of their transmissions
+        self._heard_at = self._due_at = self._wait_s = 0.0
         self._hear()
 
     def __len__(self) -> int:
