@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from ._engine import Engine, Recording
-from ._errors import Error
+from ._errors import Error, SettingsError
 
 STAGES = ("affinity", "spectral", "kmeans")
 NODES = ("source", *STAGES, "report")
@@ -72,12 +72,16 @@ def _engine(args: argparse.Namespace) -> Engine:
     """The engine of these settings; ``STAGE.kind=python:module.name`` is a callable, which this node alone has."""
     from .__main__ import _find
 
-    changes, stages = [], {}
+    changes: list[str] = []
+    stages: dict[str, Callable[..., Any]] = {}
     for change in args.changes:
         if named := STAGE_IN_PYTHON.fullmatch(change):
             stage, module, name = named.groups()
             if stage == args.node:
-                stages[stage] = _find(module, name)
+                try:
+                    stages[stage] = _find(module, name)
+                except (ImportError, AttributeError, TypeError) as error:
+                    raise SettingsError(f"there is no stage python:{module}.{name}: {error}") from error
         else:
             changes.append(change)
     return Engine.with_changes(args.preset, changes, **stages)
@@ -172,7 +176,10 @@ def _report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
                 if outcome is not None:
                     continue
                 if not failed and not ended:
-                    lines, failed = engine._native.report(_frames.columns(value), flight)
+                    try:
+                        lines, failed = engine._native.report(_frames.columns(value), flight)
+                    except (ValueError, KeyError) as error:  # of a stage of another's
+                        lines, failed = b"", f"report: {error}"
                     frames += lines.count(b"\n")
                     if results is not None:
                         results.write(lines)
