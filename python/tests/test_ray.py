@@ -105,7 +105,7 @@ def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
     flights = [archive / f"flight{number}.mcap" for number in range(3)]
     for flight in flights:
         shutil.copy(tee, flight)
-    grid = {"affinity.sigma_per_m2": [1.5, 3.0]}
+    grid = {"vehicle.width_m": [0.6, 0.8]}
     command = first_then_slow(tmp_path, program)
     (tmp_path / "started-flight0.mcap").mkdir()  # the last, which makes the table, is not to wait
     finished = threading.Event()
@@ -120,12 +120,12 @@ def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
     disturber = threading.Thread(target=disturb)
     disturber.start()
     try:
-        found = crosscut.ray.sweep(archive, grid, tmp_path / "ray", command=command, preset="paper", spectral="slicing")
+        found = crosscut.ray.sweep(archive, grid, tmp_path / "ray", command=command)
     finally:
         finished.set()
         disturber.join()
     assert sum(1 for _ in tmp_path.glob("started-*")) == 3
-    assert found == crosscut.sweep(archive, grid, tmp_path / "here", preset="paper", spectral="slicing")
+    assert found == crosscut.sweep(archive, grid, tmp_path / "here")
     assert (tmp_path / "ray" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()
 
 
