@@ -6,13 +6,18 @@ use std::time::Instant;
 
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use crosscut_report::ResultsLine;
+use crosscut_stage::Step;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::answer::{Answer, Keep};
+use crate::columns::Columns;
 use crate::error::Class;
 use crate::flight_map::FlightMap;
+use crate::frames;
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
 use crate::stages::Callables;
@@ -180,6 +185,60 @@ impl Engine {
             Ok(Answer::of(&work.frame, self.keep))
         })?;
         added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
+    }
+
+    /// The scans as frames before the first stage, in columns; `first_seq` numbers scans that have no number.
+    fn ingest<'py>(&self, py: Python<'py>, scans: Vec<Py<Scan>>, first_seq: u64) -> PyResult<Bound<'py, PyDict>> {
+        let frames = self.working(py, |work| {
+            let written = scans.iter().zip(first_seq..).map(|(scan, seq)| {
+                let mut frame = Frame::default();
+                scan.get().write(&work.sensor, seq, &mut frame);
+                frame
+            });
+            written.collect::<Vec<_>>()
+        })?;
+        let columns = Columns(PyDict::new(py));
+        frames::write_scans(&frames, &columns)?;
+        Ok(columns.0)
+    }
+
+    /// Runs one stage on frames in columns. Returns the columns that it made or changed. What fails is in `failed_step`.
+    fn run_step<'py>(&self, py: Python<'py>, step: &str, columns: Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+        let step = Step::ALL.into_iter().find(|known| known.name() == step);
+        let step = step.ok_or_else(|| PyValueError::new_err("a stage is affinity, spectral or kmeans"))?;
+        let mut frames = frames::read(step, &Columns(columns))?;
+        let frames = self.working(py, move |work| {
+            for frame in &mut frames {
+                work.stages.run_step(step, frame).ok(); // a failure travels in its frame
+            }
+            frames
+        })?;
+        let made = Columns(PyDict::new(py));
+        frames::write_step(step, &frames, &made)?;
+        Ok(made.0)
+    }
+
+    /// Runs the report and the flight on frames in columns, which become a part of `map`. Returns their lines of results,
+    /// and the failure of the first frame that failed, with which the flight ends.
+    fn report<'py>(
+        &self,
+        py: Python<'py>,
+        columns: Bound<'py, PyDict>,
+        map: Py<FlightMap>,
+    ) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
+        let mut frames = frames::read(Step::Report, &Columns(columns))?;
+        let (lines, failure) = self.working(py, move |work| {
+            let mut lines = Vec::new();
+            for frame in &mut frames {
+                if let Err(failure) = work.stages.run_step(Step::Report, frame) {
+                    return (lines, Some(failure.to_string()));
+                }
+                map.get().add(frame);
+                ResultsLine::of(frame).write(&mut lines).expect("memory");
+            }
+            (lines, None)
+        })?;
+        Ok((PyBytes::new(py, &lines), failure))
     }
 
     fn read(&self, py: Python<'_>, wanted: Wanted) -> PyResult<Recording> {

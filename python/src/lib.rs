@@ -4,9 +4,11 @@
 
 mod answer;
 mod arrays;
+mod columns;
 mod engine;
 mod error;
 mod flight_map;
+mod frames;
 mod odometry;
 mod program;
 mod recording;

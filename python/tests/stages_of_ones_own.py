@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import sys
+import time
 from typing import Any
 
 import numpy as np
@@ -59,3 +60,9 @@ def hanging(points: Matrix) -> Matrix:
 
 calls = itertools.count(1)
 """The next call of either; threads share it."""
+
+
+def slow_rows(u: Matrix, k: int) -> NDArray[np.int64]:
+    """Takes a while."""
+    time.sleep(0.03)
+    return nearest_row(u, k)

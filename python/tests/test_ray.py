@@ -97,6 +97,38 @@ def test_rows_are_those_of_one_process_though_workers_and_a_node_are_lost(
             assert (tmp_path / "ray" / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
 
 
+def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
+    cluster: Any, tee: Path, tmp_path: Path, program: str
+) -> None:
+    archive = tmp_path / "archive"
+    archive.mkdir()
+    flights = [archive / f"flight{number}.mcap" for number in range(3)]
+    for flight in flights:
+        shutil.copy(tee, flight)
+    grid = {"vehicle.width_m": [0.6, 0.8]}
+    command = first_then_slow(tmp_path, program)
+    (tmp_path / "started-flight0.mcap").mkdir()  # the last, which makes the table, is not to wait
+    finished = threading.Event()
+
+    def disturb() -> None:
+        while not finished.wait(0.2):
+            for mark in sorted(tmp_path.glob("started-*/pid")):
+                if text := mark.read_text().strip():
+                    mark.unlink()
+                    os.kill(int(text), signal.SIGKILL)
+
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    try:
+        found = crosscut.ray.sweep(archive, grid, tmp_path / "ray", command=command)
+    finally:
+        finished.set()
+        disturber.join()
+    assert sum(1 for _ in tmp_path.glob("started-*")) == 3
+    assert found == crosscut.sweep(archive, grid, tmp_path / "here")
+    assert (tmp_path / "ray" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()
+
+
 def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: Path, program: str) -> None:
     out = tmp_path / "out"
     first = crosscut.ray.run(archive, out, command=[program])

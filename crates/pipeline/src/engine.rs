@@ -83,6 +83,22 @@ impl Engine {
         // "The number of junctions, which is equal to the number of walls", and the openings between them.
         self.report.work(frame)
     }
+
+    /// Runs one step of [`Engine::process`] alone, for steps that run in processes of their own. `frame` holds what the
+    /// steps before it gave; ingest does nothing here.
+    ///
+    /// # Errors
+    /// When the stage returns an error or panics, or `frame` has failed before; the failure is in `frame.failure`.
+    pub fn run_step(&mut self, step: Step, frame: &mut Frame) -> Result<(), Failure> {
+        let worker = match step {
+            Step::Ingest => return Ok(()),
+            Step::Affinity => &mut self.weigh,
+            Step::Spectral => &mut self.decompose,
+            Step::Kmeans => &mut self.cluster,
+            Step::Report => &mut self.report,
+        };
+        worker.work(frame)
+    }
 }
 
 /// Reads and writes the parts of a frame that belong to a stage.

@@ -22,7 +22,7 @@ def main() -> int:
     ``--set affinity.kind=python:module.name``, or the like in a file of settings, takes a callable of one's own; modules are
     found from the current folder.
     """
-    if sys.argv[1:2] == ["run"] and "--on" in sys.argv:
+    if sys.argv[1:2] in (["run"], ["sweep"]) and "--on" in sys.argv:
         at = sys.argv.index("--on")
         where, arguments = sys.argv[at + 1 : at + 2], sys.argv[2:at] + sys.argv[at + 2 :]
         if where != ["ray"]:
@@ -30,7 +30,7 @@ def main() -> int:
             return 2
         from . import ray
 
-        return ray.main(arguments)
+        return ray.main(sys.argv[1], arguments)
     if sys.argv[1:2] == ["run"] and any(argument.startswith("zenoh://") for argument in sys.argv):
         from . import live
 

@@ -57,10 +57,10 @@ class Engine:
         self._native = _native.Engine(*self._made_of)
 
     @classmethod
-    def with_changes(cls, preset: str, changes: Iterable[str]) -> Engine:
-        """From settings as the command line has them: ``section.key=value``, the value in TOML."""
+    def with_changes(cls, preset: str, changes: Iterable[str], **stages: Callable[..., Any]) -> Engine:
+        """From settings as the command line has them: ``section.key=value``, the value in TOML. ``stages`` are callables."""
         made = cls.__new__(cls)
-        made._made_of = (preset, list(changes), [None, None, None], [])
+        made._made_of = (preset, list(changes), [stages.get(name) for name in STAGES], [])
         made._native = _native.Engine(*made._made_of)
         return made
 

@@ -77,21 +77,28 @@ def sweep(
     ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
     kept, so that an interrupted one goes on. ``jobs`` flights are processed at a time (None: one for each processor).
     """
+    at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
+    return swept(_paths(flights), Path(out), [*axes(grid), *configuration(preset, settings, sections), *at_a_time], COMMAND)
+
+
+def axes(grid: Mapping[str, Sequence[object]]) -> list[str]:
+    return [part for key, values in grid.items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
+
+
+def swept(flights: Sequence[StrPath], out: Path, options: Sequence[str], command: Sequence[str]) -> pyarrow.Table:
+    """Runs the sweep, but for what is in ``out`` already, and reads its table."""
     import pyarrow.csv
     import pyarrow.parquet
 
-    axes = [part for key, values in grid.items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
-    at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
-    options = [*configuration(preset, settings, sections), *at_a_time]
-    _finish(["sweep", *_paths(flights), *axes, "--out", out, *options, "--quiet"])
-    table = pyarrow.csv.read_csv(Path(out) / "sweep.csv")
-    pyarrow.parquet.write_table(table, Path(out) / "sweep.parquet")  # the program of the wheel writes none
+    _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command)
+    table = pyarrow.csv.read_csv(out / "sweep.csv")
+    pyarrow.parquet.write_table(table, out / "sweep.parquet")  # the program of the wheel writes none
     return table
 
 
-def _finish(arguments: Sequence[StrPath]) -> None:
+def _finish(arguments: Sequence[StrPath], command: Sequence[str] = COMMAND) -> None:
     """Runs a command to its end; what it says becomes an exception or warnings."""
-    with subprocess.Popen([*COMMAND, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
         try:
             _, said = process.communicate()
         except KeyboardInterrupt:

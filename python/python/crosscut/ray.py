@@ -8,7 +8,8 @@
 than once, as after the loss of a node, but its files are renamed into place when they are whole, so that they are there once.
 What an earlier run into the folder has done with the same program, settings and recording is kept.
 
-From a shell: ``crosscut run --on ray FLIGHTS... --out DIR [--preset P] [--set KEY=VALUE]...``
+From a shell: ``crosscut run --on ray FLIGHTS... --out DIR [--preset P] [--set KEY=VALUE]...``, and ``crosscut sweep --on ray``
+with a ``--grid`` for each axis.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 from . import __version__
 from ._engine import Section
 from ._errors import Error
-from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, configuration, failure
+from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, axes, configuration, failure, swept
 
 if TYPE_CHECKING:
     import pyarrow
@@ -70,6 +71,27 @@ def run(
         ray.init(address=address, log_to_driver=False)
     options = configuration(preset, settings, sections)
     return _gather(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(ray))
+
+
+def sweep(
+    flights: StrPath | Iterable[StrPath],
+    grid: Mapping[str, Sequence[object]],
+    out: StrPath,
+    *,
+    address: str | None = None,
+    command: Sequence[str] = COMMAND,
+    preset: str = "default",
+    settings: Mapping[str, object] | None = None,
+    **sections: Section,
+) -> pyarrow.Table:
+    """As :func:`crosscut.sweep`, with a task of the cluster for each flight; ``flights``, ``address`` and ``command`` as in
+    :func:`run`. The table is that of one process."""
+    import ray
+
+    if not ray.is_initialized():
+        ray.init(address=address, log_to_driver=False)
+    options = [*axes(grid), *configuration(preset, settings, sections)]
+    return _sweep(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(ray))
 
 
 def run_here(
@@ -123,6 +145,18 @@ def _flights(paths: StrPath | Iterable[StrPath]) -> list[Path]:
 
 
 def _gather(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> pyarrow.Table:
+    return _write_tables(_map(flights, out, [*command, "run"], options, rows), out)
+
+
+def _sweep(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> pyarrow.Table:
+    """Tasks compute the rows of their flights into ``out``; the program, which finds them there, makes the table."""
+    (out / "rows").mkdir(parents=True, exist_ok=True)
+    _map(flights, out, [*command, "sweep"], options, rows)
+    return swept(flights, out, options, command)
+
+
+def _map(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> list[dict[str, Any]]:
+    """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``sweep``."""
     out.mkdir(parents=True, exist_ok=True)
     names = [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
     work, done = [], []
@@ -145,8 +179,7 @@ def _gather(flights: list[Path], out: Path, command: list[str], options: list[st
     for name in names:
         for part in out.glob(f".{name}.*"):  # of a worker that was lost
             shutil.rmtree(part, ignore_errors=True)
-    done.sort(key=lambda row: row["flight"])
-    return _write_tables(done, out)
+    return sorted(done, key=lambda row: str(row["flight"]))
 
 
 def _made_of(flight: Path, command: Sequence[str], options: Sequence[str]) -> dict[str, Any]:
@@ -177,15 +210,16 @@ def _process(flight: str, name: str, out: str, command: list[str], options: list
     part.mkdir()
     try:
         outputs = [part / f"{name}.jsonl", part / f"{name}.map.json"]
-        arguments = [flight, "--results", str(outputs[0]), "--map", str(outputs[1]), *options, "--quiet"]
-        said = subprocess.run([*command, "run", *arguments], capture_output=True, text=True)
+        to = ["--results", str(outputs[0]), "--map", str(outputs[1])] if command[-1] == "run" else ["--out", str(part), "--jobs", "1"]
+        said = subprocess.run([*command, flight, *to, *options, "--quiet"], capture_output=True, text=True)
         if said.returncode < 0:
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
-            row |= _figures(*outputs)
-            for file in outputs:
-                file.replace(Path(out) / file.name)
+            if command[-1] == "run":
+                row |= _figures(*outputs)
+            for file in outputs if command[-1] == "run" else part.glob("rows/*.json"):
+                file.replace(Path(out) / file.relative_to(part))
         if said.returncode != DONE:
             row["error"] = str(failure(said.returncode, said.stderr))
         done = {"row": row, "made_of": made_of, "seconds": time.monotonic() - start, "host": socket.gethostname()}
@@ -243,14 +277,16 @@ def _write_tables(rows: list[dict[str, Any]], out: Path) -> pyarrow.Table:
     return table
 
 
-def main(arguments: Sequence[str]) -> int:
-    """``crosscut run --on ray``; returns the exit code of the program."""
-    parser = argparse.ArgumentParser(prog="crosscut run --on ray", description="Many flights on a Ray cluster.")
+def main(verb: str, arguments: Sequence[str]) -> int:
+    """``crosscut run --on ray`` or ``crosscut sweep --on ray``; returns the exit code of the program."""
+    parser = argparse.ArgumentParser(prog=f"crosscut {verb} --on ray", description="Many flights on a Ray cluster.")
     parser.add_argument("flights", nargs="+", help="recordings, or folders of them; each is a flight of its own")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder that all nodes reach")
     parser.add_argument("--address", help="of the cluster; without one, Ray starts one on this machine")
     parser.add_argument("--preset", default="default")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
+    if verb == "sweep":
+        parser.add_argument("--grid", action="append", required=True, metavar="KEY=VALUE,...", help="an axis")
     args = parser.parse_args(arguments)
     settings = [part for change in args.changes for part in ("--set", change)]
     try:
@@ -262,6 +298,11 @@ def main(arguments: Sequence[str]) -> int:
         flights, out = _flights(args.flights), Path(args.out).absolute()
         ray.init(address=args.address, log_to_driver=False)
         options = configuration(args.preset, None, {}) + settings
+        if verb == "sweep":
+            options = [part for axis in args.grid for part in ("--grid", axis)] + options
+            table = _sweep(flights, out, list(COMMAND), options, _on_ray(ray))
+            print(f"{len(table)} rows: {out / 'sweep.parquet'}", file=sys.stderr)
+            return DONE
         table = _gather(flights, out, list(COMMAND), options, _on_ray(ray))
     except (ValueError, OSError, Error) as error:
         print(f"error: {error}", file=sys.stderr)

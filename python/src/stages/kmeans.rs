@@ -1,5 +1,7 @@
 //! Clusters by a callable: kmeans(U, k) -> labels.
 
+use std::collections::BTreeMap;
+
 use crosscut_stage::{Kind, KmeansStage, Notes, Partition, Spectrum, StageError};
 use pyo3::prelude::*;
 
@@ -31,22 +33,21 @@ impl KmeansStage for PythonKmeans {
         if let Some(at) = labels.iter().position(|label| *label < -1) {
             return Err(Callable::refuse(callable, format!("labels[{at}] = {}, which is less than -1", labels[at])));
         }
-        // Clusters are numbered by their first return.
-        let mut names: Vec<i64> = Vec::new();
-        out.labels.clear();
-        out.labels.extend(labels.iter().map(|&label| {
-            let place = names.iter().position(|name| *name == label).unwrap_or_else(|| {
-                if label >= 0 {
-                    names.push(label);
-                }
-                names.len() - 1
-            });
-            (label >= 0).then_some(place as u32)
-        }));
-        out.clusters = names.len();
+        (out.clusters, out.labels) = numbered_by_first_return(&labels);
         place_centroids(spectrum, out);
         Ok(())
     }
+}
+
+/// The number of clusters, and the labels with clusters numbered by their first return; a negative label is of no cluster.
+pub(crate) fn numbered_by_first_return(labels: &[i64]) -> (usize, Vec<Option<u32>>) {
+    let mut numbers = BTreeMap::new();
+    let mut number = |label: i64| {
+        let next = numbers.len() as u32;
+        (label >= 0).then(|| *numbers.entry(label).or_insert(next))
+    };
+    let labels = labels.iter().map(|&label| number(label)).collect();
+    (numbers.len(), labels)
 }
 
 /// Sets the means of the rows of each cluster, and how far the rows are from them.

@@ -1,0 +1,133 @@
+"""Frames as Arrow: what the stages give each other when each runs in a process of its own.
+
+A message is a struct array, a row for each frame. Rows have the columns below that are known so far; a stage takes those that
+it reads, adds its own, and passes on all others, also such as it does not know. W ends at the spectral stage, U at kmeans.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from . import _native
+
+_F64S, _I32S, _U32S, _U64S = (pa.list_(kind) for kind in (pa.float64(), pa.int32(), pa.uint32(), pa.uint64()))
+
+SCAN: dict[str, pa.DataType] = {
+    "seq": pa.uint64(),  # the number of the scan in its topic
+    "stamp_ns": pa.uint64(),  # by the sensor's clock
+    "frame_id": pa.string(),
+    "points_m": pa.list_(pa.list_(pa.float64(), 3)),  # n returns: x forward, y left, z up
+    "has_beams": pa.bool_(),  # False for a cloud, whose columns of beams are empty
+    "ranges_m": pa.list_(pa.float32()),  # as on the wire
+    "bearings_rad": _F64S,  # of each beam of the turn
+    "return_of_beam": _I32S,  # its index in points_m; -1: nothing in range, -2: nothing is known
+    "step_rad": pa.float64(),
+    "range_max_m": pa.float64(),
+    "full_turn": pa.bool_(),
+    "missing_beams": pa.uint64(),  # between the last and the first of a full turn
+    "wire_geometry": pa.list_(pa.float32(), 4),  # angle_min, angle_increment, range_min, range_max
+    "odometry": _F64S,  # x_m, y_m, and the cosine and sine of the yaw; empty where it is not known
+}
+PROGRESS: dict[str, pa.DataType] = {
+    "notes": pa.list_(pa.string()),  # what was dropped, repaired or replaced
+    "timings_ns": pa.list_(pa.uint64(), 5),  # of ingest, affinity, spectral, kmeans and report
+    "failed_step": pa.string(),  # empty, or the stage that failed, with which the flight ends
+    "failure": pa.string(),
+    "panicked": pa.bool_(),
+}
+W: dict[str, pa.DataType] = {
+    # A sparse n x n matrix: row i has the entries from w_row_start[i] to w_row_start[i + 1]. One with all its entries has no
+    # row starts and no columns, and its values row by row.
+    "w_row_start": _U64S,
+    "w_column": _U32S,
+    "w_value": _F64S,
+}
+VERDICTS: dict[str, pa.DataType] = {
+    # What was decided at the gaps between two returns, by kinds that decide there.
+    "verdict_returns": pa.list_(pa.list_(pa.uint32(), 2)),
+    "verdict_is_way": pa.list_(pa.bool_()),
+    "verdict_room_ratio": _F64S,
+    "verdict_p": _F64S,  # NaN where too little is seen
+    "verdict_reason": pa.list_(pa.string()),
+}
+SPECTRUM: dict[str, pa.DataType] = {
+    "eigenvalues": _F64S,  # ascending, at least the k zeros
+    "k": pa.uint64(),
+    "margin_decades": pa.float64(),  # NaN where there is none
+}
+U: dict[str, pa.DataType] = {
+    "u_row_start": _U64S,  # n x k, stored as W
+    "u_column": _U32S,
+    "u_value": _F64S,
+}
+CLUSTERS: dict[str, pa.DataType] = {"clusters": _I32S}  # equal for returns of one wall, -1 for one that is left out
+
+COLUMNS = {**SCAN, **PROGRESS, **W, **VERDICTS, **SPECTRUM, **U, **CLUSTERS}
+READ_LAST_BY = {"affinity": {}, "spectral": W, "kmeans": U}
+"""Columns that no later stage reads."""
+
+
+def of_scans(engine: _native.Engine, scans: list[_native.Scan], first_seq: int) -> pa.StructArray:
+    """Scans as frames before the first stage."""
+    return _struct(_arrays(engine.ingest(scans, first_seq)))
+
+
+def after(stage: str, engine: _native.Engine, frames: pa.StructArray) -> pa.StructArray:
+    """The frames after a stage. A stage that fails on a frame leaves that in its ``failed_step``."""
+    made = engine.run_step(stage, columns(frames))
+    kept = {name: array for name, array in _fields(frames).items() if name not in READ_LAST_BY[stage]}
+    return _struct({**kept, **_arrays(made)})
+
+
+def columns(frames: pa.StructArray) -> dict[str, Any]:
+    """As the native half takes them: arrays of numpy; of lists and texts, the starts beside the values."""
+    if not pa.types.is_struct(frames.type):
+        raise ValueError(f"frames are a struct array, not {frames.type}")
+    arrays = _fields(frames)
+    return {name: _column(name, kind, arrays[name]) for name, kind in COLUMNS.items() if name in arrays}
+
+
+def _fields(frames: pa.StructArray) -> dict[str, pa.Array]:
+    return {field.name: frames.field(at) for at, field in enumerate(frames.type)}
+
+
+def _struct(arrays: dict[str, pa.Array]) -> pa.StructArray:
+    return pa.StructArray.from_arrays(list(arrays.values()), list(arrays))
+
+
+def _arrays(made: dict[str, Any]) -> dict[str, pa.Array]:
+    return {name: _array(COLUMNS[name], column) for name, column in made.items()}
+
+
+def _array(kind: pa.DataType, column: Any) -> pa.Array:
+    if pa.types.is_string(kind):
+        starts, utf8 = column
+        return pa.StringArray.from_buffers(len(starts) - 1, pa.py_buffer(starts), pa.py_buffer(utf8))
+    if pa.types.is_list(kind):
+        starts, values = column
+        return pa.ListArray.from_arrays(pa.array(starts), _array(kind.value_type, values))
+    if pa.types.is_fixed_size_list(kind):
+        return pa.FixedSizeListArray.from_arrays(_array(kind.value_type, column), kind.list_size)
+    return pa.array(column)
+
+
+def _column(name: str, kind: pa.DataType, array: pa.Array) -> Any:
+    if array.null_count:
+        raise ValueError(f"frames: column {name} has nulls")
+    if array.type != kind:
+        try:
+            array = array.cast(kind)
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
+            raise ValueError(f"frames: column {name} is {array.type}, not {kind}: {error}") from None
+    if pa.types.is_string(kind):
+        _, starts, utf8 = array.buffers()
+        of_rows = np.frombuffer(starts, np.int32)[array.offset :][: len(array) + 1] if len(array) else np.zeros(1, np.int32)
+        return of_rows, np.frombuffer(utf8 or b"", np.uint8)
+    if pa.types.is_list(kind):
+        return array.offsets.to_numpy(), _column(name, kind.value_type, array.values)
+    if pa.types.is_fixed_size_list(kind):
+        return _column(name, kind.value_type, array.flatten())
+    return array.to_numpy(zero_copy_only=False)
