@@ -1,6 +1,8 @@
 //! How right the map of a flight is, against the mine that it went through.
 //!
-//! A *place* is a junction or a dead end of the mine; distances to it are in widths of its widest passage. A visit of the
+//! A *place* is a junction or a dead end of the mine; distances to it are in widths of its widest passage. A dead end that is
+//! seen from the place before it, within 1.575 widths, is a part of that place: by the definition of `here` no way leads
+//! to it. A place that keeps two ways is then a part of a passage. A visit of the
 //! map belongs to the place that is nearest in its middle, if that is within 1.6 widths. A place was *flown through* if
 //! the vehicle came within 0.4 widths; the place in which a flight begins is not, as half of it was never flown.
 //!

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{BELONGS, THROUGH, VISITED, ordered};
 
+/// The look at a place, 1.5 local widths, and the twentieth by which a way leads farther.
+const POCKET_WIDTHS: f64 = 1.5 * 1.05;
+
 /// The mine of a flight, and where each revolution was taken.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapTruth {
@@ -48,7 +51,8 @@ pub struct WhereAt {
 }
 
 impl From<&TruthMap> for MapTruth {
-    /// The mine, without revolutions.
+    /// The mine as a flight shows it, without revolutions. A dead end that is seen from the place before it is a part of that
+    /// place, and a place that keeps two ways is a part of a passage.
     fn from(map: &TruthMap) -> Self {
         let place = |node: &crosscut_messages::TruthNode| TruePlace {
             position_m: [node.x_m, node.y_m],
@@ -57,12 +61,45 @@ impl From<&TruthMap> for MapTruth {
         };
         let passage =
             |edge: &crosscut_messages::TruthEdge| TruePassage { ends: [edge.from, edge.to], length_m: edge.length_m };
-        Self {
-            places: map.nodes.iter().map(place).collect(),
-            passages: map.edges.iter().map(passage).collect(),
-            at: Vec::new(),
-        }
+        let mut places: Vec<TruePlace> = map.nodes.iter().map(place).collect();
+        let mut passages: Vec<TruePassage> = map.edges.iter().map(passage).collect();
+        let is_place = leave_out_pockets(&mut places, &mut passages);
+        let number: Vec<usize> = is_place
+            .iter()
+            .scan(0, |next, &is_place| Some(std::mem::replace(next, *next + usize::from(is_place))))
+            .collect();
+        passages.iter_mut().for_each(|passage| passage.ends = passage.ends.map(|end| number[end]));
+        let places =
+            places.into_iter().zip(is_place).filter(|(_, is_place)| *is_place).map(|(place, _)| place).collect();
+        Self { places, passages, at: Vec::new() }
     }
+}
+
+/// Leaves out dead ends in sight of the place before them, and joins the passages of places that keep two ways. Returns
+/// which places are left.
+fn leave_out_pockets(places: &mut [TruePlace], passages: &mut Vec<TruePassage>) -> Vec<bool> {
+    let mut is_place = vec![true; places.len()];
+    passages.retain(|&TruePassage { ends: [a, b], length_m }| {
+        let is_pocket = |end: usize, before: usize| {
+            places[end].ways == 1 && places[before].ways > 1 && length_m < POCKET_WIDTHS * places[before].width_m
+        };
+        let pocket = [(a, b), (b, a)].into_iter().find(|&(end, before)| is_pocket(end, before));
+        if let Some((end, before)) = pocket {
+            is_place[end] = false;
+            places[before].ways -= 1;
+        }
+        pocket.is_none()
+    });
+    for bend in (0..places.len()).filter(|&place| places[place].ways == 2) {
+        let at: Vec<usize> = (0..passages.len()).filter(|&at| passages[at].ends.contains(&bend)).collect();
+        let &[first, second] = &at[..] else { continue };
+        let second = passages.swap_remove(second);
+        let other = |passage: &TruePassage| passage.ends[usize::from(passage.ends[0] == bend)];
+        let first = &mut passages[first];
+        *first = TruePassage { ends: [other(first), other(&second)], length_m: first.length_m + second.length_m };
+        is_place[bend] = false;
+    }
+    is_place
 }
 
 impl MapTruth {

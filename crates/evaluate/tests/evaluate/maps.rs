@@ -4,6 +4,7 @@ use crosscut_evaluate::maps::{
     Counts, MapFigures, MapTruth, TruePassage, TruePlace, WhereAt, every_change, within_radius,
 };
 use crosscut_flight::{Map, Node, NodeWay, Passage};
+use crosscut_messages::{TruthEdge, TruthKind, TruthMap, TruthNode, TruthWay};
 use crosscut_stage::HereKind;
 use nalgebra::Point2;
 
@@ -131,4 +132,30 @@ fn places_past_one_that_was_passed_too_far_off_are_joined_by_no_passage() {
     off.for_each(|at| at.position_m[1] = 2.0);
     let figures = MapFigures::of(&right_map(), &truth);
     assert_eq!((figures.recall.of, figures.passages.of, figures.exact.hits), (2, 0, 1), "{figures:?}");
+}
+
+#[test]
+fn a_dead_end_in_sight_of_the_place_before_it_is_a_part_of_that_place() {
+    let node = |id, x_m: f64, y_m: f64, kind, edges: &[usize]| TruthNode {
+        id,
+        kind,
+        x_m,
+        y_m,
+        ways: edges.iter().map(|&edge| TruthWay { bearing_rad: 0.0, width_m: 4.0, edge }).collect(),
+    };
+    let edge = |id, from, to, length_m| TruthEdge { id, from, to, length_m, width_m: 4.0 };
+    let mine = |pocket_m| TruthMap {
+        nodes: vec![
+            node(0, 0.0, 0.0, TruthKind::DeadEnd, &[0]),
+            node(1, 20.0, 0.0, TruthKind::Junction, &[0, 1, 2]),
+            node(2, 20.0, pocket_m, TruthKind::DeadEnd, &[1]),
+            node(3, 50.0, 0.0, TruthKind::DeadEnd, &[2]),
+        ],
+        edges: vec![edge(0, 0, 1, 20.0), edge(1, 1, 2, pocket_m), edge(2, 1, 3, 30.0)],
+    };
+    let far = MapTruth::from(&mine(7.0));
+    assert_eq!((far.places.len(), far.passages.len(), far.places[1].ways), (4, 3, 3));
+    let near = MapTruth::from(&mine(6.0));
+    assert_eq!(near.passages, [TruePassage { ends: [0, 1], length_m: 50.0 }], "{near:?}");
+    assert_eq!((near.places.len(), near.places[1].position_m), (2, [50.0, 0.0]));
 }
