@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{Located, NodeWay};
+use crosscut_flight::{Located, Node, NodeWay};
 use crosscut_stage::{HereKind, Way, unit, wrap_angle_rad};
 
 use crate::known::{Known, KnownPlace, KnownWay, WayState};
@@ -44,8 +44,29 @@ struct Note {
 /// How the vehicle went from one place to the next.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    ends: [(usize, f64); 2],
+    ends: [LinkEnd; 2],
     length_m: f64,
+}
+
+/// A way of a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LinkEnd {
+    /// When a visit to the place began. Its number on the map changes where two places turn out to be one; the visit stays
+    /// one to it.
+    pub(crate) visited_ns: u64,
+    /// In the frame of the map.
+    pub(crate) bearing_rad: f64,
+}
+
+impl LinkEnd {
+    pub(crate) fn new(located: &Located, bearing_rad: f64) -> Self {
+        let visited_ns = located.map.nodes[located.node].visits.first().map_or(0, |visit| visit[0]);
+        Self { visited_ns, bearing_rad }
+    }
+
+    fn is_of(&self, node: &Node) -> bool {
+        node.visits.iter().any(|visit| visit[0] == self.visited_ns)
+    }
 }
 
 impl Chart {
@@ -74,7 +95,7 @@ impl Chart {
     }
 
     /// Notes a flight from one way of a place to one of another place.
-    pub(crate) fn link(&mut self, from: (usize, f64), to: (usize, f64), length_m: f64) {
+    pub(crate) fn link(&mut self, from: LinkEnd, to: LinkEnd, length_m: f64) {
         self.links.push(Link { ends: [from, to], length_m });
     }
 
@@ -108,13 +129,13 @@ impl Chart {
         let by_map =
             passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
         let is_of_way =
-            |end: &(usize, f64)| end.0 == number && wrap_angle_rad(end.1 - way.bearing_rad).abs() < SAME_WAY_RAD;
+            |end: &LinkEnd| end.is_of(node) && wrap_angle_rad(end.bearing_rad - way.bearing_rad).abs() < SAME_WAY_RAD;
         let by_link = || {
-            let of_way = self.links.iter().rev().find_map(|link| {
-                let end = link.ends.iter().position(is_of_way)?;
-                Some((link.ends[1 - end].0, link.length_m + LINK_EXTRA_M))
-            });
-            of_way.filter(|(to, _)| *to < located.map.nodes.len())
+            self.links.iter().rev().find_map(|link| {
+                let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
+                let to = located.map.nodes.iter().position(|node| other.is_of(node))?;
+                Some((to, link.length_m + LINK_EXTRA_M))
+            })
         };
         KnownWay {
             bearing_rad: way.bearing_rad,

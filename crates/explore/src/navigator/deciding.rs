@@ -9,7 +9,7 @@ use crosscut_stage::{Beam, Frame, HereKind, Revolution, unit, wrap_angle_rad};
 
 use super::answer::Decision;
 use super::{Doing, Left, Navigator};
-use crate::chart::in_map;
+use crate::chart::{LinkEnd, in_map};
 use crate::known::{Known, Route, WayState};
 use crate::planner::Choice;
 
@@ -43,14 +43,14 @@ impl Navigator {
                 let place_m = located.map.nodes[located.node].position_m;
                 self.note_ends(place_m, frame, pose.rotation.angle() + turn_rad);
                 let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
-                self.note_link(&known);
+                self.note_link(located, &known);
                 let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
                 let (way, bearing_rad, why) = self.choose(&known, self.correction * here_m);
                 let way = way.and_then(|way| known.places[known.here].ways.get(way));
                 if way.is_some_and(|way| way.state == WayState::New) {
                     self.last_new = self.now;
                 }
-                (bearing_rad - turn_rad, Some((known.here, place_m)), why)
+                (bearing_rad - turn_rad, Some((place_m, LinkEnd::new(located, bearing_rad))), why)
             }
             None if kind == HereKind::Junction => {
                 let on = steady.and_then(|here| self.way_ahead(here, pose));
@@ -69,7 +69,7 @@ impl Navigator {
         self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
         self.doing = Doing::Leave { began: self.now };
         self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
-        Decision { at_m, place: place.map(|(place, _)| place), bearing_rad, why }
+        Decision { at_m, place: located.map(|located| located.node), bearing_rad, why }
     }
 
     /// The way to take, its direction in the frame of the map, and why.
@@ -117,19 +117,19 @@ impl Navigator {
     }
 
     /// Notes how the vehicle came from the place before.
-    fn note_link(&mut self, known: &Known) {
+    fn note_link(&mut self, located: &Located, known: &Known) {
         let Some(left) = self.left.take() else { return };
-        if let (Some((from, _)), Some(really_rad)) = (left.place, left.really_rad)
+        if let (Some((_, from)), Some(bearing_rad)) = (left.place, left.really_rad)
             && let Some(back) = known.way_back()
         {
-            let to = (known.here, known.places[known.here].ways[back].bearing_rad);
-            self.chart.link((from, really_rad), to, self.way_m - left.way_m);
+            let to = LinkEnd::new(located, known.places[known.here].ways[back].bearing_rad);
+            self.chart.link(LinkEnd { bearing_rad, ..from }, to, self.way_m - left.way_m);
         }
     }
 
     /// Notes whether the vehicle got into the way that it left a place by.
     pub(super) fn note_try(&mut self, left: &Left, led_into: bool) {
-        if let Some((_, place_m)) = left.place {
+        if let Some((place_m, _)) = left.place {
             let bearing_rad = left.bearing_rad + self.correction.rotation.angle();
             self.chart.tried(place_m, wrap_angle_rad(bearing_rad), led_into);
         }

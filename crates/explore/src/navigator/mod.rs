@@ -11,7 +11,7 @@ use crosscut_flight::Mapper;
 use crosscut_simulator::Command;
 use crosscut_stage::{Frame, Here, HereKind, Way, unit, wrap_angle_rad};
 
-use crate::chart::Chart;
+use crate::chart::{Chart, LinkEnd};
 use crate::planner::Planner;
 use crate::steering::{Limits, towards};
 use crate::surround::{Field, Surround};
@@ -86,8 +86,8 @@ struct Left {
     bearing_rad: f64,
     look_m: f64,
     kind: HereKind,
-    /// Its number on the map and its position there.
-    place: Option<(usize, Point2<f64>)>,
+    /// Its position on the map, and the way that it was left by.
+    place: Option<(Point2<f64>, LinkEnd)>,
     /// The direction in which it was really left, in the frame of the map.
     really_rad: Option<f64>,
     way_m: f64,
