@@ -79,6 +79,25 @@ def tolerance(path: Path) -> dict:
     return {name: int(value) for name, value in zip(*cells)}
 
 
+def maps(path: Path) -> dict:
+    """Of the two tables of the example `maps`: maps by family and drift, then places and counts by family."""
+    rows = [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in path.read_text().splitlines() if line.startswith("| ")]
+    figures: dict = {"exact": {}, "passages": {}, "loops": {}, "nodes": {}, "f1": {}, "f1_within_8_m": {}, "steady": {}}
+    for row in rows:
+        match row:
+            case [family, drift, "map", exact, f1, nodes, _, _, _, _, passages, loops, *_]:
+                figures["exact"].setdefault(family, {})[drift] = exact
+                if drift == "5 %":
+                    figures["passages"][family], figures["loops"][family] = passages, loops
+                    figures["nodes"][family], figures["f1"][family] = float(nodes), round(float(f1), 2)
+            case [family, "5 %", "8 m", _, f1, *_]:
+                figures["f1_within_8_m"][family] = round(float(f1), 2)
+            case [family, "steady", junctions, passages, _, _, count, flicker]:
+                shares = {"junctions": junctions, "passages": passages, "count": count, "flicker": flicker}
+                figures["steady"][family] = {name: float(share) for name, share in shares.items()}
+    return figures
+
+
 def speed(path: Path) -> dict:
     """Of the table of `tests/foreign/run speed`."""
     rows = [line.split() for line in path.read_text().splitlines()[1:]]
@@ -135,6 +154,12 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         mixture,
     ),
     "corridors": ("Real corridors", ["crosscut run FLIGHT.mcap --over-time FLIGHT.svg"], "corridors", corridors),
+    "maps": (
+        "Maps of flights",
+        ["cargo run --release -p crosscut-flight --example maps -- loops lookalike close chambers pillars 201 10"],
+        "maps.md",
+        maps,
+    ),
     "tolerance": ("The paper's rule by tolerance", ["crosscut paper --out target/docs/paper"], "paper/paper.md", tolerance),
     "speed": ("Speed beside scikit-learn", ["tests/foreign/run speed"], "speed.txt", speed),
     "recording": ("Recording", ["cargo bench --workspace --bench recording"], "recording.csv", recording),
@@ -211,6 +236,15 @@ def page(results: dict) -> str:
         f"{flights['labelled_right']} are counted as labelled."
     )
     parts.append(headed(flights, text, table(["recording", "revolutions", "differ", "%"], rows)))
+    flown = results["maps"]
+    drifts = list(next(iter(flown["exact"].values())))
+    rows = [
+        [family, *by_drift.values(), *(flown["steady"][family][figure] for figure in ("junctions", "passages", "count", "flicker"))]
+        for family, by_drift in flown["exact"].items()
+    ]
+    header = ["flights", *drifts, "right in junctions", "in passages", "count right", "flicker"]
+    text = "Maps that are exact by the drift of the odometry; of the steady answer, %: [flights.md](flights.md#how-right-maps-are)."
+    parts.append(headed(flown, text, table(header, rows)))
     rule = {key: value for key, value in results["tolerance"].items() if key not in ("title", "command", "commit")}
     parts.append(headed(results["tolerance"], "Right answers, % of the development scenes.", table(list(rule), [list(rule.values())])))
     times = results["speed"]
@@ -225,6 +259,8 @@ def page(results: dict) -> str:
 
 
 def headed(section: dict, text: str, shown: str) -> str:
+    if len(section["command"]) == 1:
+        return f"\n## {section['title']}\n\n{text}\nAt commit {section['commit']}, by `{section['command'][0]}`\n\n{shown}"
     commands = "\n".join(section["command"])
     return f"\n## {section['title']}\n\n{text}\nAt commit {section['commit']}, by\n\n```\n{commands}\n```\n\n{shown}"
 
