@@ -6,7 +6,8 @@ use crosscut_simulator::{Mine, World};
 
 use crate::ways::{TrueWay, offline_m, ways_of};
 
-/// A way is visited once the vehicle was in both of its halves on one stay; one to a dead end is also visited once its face is in sight from this near, m.
+/// A way is visited once the vehicle was in both of its halves on one stay; one to a dead end also once its face is in sight
+/// from this near, m.
 const FACE_IN_SIGHT_M: f64 = 10.0;
 
 /// Before the face, so that the rock itself is not in the way, m.
