@@ -20,7 +20,7 @@ use crate::stages::numbered_by_first_return;
 const NO_RETURN: i32 = -1;
 const UNKNOWN: i32 = -2;
 
-/// Reasons of verdicts that are kept for the rest of the process; a stage has a few dozen.
+/// So many reasons of verdicts are kept until the program ends; a stage has a few dozen.
 const MOST_REASONS: usize = 1000;
 
 /// Writes the scans, and what is noted and measured so far.
@@ -316,7 +316,7 @@ fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
     Ok(())
 }
 
-/// The same text for the rest of the process.
+/// The same text, kept until the program ends.
 fn kept_reason(reason: &str) -> &'static str {
     static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);

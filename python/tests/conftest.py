@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 import sysconfig
 from pathlib import Path
 
@@ -39,3 +40,11 @@ def program() -> str:
 def in_wheel() -> str:
     """The program that the wheel installed."""
     return str(Path(sysconfig.get_path("scripts")) / "crosscut")
+
+
+def free_port() -> int:
+    """A port of the loopback on which nothing listens."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port

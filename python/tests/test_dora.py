@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import in_wheel
+from conftest import free_port, in_wheel
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 NODES = ("source", "affinity", "spectral", "kmeans", "report")
@@ -154,13 +154,6 @@ class Hosts:
             process.terminate()
         for process in (*self.daemons.values(), self.coordinator):
             process.wait(30)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def is_free(port: int) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -15,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import in_wheel
+from conftest import free_port, in_wheel
 
 import crosscut
 import crosscut.live
@@ -25,13 +24,6 @@ zenoh = pytest.importorskip("zenoh")
 HASH = "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
 SCANS = f"7/robot1/scan/sensor_msgs::msg::dds_::LaserScan_/{HASH}"
 ODOMETRY = f"7/robot1/odom/nav_msgs::msg::dds_::Odometry_/{HASH}"
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def router(port: int) -> Any:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
 import subprocess
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -57,33 +58,43 @@ def first_then_slow(tmp_path: Path, program: str) -> list[str]:
     return [str(script)]
 
 
-def test_rows_are_those_of_one_process_though_workers_and_a_node_are_lost(
-    cluster: Any, archive: Path, tmp_path: Path, program: str
-) -> None:
-    expected = crosscut.ray.run_here(archive, tmp_path / "here", command=[program])
-    node = cluster.add_node(num_cpus=2)
-    command = first_then_slow(tmp_path, program)
+@contextlib.contextmanager
+def killing_first_runs(tmp_path: Path, also: Callable[[list[int]], None] = lambda killed: None) -> Iterator[list[int]]:
+    """Kills each program of :func:`first_then_slow` at its first run; ``also`` is asked each time, with those killed so far."""
     killed: list[int] = []
     finished = threading.Event()
 
     def disturb() -> None:
-        """Kills each program at its first run, and takes the second node away amid."""
         while not finished.wait(0.2):
             for mark in sorted(tmp_path.glob("started-*/pid")):
                 if text := mark.read_text().strip():
                     mark.unlink()
                     os.kill(int(text), signal.SIGKILL)
                     killed.append(int(text))
-            if len(killed) >= 3 and len(cluster.worker_nodes) > 0:
-                cluster.remove_node(node, allow_graceful=False)
+            also(killed)
 
     disturber = threading.Thread(target=disturb)
     disturber.start()
     try:
-        found = crosscut.ray.run(archive, tmp_path / "ray", command=command)
+        yield killed
     finally:
         finished.set()
         disturber.join()
+
+
+def test_rows_are_those_of_one_process_though_workers_and_a_node_are_lost(
+    cluster: Any, archive: Path, tmp_path: Path, program: str
+) -> None:
+    expected = crosscut.ray.run_here(archive, tmp_path / "here", command=[program])
+    node = cluster.add_node(num_cpus=2)
+    command = first_then_slow(tmp_path, program)
+
+    def take_node_away(killed: list[int]) -> None:
+        if len(killed) >= 3 and len(cluster.worker_nodes) > 0:
+            cluster.remove_node(node, allow_graceful=False)
+
+    with killing_first_runs(tmp_path, take_node_away) as killed:
+        found = crosscut.ray.run(archive, tmp_path / "ray", command=command)
     assert len(killed) >= FLIGHTS, "each flight was killed once"
     assert not cluster.worker_nodes, "the node was lost"
     assert found == expected
@@ -108,22 +119,8 @@ def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
     grid = {"vehicle.width_m": [0.6, 0.8]}
     command = first_then_slow(tmp_path, program)
     (tmp_path / "started-flight0.mcap").mkdir()  # the last, which makes the table, is not to wait
-    finished = threading.Event()
-
-    def disturb() -> None:
-        while not finished.wait(0.2):
-            for mark in sorted(tmp_path.glob("started-*/pid")):
-                if text := mark.read_text().strip():
-                    mark.unlink()
-                    os.kill(int(text), signal.SIGKILL)
-
-    disturber = threading.Thread(target=disturb)
-    disturber.start()
-    try:
+    with killing_first_runs(tmp_path):
         found = crosscut.ray.sweep(archive, grid, tmp_path / "ray", command=command)
-    finally:
-        finished.set()
-        disturber.join()
     assert sum(1 for _ in tmp_path.glob("started-*")) == 3
     assert found == crosscut.sweep(archive, grid, tmp_path / "here")
     assert (tmp_path / "ray" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()

@@ -65,12 +65,8 @@ def run(
     the one it is told of, or starts one on this machine. ``command``: the program, if nodes have another one than this package.
     A flight that fails has its reason in the table and does not end the others.
     """
-    import ray
-
-    if not ray.is_initialized():  # a cluster that the caller has joined is kept
-        ray.init(address=address, log_to_driver=False)
     options = configuration(preset, settings, sections)
-    return _gather(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(ray))
+    return _gather(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(address))
 
 
 def sweep(
@@ -86,12 +82,8 @@ def sweep(
 ) -> pyarrow.Table:
     """As :func:`crosscut.sweep`, with a task of the cluster for each flight; ``flights``, ``address`` and ``command`` as in
     :func:`run`. The table is that of one process."""
-    import ray
-
-    if not ray.is_initialized():
-        ray.init(address=address, log_to_driver=False)
     options = [*axes(grid), *configuration(preset, settings, sections)]
-    return _sweep(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(ray))
+    return _sweep(_flights(flights), Path(out).absolute(), list(command), options, _on_ray(address))
 
 
 def run_here(
@@ -108,7 +100,18 @@ def run_here(
     return _gather(_flights(flights), Path(out).absolute(), list(command), options, _one_by_one)
 
 
-def _on_ray(ray: Any) -> Any:
+def _joined(address: str | None) -> Any:
+    """Ray, within a cluster."""
+    import ray
+
+    if not ray.is_initialized():  # a cluster that the caller has joined is kept
+        ray.init(address=address, log_to_driver=False)
+    return ray
+
+
+def _on_ray(address: str | None) -> Any:
+    """What computes rows as tasks of a cluster."""
+    ray = _joined(address)
     task = ray.remote(num_cpus=1, max_retries=RETRIES, retry_exceptions=[Killed])(_process)
 
     def rows(work: list[tuple[Any, ...]]) -> Iterable[dict[str, Any]]:
@@ -290,20 +293,20 @@ def main(verb: str, arguments: Sequence[str]) -> int:
     args = parser.parse_args(arguments)
     settings = [part for change in args.changes for part in ("--set", change)]
     try:
-        import ray
+        import ray  # noqa: F401
     except ImportError:
         print("error: --on ray needs the package ray: pip install 'crosscut[ray]'", file=sys.stderr)
         return 2
     try:
         flights, out = _flights(args.flights), Path(args.out).absolute()
-        ray.init(address=args.address, log_to_driver=False)
+        rows = _on_ray(args.address)
         options = configuration(args.preset, None, {}) + settings
         if verb == "sweep":
             options = [part for axis in args.grid for part in ("--grid", axis)] + options
-            table = _sweep(flights, out, list(COMMAND), options, _on_ray(ray))
+            table = _sweep(flights, out, list(COMMAND), options, rows)
             print(f"{len(table)} rows: {out / 'sweep.parquet'}", file=sys.stderr)
             return DONE
-        table = _gather(flights, out, list(COMMAND), options, _on_ray(ray))
+        table = _gather(flights, out, list(COMMAND), options, rows)
     except (ValueError, OSError, Error) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
