@@ -162,8 +162,8 @@ impl Engine {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    fn flight_map(&self) -> FlightMap {
-        FlightMap::new(&self.config)
+    fn flight_map(&self, py: Python<'_>) -> PyResult<FlightMap> {
+        FlightMap::new(py, &self.config)
     }
 
     /// As `process`; then the scan becomes a part of `map`. `pose` is x, y and yaw by the vehicle's odometry.
