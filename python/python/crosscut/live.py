@@ -1,11 +1,12 @@
 """A live robot on Zenoh: its scans in, the answers out; needs eclipse-zenoh. ROS need not be installed.
 
 >>> import crosscut, crosscut.live
->>> flight = crosscut.FlightMap()
+>>> flight = crosscut.FlightMap(crosscut.Engine(keep=("markers",)))
 >>> with crosscut.live.Robot("robot.local:7447", "/scan", odometry="/odom") as robot:
 ...     for scan, pose in robot:
 ...         result = flight.add(scan, pose)
 ...         robot.publish("crosscut/results", result)
+...         robot.draw("crosscut/markers", result)
 
 Robots whose ROS 2 speaks rmw_zenoh are heard as they are: the endpoint is that of their Zenoh router. From a shell:
 
@@ -27,6 +28,7 @@ import warnings
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, TypeAlias
@@ -75,31 +77,20 @@ class Robot:
         domain: int = 0,
         message_type: str | None = None,
     ) -> None:
-        import zenoh
+        from ._zenoh import Bus
 
         self.missed = 0
         self.clock_ns: int | None = None
         self._scans: deque[Scan] = deque()
         self._poses = _Poses()
         self._changed = threading.Condition()
-        self._sequence: dict[bytes, int] = {}
-        self._message_type = message_type
         self._unreadable: str | None = None
         self._closed = False
-        host, _, port = endpoint.rpartition(":") if ":" in endpoint else (endpoint, "", "")
-        config = zenoh.Config()
-        config.insert_json5("mode", '"client"')
-        config.insert_json5("connect/endpoints", json.dumps([f"tcp/{host}:{port or 7447}"]))
-        try:
-            self._session = zenoh.open(config)
-        except zenoh.ZError as error:
-            text = f"no Zenoh router answers at {endpoint}; is it running (rmw_zenohd), and is the port right?"
-            raise Error(text) from error
-        self._subscribers = [self._session.declare_subscriber(_key(topic, domain, message_type), self._hear_scan)]
+        self._bus = Bus(endpoint, domain)
+        self._bus.hear(topic.strip("/"), message_type, partial(self._hear_scan, topic))
         if odometry is not None:
             self._poses.wanted = True
-            key = _key(odometry, domain, None)
-            self._subscribers.append(self._session.declare_subscriber(key, self._hear_poses))
+            self._bus.hear(odometry.strip("/"), None, partial(self._hear_poses, odometry))
 
     def __iter__(self) -> Iterator[tuple[Scan, XyYaw | None]]:
         while (scan := self._next()) is not None:
@@ -107,7 +98,16 @@ class Robot:
 
     def publish(self, key: str, what: Result | FlightMap | dict[str, Any]) -> None:
         """Sends a result, a map or anything else that JSON can hold to all who subscribe to ``key``."""
-        self._session.put(key, json.dumps(what if isinstance(what, dict) else what.to_dict()))
+        self._bus.send_text(key, json.dumps(what if isinstance(what, dict) else what.to_dict()))
+
+    def draw(self, topic: str, result: Result) -> None:
+        """Sends walls and openings on a topic of ROS, for RViz and Foxglove, as visualization_msgs/MarkerArray.
+
+        The engine has ``keep=("markers",)``.
+        """
+        if result.markers is None:
+            raise ValueError('the result has no markers: the engine needs keep=("markers",)')
+        self._bus.send_markers(topic.strip("/"), result.markers)
 
     def close(self) -> None:
         """Ends the iteration; may be called from another thread."""
@@ -122,7 +122,7 @@ class Robot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-        self._session.close()
+        self._bus.close()
 
     def _next(self) -> Scan | None:
         silent_since = time.monotonic()
@@ -141,39 +141,27 @@ class Robot:
                 self._changed.wait_for(lambda: self._closed or self._poses.reach(stamp_ns), POSE_WAIT_S)
             return self._poses.at(stamp_ns)
 
-    def _hear_scan(self, sample: Any) -> None:
+    def _hear_scan(self, topic: str, message: bytes, message_type: str, skipped: int) -> None:
         arrived_ns = time.time_ns()
-        message_type = self._message_type or str(sample.key_expr).split("/")[-2]
         try:
-            scan = Scan.from_message(sample.payload.to_bytes(), message_type)
+            scan = Scan.from_message(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {sample.key_expr} cannot be read: {error}"
+            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
             return
         with self._changed:
             self.clock_ns = arrived_ns - scan.stamp_ns
-            self.missed += self._skipped(sample.attachment)
+            self.missed += skipped
             self._scans.append(scan)
             if len(self._scans) > AHEAD:
                 self._scans.popleft()
                 self.missed += 1
             self._changed.notify_all()
 
-    def _skipped(self, attachment: Any) -> int:
-        """How many messages of the same publisher are missing before this one, by the numbers that rmw_zenoh attaches."""
-        attached = b"" if attachment is None else attachment.to_bytes()
-        if len(attached) < 33:
-            return 0
-        number, publisher = int.from_bytes(attached[:8], "little", signed=True), attached[17:33]
-        before = self._sequence.get(publisher)
-        self._sequence[publisher] = number
-        return 0 if before is None else max(0, number - before - 1)
-
-    def _hear_poses(self, sample: Any) -> None:
-        message_type = str(sample.key_expr).split("/")[-2]
+    def _hear_poses(self, topic: str, message: bytes, message_type: str, _skipped: int) -> None:
         try:
-            poses = poses_of_message(sample.payload.to_bytes(), message_type)
+            poses = poses_of_message(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {sample.key_expr} cannot be read: {error}"
+            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
             return
         is_transform = "TFMessage" in message_type
         with self._changed:
@@ -223,11 +211,6 @@ class _Poses:
         return x_m, y_m, lower.yaw_rad + share * turned_rad
 
 
-def _key(topic: str, domain: int, message_type: str | None) -> str:
-    """A key expression of plain messages, or that of a topic as rmw_zenoh names it: domain/topic/type/hash."""
-    return topic.strip("/") if message_type else f"{domain}/{topic.strip('/')}/*/*"
-
-
 def main(arguments: Sequence[str]) -> int:
     """``crosscut run zenoh://HOST[:PORT]/TOPIC``; returns the exit code of the program."""
     parser = argparse.ArgumentParser(prog="crosscut run", description="Answers to a live robot, until Ctrl-C.")
@@ -235,7 +218,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--odometry", metavar="TOPIC", help="of nav_msgs/Odometry, or /tf")
     parser.add_argument("--domain", type=int, default=0, help="ROS domain of the robot [default: 0]")
     parser.add_argument("--as", dest="message_type", metavar="TYPE", help="TOPIC is a key of plain messages of this type, CDR")
-    parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results for each scan, and to KEY/map each second")
+    parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results and KEY/map, a drawing to topic KEY/markers")
     parser.add_argument("--results", metavar="FILE.jsonl", help="one JSON object per scan; - is standard output")
     parser.add_argument("--map", metavar="FLIGHT.json", type=Path, help="the map of the flight, renewed each second")
     parser.add_argument("--preset", default="default")
@@ -253,7 +236,7 @@ def main(arguments: Sequence[str]) -> int:
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     warnings.simplefilter("always", LossWarning)
     try:
-        flight = FlightMap(Engine.with_changes(args.preset, args.changes))
+        flight = FlightMap(Engine.with_changes(args.preset, args.changes, ("markers",) if args.publish else ()))
         with Robot(endpoint, topic, odometry=args.odometry, domain=args.domain, message_type=args.message_type) as robot:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, lambda *_: robot.close())
@@ -274,6 +257,7 @@ def _answer(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> int:
             answered += 1
             if args.publish:
                 robot.publish(f"{args.publish}/results", result)
+                robot.draw(f"{args.publish}/markers", result)
             if lines is not None:
                 print(json.dumps(result.to_dict()), file=lines, flush=True)
             if time.monotonic() - mapped_at >= 1.0:
