@@ -152,7 +152,7 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
 def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][:12]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002, lost=frozenset({3, 4, 8}))
         taken = [next(iter(robot)) for _ in range(len(messages) - 3)]
@@ -164,7 +164,7 @@ def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) ->
 def test_a_slow_answer_leaves_out_the_oldest_scans(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][: crosscut.live.AHEAD + 5]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002)
         deadline = time.monotonic() + 30
@@ -180,7 +180,7 @@ def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
     port = free_port()
     session = router(port)
     messages = [message for message in recorded(tee) if message[0] == SCANS]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages[:3], 0.002)
         before = [next(iter(robot))[0].stamp_ns for _ in range(3)]
@@ -199,7 +199,7 @@ def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
 def test_silence_and_what_cannot_be_read_are_told(network: tuple[Any, int], monkeypatch: pytest.MonkeyPatch) -> None:
     session, port = network
     monkeypatch.setattr(crosscut.live, "SILENCE_S", 0.3)
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "scan", message_type="sensor_msgs/msg/LaserScan") as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan", message_type="sensor_msgs/msg/LaserScan") as robot:
         wait_for_subscriber(session, "scan")
         session.put("scan", b"no scan")
         threading.Timer(1.5, robot.close).start()
@@ -215,6 +215,6 @@ def test_a_robot_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     assert done.returncode == 2 and "has a host and a topic" in done.stderr
 
 
-def test_the_import_needs_no_zenoh() -> None:
-    script = "import sys; sys.modules['zenoh'] = None; import crosscut.live, crosscut.ray"
+def test_the_import_needs_no_network() -> None:
+    script = "import sys; sys.modules['zenoh'] = sys.modules['cyclonedds'] = None; import crosscut.live, crosscut.ray"
     subprocess.run([sys.executable, "-c", script], check=True)

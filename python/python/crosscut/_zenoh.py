@@ -36,7 +36,7 @@ class Bus:
         self._subscribers: list[Any] = []
         self._markers: dict[str, _Markers] = {}
 
-    def hear(self, topic: str, message_type: str | None, take: Callable[[bytes, str, int], None]) -> None:
+    def hear(self, topic: str, take: Callable[[bytes, str, int], None], message_type: str | None = None) -> None:
         """Gives ``take`` each message of a topic of ROS, its type, and how many are missing before it.
 
         With ``message_type``, ``topic`` is a key expression of plain messages of that type.
