@@ -1,5 +1,5 @@
-//! Lines, arrows and texts for a viewer, and how they become `foxglove.SceneUpdate` in protobuf. Fields that are not used are left out of the
-//! definition, as protobuf allows.
+//! Lines, arrows and texts for a viewer, and how they become `foxglove.SceneUpdate` in protobuf. Fields that are not used
+//! are left out of the definition, as protobuf allows.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};

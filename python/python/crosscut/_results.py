@@ -147,7 +147,7 @@ class Result:
         mine, others = self.to_dict(), other.to_dict()
         matrices = all(_same(getattr(self, name), getattr(other, name)) for name in ("W", "L", "U"))
         arrays = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("eigenvalues", "clusters"))
-        return mine == others and arrays and matrices
+        return mine == others and arrays and matrices and self.markers == other.markers
 
     __hash__ = None  # type: ignore[assignment]
 
