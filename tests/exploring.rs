@@ -1,8 +1,10 @@
 //! `crosscut explore`.
 
+use std::path::Path;
+
 use serde_json::Value;
 
-use crate::program::run;
+use crate::program::{crosscut, results_of, run};
 
 /// The outcome that a mission writes to standard output.
 fn outcome(args: &[&str]) -> (String, String) {
@@ -76,4 +78,42 @@ fn a_mission_is_recorded_for_the_viewer() {
     assert!((100_000..20_000_000).contains(&size), "{size} bytes");
     let refused = run(["explore", "tee", "--save", &saved, "--json", &saved]).expect_code(2).stderr;
     assert!(refused.contains("would be overwritten"), "{refused}");
+}
+
+#[test]
+fn a_killed_mission_is_resumed_from_its_journal() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let whole = path("whole.mcap");
+    let (json, _) = outcome(&["tee", "--seed", "3", "--quiet", "--journal", &whole]);
+    let whole_json: Value = serde_json::from_str(&json).expect("one JSON object");
+
+    // Killed after a third of the flight, as its growing journal tells.
+    let journal = path("killed.mcap");
+    let mission = ["explore", "tee", "--seed", "3", "--quiet", "--journal", &journal];
+    let mut child = crosscut(mission).spawn().expect("the program starts");
+    let size = |path: &str| std::fs::metadata(path).map_or(0, |file| file.len());
+    let third = size(&whole) / 3;
+    while size(&journal) < third {
+        assert!(child.try_wait().expect("a child").is_none(), "it ended before it was killed");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().expect("it was running");
+    child.wait().expect("it is gone");
+
+    let (json, _) = outcome(&["tee", "--seed", "3", "--quiet", "--resume", &journal, "--journal", &path("rest.mcap")]);
+    let resumed: Value = serde_json::from_str(&json).expect("one JSON object");
+    assert_eq!((&resumed["ways_visited"], &resumed["home"]), (&Value::from(3), &Value::from(true)), "{json}");
+    // Each journal is a flight as any other; that of the resumed mission has its past, too.
+    let revolutions = |json: &Value| json["revolutions"].as_u64().expect("a count");
+    let recorded = |name: &str| results_of(Path::new(&path(name)), &["--quiet"]).1.len() as u64;
+    let known = recorded("killed.mcap");
+    assert!((30..revolutions(&whole_json)).contains(&known), "{known} revolutions were known");
+    assert_eq!(recorded("rest.mcap"), revolutions(&resumed), "{known} of them were known");
+    assert!(revolutions(&resumed) > known);
+
+    let refused = run(["explore", "tee", "--resume", &journal, "--journal", &journal]).expect_code(2).stderr;
+    assert!(refused.contains("would be overwritten"), "{refused}");
+    let refused = run(["explore", "tee", "--resume", &path("none.mcap")]).expect_code(1).stderr;
+    assert!(refused.contains("cannot read the recording"), "{refused}");
 }

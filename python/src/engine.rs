@@ -18,6 +18,7 @@ use crate::columns::Columns;
 use crate::error::Class;
 use crate::flight_map::FlightMap;
 use crate::frames;
+use crate::navigator::{Command, Navigator};
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
 use crate::stages::Callables;
@@ -26,6 +27,7 @@ use crate::stages::Callables;
 #[pyclass(frozen, module = "crosscut._native")]
 pub(crate) struct Engine {
     config: Config,
+    registry: Registry,
     keep: Keep,
     callables: Callables,
     /// A batch ends after its current scan.
@@ -112,7 +114,8 @@ impl Engine {
         let config = Config::resolve(&registry, &layers).map_err(refused)?;
         let sensor = Sensor::new(config.params("ingest"));
         let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };
-        Ok(Self { config, keep: kept, callables, stopped: AtomicBool::new(false), work: Mutex::new(work) })
+        let work = Mutex::new(work);
+        Ok(Self { config, registry, keep: kept, callables, stopped: AtomicBool::new(false), work })
     }
 
     fn process<'py>(&self, py: Python<'py>, scan: &Bound<'py, Scan>, seq: u64) -> PyResult<Bound<'py, PyAny>> {
@@ -186,6 +189,23 @@ impl Engine {
             Ok(Answer::of(&work.frame, &work.sensor, self.keep))
         })?;
         added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
+    }
+
+    /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
+    fn navigator(&self, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
+        Navigator::new(&self.config, &self.registry, planner, limits)
+    }
+
+    /// The command of a navigator after the next scan. `pose` is x, y and yaw by the vehicle's odometry.
+    fn navigate(
+        &self,
+        py: Python<'_>,
+        scan: Py<Scan>,
+        pose: Option<(f64, f64, f64)>,
+        navigator: Py<Navigator>,
+    ) -> PyResult<Command> {
+        let command = py.detach(|| navigator.get().step(scan.get(), pose));
+        command.map_err(|failure| self.failed(py, &failure))
     }
 
     /// The scans as frames before the first stage, in columns; `first_seq` numbers scans that have no number.

@@ -30,6 +30,11 @@ impl FlightMap {
         Ok(Self { state: Mutex::new((flight, Mapper::default(), None)) })
     }
 
+    /// A flight that was followed elsewhere.
+    pub(crate) fn of(flight: &Flight, mapper: &Mapper, pose: Option<Isometry2<f64>>) -> Self {
+        Self { state: Mutex::new((flight.clone(), mapper.clone(), pose)) }
+    }
+
     /// Takes the next frame, which the stages have filled.
     pub(crate) fn add(&self, frame: &mut Frame) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);

@@ -9,6 +9,7 @@ mod engine;
 mod error;
 mod flight_map;
 mod frames;
+mod navigator;
 mod odometry;
 mod program;
 mod recording;
@@ -26,6 +27,8 @@ mod _native {
     use crate::engine::Engine;
     #[pymodule_export]
     use crate::flight_map::FlightMap;
+    #[pymodule_export]
+    use crate::navigator::Navigator;
     #[pymodule_export]
     use crate::odometry::poses_of_message;
     #[pymodule_export]

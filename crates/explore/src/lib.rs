@@ -17,6 +17,7 @@
 //!   the pose and the map, and nothing of the truth.
 //! - [`Planner`] chooses among the ways of a place, [`Known`]. [`planners`] has those that ship; another one is a file
 //!   beside them with its entry there.
+//! - [`Pilot`] is all of it for one vehicle, simulated or real: a scan and its odometry in, a command out.
 //! - [`fly`] closes the loop over the simulator's vehicle, and judges by the truth.
 //!
 //! Between the places the vehicle flies over a grid of what the last scans saw to be free, along the middle between walls.
@@ -26,6 +27,7 @@ mod judge;
 mod known;
 mod mission;
 mod navigator;
+mod pilot;
 mod planner;
 mod steering;
 mod surround;
@@ -34,4 +36,6 @@ mod ways;
 pub use known::{Known, KnownPlace, KnownWay, Route, WayState};
 pub use mission::{Flown, Moment, Setup, fly};
 pub use navigator::{Decision, End, Navigator, Step};
+pub use pilot::Pilot;
 pub use planner::{Choice, Planner, PlannerKind, planners};
+pub use steering::Limits;

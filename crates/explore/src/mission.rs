@@ -4,18 +4,17 @@ use std::time::Instant;
 
 use nalgebra::Point2;
 
-use crosscut_flight::{Flight, Map, Mapper};
-use crosscut_pipeline::{Config, Engine, Registry, Sensor};
+use crosscut_flight::{Map, Mapper};
+use crosscut_pipeline::{Config, Registry};
 use crosscut_simulator::pose::Pose;
-use crosscut_simulator::{Agility, Command, Driven, World};
+use crosscut_simulator::{Agility, Command, Driven, Scene, World};
 use crosscut_stage::{Failure, Frame};
 
 use crate::judge::Judge;
-use crate::navigator::{Decision, End, Navigator, Step};
+use crate::navigator::{End, Step};
+use crate::pilot::Pilot;
 use crate::planner::PlannerKind;
-
-/// The vehicle's first revolutions stand still, so that it has seen where it is.
-const STANDS: u32 = 3;
+use crate::steering::Limits;
 
 /// Contacts that are no farther apart than this are one crash, revolutions.
 const SAME_CRASH: u64 = 20;
@@ -36,11 +35,14 @@ pub struct Setup<'a> {
     pub agility: Agility,
     /// Seed of everything that is random in the vehicle and its lidar.
     pub seed: u64,
+    /// What the vehicle had sensed, with its true poses, before the mission was interrupted; empty for a new mission.
+    pub past: &'a [Scene],
 }
 
 /// One revolution of a mission, for those who watch it.
-#[derive(Debug)]
 pub struct Moment<'a> {
+    /// Makes what a recording has of the revolution: what was sensed, and its truth.
+    pub scene: &'a dyn Fn() -> Scene,
     /// All that is known of the revolution.
     pub frame: &'a Frame,
     /// The map so far.
@@ -110,56 +112,66 @@ impl Flown {
 ///
 /// The vehicle senses for one revolution while it obeys the command that it was given after the revolution before. Contact
 /// with the rock is counted as a crash; the vehicle then stands where it last was clear, and the mission goes on.
+///
+/// A mission that was interrupted is resumed from its past: the pilot takes all that the vehicle had sensed, which brings it to
+/// where it was, map and all. The vehicle then stands at its last place, and the mission goes on from there. Contacts of the
+/// past are not known.
 pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool) -> Flown {
-    let width_m: f64 = 2.0 * setup.agility.radius_m;
-    let mut engine = Engine::new(setup.config, setup.registry);
-    let sensor = Sensor::new(setup.config.params("ingest"));
-    let mut flight = Flight::new(setup.config.params("flight"), width_m);
-    let mut mapper = Mapper::default();
     let Agility { speed_max_m_s, turn_rate_max_rad_s, radius_m, .. } = setup.agility;
-    let mut navigator = Navigator::new((setup.planner.new)(), speed_max_m_s, turn_rate_max_rad_s, radius_m);
-    let mut driven = Driven::new(world, setup.agility, setup.seed);
+    let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
+    let mut pilot = Pilot::new(setup.config, setup.registry, setup.planner, limits);
+    let resumed = setup.past.last().and_then(|last| Driven::resumed(world, setup.agility, setup.seed, last));
+    let mut driven = resumed.unwrap_or_else(|| Driven::new(world, setup.agility, setup.seed));
+    let mut past = setup.past.iter().filter_map(|scene| Some((scene, world.pose_of(&scene.truth.pose?))));
     let mut judge = Judge::new(world);
-    let mut frame = Frame::default();
     let mut command = Command::default();
     let mut flown = Flown::new(&judge);
     let mut last_contact: Option<u64> = None;
+    let mut last_m: Option<Point2<f64>> = None;
     loop {
-        let sensed = driven.step(command);
-        judge.add(driven.pose().position_m);
+        let replayed = past.next();
+        let scene = replayed.map_or_else(|| driven.step(command), |(scene, _)| scene.clone());
+        let true_pose = replayed.map_or_else(|| driven.pose(), |(_, pose)| pose);
+        judge.add(true_pose.position_m);
+        flown.way_m +=
+            last_m.replace(true_pose.position_m).map_or(0.0, |last_m| (true_pose.position_m - last_m).norm());
         if driven.is_in_contact() {
             flown.crashes += u32::from(last_contact.is_none_or(|last| flown.revolutions - last > SAME_CRASH));
             last_contact = Some(flown.revolutions);
         }
         let began = Instant::now();
-        frame.notes.clear();
-        frame.revolution.clear();
-        sensor.revolution(&sensed.scan, &mut frame.revolution, &mut frame.notes);
-        frame.revolution.seq = flown.revolutions;
-        frame.revolution.stamp_ns = sensed.stamp_ns;
-        frame.revolution.odometry = Some(sensed.odometry);
-        if let Err(failure) = engine.process(&mut frame) {
-            flown.failure = Some(failure);
-            break;
-        }
-        flight.add(&mut frame);
-        mapper.add(&frame);
-        let step = navigator.step(&frame, &mapper);
+        let step = pilot.step(|sensor, frame| {
+            sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+            frame.revolution.stamp_ns = scene.stamp_ns;
+            frame.revolution.odometry = scene.odometry_pose();
+        });
+        let step = match step {
+            Ok(step) => step,
+            Err(failure) => {
+                flown.failure = Some(failure);
+                break;
+            }
+        };
         flown.loop_ns.push(u64::try_from(began.elapsed().as_nanos()).unwrap_or(u64::MAX));
         flown.revolutions += 1;
-        if let Some(Decision { .. }) = &step.decision {
+        if step.decision.is_some() {
             flown.decisions += 1;
-            let is_wrong = frame.junction.junctions != driven.walls_in_view() as usize;
-            flown.decisions_on_wrong_count += u32::from(is_wrong);
+            let walls = replayed.map_or_else(|| driven.walls_in_view(), |(scene, _)| scene.truth.walls);
+            flown.decisions_on_wrong_count += u32::from(pilot.frame().junction.junctions != walls as usize);
         }
-        command = if flown.revolutions < u64::from(STANDS) { Command::default() } else { step.command };
-        let goes_on = watch(&Moment { frame: &frame, mapper: &mapper, step: &step, true_pose: driven.pose() });
+        command = step.command;
+        let scene = || {
+            let truth = replayed.map_or_else(|| driven.truth(), |(scene, _)| scene.truth.clone());
+            Scene { truth, ..scene.clone() }
+        };
+        let (frame, mapper) = (pilot.frame(), pilot.mapper());
+        let goes_on = watch(&Moment { scene: &scene, frame, mapper, step: &step, true_pose });
         flown.end = step.end;
         if flown.end.is_some() || !goes_on || flown.crashes >= MOST_CRASHES {
             break;
         }
     }
-    flown.finish(&judge, &driven, mapper.map())
+    flown.finish(&judge, last_m, pilot.mapper().map())
 }
 
 impl Flown {
@@ -186,12 +198,11 @@ impl Flown {
         }
     }
 
-    fn finish(mut self, judge: &Judge, driven: &Driven, map: Map) -> Self {
+    fn finish(mut self, judge: &Judge, last_m: Option<Point2<f64>>, map: Map) -> Self {
         self.ways_visited = judge.visited();
         self.missed_m = judge.missed_m();
         self.entered_in_vain = judge.in_vain();
-        self.home = judge.is_home(driven.pose().position_m);
-        self.way_m = driven.way_m();
+        self.home = last_m.is_some_and(|last_m| judge.is_home(last_m));
         self.map = map;
         self
     }

@@ -33,10 +33,13 @@ const CREEP_M_S: f64 = 0.35;
 
 /// What the vehicle is able to do, as far as the steering needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Limits {
-    pub(crate) speed_max_m_s: f64,
-    pub(crate) turn_rate_max_rad_s: f64,
-    pub(crate) radius_m: f64,
+pub struct Limits {
+    /// Largest speed ahead.
+    pub speed_max_m_s: f64,
+    /// Largest turn rate.
+    pub turn_rate_max_rad_s: f64,
+    /// The vehicle is a disc of this radius.
+    pub radius_m: f64,
 }
 
 impl Limits {

@@ -275,6 +275,11 @@ impl Field {
         self.index(cell_of(place_m)).map_or(0.0, |index| self.clearance_m[index])
     }
 
+    /// The way over free cells to a place, made longer near walls; `None` if there is none within the grid.
+    pub(crate) fn cost_at_m(&self, place_m: Point2<f64>) -> Option<f64> {
+        self.index(cell_of(place_m)).map(|index| self.cost_m[index]).filter(|cost_m| cost_m.is_finite())
+    }
+
     /// How far it is free in a direction, for a disc of a radius, up to the edge of the grid.
     pub(crate) fn free_m(&self, direction_rad: f64, radius_m: f64) -> f64 {
         let direction = unit(direction_rad);

@@ -2,7 +2,7 @@
 
 use crosscut_explore::{Flown, Setup, fly, planners};
 use crosscut_pipeline::{Preset, Registry, Settings};
-use crosscut_simulator::{Agility, Plan, World, families};
+use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families, read_mcap};
 
 fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {
     mission_with(Preset::Default, world, planner, agility, seed, most_revolutions)
@@ -19,7 +19,7 @@ fn mission_with(
     let registry = Registry::standard();
     let config = Settings::new(preset).config(&registry).expect("the settings of a preset");
     let planner = *planners().iter().find(|kind| kind.name == planner).expect("a planner of that name");
-    let setup = Setup { config: &config, registry: &registry, planner, agility, seed };
+    let setup = Setup { config: &config, registry: &registry, planner, agility, seed, past: &[] };
     fly(world, &setup, &mut |moment| moment.frame.revolution.seq < most_revolutions)
 }
 
@@ -49,8 +49,14 @@ fn the_same_seed_gives_the_same_mission() {
     let way = |seed| {
         let registry = Registry::standard();
         let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
-        let setup =
-            Setup { config: &config, registry: &registry, planner: planners()[0], agility: Agility::default(), seed };
+        let setup = Setup {
+            config: &config,
+            registry: &registry,
+            planner: planners()[0],
+            agility: Agility::default(),
+            seed,
+            past: &[],
+        };
         let mut poses = Vec::new();
         let flown = fly(&tee(2), &setup, &mut |moment| {
             poses.push((moment.true_pose, moment.step.command, moment.frame.pose));
@@ -90,4 +96,46 @@ fn a_loop_of_a_plan_is_flown_through_and_left() {
     assert!(flown.is_success(), "{flown:?}");
     // A bend where no third way is belongs to the loop: of the plan's places only two are ends of ways.
     assert_eq!((flown.ways, flown.offline_is_exact), (2, true));
+}
+
+#[test]
+fn a_resumed_mission_knows_all_that_it_knew() {
+    let (registry, world) = (Registry::standard(), tee(3));
+    let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
+    let path = tempfile::NamedTempFile::new().expect("a temporary file");
+    let setup = Setup {
+        config: &config,
+        registry: &registry,
+        planner: planners()[0],
+        agility: Agility::default(),
+        seed: 3,
+        past: &[],
+    };
+    let mut recorder = SceneRecorder::create(path.path()).expect("a file");
+    let mut known = Vec::new();
+    fly(&world, &setup, &mut |moment| {
+        recorder.add(&(moment.scene)()).expect("written");
+        known.push((moment.frame.pose, moment.step.command, moment.step.goal_m, moment.mapper.map()));
+        known.len() < 200
+    });
+    recorder.finish().expect("written");
+    let past = read_mcap(path.path()).expect("read");
+    assert_eq!(past.len(), 200);
+
+    let mut again = Vec::new();
+    let mut jump_m = None;
+    let mut last_m = None;
+    let flown = fly(&world, &Setup { past: &past, ..setup }, &mut |moment| {
+        let at_m = moment.true_pose.position_m;
+        if again.len() < known.len() {
+            again.push((moment.frame.pose, moment.step.command, moment.step.goal_m, moment.mapper.map()));
+            last_m = Some(at_m);
+        } else if jump_m.is_none() {
+            jump_m = last_m.map(|last_m| (at_m - last_m).norm());
+        }
+        true
+    });
+    assert!(again == known, "the same poses, commands and maps, to the last bit");
+    assert!(jump_m.is_some_and(|jump_m| jump_m < 0.05), "it goes on from rest where it was: {jump_m:?}");
+    assert!(flown.is_success() && flown.revolutions > 200, "{flown:?}");
 }

@@ -1,7 +1,7 @@
 //! A vehicle that obeys commands, with limits and disturbances, and its lidar.
 
-use crosscut_messages::LaserScan;
-use nalgebra::Isometry2;
+use crosscut_messages::Truth;
+use nalgebra::{Isometry2, Vector2};
 
 use crate::lidar::{Echo, Lidar};
 use crate::mine::Mine;
@@ -10,7 +10,10 @@ use crosscut_stage::unit;
 use crate::network::{Point, left_of};
 use crate::noise::{Drifting, Generator, generator, normal};
 use crate::pose::{Motion, Pose};
-use crate::scene::{FIRST_STAMP_NS, message};
+use crate::reading::Reading;
+use crate::scene::{FIRST_STAMP_NS, Scene, message, odometry};
+use crate::survey::seen_from;
+use crate::vehicle::OdometryState;
 use crate::world::World;
 
 /// Steps of the motion within one sweep.
@@ -72,17 +75,6 @@ pub struct Command {
     pub turn_rate_rad_s: f64,
 }
 
-/// What the sensors of a vehicle give for one sweep.
-#[derive(Clone, Debug)]
-pub struct Sensed {
-    /// Time of the first beam, nanoseconds since the epoch.
-    pub stamp_ns: u64,
-    /// The scan.
-    pub scan: LaserScan,
-    /// The pose by the odometry at the first beam, which starts at the origin.
-    pub odometry: Isometry2<f64>,
-}
-
 /// A vehicle under command in a mine.
 #[derive(Clone, Debug)]
 pub struct Driven {
@@ -100,9 +92,10 @@ pub struct Driven {
     scale: f64,
     turn_bias_rad_s: f64,
     stamp_ns: u64,
-    way_m: f64,
     is_in_contact: bool,
-    last: Option<(Motion, Vec<Echo>)>,
+    last: Option<(Motion, Vec<Echo>, Vec<Reading>)>,
+    /// The pose that true poses are recorded from.
+    origin: Pose,
     of_motion: Generator,
     of_lidar: Generator,
 }
@@ -125,39 +118,66 @@ impl Driven {
             scale: 1.0 + agility.odometry_scale_sd * normal(&mut rng),
             turn_bias_rad_s: agility.odometry_turn_sd_rad_s * normal(&mut rng),
             stamp_ns: FIRST_STAMP_NS,
-            way_m: 0.0,
             is_in_contact: false,
             last: None,
+            origin: world.start,
             agility,
             of_motion: rng,
             of_lidar: generator(seed, "lidar"),
         }
     }
 
-    /// Obeys a command for the time of one sweep, and senses meanwhile.
-    pub fn step(&mut self, command: Command) -> Sensed {
-        let (start, stamp_ns, odometry) = (self.pose, self.stamp_ns, self.odometry);
+    /// A vehicle at rest where the last scene of an earlier flight was taken. Its odometry and its clock go on; what disturbs
+    /// it begins anew. `None` if the scene has no odometry or no true pose.
+    pub fn resumed(world: &World, agility: Agility, seed: u64, last: &Scene) -> Option<Self> {
+        let mut driven = Self::new(world, agility, seed);
+        driven.pose = world.pose_of(&last.truth.pose?);
+        driven.odometry = last.odometry_pose()?;
+        driven.stamp_ns = last.stamp_ns + driven.sweep_ns();
+        Some(driven)
+    }
+
+    /// Obeys a command for the time of one sweep, and senses meanwhile. The scene has no [`truth`](Self::truth) yet.
+    pub fn step(&mut self, command: Command) -> Scene {
+        let (start, stamp_ns) = (self.pose, self.stamp_ns);
+        let state = OdometryState {
+            position_m: self.odometry.translation.vector,
+            heading_rad: self.odometry.rotation.angle(),
+            velocity_m_s: Vector2::new(self.speed_m_s, 0.0),
+            turn_rate_rad_s: self.turn_rate_rad_s,
+        };
         self.is_in_contact = false;
         for _ in 0..STEPS_PER_SWEEP {
             self.advance(command, self.lidar.sweep_s / STEPS_PER_SWEEP as f64);
         }
-        self.stamp_ns += (self.lidar.sweep_s * 1e9).round() as u64;
+        self.stamp_ns += self.sweep_ns();
         let motion = Motion { start, end: self.pose };
         let echoes = self.lidar.view(self.mine.surface(), self.mine.network().height_m, &motion);
         let readings = self.lidar.read(self.mine.surface(), &echoes, &mut self.of_lidar);
         let scan = message(&self.lidar, &readings, stamp_ns, start != self.pose);
-        self.last = Some((motion, echoes));
-        Sensed { stamp_ns, scan, odometry }
+        self.last = Some((motion, echoes, readings));
+        let map = (stamp_ns == FIRST_STAMP_NS).then(|| self.mine.network().map(&self.origin));
+        Scene { odometry: Some(odometry(&state, stamp_ns)), pose: Some(start), map, ..Scene::of_scan(stamp_ns, scan) }
+    }
+
+    /// The truth of the last scan; an empty one before the first.
+    pub fn truth(&self) -> Truth {
+        let Some((motion, echoes, readings)) = &self.last else { return Truth::default() };
+        let Pose { position_m, heading_rad, .. } = motion.start;
+        Truth {
+            pose: Some(seen_from(&self.origin, position_m, heading_rad)),
+            here: self.mine.network().place_at(&position_m),
+            ..self.mine.scenery(&self.lidar, motion, echoes).truth(readings)
+        }
+    }
+
+    fn sweep_ns(&self) -> u64 {
+        (self.lidar.sweep_s * 1e9).round() as u64
     }
 
     /// The true pose.
     pub fn pose(&self) -> Pose {
         self.pose
-    }
-
-    /// The true way so far.
-    pub fn way_m(&self) -> f64 {
-        self.way_m
     }
 
     /// Whether the vehicle touched rock during the last sweep. It then stands where it last was clear.
@@ -167,7 +187,7 @@ impl Driven {
 
     /// The true number of walls in the view of the last sweep; 0 before the first.
     pub fn walls_in_view(&self) -> u32 {
-        self.last.as_ref().map_or(0, |(motion, echoes)| self.mine.scenery(&self.lidar, motion, echoes).walls)
+        self.last.as_ref().map_or(0, |(motion, echoes, _)| self.mine.scenery(&self.lidar, motion, echoes).walls)
     }
 
     fn advance(&mut self, command: Command, dt_s: f64) {
@@ -195,7 +215,6 @@ impl Driven {
             (self.is_in_contact, self.speed_m_s) = (true, 0.0);
         }
         self.pose = Pose { position_m: self.pose.position_m + moved, heading_rad, roll_rad, pitch_rad };
-        self.way_m += moved.norm();
         let in_body = nalgebra::Rotation2::new(turn_rad - heading_rad) * moved * self.scale;
         self.odometry *= Isometry2::new(in_body, turn_rad + self.turn_bias_rad_s * dt_s);
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crosscut_messages::{
     CDR_ENCODING, Endian, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, ODOMETRY_TOPIC, Odometry,
     SCAN_TOPIC, SCHEMA_ENCODING, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC,
-    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
+    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage, Truth, TruthMap,
 };
 use mcap::records::MessageHeader;
 
@@ -36,6 +36,20 @@ pub enum RecordingError {
         /// The cause.
         source: mcap::McapError,
     },
+    /// The file could not be read.
+    #[error("cannot read the recording {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The file has no scene of a simulated flight.
+    #[error("no scan with odometry and its true pose is in {}", path.display())]
+    NoFlight {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 /// Writes scenes to `path` one by one, and returns their number. The same scenes give the same bytes.
@@ -43,67 +57,141 @@ pub enum RecordingError {
 /// # Errors
 /// If the file cannot be created or written.
 pub fn write_mcap(path: &Path, scenes: impl Iterator<Item = Scene>) -> Result<u32, RecordingError> {
-    let file = File::create(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
-    let mut written = 0;
-    write_all(BufWriter::new(file), scenes, &mut written).map_err(|source| RecordingError::Write {
-        path: path.into(),
-        message: written,
-        source,
-    })?;
-    Ok(written)
+    let mut recorder = SceneRecorder::create(path)?;
+    for scene in scenes {
+        recorder.add(&scene)?;
+    }
+    recorder.finish()
 }
 
-fn write_all(
-    file: BufWriter<File>,
-    scenes: impl Iterator<Item = Scene>,
-    written: &mut u32,
-) -> Result<(), mcap::McapError> {
-    // Fixed texts and compression without threads keep the bytes the same in every run.
-    let mut mcap = mcap::WriteOptions::new()
-        .profile("ros2")
-        .library("crosscut-simulator")
-        .compression(Some(mcap::Compression::Zstd))
-        .compression_level(9)
-        .compression_threads(0)
-        .create(file)?;
-    let scan = ros_channel::<LaserScan>(&mut mcap, SCAN_TOPIC)?;
-    let truth_schema = mcap.add_schema(TRUTH_SCHEMA_NAME, JSON_SCHEMA_ENCODING, TRUTH_SCHEMA_TEXT.as_bytes())?;
-    let truth = mcap.add_channel(truth_schema, TRUTH_TOPIC, JSON_ENCODING, &BTreeMap::new())?;
-    // Channels for odometry and transforms appear with the first scene that has them.
-    let mut motion = None;
-    for scene in scenes {
+/// A recording that grows scene by scene.
+pub struct SceneRecorder {
+    path: PathBuf,
+    mcap: mcap::Writer<BufWriter<File>>,
+    scan: u16,
+    truth: u16,
+    /// Channels for odometry and transforms appear with the first scene that has them.
+    motion: Option<[u16; 2]>,
+    written: u32,
+}
+
+impl SceneRecorder {
+    /// Creates the file.
+    ///
+    /// # Errors
+    /// If it cannot be created or written.
+    pub fn create(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::create(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
+        let begin = || -> Result<Self, mcap::McapError> {
+            // Fixed texts and compression without threads keep the bytes the same in every run.
+            let mut mcap = mcap::WriteOptions::new()
+                .profile("ros2")
+                .library("crosscut-simulator")
+                .compression(Some(mcap::Compression::Zstd))
+                .compression_level(9)
+                .compression_threads(0)
+                .create(BufWriter::new(file))?;
+            let scan = ros_channel::<LaserScan>(&mut mcap, SCAN_TOPIC)?;
+            let truth = json_channel(&mut mcap, TRUTH_TOPIC, [TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT])?;
+            Ok(Self { path: path.into(), mcap, scan, truth, motion: None, written: 0 })
+        };
+        begin().map_err(|source| RecordingError::Write { path: path.into(), message: 0, source })
+    }
+
+    /// Adds a scene.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn add(&mut self, scene: &Scene) -> Result<(), RecordingError> {
+        self.write(scene).map_err(|source| self.failed(source))?;
+        self.written += 1;
+        Ok(())
+    }
+
+    fn write(&mut self, scene: &Scene) -> Result<(), mcap::McapError> {
+        let Self { mcap, scan, truth, written, .. } = self;
         let header = |channel_id| MessageHeader {
             channel_id,
             sequence: *written,
             log_time: scene.stamp_ns,
             publish_time: scene.stamp_ns,
         };
-        mcap.write_to_known_channel(&header(scan), &scene.scan.encode(Endian::Little))?;
-        mcap.write_to_known_channel(&header(truth), &scene.truth.to_json())?;
+        mcap.write_to_known_channel(&header(*scan), &scene.scan.encode(Endian::Little))?;
+        mcap.write_to_known_channel(&header(*truth), &scene.truth.to_json())?;
         if let Some(map) = &scene.map {
-            let schema =
-                mcap.add_schema(TRUTH_MAP_SCHEMA_NAME, JSON_SCHEMA_ENCODING, TRUTH_MAP_SCHEMA_TEXT.as_bytes())?;
-            let channel = mcap.add_channel(schema, TRUTH_MAP_TOPIC, JSON_ENCODING, &BTreeMap::new())?;
+            let channel = json_channel(mcap, TRUTH_MAP_TOPIC, [TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT])?;
             mcap.write_to_known_channel(&header(channel), &map.to_json())?;
         }
         if let (Some(odometry), Some(transforms)) = (&scene.odometry, scene.transforms()) {
-            let (odometry_channel, tf_channel) = match motion {
+            let [odometry_channel, tf_channel] = match self.motion {
                 Some(channels) => channels,
-                None => {
-                    let channels = (
-                        ros_channel::<Odometry>(&mut mcap, ODOMETRY_TOPIC)?,
-                        ros_channel::<TfMessage>(&mut mcap, TF_TOPIC)?,
-                    );
-                    *motion.insert(channels)
-                }
+                None => *self.motion.insert([
+                    ros_channel::<Odometry>(mcap, ODOMETRY_TOPIC)?,
+                    ros_channel::<TfMessage>(mcap, TF_TOPIC)?,
+                ]),
             };
             mcap.write_to_known_channel(&header(odometry_channel), &odometry.encode(Endian::Little))?;
             mcap.write_to_known_channel(&header(tf_channel), &transforms.encode(Endian::Little))?;
         }
-        *written += 1;
+        Ok(())
     }
-    mcap.finish()?;
-    Ok(())
+
+    /// Leaves all scenes so far in the file, readable even if the program ends here.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
+        self.mcap.flush().map_err(|source| self.failed(source))
+    }
+
+    /// Ends the file, and returns the number of scenes.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(mut self) -> Result<u32, RecordingError> {
+        self.mcap.finish().map_err(|source| self.failed(source))?;
+        Ok(self.written)
+    }
+
+    fn failed(&self, source: mcap::McapError) -> RecordingError {
+        RecordingError::Write { path: self.path.clone(), message: self.written, source }
+    }
+}
+
+/// Reads the scenes of a flight that [`SceneRecorder`] wrote, as far as the file is whole.
+///
+/// # Errors
+/// If the file cannot be read, or has no scene with odometry and a true pose.
+pub fn read_mcap(path: &Path) -> Result<Vec<Scene>, RecordingError> {
+    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let messages = mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into());
+    let mut scenes: Vec<Scene> = Vec::new();
+    // The last chunk of a file that was not finished is in pieces.
+    for message in messages.into_iter().flatten().map_while(Result::ok) {
+        let of = message.sequence as usize;
+        match (message.channel.topic.as_str(), of.checked_sub(scenes.len())) {
+            (SCAN_TOPIC, Some(0)) => {
+                let Ok(scan) = LaserScan::decode(&message.data) else { break };
+                scenes.push(Scene::of_scan(message.log_time, scan));
+            }
+            (TRUTH_TOPIC, None) => scenes[of].truth = Truth::from_json(&message.data).unwrap_or_default(),
+            (TRUTH_MAP_TOPIC, None) => scenes[of].map = TruthMap::from_json(&message.data).ok(),
+            (ODOMETRY_TOPIC, None) => scenes[of].odometry = Odometry::decode(&message.data).ok(),
+            _ => {}
+        }
+    }
+    let is_whole = |scene: &Scene| scene.odometry.is_some() && scene.truth.pose.is_some();
+    scenes.truncate(scenes.iter().take_while(|scene| is_whole(scene)).count());
+    if scenes.is_empty() { Err(RecordingError::NoFlight { path: path.into() }) } else { Ok(scenes) }
+}
+
+fn json_channel(
+    mcap: &mut mcap::Writer<BufWriter<File>>,
+    topic: &str,
+    [name, text]: [&str; 2],
+) -> Result<u16, mcap::McapError> {
+    let schema = mcap.add_schema(name, JSON_SCHEMA_ENCODING, text.as_bytes())?;
+    mcap.add_channel(schema, topic, JSON_ENCODING, &BTreeMap::new())
 }
 
 fn ros_channel<M: Message>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str) -> Result<u16, mcap::McapError> {

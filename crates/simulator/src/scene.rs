@@ -1,5 +1,7 @@
 //! A scan with its truth, and flights as sequences of them.
 
+use nalgebra::{Isometry2, Vector2};
+
 use crosscut_messages::{
     Header, LaserScan, Odometry, Quaternion, TfMessage, Time, Transform, TransformStamped, Truth, TruthMap, Vector3,
 };
@@ -57,6 +59,17 @@ impl<'a> View<'a> {
 }
 
 impl Scene {
+    /// A scan of which nothing else is known.
+    pub(crate) fn of_scan(stamp_ns: u64, scan: LaserScan) -> Self {
+        Self { stamp_ns, scan, truth: Truth::default(), odometry: None, pose: None, map: None }
+    }
+
+    /// The pose by the odometry, if there is any.
+    pub fn odometry_pose(&self) -> Option<Isometry2<f64>> {
+        let pose = self.odometry.as_ref()?.pose.pose;
+        Some(Isometry2::new(Vector2::new(pose.position.x, pose.position.y), pose.orientation.yaw_rad()))
+    }
+
     /// The scene at another time, apart from its flight.
     pub(crate) fn restamped(mut self, stamp_ns: u64) -> Self {
         (self.map, self.truth.pose, self.truth.here) = (None, None, None);
@@ -170,7 +183,7 @@ impl Iterator for Flight {
     }
 }
 
-fn odometry(state: &OdometryState, stamp_ns: u64) -> Odometry {
+pub(crate) fn odometry(state: &OdometryState, stamp_ns: u64) -> Odometry {
     let mut message = Odometry {
         header: Header { stamp: Time::from_ns(stamp_ns), frame_id: "odom".into() },
         child_frame_id: "base_link".into(),

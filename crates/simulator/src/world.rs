@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crosscut_messages::TruthPose;
 use rand::RngExt;
 
 use crate::course::{bent, half_widths};
@@ -70,6 +71,12 @@ pub fn families() -> &'static [Family] {
 }
 
 impl World {
+    /// A pose in the frame of the start, in that of the mine.
+    pub fn pose_of(&self, seen: &TruthPose) -> Pose {
+        let off = nalgebra::Rotation2::new(self.start.heading_rad) * nalgebra::Vector2::new(seen.x_m, seen.y_m);
+        Pose::level(self.start.position_m + off, self.start.heading_rad + seen.yaw_rad)
+    }
+
     /// The world of a network. The vehicle starts before the face of dead end `start`, or at node `start` of another kind.
     pub(crate) fn new(network: Network, texture: &Texture, lidar: Lidar, start: usize, seed: u64) -> Self {
         let surface = Surface::new(&network, texture, seed);

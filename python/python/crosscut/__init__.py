@@ -7,6 +7,7 @@
 
 - :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
 - :class:`FlightMap`: junctions, dead ends and passages of a flight.
+- :class:`Navigator`: commands for a vehicle that explores all of a mine, and comes home.
 - :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
 - :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
@@ -18,16 +19,19 @@ from ._engine import Engine, Recording, count, read
 from ._errors import Error, LossWarning, ReadError, SettingsError, StageError
 from ._flight_map import FlightMap
 from ._native import Scan, __version__
+from ._navigator import Command, Navigator
 from ._program import report, run, sweep
 from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
 
 __all__ = [
+    "Command",
     "Engine",
     "Error",
     "FlightMap",
     "FollowedOpening",
     "Here",
     "LossWarning",
+    "Navigator",
     "Opening",
     "Pose",
     "ReadError",

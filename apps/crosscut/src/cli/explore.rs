@@ -35,6 +35,13 @@ pub(crate) struct ExploreArgs {
     /// Save a recording of the mission for the Rerun viewer: vehicle, scan, openings, decisions and the map as it grows.
     #[arg(long, value_name = "MISSION.rrd", conflicts_with_all = ["all", "count"], value_parser = PathBufValueParser::new().try_map(rrd_path))]
     pub(crate) save: Option<PathBuf>,
+    /// Record what the vehicle senses, with the truth, as a flight that every command reads. It is complete up to the last
+    /// second at any time.
+    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
+    pub(crate) journal: Option<PathBuf>,
+    /// Go on with a mission that was killed, from its --journal: give the same mission, seed, planner and settings as then.
+    #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
+    pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// List the worlds and the planners.

@@ -2,6 +2,7 @@
 
 mod answer;
 mod deciding;
+mod homing;
 
 use std::f64::consts::PI;
 
@@ -17,12 +18,6 @@ use crate::steering::{Limits, towards};
 use crate::surround::{Field, Surround};
 
 pub use answer::{Decision, End, Step};
-
-/// The vehicle is home within this of where it started, by its own map, m.
-const HOME_M: f64 = 3.0;
-
-/// After this many revolutions there it is home whatever the place looks like; in passing it takes fewer.
-const MOST_NEAR_HOME: u64 = 50;
 
 /// The revolutions that a place is looked at before a decision, at least, and at most before one without the map.
 const LEAST_LOOKS: u64 = 6;
@@ -126,12 +121,12 @@ pub struct Navigator {
 }
 
 impl Navigator {
-    /// For a vehicle with these limits: largest speed, largest turn rate, radius.
-    pub fn new(planner: Box<dyn Planner>, speed_max_m_s: f64, turn_rate_max_rad_s: f64, radius_m: f64) -> Self {
+    /// For a vehicle with these limits.
+    pub fn new(planner: Box<dyn Planner>, limits: Limits) -> Self {
         Self {
             planner,
-            limits: Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m },
-            surround: Surround::new(radius_m),
+            limits,
+            surround: Surround::new(limits.radius_m),
             chart: Chart::default(),
             doing: Doing::Follow,
             course_rad: 0.0,
@@ -168,6 +163,11 @@ impl Navigator {
         if self.is_home(here_m, steady) {
             return self.rests("is home", Some(End::Home));
         }
+        if let Some(home_m) = self.home_in_reach(here_m, &field) {
+            self.goal_m = home_m;
+            let (end, command) = (self.watch(here_m, mapper), towards(home_m, true, &field, &pose, &self.limits));
+            return Step { command, end, ..self.rests("goes home", None) };
+        }
         let (mut decision, mut stops) = (None, false);
         match self.doing {
             Doing::Follow => self.follow(frame.here.as_ref(), steady, &pose, &field),
@@ -194,19 +194,6 @@ impl Navigator {
         let end = self.watch(here_m, mapper);
         let command = towards(self.goal_m, stops, &field, &pose, &self.limits);
         Step { command, goal_m: self.goal_m, correction: self.correction, doing: self.doing.name(), decision, end }
-    }
-
-    /// Whether the vehicle flies home and is there. The place looks as it did at the start; a map that is wrong may take
-    /// another place for home in passing.
-    fn is_home(&mut self, here_m: Point2<f64>, steady: Option<&Here>) -> bool {
-        let kind = steady.map(|here| here.kind);
-        self.home_kind = self.home_kind.or(kind);
-        if !self.goes_home || (self.correction * here_m).coords.norm() > HOME_M {
-            self.near_home = 0;
-            return false;
-        }
-        self.near_home += 1;
-        kind == self.home_kind || self.near_home > MOST_NEAR_HOME
     }
 
     fn rests(&self, doing: &'static str, end: Option<End>) -> Step {

@@ -76,6 +76,10 @@ pub(super) struct Place {
 pub(super) struct Departure {
     pub(super) node: usize,
     pub(super) way: usize,
+    /// The way had been taken before.
+    was_taken: bool,
+    /// The vehicle was beyond the look since: the way is certain.
+    is_settled: bool,
     pub(super) visit: usize,
     pub(super) look_m: f64,
     /// The anchor as it was tracked.
@@ -94,6 +98,7 @@ impl Mapper {
         };
         let now_ns = frame.revolution.stamp_ns;
         self.way.add(pose);
+        self.settle(Point2::from(pose.translation.vector));
         let is_node = matches!(steady.kind, HereKind::Junction | HereKind::DeadEnd);
         let has_ended = |open: &OpenVisit| match (is_node, open.kind()) {
             (true, kind) => kind != steady.kind,
@@ -226,12 +231,33 @@ impl Mapper {
         if let Some(last) = self.last {
             self.join(last, visit, (node, came_by));
         }
+        let was_taken = self.map.nodes[node].ways[leaves_by].taken;
         self.map.nodes[node].ways[leaves_by].taken |= left;
         self.way.widths_m = [0.0; 2];
         self.way.via.retain(|(way_m, _)| *way_m >= visit.left_at_m);
         let (look_m, tracked) = (visit.look_m, visit.anchor);
         let (at_m, left_ns) = (visit.left_at_m, visit.time_ns[1]);
-        self.last = Some(Departure { node, way: leaves_by, visit: number, look_m, tracked, at_m, left_ns });
+        let (way, is_settled) = (leaves_by, false);
+        self.last = Some(Departure { node, way, was_taken, is_settled, visit: number, look_m, tracked, at_m, left_ns });
+    }
+
+    /// The way that the vehicle left the last node by is the one through which it gets beyond the look. A wide place may be
+    /// no node any more while the vehicle still is in its middle.
+    fn settle(&mut self, place_m: Point2<f64>) {
+        let Some(last) = self.last.as_mut().filter(|last| !last.is_settled && self.open.is_none()) else { return };
+        let from_anchor = (last.tracked.inverse() * place_m).coords;
+        if from_anchor.norm() < last.look_m {
+            return;
+        }
+        last.is_settled = true;
+        let out = self.graph.poses[last.visit] * from_anchor;
+        let ways = &mut self.map.nodes[last.node].ways;
+        let ways_rad: Vec<f64> = ways.iter().map(|way| way.bearing_rad).collect();
+        if let Some(way) = nearest_way(&ways_rad, out.y.atan2(out.x)).filter(|way| *way != last.way) {
+            ways[last.way].taken = last.was_taken;
+            ways[way].taken = true;
+            last.way = way;
+        }
     }
 
     /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.

@@ -96,9 +96,14 @@ fn a_flight_without_poses_or_places_has_an_empty_map() {
     assert_eq!(mapper.map().summary(), "0 junctions; 0 dead ends; 0 loops; 0 ways not taken");
 }
 
-/// The map of a straight flight along x, five frames a metre: up to each place the vehicle is in what goes with it. Ways
-/// of passages and junctions lead on and back, those of dead ends back.
+/// The map of a straight flight along x, as [`flown`].
 fn straight(stretches: &[(f64, HereKind)], look_m: f64) -> Map {
+    flown(stretches, look_m, |way_m| [way_m, 0.0])
+}
+
+/// The map of a flight, five frames a metre, without turning: after each length of way the vehicle is in what goes with it.
+/// Ways of passages and junctions lead along x and back, those of dead ends back, those of junctions also to the left.
+fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f64; 2]) -> Map {
     let mut mapper = Mapper::default();
     let mut step = 0;
     for &(to_m, kind) in stretches {
@@ -110,7 +115,8 @@ fn straight(stretches: &[(f64, HereKind)], look_m: f64) -> Map {
         let way = |&bearing_rad: &f64| Way { bearing_rad, width_m: 3.0, opening: None };
         let here = Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), confidence: 0.9 };
         while 0.2 * f64::from(step) < to_m {
-            let pose = Isometry2::translation(0.2 * f64::from(step), 0.0);
+            let [x_m, y_m] = place_m(0.2 * f64::from(step));
+            let pose = Isometry2::translation(x_m, y_m);
             let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
             let revolution = Revolution { stamp_ns: u64::from(step as u32), ..Revolution::default() };
             let (pose, here, steady) = (Some(pose), Some(here.clone()), Some(steady));
@@ -134,6 +140,19 @@ fn a_dead_end_that_is_flown_through_is_no_node() {
     assert!(passage.via_m.iter().all(|place_m| ends_m[0] < place_m.x && place_m.x < ends_m[1]), "{passage:?}");
     let to_the_face = straight(&[(4.0, Junction), (20.0, Passage), (26.0, DeadEnd)], 5.0);
     assert!(to_the_face.summary().contains("1 dead end"), "{}", to_the_face.summary());
+}
+
+#[test]
+fn a_wide_place_is_left_by_the_way_beyond_the_look() {
+    use HereKind::{Junction, Passage};
+    let stays = [(6.0, Passage), (12.0, Junction), (50.0, Passage)];
+    let taken = |place_m: fn(f64) -> [f64; 2]| {
+        let map = flown(&stays, 8.0, place_m);
+        map.nodes[0].ways.iter().map(|way| way.taken).collect::<Vec<_>>()
+    };
+    assert_eq!(taken(|way_m| [way_m, 0.0]), [true, false, true]);
+    // Straight on until the place is no junction any more, to the left within the look.
+    assert_eq!(taken(|way_m| [way_m.min(13.0), (way_m - 13.0).max(0.0)]), [false, true, true]);
 }
 
 #[test]

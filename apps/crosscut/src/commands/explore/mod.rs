@@ -1,7 +1,8 @@
 //! `crosscut explore`: missions in closed loop through simulated mines.
 
+mod journal;
 mod outcome;
-#[cfg(feature = "rerun")]
+#[cfg_attr(not(feature = "rerun"), path = "save_without_rerun.rs")]
 mod save;
 mod table;
 
@@ -13,10 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::Context;
 use crosscut_explore::{Flown, Moment, PlannerKind, Setup, fly, planners};
 use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
-use crosscut_simulator::{Agility, Family, Plan, World, families};
+use crosscut_simulator::{Agility, Family, Plan, Scene, World, families, read_mcap};
 use indicatif::ProgressBar;
 use serde_json::Value;
 
+use self::journal::Journal;
+use self::save::Saved;
 use crate::cli::explore::ExploreArgs;
 use crate::config;
 use crate::diagnostics::Diagnostics;
@@ -30,11 +33,15 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
+    #[cfg(not(feature = "rerun"))]
+    if args.save.is_some() {
+        return Err(crate::exit::without_rerun());
+    }
     let config = config::resolve(&args.config, registry)?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
-    let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).cloned().collect();
-    let written: Vec<&Path> = args.json.iter().chain(&args.save).map(PathBuf::as_path).collect();
+    let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
+    let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
     let mut json = args.json.as_deref().map(|path| outputs::create(path, &read)).transpose()?;
     let stop = StopFlag::default();
@@ -43,7 +50,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     let bar = progress::bar(None, args.quiet);
     let mut diagnostics = Diagnostics::default();
     let flown = if let [job] = &jobs[..] {
-        vec![Some(fleet.fly_alone(job, args.save.as_deref(), &bar, &mut diagnostics)?)]
+        vec![Some(fleet.fly_alone(job, args, &bar, &mut diagnostics)?)]
     } else {
         fleet.fly_all(&jobs, &bar)
     };
@@ -132,49 +139,43 @@ struct Fleet<'a> {
 }
 
 impl Fleet<'_> {
-    fn fly(&self, job: &Job, bar: &ProgressBar) -> Flown {
-        self.fly_in(&job.world(), job.seed, bar, &mut |_| {})
-    }
-
-    /// One mission, recorded at `save`. If it cannot be recorded, it is flown all the same.
-    #[cfg(feature = "rerun")]
+    /// One mission, with its journal and its recording. If it cannot be recorded, it is flown all the same.
     fn fly_alone(
         &self,
         job: &Job,
-        save: Option<&Path>,
+        args: &ExploreArgs,
         bar: &ProgressBar,
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Flown> {
         let world = job.world();
-        let saved = save.map(|path| save::Saved::create(path, &job.name, self.config, &world)).transpose();
+        let past = args.resume.as_deref().map(read_mcap).transpose()?.unwrap_or_default();
+        let mut journal = args.journal.as_deref().map(Journal::create).transpose()?;
+        let saved = args.save.as_deref().map(|path| Saved::create(path, &job.name, self.config, &world)).transpose();
         diagnostics.lost_all(saved.as_ref().err());
         let mut saved = saved.unwrap_or_default();
-        let flown = self.fly_in(&world, job.seed, bar, &mut |moment| {
+        let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
+            if let Some(journal) = &mut journal {
+                journal.add(moment);
+            }
             if let Some(saved) = &mut saved {
                 saved.add(moment);
             }
         });
+        diagnostics.lost_all(journal.and_then(|journal| journal.finish().err()));
         diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
         Ok(flown)
     }
 
-    #[cfg(not(feature = "rerun"))]
-    fn fly_alone(
+    fn fly(
         &self,
-        job: &Job,
-        save: Option<&Path>,
+        world: &World,
+        seed: u64,
+        past: &[Scene],
         bar: &ProgressBar,
-        _: &mut Diagnostics,
-    ) -> anyhow::Result<Flown> {
-        if save.is_some() {
-            return Err(crate::exit::without_rerun());
-        }
-        Ok(self.fly(job, bar))
-    }
-
-    fn fly_in(&self, world: &World, seed: u64, bar: &ProgressBar, watch: &mut dyn FnMut(&Moment)) -> Flown {
-        let agility = Agility::default();
-        let setup = Setup { config: self.config, registry: self.registry, planner: self.planner, agility, seed };
+        watch: &mut dyn FnMut(&Moment),
+    ) -> Flown {
+        let Self { config, registry, planner, .. } = *self;
+        let setup = Setup { config, registry, planner, agility: Agility::default(), seed, past };
         fly(world, &setup, &mut |moment| {
             bar.inc(1);
             watch(moment);
@@ -191,7 +192,7 @@ impl Fleet<'_> {
                 .then(|| next.fetch_add(1, Ordering::Relaxed))
                 .and_then(|number| jobs.get(number).zip(flown.get(number)))
             {
-                let one = self.fly(job, bar);
+                let one = self.fly(&job.world(), job.seed, &[], bar, &mut |_| {});
                 *slot.lock().expect("nobody panics while holding it") = Some(one);
             }
         };

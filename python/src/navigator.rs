@@ -1,0 +1,66 @@
+//! A vehicle's navigator: a scan and its odometry in, a command out.
+
+use std::sync::{Mutex, PoisonError};
+
+use crosscut_explore::{Limits, Pilot, PlannerKind, Step, planners};
+use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
+use crosscut_report::VEHICLE_WIDTH_M;
+use nalgebra::{Isometry2, Vector2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::flight_map::FlightMap;
+use crate::scan::Scan;
+
+/// Speed and turn rate, what the vehicle is doing, the decision taken, and how the mission ended.
+pub(crate) type Command = (f64, f64, &'static str, Option<String>, Option<&'static str>);
+
+/// The navigator of one vehicle, with its detector and its map.
+#[pyclass(frozen, module = "crosscut._native")]
+pub(crate) struct Navigator {
+    pilot: Mutex<Pilot>,
+}
+
+impl Navigator {
+    pub(crate) fn new(
+        config: &Config,
+        registry: &Registry,
+        planner: &str,
+        [speed_max_m_s, turn_rate_max_rad_s]: [f64; 2],
+    ) -> PyResult<Self> {
+        for (name, limit) in [("speed_max_m_s", speed_max_m_s), ("turn_rate_max_rad_s", turn_rate_max_rad_s)] {
+            if !(limit.is_finite() && limit > 0.0) {
+                return Err(PyValueError::new_err(format!("{name} is above 0, not {limit}")));
+            }
+        }
+        let kind: &PlannerKind = planners().iter().find(|kind| kind.name == planner).ok_or_else(|| {
+            let all: Vec<&str> = planners().iter().map(|kind| kind.name).collect();
+            PyValueError::new_err(format!("there is no planner {planner:?}; {}", nearest_and_all(planner, &all)))
+        })?;
+        let radius_m = 0.5 * config.params("vehicle").get(VEHICLE_WIDTH_M);
+        let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
+        Ok(Self { pilot: Mutex::new(Pilot::new(config, registry, *kind, limits)) })
+    }
+
+    pub(crate) fn step(&self, scan: &Scan, pose: Option<(f64, f64, f64)>) -> Result<Command, Failure> {
+        let mut pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+        let step = pilot.step(|sensor, frame| {
+            scan.write(sensor, 0, frame);
+            if let Some((x_m, y_m, yaw_rad)) = pose {
+                frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
+            }
+        })?;
+        let Step { command, doing, decision, end, .. } = step;
+        let why = decision.map(|decision| decision.why);
+        Ok((command.speed_m_s, command.turn_rate_rad_s, doing, why, end.map(crosscut_explore::End::name)))
+    }
+}
+
+#[pymethods]
+impl Navigator {
+    /// The map up to now; what the vehicle flies later is not added.
+    fn flight_map(&self) -> FlightMap {
+        let pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+        FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
+    }
+}
