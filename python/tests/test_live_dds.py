@@ -189,6 +189,21 @@ def test_a_lossy_network_loses_no_scan_of_a_reliable_robot(
     assert len(check_answers(results, tee)) == answered > 100
 
 
+def test_commands_reach_the_base_over_dds(monkeypatch: pytest.MonkeyPatch) -> None:
+    base = Robot(monkeypatch)
+    heard, commands = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist"), []
+
+    def is_heard() -> bool:
+        robot.drive("/robot1/cmd_vel", 0.5, -0.25)
+        commands.extend(heard.take(10))
+        return bool(commands)
+
+    with crosscut.live.Robot(f"ros2://{base.domain}/robot1/scan") as robot:
+        wait_until(is_heard)
+    linear, angular = commands[0].linear, commands[0].angular
+    assert [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z] == [0.5, 0, 0, 0, 0, -0.25]
+
+
 def stamp(message: Any) -> tuple[int, int]:
     return message.header.stamp.sec, message.header.stamp.nanosec
 

@@ -51,11 +51,21 @@ class Bus:
     def send_text(self, topic: str, text: str) -> None:
         """Sends a std_msgs/msg/String."""
         data = text.encode() + b"\0"
-        self._send(topic, _STRING, b"\0\1\0\0" + len(data).to_bytes(4, "little") + data)
+        self.send(topic, "std_msgs/String", b"\0\1\0\0" + len(data).to_bytes(4, "little") + data)
 
-    def send_markers(self, topic: str, message: bytes) -> None:
-        """Sends a visualization_msgs/msg/MarkerArray in CDR."""
-        self._send(topic, _MARKER_ARRAY, message)
+    def send(self, topic: str, message_type: str, message: bytes) -> None:
+        """Sends a message in CDR."""
+        if topic not in self._writers:
+            qos = Qos(
+                Policy.Reliability.Reliable(duration(milliseconds=100)),
+                Policy.History.KeepLast(10),
+                Policy.DataRepresentation(use_cdrv0_representation=True),
+            )
+            of_topic = Topic(self._participant, f"rt/{topic}", _SENT[message_type])
+            self._writers[topic] = DataWriter(self._participant, of_topic, qos)
+        sent = _SENT[message_type]()
+        sent.cdr = message
+        self._writers[topic].write(sent)
 
     def close(self) -> None:
         self._closed.set()
@@ -100,19 +110,6 @@ class Bus:
         qos = Qos(_reliability(publication), Policy.History.KeepLast(KEPT))
         return DataReader(self._participant, Topic(self._participant, publication.topic_name, message_type), qos)
 
-    def _send(self, topic: str, message_type: Any, cdr: bytes) -> None:
-        if topic not in self._writers:
-            qos = Qos(
-                Policy.Reliability.Reliable(duration(milliseconds=100)),
-                Policy.History.KeepLast(10),
-                Policy.DataRepresentation(use_cdrv0_representation=True),
-            )
-            of_topic = Topic(self._participant, f"rt/{topic}", message_type)
-            self._writers[topic] = DataWriter(self._participant, of_topic, qos)
-        message = message_type()
-        message.cdr = cdr
-        self._writers[topic].write(message)
-
 
 class _Message:
     """A message as it arrived; DDS adds ``sample_info``."""
@@ -137,7 +134,6 @@ def _type(ros_name: str, **fields: Any) -> Any:
 _SEQUENCE: Any = types.sequence
 
 # Subscribers compare these definitions with their own.
-_STRING = _type("std_msgs/String", data=str)
 _TIME = _type("builtin_interfaces/Time", sec=int32, nanosec=uint32)
 _DURATION = _type("builtin_interfaces/Duration", sec=int32, nanosec=uint32)
 _HEADER = _type("std_msgs/Header", stamp=_TIME, frame_id=str)
@@ -171,4 +167,8 @@ _MARKER = _type(
     mesh_file=_MESH,
     mesh_use_embedded_materials=bool,
 )
-_MARKER_ARRAY = _type("visualization_msgs/MarkerArray", markers=_SEQUENCE[_MARKER])
+_SENT = {
+    "std_msgs/String": _type("std_msgs/String", data=str),
+    "geometry_msgs/Twist": _type("geometry_msgs/Twist", linear=_VECTOR, angular=_VECTOR),
+    "visualization_msgs/MarkerArray": _type("visualization_msgs/MarkerArray", markers=_SEQUENCE[_MARKER]),
+}

@@ -12,8 +12,11 @@ import zenoh
 
 from ._errors import Error
 
-MARKERS_HASH = "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"
-"""Of the definition of visualization_msgs/msg/MarkerArray, by REP 2016."""
+HASHES = {
+    "geometry_msgs/Twist": "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",
+    "visualization_msgs/MarkerArray": "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf",
+}
+"""Of the definitions of the messages that are sent, by REP 2016."""
 
 QOS = "::,10:,:,:,,"
 """Reliable, volatile, the last 10 messages, in the words of rmw_zenoh."""
@@ -34,7 +37,7 @@ class Bus:
             raise Error(text) from error
         self._domain = domain
         self._subscribers: list[Any] = []
-        self._markers: dict[str, _Markers] = {}
+        self._publishers: dict[str, _Publisher] = {}
 
     def hear(self, topic: str, take: Callable[[bytes, str, int], None], message_type: str | None = None) -> None:
         """Gives ``take`` each message of a topic of ROS, its type, and how many are missing before it.
@@ -54,26 +57,28 @@ class Bus:
     def send_text(self, key: str, text: str) -> None:
         self._session.put(key, text)
 
-    def send_markers(self, topic: str, message: bytes) -> None:
-        """Sends a visualization_msgs/msg/MarkerArray in CDR as a node of ROS does."""
-        if topic not in self._markers:
-            self._markers[topic] = _Markers(self._session, self._domain, topic, len(self._markers) + 1)
-        self._markers[topic].send(message)
+    def send(self, topic: str, message_type: str, message: bytes) -> None:
+        """Sends a message in CDR as a node of ROS does."""
+        if topic not in self._publishers:
+            entity = len(self._publishers) + 1
+            self._publishers[topic] = _Publisher(self._session, self._domain, topic, message_type, entity)
+        self._publishers[topic].send(message)
 
     def close(self) -> None:
         self._session.close()
 
 
-class _Markers:
-    """A publisher of markers. Its tokens show it to `ros2 topic list`, RViz and Foxglove's bridge."""
+class _Publisher:
+    """A publisher of a topic. Its tokens show it to `ros2 topic list`, RViz and Foxglove's bridge."""
 
-    def __init__(self, session: zenoh.Session, domain: int, topic: str, entity: int) -> None:
-        of_type = f"visualization_msgs::msg::dds_::MarkerArray_/{MARKERS_HASH}"
+    def __init__(self, session: zenoh.Session, domain: int, topic: str, message_type: str, entity: int) -> None:
+        package, name = message_type.split("/")
+        of_type = f"{package}::msg::dds_::{name}_/{HASHES[message_type]}"
         node = f"@ros2_lv/{domain}/{session.info.zid()}/0"
-        name = "%" + topic.replace("/", "%")
+        escaped = "%" + topic.replace("/", "%")
         self._tokens = [
             session.liveliness().declare_token(token)
-            for token in (f"{node}/0/NN/%/%/crosscut", f"{node}/{entity}/MP/%/%/crosscut/{name}/{of_type}/{QOS}")
+            for token in (f"{node}/0/NN/%/%/crosscut", f"{node}/{entity}/MP/%/%/crosscut/{escaped}/{of_type}/{QOS}")
         ]
         self._publisher = session.declare_publisher(f"{domain}/{topic}/{of_type}")
         self._id = uuid.uuid4().bytes

@@ -23,6 +23,7 @@ import json
 import math
 import os
 import signal
+import struct
 import sys
 import threading
 import time
@@ -112,7 +113,12 @@ class Robot:
         """
         if result.markers is None:
             raise ValueError('the result has no markers: the engine needs keep=("markers",)')
-        self._bus.send_markers(topic.strip("/"), result.markers)
+        self._bus.send(topic.strip("/"), "visualization_msgs/MarkerArray", result.markers)
+
+    def drive(self, topic: str, speed_m_s: float, turn_rate_rad_s: float) -> None:
+        """Sends a command to the base of the robot, as geometry_msgs/Twist on a topic of ROS such as "/cmd_vel"."""
+        twist = struct.pack("<4s6d", b"\0\1\0\0", speed_m_s, 0, 0, 0, 0, turn_rate_rad_s)
+        self._bus.send(topic.strip("/"), "geometry_msgs/Twist", twist)
 
     def close(self) -> None:
         """Ends the iteration; may be called from another thread."""
