@@ -1,7 +1,7 @@
 """Times an archive on Ray beside plain processes, as many at a time: `python/run ray FLIGHT...`.
 
-Both run the same flights by the same function, in turn; a round of each goes first. Times hold from the first task to the table,
-within a cluster on this machine that has started. What is left of the least times of both is what Ray adds.
+Both run the same flights by the same function, in turn; a round of each goes first. Times are from the first task to the table,
+in a cluster on this machine that has started. The ratio of the least times is what Ray adds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import crosscut.ray
 from crosscut._program import COMMAND
 
 REPETITIONS = 5
-FLIGHTS = 16
+FLIGHTS = 12
 WORKERS = os.cpu_count() or 1
 
 
@@ -31,10 +31,10 @@ def side_by_side(work: list[tuple[Any, ...]]) -> Iterable[dict[str, Any]]:
         yield from pool.map(lambda arguments: crosscut.ray._process(*arguments), work)
 
 
-def seconds(flights: list[Path], options: list[str], rows: Any) -> float:
+def seconds(flights: list[Path], rows: Any) -> float:
     with tempfile.TemporaryDirectory() as out:
         start = time.perf_counter()
-        table = crosscut.ray._gather(flights, Path(out), list(COMMAND), options, rows)
+        table = crosscut.ray._gather(flights, Path(out), list(COMMAND), [], rows)
         elapsed_s = time.perf_counter() - start
     assert table["code"].to_pylist() == [0] * len(flights), table["error"]
     return elapsed_s
@@ -42,20 +42,18 @@ def seconds(flights: list[Path], options: list[str], rows: Any) -> float:
 
 def main(recordings: list[str]) -> None:
     ray.init(num_cpus=WORKERS, include_dashboard=False, log_to_driver=False)
-    print(f"{FLIGHTS} flights, {WORKERS} at a time, {REPETITIONS} times; load {os.getloadavg()[0]:.1f}")
+    print(f"{FLIGHTS} flights, {WORKERS} at a time, {REPETITIONS} times")
     for recording in recordings:
-        for preset in ("default", "paper"):
-            with tempfile.TemporaryDirectory() as folder:
-                flights = [Path(folder) / f"flight{number}.mcap" for number in range(FLIGHTS)]
-                for flight in flights:
-                    flight.symlink_to(Path(recording).absolute())
-                options = ["--preset", preset]
-                pairs = [(seconds(flights, options, side_by_side), seconds(flights, options, crosscut.ray._on_ray(None)))
-                         for _ in range(REPETITIONS + 1)][1:]
-            plain_s, on_ray_s = (min(times) for times in zip(*pairs, strict=True))
-            ratios = sorted(on_ray_s / plain_s for plain_s, on_ray_s in pairs)
-            print(f"{Path(recording).name}, {preset}: plain {plain_s / FLIGHTS:.3f} s a flight, Ray {on_ray_s / FLIGHTS:.3f}, "
-                  f"{on_ray_s / plain_s:.3f} times; ratios of the pairs {', '.join(f'{ratio:.3f}' for ratio in ratios)}", flush=True)
+        with tempfile.TemporaryDirectory() as folder:
+            flights = [Path(folder) / f"flight{number}.mcap" for number in range(FLIGHTS)]
+            for flight in flights:
+                flight.symlink_to(Path(recording).absolute())
+            pairs = [(seconds(flights, side_by_side), seconds(flights, crosscut.ray._on_ray(None)))
+                     for _ in range(REPETITIONS + 1)][1:]
+        plain_s, on_ray_s = (min(times) for times in zip(*pairs, strict=True))
+        ratios = ", ".join(f"{ratio:.3f}" for ratio in sorted(on_ray_s / plain_s for plain_s, on_ray_s in pairs))
+        print(f"{Path(recording).name}: processes {plain_s / FLIGHTS:.3f} s a flight, Ray {on_ray_s / FLIGHTS:.3f} s, "
+              f"{on_ray_s / plain_s:.3f} times; of each pair {ratios}; load {os.getloadavg()[0]:.1f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -136,7 +136,7 @@ def test_a_thousand_flights_are_there_once_though_the_driver_is_killed(
     program = os.environ.get("CROSSCUT") or str(ROOT / "target" / "release" / "crosscut")
     if not Path(program).exists():
         pytest.skip("needs target/release/crosscut: the program in the wheel, an interpreter each time, takes minutes")
-    cluster.add_node(num_cpus=1)
+    node = cluster.add_node(num_cpus=1)
     few = [tmp_path / f"short{number}.mcap" for number in range(4)]
     for number, path in enumerate(few):
         write_scans(tee, path, range(40 * number, 40 * number + 5))
@@ -163,6 +163,7 @@ crosscut.ray.run({str(tmp_path / "archive")!r}, {str(out)!r}, command=[{program!
     assert found.drop_columns("flight").to_pylist() == alone * 250
     assert len(list(out.glob("*.jsonl"))) == len(list(out.glob("*.map.json"))) == 1000
     assert not list(out.glob(".*")), "nothing unfinished is left"
+    cluster.remove_node(node)
 
 
 def write_scans(flight: Path, out: Path, numbers: range) -> None:
@@ -173,6 +174,7 @@ def write_scans(flight: Path, out: Path, numbers: range) -> None:
         channel_id = None
         for number, (schema, channel, message) in enumerate(mcap.reader.make_reader(source).iter_messages(topics=["/scan"])):
             if channel_id is None:
+                assert schema is not None
                 schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
                 channel_id = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
             if number in numbers:

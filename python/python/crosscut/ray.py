@@ -213,10 +213,11 @@ def _process(flight: str, name: str, out: str, command: list[str], options: list
     part.mkdir()
     try:
         results, flight_map = part / f"{name}.jsonl", part / f"{name}.map.json"
-        to, made = {
+        outputs: dict[str, tuple[list[StrPath], str]] = {
             "run": (["--results", results, "--map", flight_map], f"{name}.*"),
             "sweep": (["--out", part, "--jobs", "1", "--keep-mb", "0"], "rows/*.json"),
-        }[command[-1]]
+        }
+        to, made = outputs[command[-1]]
         said = subprocess.run([*command, flight, *to, *options, "--quiet"], capture_output=True, text=True)
         if said.returncode < 0:
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
