@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::program::{Ran, run, shipped_flight};
+use crate::flight::{Writing, file, tunnel};
+use crate::program::{Ran, crosscut, run, shipped_flight};
 
 fn sweep(out: &Path, more: &[&str]) -> Ran {
     let flight = shipped_flight();
@@ -100,4 +101,115 @@ fn a_grid_that_cannot_be_is_refused_before_anything_runs() {
     let failed =
         run([Path::new("sweep"), &other, Path::new("--grid"), Path::new("preset=paper"), Path::new("--out"), &out]);
     assert!(failed.expect_code(1).stderr.contains("left out"));
+}
+
+/// A sweep of preset `paper`, which says what it decomposed.
+fn decomposing(out: &Path, flight: &Path, more: &[&str]) -> String {
+    let fixed = [Path::new("sweep"), flight, Path::new("--preset=paper"), Path::new("--out"), out];
+    run(fixed.into_iter().chain(more.iter().map(Path::new))).expect_code(0).stderr
+}
+
+const REVOLUTIONS: u64 = 40;
+const TWO: [&str; 2] = ["--grid", "spectral.zero_tolerance=1e-3,1e-2"];
+const MORE: [&str; 4] = ["--grid", "spectral.zero_tolerance=1e-3,1e-2,3e-4,0.1", "--grid", "kmeans.seed=0,7"];
+
+fn decompositions(out: &Path) -> Vec<PathBuf> {
+    std::fs::read_dir(out.join("decompositions"))
+        .map(|files| files.map(|file| file.expect("a file").path()).collect())
+        .unwrap_or_default()
+}
+
+#[test]
+fn zero_tolerances_that_are_added_later_cost_no_decomposition() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(REVOLUTIONS, &Writing::default()));
+    let [later, at_once] = ["later", "at_once"].map(|name| folder.path().join(name));
+    let said = decomposing(&later, &flight, &TWO);
+    assert!(said.contains("40 full decompositions, and 0 taken from an earlier sweep"), "{said}");
+    let said = decomposing(&later, &flight, &MORE);
+    assert!(said.contains("0 full decompositions, and 40 taken from an earlier sweep"), "{said}");
+    let said = decomposing(&at_once, &flight, &[&MORE[..], &["--keep-mb", "0"]].concat());
+    assert!(said.contains("40 full decompositions, and 0 taken") && decompositions(&at_once).is_empty(), "{said}");
+    assert_eq!(answers(&later), answers(&at_once));
+    // A tolerance that nearly all eigenvalues are below needs more eigenvectors than are kept.
+    let files = decompositions(&later);
+    let said = decomposing(&later, &flight, &["--grid", "spectral.zero_tolerance=1.5"]);
+    assert!(said.contains("40 full decompositions, and 0 taken") && decompositions(&later) == files, "{said}");
+    // Another solver, and another W, need their own.
+    let said = decomposing(&later, &flight, &[&TWO[..], &["--set", "spectral.kind=nalgebra"]].concat());
+    assert!(said.contains("40 full decompositions, and 0 taken"), "{said}");
+    let said = decomposing(&later, &flight, &[&TWO[..], &["--set", "affinity.sigma_per_m2=3"]].concat());
+    assert!(said.contains("40 full decompositions, and 0 taken"), "{said}");
+}
+
+#[test]
+fn damaged_and_unfinished_decompositions_are_computed_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(REVOLUTIONS, &Writing::default()));
+    let out = folder.path().join("sweep");
+    let at_once = folder.path().join("at_once");
+    decomposing(&at_once, &flight, &MORE);
+    decomposing(&out, &flight, &TWO);
+    let [file] = &decompositions(&out)[..] else { panic!("one flight, one solver") };
+    let whole = std::fs::read(file).expect("written");
+    let mut flipped = whole.clone();
+    let late = whole.len() * 9 / 10; // in the last chunk
+    flipped[late] ^= 1;
+    for (name, damaged) in [("one bit", &flipped[..]), ("cut off", &whole[..late]), ("nothing", &[])] {
+        for file in decompositions(&out) {
+            std::fs::remove_file(file).expect("removed");
+        }
+        std::fs::write(file, damaged).expect("written");
+        std::fs::remove_dir_all(out.join("rows")).expect("removed");
+        let said = decomposing(&out, &flight, &MORE);
+        let counts = said.split_once(" full decompositions, and ").and_then(|(computed, rest)| {
+            let recalled = rest.split(' ').next()?;
+            Some([computed.lines().last()?.parse::<u64>().ok()?, recalled.parse().ok()?])
+        });
+        let [computed, recalled] = counts.unwrap_or_else(|| panic!("{said}"));
+        assert_eq!(computed + recalled, REVOLUTIONS, "{name}");
+        assert!(computed > 0 && (recalled > 0) == (name != "nothing"), "{name}: {said}");
+        assert_eq!(answers(&out), answers(&at_once), "{name}");
+        let said = decomposing(&out, &flight, &["--grid", "spectral.zero_tolerance=2e-3"]);
+        assert!(said.contains("0 full decompositions, and 40 taken"), "{name}: {said}");
+    }
+}
+
+#[test]
+fn decompositions_take_no_more_room_than_they_may() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(REVOLUTIONS, &Writing::default()));
+    let out = folder.path().join("sweep");
+    let said = decomposing(&out, &flight, &[&TWO[..], &["--keep-mb", "1"]].concat());
+    assert!(said.contains("they would take more than --keep-mb 1"), "{said}");
+    let bytes: u64 = decompositions(&out).iter().map(|file| file.metadata().expect("there").len()).sum();
+    assert!((100_000..1_010_000).contains(&bytes), "{bytes}");
+    let [ours] = &decompositions(&out)[..] else { panic!("one flight, one solver") };
+    let name = ours.file_name().expect("it has one").to_string_lossy();
+    let [other_build, other_file] =
+        [format!("00000000{}", &name[8..]), "notes.txt".to_owned()].map(|name| ours.with_file_name(name));
+    std::fs::rename(ours, &other_build).expect("renamed");
+    std::fs::write(&other_file, "mine").expect("written");
+    decomposing(&out, &flight, &[&MORE[..], &["--keep-mb", "1"]].concat());
+    assert!(!other_build.exists() && other_file.exists(), "only what another build kept is removed");
+}
+
+#[test]
+fn two_sweeps_at_once_share_a_folder() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(REVOLUTIONS, &Writing::default()));
+    // A second name of the same flight, so that its rows are written by two threads as well.
+    let twin = folder.path().join("twin.mcap");
+    std::fs::copy(&flight, &twin).expect("copied");
+    let [shared, alone] = ["shared", "alone"].map(|name| folder.path().join(name));
+    let args = |out: &Path| {
+        let inputs = [flight.clone(), twin.clone(), "--preset=paper".into(), "--quiet".into(), "--jobs=2".into()];
+        let more = MORE.iter().map(PathBuf::from).chain(["--out".into(), out.to_owned()]);
+        std::iter::once(PathBuf::from("sweep")).chain(inputs).chain(more).collect::<Vec<_>>()
+    };
+    let mut both = [0; 2].map(|_| crosscut(args(&shared)).spawn().expect("the program starts"));
+    assert!(both.iter_mut().all(|child| child.wait().expect("it ends").success()));
+    run(args(&alone)).expect_code(0);
+    assert_eq!(answers(&shared), answers(&alone));
+    assert_eq!(kept(&shared).len(), 8, "nothing unfinished is left, and both names of the flight share their rows");
 }

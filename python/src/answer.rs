@@ -1,21 +1,23 @@
 //! What one revolution becomes in Python.
 
+use crosscut_ingest::Sensor;
 use crosscut_report::{HereLine, ResultsLine, SteadyLine};
 use crosscut_stage::{Embedding, Frame, Step, Weights};
 use numpy::IntoPyArray;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::arrays;
 
-/// Which matrices a result holds.
+/// What a result holds beside the fields of its line.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Keep {
     pub(crate) w: bool,
     pub(crate) l: bool,
     pub(crate) u: bool,
+    pub(crate) markers: bool,
 }
 
 /// The answer for one revolution, made without the interpreter's lock.
@@ -26,11 +28,12 @@ pub(crate) struct Answer {
     clusters: Vec<i32>,
     w: Option<(Weights, Vec<f64>)>,
     u: Option<Embedding>,
+    markers: Option<Vec<u8>>,
     timings_ms: [(Step, f64); 4],
 }
 
 impl Answer {
-    pub(crate) fn of(frame: &Frame, keep: Keep) -> Self {
+    pub(crate) fn of(frame: &Frame, sensor: &Sensor, keep: Keep) -> Self {
         let ms = |step| (step, frame.timings.ns(step) as f64 / 1e6);
         Self {
             line: ResultsLine::of(frame),
@@ -38,13 +41,14 @@ impl Answer {
             clusters: frame.partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)).collect(),
             w: (keep.w || keep.l).then(|| (frame.affinity.weights.clone(), frame.affinity.degrees.clone())),
             u: keep.u.then(|| frame.spectrum.u.clone()),
+            markers: keep.markers.then(|| crosscut::scene(frame, sensor).markers()),
             timings_ms: [Step::Affinity, Step::Spectral, Step::Kmeans, Step::Report].map(ms),
         }
     }
 
     /// As a `crosscut.Result`.
     pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep) -> PyResult<Bound<'py, PyAny>> {
-        let Self { line, eigenvalues, clusters, w, u, timings_ms } = self;
+        let Self { line, eigenvalues, clusters, w, u, markers, timings_ms } = self;
         let [result, wall, opening, _, _, _, of_pose] = classes(py)?;
         let walls =
             line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
@@ -90,6 +94,7 @@ impl Answer {
         fields.set_item(intern!(py, "W"), weights.filter(|_| keep.w))?;
         fields.set_item(intern!(py, "L"), laplacian)?;
         fields.set_item(intern!(py, "U"), u.map(|u| arrays::embedding(py, &u)).transpose()?)?;
+        fields.set_item(intern!(py, "markers"), markers.map(|markers| PyBytes::new(py, &markers)))?;
         Ok(made)
     }
 }

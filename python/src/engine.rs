@@ -55,7 +55,7 @@ impl Work {
 
     fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {
         self.process(scan, seq)?;
-        Ok(Answer::of(&self.frame, keep))
+        Ok(Answer::of(&self.frame, &self.sensor, keep))
     }
 }
 
@@ -97,12 +97,13 @@ impl Engine {
     ) -> PyResult<Self> {
         let refused = |error| Class::Settings.error(py, error);
         let mut kept = Keep::default();
-        for matrix in &keep {
-            match matrix.as_str() {
+        for name in &keep {
+            match name.as_str() {
                 "W" => kept.w = true,
                 "L" => kept.l = true,
                 "U" => kept.u = true,
-                other => return Err(PyValueError::new_err(format!("keep holds W, L and U, not {other}"))),
+                "markers" => kept.markers = true,
+                other => return Err(PyValueError::new_err(format!("keep holds W, L, U and markers, not {other}"))),
             }
         }
         let mut registry = Registry::standard();
@@ -165,8 +166,8 @@ impl Engine {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    fn flight_map(&self) -> FlightMap {
-        FlightMap::new(&self.config)
+    fn flight_map(&self, py: Python<'_>) -> PyResult<FlightMap> {
+        FlightMap::new(py, &self.config)
     }
 
     /// As `process`; then the scan becomes a part of `map`. `pose` is x, y and yaw by the vehicle's odometry.
@@ -185,7 +186,7 @@ impl Engine {
             }
             work.stages.process(&mut work.frame)?;
             map.get().add(&mut work.frame);
-            Ok(Answer::of(&work.frame, self.keep))
+            Ok(Answer::of(&work.frame, &work.sensor, self.keep))
         })?;
         added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
     }

@@ -2,13 +2,15 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_flight::{Flight, Mapper};
+use crosscut_flight::{Flight, LOOK_AHEAD, Mapper};
 use crosscut_pipeline::Config;
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+
+use crate::error::Class;
 
 /// Poses and map of a flight so far.
 #[pyclass(frozen, module = "crosscut._native")]
@@ -17,9 +19,15 @@ pub(crate) struct FlightMap {
 }
 
 impl FlightMap {
-    pub(crate) fn new(config: &Config) -> Self {
-        let flight = Flight::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M));
-        Self { state: Mutex::new((flight, Mapper::default(), None)) }
+    pub(crate) fn new(py: Python<'_>, config: &Config) -> PyResult<Self> {
+        let params = config.params("flight");
+        if params.get(LOOK_AHEAD) > 0 {
+            let text =
+                "flight.look_ahead is for recordings (`crosscut run --smooth`): a scan that is added has none after it";
+            return Err(Class::Settings.error(py, text));
+        }
+        let flight = Flight::new(params, config.params("vehicle").get(VEHICLE_WIDTH_M));
+        Ok(Self { state: Mutex::new((flight, Mapper::default(), None)) })
     }
 
     /// A flight that was followed elsewhere.

@@ -1,9 +1,11 @@
-"""A live robot: a real Zenoh router on this machine, and recorded messages on the keys of rmw_zenoh."""
+"""A live robot: a real Zenoh router on this machine, and recorded messages on the keys of rmw_zenoh. Markers are read by
+rosbags, which has the definitions of ROS."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import signal
 import subprocess
 import sys
@@ -13,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import free_port, in_wheel
 
@@ -20,6 +23,10 @@ import crosscut
 import crosscut.live
 
 zenoh = pytest.importorskip("zenoh")
+typesys = pytest.importorskip("rosbags.typesys")
+
+ROS = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+MARKERS = "visualization_msgs/msg/MarkerArray"
 
 HASH = "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
 SCANS = f"7/robot1/scan/sensor_msgs::msg::dds_::LaserScan_/{HASH}"
@@ -72,6 +79,27 @@ def wait_for_subscriber(session: Any, key: str) -> None:
     publisher.undeclare()
 
 
+def check_markers(drawings: list[Any], lines: list[dict[str, Any]], scans: list[Any]) -> None:
+    """Each removes what was drawn before, and has an arrow along each opening and the corners of walls on returns."""
+    kind = ROS.types["visualization_msgs/msg/Marker"]
+    for drawing, line, scan in zip(drawings, lines, scans, strict=True):
+        clear, *drawn = drawing.markers
+        assert clear.action == kind.DELETEALL and {marker.action for marker in drawn} == {kind.ADD}
+        stamp = scan.header.stamp
+        frames = {(m.header.frame_id, m.header.stamp.sec, m.header.stamp.nanosec) for m in drawing.markers}
+        assert frames == {(scan.header.frame_id, stamp.sec, stamp.nanosec)}
+        assert len({marker.id for marker in drawn}) == len(drawn)
+        arrows = [marker.pose.orientation for marker in drawn if marker.type == kind.ARROW]
+        bearings = sorted(2 * math.atan2(turned.z, turned.w) for turned in arrows)
+        assert np.allclose(bearings, sorted(opening["bearing_rad"] for opening in line["openings"]), atol=1e-9)
+        angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+        returns = np.c_[scan.ranges * np.cos(angles), scan.ranges * np.sin(angles)][np.array(line["labels"]) >= 0]
+        walls = [marker.points for marker in drawn if marker.type == kind.LINE_STRIP]
+        corners = np.array([(point.x, point.y) for points in walls for point in points])
+        assert len(walls) > 0 and max(np.min(np.hypot(*(returns - corner).T)) for corner in corners[::20]) < 1e-3
+        assert any(marker.text.startswith(f"{line['junctions']} wall") for marker in drawn)
+
+
 def test_answers_to_a_live_robot_are_those_of_its_recording(
     network: tuple[Any, int], tee: Path, tmp_path: Path
 ) -> None:
@@ -79,6 +107,10 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
     heard: dict[str, list[dict[str, Any]]] = {"results": [], "map": []}
     listeners = [session.declare_subscriber(f"crosscut/{name}", lambda sample, name=name: heard[name].append(
         json.loads(sample.payload.to_bytes()))) for name in heard]
+    # As RViz subscribes to the topic: domain, name, type and the hash of its definition.
+    drawings: list[Any] = []
+    topic = f"7/crosscut/markers/visualization_msgs::msg::dds_::MarkerArray_/{ROS.hash_rihs01(MARKERS)}"
+    listeners.append(session.declare_subscriber(topic, drawings.append))
     results, flight_map = tmp_path / "live.jsonl", tmp_path / "live.json"
     process = subprocess.Popen(
         [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom",
@@ -91,8 +123,9 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
         send(session, messages, 0.005)
         scans = sum(key == SCANS for key, _ in messages)
         deadline = time.monotonic() + 30
-        while len(heard["results"]) < scans and time.monotonic() < deadline:
+        while len(drawings) < scans and time.monotonic() < deadline:
             time.sleep(0.1)
+        tokens = [str(reply.ok.key_expr).split("/") for reply in session.liveliness().get("@ros2_lv/7/**")]
     finally:
         process.send_signal(signal.SIGINT)
         said = process.communicate(timeout=60)[1]
@@ -107,13 +140,19 @@ def test_answers_to_a_live_robot_are_those_of_its_recording(
     assert any(line["pose"] is not None and line["pose"]["x_m"] > 1.0 for line in live), "odometry was heard"
     assert [node["kind"] for node in json.loads(flight_map.read_text())["nodes"]] == ["junction"]
     assert heard["map"][-1] == json.loads(flight_map.read_text())
-    assert len(listeners) == 2
+    assert [(name, of_type) for *_, name, of_type, _, _ in tokens if of_type.endswith("MarkerArray_")] == [
+        ("%crosscut%markers", topic.split("/")[-2])], "the topic is shown to the tools of ROS"
+    check_markers([ROS.deserialize_cdr(sample.payload.to_bytes(), MARKERS) for sample in drawings], live,
+                  [ROS.deserialize_cdr(data, "sensor_msgs/msg/LaserScan") for key, data in messages if key == SCANS])
+    numbers = [int.from_bytes(sample.attachment.to_bytes()[:8], "little") for sample in drawings]
+    assert numbers == list(range(1, scans + 1))
+    assert len(listeners) == 3
 
 
 def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][:12]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002, lost=frozenset({3, 4, 8}))
         taken = [next(iter(robot)) for _ in range(len(messages) - 3)]
@@ -125,7 +164,7 @@ def test_scans_that_are_lost_are_counted(network: tuple[Any, int], tee: Path) ->
 def test_a_slow_answer_leaves_out_the_oldest_scans(network: tuple[Any, int], tee: Path) -> None:
     session, port = network
     messages = [message for message in recorded(tee) if message[0] == SCANS][: crosscut.live.AHEAD + 5]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages, 0.002)
         deadline = time.monotonic() + 30
@@ -141,7 +180,7 @@ def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
     port = free_port()
     session = router(port)
     messages = [message for message in recorded(tee) if message[0] == SCANS]
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "robot1/scan", domain=7) as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         send(session, messages[:3], 0.002)
         before = [next(iter(robot))[0].stamp_ns for _ in range(3)]
@@ -160,7 +199,7 @@ def test_a_router_that_was_away_is_found_again(tee: Path) -> None:
 def test_silence_and_what_cannot_be_read_are_told(network: tuple[Any, int], monkeypatch: pytest.MonkeyPatch) -> None:
     session, port = network
     monkeypatch.setattr(crosscut.live, "SILENCE_S", 0.3)
-    with crosscut.live.Robot(f"127.0.0.1:{port}", "scan", message_type="sensor_msgs/msg/LaserScan") as robot:
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan", message_type="sensor_msgs/msg/LaserScan") as robot:
         wait_for_subscriber(session, "scan")
         session.put("scan", b"no scan")
         threading.Timer(1.5, robot.close).start()
@@ -176,6 +215,6 @@ def test_a_robot_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     assert done.returncode == 2 and "has a host and a topic" in done.stderr
 
 
-def test_the_import_needs_no_zenoh() -> None:
-    script = "import sys; sys.modules['zenoh'] = None; import crosscut.live, crosscut.ray"
+def test_the_import_needs_no_network() -> None:
+    script = "import sys; sys.modules['zenoh'] = sys.modules['cyclonedds'] = None; import crosscut.live, crosscut.ray"
     subprocess.run([sys.executable, "-c", script], check=True)

@@ -7,13 +7,17 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import mcap.reader
+import mcap.writer
 import pytest
-from conftest import SHIPPED, in_wheel
+from conftest import ROOT, SHIPPED, in_wheel
 
 import crosscut
 import crosscut.ray
@@ -124,6 +128,56 @@ def test_a_sweep_has_the_table_of_one_process_though_workers_are_lost(
     assert sum(1 for _ in tmp_path.glob("started-*")) == 3
     assert found == crosscut.sweep(archive, grid, tmp_path / "here")
     assert (tmp_path / "ray" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()
+
+
+def test_a_thousand_flights_are_there_once_though_the_driver_is_killed(
+    cluster: Any, tee: Path, tmp_path: Path
+) -> None:
+    program = os.environ.get("CROSSCUT") or str(ROOT / "target" / "release" / "crosscut")
+    if not Path(program).exists():
+        pytest.skip("needs target/release/crosscut: the program in the wheel, an interpreter each time, takes minutes")
+    cluster.add_node(num_cpus=1)
+    few = [tmp_path / f"short{number}.mcap" for number in range(4)]
+    for number, path in enumerate(few):
+        write_scans(tee, path, range(40 * number, 40 * number + 5))
+    (tmp_path / "archive").mkdir()
+    thousand = [tmp_path / "archive" / f"flight{number:03}.mcap" for number in range(1000)]
+    for number, flight in enumerate(thousand):
+        flight.hardlink_to(few[number % len(few)])
+    out = tmp_path / "out"
+    script = f"""
+import crosscut.ray
+crosscut.ray.run({str(tmp_path / "archive")!r}, {str(out)!r}, command=[{program!r}], address={cluster.address!r})
+"""
+    with subprocess.Popen([sys.executable, "-c", script]) as driver:
+        while len(list(out.glob("*.done.json"))) < 300 and driver.poll() is None:
+            time.sleep(0.05)
+        driver.kill()
+    first = {path: path.stat().st_mtime_ns for path in out.glob("*.done.json")}
+    assert 300 <= len(first) < 1000
+    found = crosscut.ray.run(tmp_path / "archive", out, command=[program])
+    assert all(path.stat().st_mtime_ns == stamp for path, stamp in first.items()), "what was done was kept"
+    alone = crosscut.ray.run_here(few, tmp_path / "here", command=[program]).drop_columns("flight").to_pylist()
+    assert len({row["mean_confidence"] for row in alone}) == len(few), "the flights differ"
+    assert found["flight"].to_pylist() == [str(flight) for flight in thousand]
+    assert found.drop_columns("flight").to_pylist() == alone * 250
+    assert len(list(out.glob("*.jsonl"))) == len(list(out.glob("*.map.json"))) == 1000
+    assert not list(out.glob(".*")), "nothing unfinished is left"
+
+
+def write_scans(flight: Path, out: Path, numbers: range) -> None:
+    """Writes some of the scans of a flight."""
+    with flight.open("rb") as source, out.open("wb") as target:
+        writer = mcap.writer.Writer(target)
+        writer.start()
+        channel_id = None
+        for number, (schema, channel, message) in enumerate(mcap.reader.make_reader(source).iter_messages(topics=["/scan"])):
+            if channel_id is None:
+                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channel_id = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
+            if number in numbers:
+                writer.add_message(channel_id, message.log_time, message.data, message.publish_time)
+        writer.finish()
 
 
 def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: Path, program: str) -> None:

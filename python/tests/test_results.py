@@ -99,7 +99,7 @@ def test_matrices_are_kept_dense_and_sparse(tee: Path) -> None:
         assert np.allclose(laplacian, np.eye(n) - w / np.sqrt(np.outer(degrees, degrees)), atol=1e-14)
         assert np.allclose(result.U.T @ result.U, np.eye(result.k), atol=1e-8)
     assert crosscut.Engine().process(scan).W is None
-    with pytest.raises(ValueError, match="keep holds W, L and U, not D"):
+    with pytest.raises(ValueError, match="keep holds W, L, U and markers, not D"):
         crosscut.Engine(keep=["D"])
 
 

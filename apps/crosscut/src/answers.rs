@@ -53,7 +53,7 @@ impl<W: Write> AnswersFile<W> {
         let mut line = Vec::new();
         ResultsLine::of(frame).write(&mut line)?;
         self.write(RESULTS_TOPIC, stamp_ns, &line)?;
-        self.write(SCENE_TOPIC, stamp_ns, &self.scene(frame).encode())
+        self.write(SCENE_TOPIC, stamp_ns, &scene(frame, &self.sensor).encode())
     }
 
     /// Writes what is left, and the index.
@@ -92,46 +92,46 @@ impl<W: Write> AnswersFile<W> {
         let points_m = points.map(|point_m| self.sensor.in_sensor_frame(*point_m).into()).collect();
         Cloud { header: header(frame), points_m, ..Cloud::default() }
     }
+}
 
-    /// The walls as lines and the openings as arrows, in the sensor's frame.
-    fn scene(&self, frame: &Frame) -> Scene {
-        let (revolution, junction) = (&frame.revolution, &frame.junction);
-        let place_m = |point_m: Point| -> [f64; 3] { self.sensor.in_sensor_frame(point_m).into() };
-        let mut lines: Vec<SceneLine> = Vec::new();
-        for wall in &junction.walls {
-            let colour = wall_rgb(wall.id).map(|part| f64::from(part) / 255.0);
-            let of_wall = revolution.points_m.iter().zip(&junction.wall_of_return);
-            let points = of_wall.filter(|(_, of)| **of == Some(wall.id)).map(|(point_m, _)| *point_m);
-            let mut last: Option<Point> = None;
-            for point_m in points {
-                let goes_on = last.is_some_and(|last| (point_m - last).norm() <= WALL_STEP_M);
-                match lines.last_mut().filter(|_| goes_on) {
-                    Some(line) => line.points_m.push(place_m(point_m)),
-                    None => lines.push(SceneLine { points_m: vec![place_m(point_m)], colour }),
-                }
-                last = Some(point_m);
+/// The walls of a finished frame as lines and its openings as arrows, in the sensor's frame.
+pub fn scene(frame: &Frame, sensor: &Sensor) -> Scene {
+    let (revolution, junction) = (&frame.revolution, &frame.junction);
+    let place_m = |point_m: Point| -> [f64; 3] { sensor.in_sensor_frame(point_m).into() };
+    let mut lines: Vec<SceneLine> = Vec::new();
+    for wall in &junction.walls {
+        let colour = wall_rgb(wall.id).map(|part| f64::from(part) / 255.0);
+        let of_wall = revolution.points_m.iter().zip(&junction.wall_of_return);
+        let points = of_wall.filter(|(_, of)| **of == Some(wall.id)).map(|(point_m, _)| *point_m);
+        let mut last: Option<Point> = None;
+        for point_m in points {
+            let goes_on = last.is_some_and(|last| (point_m - last).norm() <= WALL_STEP_M);
+            match lines.last_mut().filter(|_| goes_on) {
+                Some(line) => line.points_m.push(place_m(point_m)),
+                None => lines.push(SceneLine { points_m: vec![place_m(point_m)], colour }),
             }
+            last = Some(point_m);
         }
-        lines.retain(|line| line.points_m.len() > 1);
-        let origin = Point::origin();
-        let mut texts = vec![SceneText {
-            at_m: place_m(origin),
-            text: format!("{}, {}", counted(junction.junctions as u64, "wall"), junction.place),
-        }];
-        let mut arrows = Vec::new();
-        for opening in &junction.openings {
-            let (sin, cos) = opening.bearing_rad.sin_cos();
-            let tip_m = place_m(Point::new(ARROW_M * cos, ARROW_M * sin, 0.0));
-            arrows.push(SceneArrow {
-                from_m: place_m(origin),
-                bearing_rad: tip_m[1].atan2(tip_m[0]),
-                length_m: ARROW_M,
-                colour: OPENING,
-            });
-            texts.push(SceneText { at_m: tip_m, text: format!("{:.1} m wide", opening.width_m) });
-        }
-        Scene { stamp_ns: revolution.stamp_ns, frame_id: revolution.frame_id.clone(), lines, arrows, texts }
     }
+    lines.retain(|line| line.points_m.len() > 1);
+    let origin = Point::origin();
+    let mut texts = vec![SceneText {
+        at_m: place_m(origin),
+        text: format!("{}, {}", counted(junction.junctions as u64, "wall"), junction.place),
+    }];
+    let mut arrows = Vec::new();
+    for opening in &junction.openings {
+        let (sin, cos) = opening.bearing_rad.sin_cos();
+        let tip_m = place_m(Point::new(ARROW_M * cos, ARROW_M * sin, 0.0));
+        arrows.push(SceneArrow {
+            from_m: place_m(origin),
+            bearing_rad: tip_m[1].atan2(tip_m[0]),
+            length_m: ARROW_M,
+            colour: OPENING,
+        });
+        texts.push(SceneText { at_m: tip_m, text: format!("{:.1} m wide", opening.width_m) });
+    }
+    Scene { stamp_ns: revolution.stamp_ns, frame_id: revolution.frame_id.clone(), lines, arrows, texts }
 }
 
 /// The scan as it was recorded; `None` for a cloud.

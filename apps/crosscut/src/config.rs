@@ -19,16 +19,21 @@ pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Ou
 
 /// Resolves the layers preset < file < single settings.
 pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Config> {
-    resolve_with(args, &[], registry)
+    resolve_with(args, "", &[], registry)
 }
 
-/// Resolves the layers preset < file < settings of one `--with` < single settings.
-pub(crate) fn resolve_with(args: &ConfigArgs, own: &[String], registry: &Registry) -> anyhow::Result<Config> {
+/// Resolves the layers preset < file < settings of another option, such as one `--with` < single settings.
+pub(crate) fn resolve_with(
+    args: &ConfigArgs,
+    option: &str,
+    own: &[String],
+    registry: &Registry,
+) -> anyhow::Result<Config> {
     let mut layers = vec![Preset::named(&args.preset).map_err(usage)?.into()];
     if let Some(path) = &args.config {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
     }
-    layers.push(Layer::settings("--with", own).map_err(usage)?);
+    layers.push(Layer::settings(option, own).map_err(usage)?);
     layers.push(Layer::settings("--set", &args.set).map_err(usage)?);
     let config = Config::resolve(registry, &layers).map_err(usage)?;
     let ingest = config.params("ingest");

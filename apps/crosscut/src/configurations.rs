@@ -66,7 +66,7 @@ fn resolve(text: &str, set: &[String], registry: &Registry) -> anyhow::Result<Co
     });
     let parts = [preset, stem.as_deref(), settings].into_iter().flatten();
     let name = parts.collect::<Vec<_>>().join(",");
-    Ok(Configuration { name, config: config::resolve_with(&layers, &own, registry)? })
+    Ok(Configuration { name, config: config::resolve_with(&layers, "--with", &own, registry)? })
 }
 
 /// The parts of one `--with`, as typed.

@@ -48,7 +48,8 @@ fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
 
 /// Refuses a live robot, which the program of the Python package hears.
 fn refuse_live(args: &FlightArgs) -> Result<(), UsageError> {
-    let live = args.input.iter().filter_map(|path| path.to_str()).find(|path| path.starts_with("zenoh://"));
+    let is_live = |path: &&str| path.starts_with("zenoh://") || path.starts_with("ros2://");
+    let live = args.input.iter().filter_map(|path| path.to_str()).find(is_live);
     match live {
         Some(robot) => Err(UsageError(format!(
             "{robot} is a live robot, which `crosscut run` of the Python package hears: see docs/deployment.md"

@@ -40,6 +40,7 @@ use clap::Parser;
 use crosscut_flight::Map;
 use crosscut_pipeline::Registry;
 
+pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.

@@ -1,6 +1,7 @@
 //! A file that replaces an older one only when it is complete.
 
 use std::fs::File;
+use std::hash::{BuildHasher as _, RandomState};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -18,8 +19,15 @@ impl Unfinished {
     pub(crate) fn beside(target: &Path) -> Self {
         let target = target.canonicalize().unwrap_or_else(|_| target.to_owned());
         let name = target.file_name().unwrap_or_default().to_string_lossy();
-        let path = target.with_file_name(format!(".{name}.{}", std::process::id()));
+        let path = target.with_file_name(format!(".{name}.{}", unique()));
         Self { target, path }
+    }
+
+    /// Writes the target as a whole.
+    pub(crate) fn write(target: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
+        let unfinished = Self::beside(target);
+        std::fs::write(&unfinished.path, contents)?;
+        unfinished.finish()
     }
 
     pub(crate) fn create(&self) -> io::Result<File> {
@@ -41,6 +49,11 @@ impl Unfinished {
         })
         .context("cannot listen for Ctrl-C")
     }
+}
+
+/// A part of a name that no other thread or process takes, also on another computer.
+pub(crate) fn unique() -> String {
+    format!("{:016x}", RandomState::new().hash_one(()))
 }
 
 impl Drop for Unfinished {

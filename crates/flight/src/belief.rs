@@ -1,12 +1,22 @@
-//! Which of several answers holds, by the answers of single revolutions: the forward step of a hidden Markov model.
+//! Which of several answers holds, by the answers of single revolutions: a hidden Markov model, forward over those up to
+//! now and, where a recording is looked ahead in, backward over some of the later ones.
 //!
 //! With b_k the belief in answer k, d metres of way and t seconds since the revolution before, and an answer a of which
 //! the revolution is sure by q:
 //!
 //! ```text
 //! b_k <- (1 - p) b_k + p / K,   p = 1 - exp(-d / D - t / T)      the vehicle may have come to another place
-//! b_k <- b_k · (q if k = a, else (1 - q) / (K - 1)),   then Σ b = 1
+//! b_k <- b_k · l_k,   l_k = q if k = a, else (1 - q) / (K - 1),   then Σ b = 1
 //! ```
+//!
+//! What later revolutions say of answer k, from the last of them back to the next:
+//!
+//! ```text
+//! r_k <- l_k · r_k
+//! r_k <- (1 - p) r_k + p / K · Σ r
+//! ```
+//!
+//! The answer that holds is judged by b_k · r_k.
 
 /// The place changes once in this way (D), and in this time (T) also if the vehicle stands: people and doors move.
 const WAY_M: f64 = 3.0;
@@ -38,6 +48,41 @@ pub(crate) struct Since {
     pub(crate) time_s: f64,
 }
 
+/// The answer of a revolution.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Answered<A> {
+    pub(crate) answer: A,
+    pub(crate) confidence: f64,
+    pub(crate) since: Since,
+}
+
+impl<A: Copy + PartialEq> Answered<A> {
+    /// The probability that the vehicle has come to another place since the revolution before (p).
+    fn change(&self) -> f64 {
+        1.0 - (-self.since.way_m / WAY_M - self.since.time_s / TIME_S).exp()
+    }
+
+    /// How likely it is where the first answer is right, and where another one is (l).
+    fn likelihoods(&self) -> [f64; 2] {
+        let sure = sure(self.confidence);
+        let weight = (self.since.time_s / INDEPENDENT_S).min(1.0);
+        [sure, (1.0 - sure) / (ANSWERS - 1.0)].map(|likelihood| likelihood.powf(weight))
+    }
+
+    /// Multiplies each weight by how likely this answer is where that answer is right.
+    fn weigh(&self, weights: &mut [(A, f64)]) {
+        let [alike, other] = self.likelihoods();
+        for (known, weight) in weights {
+            *weight *= if *known == self.answer { alike } else { other };
+        }
+    }
+}
+
+fn normalise<A>(weights: &mut [(A, f64)]) {
+    let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
+    weights.iter_mut().for_each(|(_, weight)| *weight /= sum);
+}
+
 /// The beliefs in the answers that were given, and the answer that holds.
 #[derive(Clone, Debug)]
 pub(crate) struct Belief<A> {
@@ -57,26 +102,29 @@ impl<A: Copy + PartialEq> Belief<A> {
         self.holds.map(|answer| (answer, self.belief_in(answer)))
     }
 
-    /// Takes the answer of the next revolution. The answer that holds changes to this one or not at all.
-    pub(crate) fn add(&mut self, answer: A, confidence: f64, since: Since) {
-        let change = 1.0 - (-since.way_m / WAY_M - since.time_s / TIME_S).exp();
+    /// Takes the answer of the next revolution. `later`: those of revolutions after it, in order, which judge with it.
+    /// Without any, the answer that holds changes to this one or not at all.
+    pub(crate) fn add(&mut self, seen: Answered<A>, later: &[Answered<A>]) {
+        let change = seen.change();
         for (_, belief) in &mut self.beliefs {
             *belief = (1.0 - change) * *belief + change / ANSWERS;
         }
-        if !self.beliefs.iter().any(|(known, _)| *known == answer) {
-            self.beliefs.push((answer, (change / ANSWERS).max(f64::MIN_POSITIVE)));
+        for seen in std::iter::once(&seen).chain(later) {
+            if !self.beliefs.iter().any(|(known, _)| *known == seen.answer) {
+                self.beliefs.push((seen.answer, (change / ANSWERS).max(f64::MIN_POSITIVE)));
+            }
         }
-        let sure = sure(confidence);
-        let weight = (since.time_s / INDEPENDENT_S).min(1.0);
-        for (known, belief) in &mut self.beliefs {
-            let likelihood = if *known == answer { sure } else { (1.0 - sure) / (ANSWERS - 1.0) };
-            *belief *= likelihood.powf(weight);
+        seen.weigh(&mut self.beliefs);
+        normalise(&mut self.beliefs);
+        let mut judged = self.beliefs.clone();
+        for ((_, judged), (_, of_later)) in judged.iter_mut().zip(self.said_by(later)) {
+            *judged *= of_later;
         }
-        let sum: f64 = self.beliefs.iter().map(|(_, belief)| belief).sum();
-        self.beliefs.iter_mut().for_each(|(_, belief)| *belief /= sum);
-        let held = self.holds.map_or(0.0, |holds| self.belief_in(holds));
-        if self.belief_in(answer) > self.odds * held {
-            self.holds = Some(answer);
+        let held = judged.iter().find(|(known, _)| Some(*known) == self.holds).map_or(0.0, |(_, belief)| *belief);
+        // Of equal ones the first.
+        let likeliest = judged.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
+            self.holds = Some(*answer);
         }
         if self.beliefs.len() > MOST_KEPT {
             self.beliefs.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -87,6 +135,18 @@ impl<A: Copy + PartialEq> Belief<A> {
                 kept < MOST_KEPT || Some(*known) == holds
             });
         }
+    }
+
+    /// What later revolutions say of each answer (r).
+    fn said_by(&self, later: &[Answered<A>]) -> Vec<(A, f64)> {
+        let mut said: Vec<_> = self.beliefs.iter().map(|(answer, _)| (*answer, 1.0)).collect();
+        for seen in later.iter().rev() {
+            seen.weigh(&mut said);
+            normalise(&mut said);
+            let change = seen.change();
+            said.iter_mut().for_each(|(_, said)| *said = (1.0 - change) * *said + change / ANSWERS);
+        }
+        said
     }
 
     fn belief_in(&self, answer: A) -> f64 {
@@ -105,7 +165,7 @@ mod tests {
     fn held(answers: &[(usize, f64)], since: Since) -> Vec<usize> {
         let mut belief = Belief::new(100.0);
         let held = |&(answer, confidence): &(usize, f64)| {
-            belief.add(answer, confidence, since);
+            belief.add(Answered { answer, confidence, since }, &[]);
             belief.holds().expect("there is an answer").0
         };
         answers.iter().map(held).collect()
@@ -135,9 +195,25 @@ mod tests {
     }
 
     #[test]
+    fn looking_ahead_a_change_is_seen_when_it_happens_and_a_deviation_never() {
+        let mut answers = vec![2; 60];
+        (answers[10], answers[20]) = (3, 4);
+        answers[21] = 4;
+        answers[40..].fill(3);
+        let seen: Vec<_> = answers.iter().map(|&answer| Answered { answer, confidence: 0.8, since: FLYING }).collect();
+        let mut belief = Belief::new(100.0);
+        let held = |at: usize| {
+            belief.add(seen[at], &seen[at + 1..(at + 16).min(seen.len())]);
+            belief.holds().expect("there is an answer").0
+        };
+        let held: Vec<usize> = (0..seen.len()).map(held).collect();
+        assert!(held[..40].iter().all(|&held| held == 2) && held[41..].iter().all(|&held| held == 3), "{held:?}");
+    }
+
+    #[test]
     fn the_number_of_answers_that_are_kept_is_bounded() {
         let mut belief = Belief::new(100.0);
-        (0..1000).for_each(|i| belief.add(i, 0.9, FLYING));
+        (0..1000).for_each(|i| belief.add(Answered { answer: i, confidence: 0.9, since: FLYING }, &[]));
         assert!(belief.beliefs.len() <= MOST_KEPT && belief.holds().is_some());
     }
 }

@@ -1,16 +1,22 @@
 //! A whole flight, revolution by revolution.
 
-use crosscut_stage::{Frame, ParamSpec, Params};
+use crosscut_stage::{Count, Frame, ParamSpec, Params};
 
 use crate::here::{PLACE_PARAMS, Places};
 use crate::pose::{POSE_PARAMS, PoseTracker};
 use crate::steady::Steadier;
 
+/// How many revolutions after each its steady answer rests on. [`Flight::add`] looks at none.
+pub const LOOK_AHEAD: Count = Count::new("look_ahead", "revolutions", 0)
+    .from(0)
+    .to(1000)
+    .doc("of a recording, the steady answer rests on this many later scans, too, as `--smooth` does; 0: as on a robot");
+
 /// Section `flight` of the configuration.
 pub const PARAMS: &[ParamSpec] = &{
     let [pose, share, floor] = POSE_PARAMS;
     let [widths, least, farthest] = PLACE_PARAMS;
-    [pose, share, floor, widths, least, farthest]
+    [pose, share, floor, widths, least, farthest, LOOK_AHEAD.spec]
 };
 
 /// Adds to each frame of a flight what the flight so far shows.
@@ -44,12 +50,23 @@ impl Flight {
     /// Fills the pose, the place and the steady answer of the next frame, which the four stages have filled. Notes are
     /// added to those that are there.
     pub fn add(&mut self, frame: &mut Frame) {
+        self.place(frame);
+        self.steady(frame, std::iter::empty());
+    }
+
+    /// The first half of [`Flight::add`]: pose and place of the next frame.
+    pub fn place(&mut self, frame: &mut Frame) {
         let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
         frame.pose = tracked.map(|tracked| tracked.pose);
         if tracked.is_some_and(|tracked| tracked.lost) {
             self.places.forget();
         }
         frame.here = self.places.here(&frame.revolution, &frame.junction, frame.pose);
-        frame.steady = self.steadier.add(&frame.revolution, &frame.junction, frame.here.as_ref(), frame.pose);
+    }
+
+    /// The second half: the steady answer of the next frame. `later`: frames after it, in order, whose pose and place are
+    /// filled.
+    pub fn steady<'f>(&mut self, frame: &mut Frame, later: impl Iterator<Item = &'f Frame>) {
+        frame.steady = self.steadier.add(frame, later);
     }
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::Isometry2;
 
-use crosscut_stage::{Here, HereKind, Junction, Opening, Revolution, Steady, SteadyOpening, Way, wrap_angle_rad};
+use crosscut_stage::{Frame, Here, HereKind, Opening, Steady, SteadyOpening, Way, wrap_angle_rad};
 
-use crate::belief::{Belief, Since};
+use crate::belief::{Answered, Belief, Since};
 
 /// Another count, and another place, hold once they are believed this many times as much as those that held.
 const COUNT_ODDS: f64 = 100.0;
@@ -28,7 +28,7 @@ const MOST_MISSED: u32 = 10;
 /// Follows the answers of a flight.
 #[derive(Clone, Debug)]
 pub(crate) struct Steadier {
-    before: Option<(u64, Option<Isometry2<f64>>)>,
+    before: Option<Moment>,
     junctions: Belief<usize>,
     place: Belief<(HereKind, usize)>,
     tracks: Vec<Track>,
@@ -37,6 +37,48 @@ pub(crate) struct Steadier {
     shown: Vec<u64>,
     /// The place of the last revolution whose place held, its ways in fixed axes, and the track of each of them.
     here: Option<(Here, Vec<Option<u64>>)>,
+}
+
+/// When and where a revolution was taken.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    stamp_ns: u64,
+    pose: Option<Isometry2<f64>>,
+}
+
+impl Moment {
+    fn of(frame: &Frame) -> Self {
+        Self { stamp_ns: frame.revolution.stamp_ns, pose: frame.pose }
+    }
+
+    fn since(&self, before: Option<&Self>) -> Since {
+        let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
+        let time_s = (self.stamp_ns.saturating_sub(before.stamp_ns) as f64 * 1e-9).min(LONGEST_S);
+        let way_m = before.pose.zip(self.pose).map_or(USUAL_SPEED_M_S * time_s, |(before, pose)| {
+            let step = before.inv_mul(&pose);
+            step.translation.vector.norm() + WAY_M_PER_RAD * step.rotation.angle().abs()
+        });
+        Since { way_m, time_s }
+    }
+}
+
+/// What a revolution answers by itself.
+struct Answers {
+    /// `None` without returns.
+    count: Option<Answered<usize>>,
+    /// `None` where the place is not known.
+    place: Option<Answered<(HereKind, usize)>>,
+}
+
+impl Answers {
+    fn of(frame: &Frame, before: Option<&Moment>) -> Self {
+        let since = Moment::of(frame).since(before);
+        let seen = !frame.revolution.is_empty();
+        let junction = &frame.junction;
+        let count = Answered { answer: junction.junctions, confidence: junction.confidence, since };
+        let place = |here: &Here| Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since };
+        Self { count: seen.then_some(count), place: frame.here.as_ref().filter(|_| seen).map(place) }
+    }
 }
 
 /// An opening that is followed.
@@ -65,27 +107,29 @@ impl Default for Steadier {
 }
 
 impl Steadier {
-    /// The steady answer at the next revolution; `None` until a revolution has returns.
-    pub(crate) fn add(
-        &mut self,
-        revolution: &Revolution,
-        junction: &Junction,
-        here: Option<&Here>,
-        pose: Option<Isometry2<f64>>,
-    ) -> Option<Steady> {
-        let since = self.since(revolution.stamp_ns, pose);
-        let yaw_rad = pose.map_or(0.0, |pose| pose.rotation.angle());
+    /// The steady answer at the next revolution; `None` until a revolution has returns. `later`: revolutions after it, in
+    /// order, which it rests on as well.
+    pub(crate) fn add<'f>(&mut self, frame: &Frame, later: impl Iterator<Item = &'f Frame>) -> Option<Steady> {
+        let answers = Answers::of(frame, self.before.as_ref());
+        self.before = Some(Moment::of(frame));
+        let yaw_rad = frame.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
-        if !revolution.is_empty() {
-            let tracks = self.follow(&junction.openings, yaw_rad);
-            self.junctions.add(junction.junctions, junction.confidence, since);
-            if self.junctions.holds().is_some_and(|(junctions, _)| junctions == junction.junctions) {
+        if let Some(count) = answers.count {
+            let mut before = Moment::of(frame);
+            let later: Vec<Answers> = later
+                .map(|frame| {
+                    let now = Moment::of(frame);
+                    Answers::of(frame, Some(&std::mem::replace(&mut before, now)))
+                })
+                .collect();
+            let tracks = self.follow(&frame.junction.openings, yaw_rad);
+            self.junctions.add(count, &later.iter().filter_map(|answers| answers.count).collect::<Vec<_>>());
+            if self.junctions.holds().is_some_and(|(junctions, _)| junctions == count.answer) {
                 self.shown.clone_from(&tracks);
             }
-            if let Some(here) = here {
-                let place = (here.kind, here.ways.len());
-                self.place.add(place, here.confidence, since);
-                if self.place.holds().is_some_and(|(held, _)| held == place) {
+            if let Some((here, place)) = frame.here.as_ref().zip(answers.place) {
+                self.place.add(place, &later.iter().filter_map(|answers| answers.place).collect::<Vec<_>>());
+                if self.place.holds().is_some_and(|(held, _)| held == place.answer) {
                     let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();
                     let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
                     let ways = here.ways.iter().map(fixed).collect();
@@ -98,18 +142,6 @@ impl Steadier {
         let openings = self.openings(yaw_rad);
         let here = self.place(&openings, yaw_rad);
         Some(Steady { junctions, here, openings })
-    }
-
-    fn since(&mut self, stamp_ns: u64, pose: Option<Isometry2<f64>>) -> Since {
-        let Some((before_ns, before)) = self.before.replace((stamp_ns, pose)) else {
-            return Since { way_m: 0.0, time_s: LONGEST_S };
-        };
-        let time_s = (stamp_ns.saturating_sub(before_ns) as f64 * 1e-9).min(LONGEST_S);
-        let way_m = before.zip(pose).map_or(USUAL_SPEED_M_S * time_s, |(before, pose)| {
-            let step = before.inv_mul(&pose);
-            step.translation.vector.norm() + WAY_M_PER_RAD * step.rotation.angle().abs()
-        });
-        Since { way_m, time_s }
     }
 
     /// The track of each opening. The nearest in bearing are joined first.

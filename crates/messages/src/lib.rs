@@ -8,6 +8,7 @@
 //! | `sensor_msgs/LaserScan`, `MultiEchoLaserScan`, `PointCloud2` | read, written | read | | |
 //! | `nav_msgs/Odometry`, `tf2_msgs/TFMessage` | read, written | read | | |
 //! | `foxglove.LaserScan`, `foxglove.PointCloud` | | | read | read |
+//! | [`Scene`]: `visualization_msgs/MarkerArray`, `foxglove.SceneUpdate` | written | | | written |
 //! | [`Truth`] | | | read, written | |
 //!
 //! [`ScanDecoder`] finds the decoder for the messages of a scan topic by the names of their type and encoding. Fields
@@ -43,6 +44,7 @@ mod error;
 mod fields;
 mod foxglove;
 mod laser_scan;
+mod markers;
 mod message;
 mod multi_echo;
 mod odometry;
@@ -59,6 +61,7 @@ pub use cloud::{Cloud, NumberType};
 pub use error::DecodeError;
 pub use fields::Fields;
 pub use laser_scan::LaserScan;
+pub use markers::MARKERS_SCHEMA_NAME;
 pub use message::{Endian, Message};
 pub use multi_echo::{Echo, LaserEcho, MultiEchoLaserScan};
 pub use odometry::{Odometry, Pose, PoseWithCovariance, Twist, TwistWithCovariance};

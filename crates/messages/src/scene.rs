@@ -1,5 +1,5 @@
-//! `foxglove.SceneUpdate` in protobuf: lines, arrows and texts for a viewer. Fields that are not used are left out of the
-//! definition, as protobuf allows.
+//! Lines, arrows and texts for a viewer, and how they become `foxglove.SceneUpdate` in protobuf. Fields that are not used
+//! are left out of the definition, as protobuf allows.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -10,7 +10,7 @@ use prost_types::{
 
 use crate::foxglove::{FoxglovePose, FoxgloveQuaternion, FoxgloveVector, Timestamp};
 
-/// The type of [`Scene`].
+/// The type of [`Scene::encode`].
 pub const SCENE_SCHEMA_NAME: &str = "foxglove.SceneUpdate";
 
 /// What is drawn at one time; it replaces what was drawn before.
@@ -60,7 +60,7 @@ pub struct SceneText {
 }
 
 impl Scene {
-    /// The message in protobuf.
+    /// The scene as a message in protobuf.
     pub fn encode(&self) -> Vec<u8> {
         let entity = SceneEntity {
             timestamp: Some(Timestamp {

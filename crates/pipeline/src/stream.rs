@@ -4,13 +4,14 @@
 //! source whatever the number of lanes. Each frame has one owner at a time. The pool bounds
 //! their number, and an empty pool holds ingest back.
 
+use std::collections::VecDeque;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{Builder, Scope};
 use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
-use crosscut_flight::Flight;
+use crosscut_flight::{Flight, LOOK_AHEAD};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
@@ -51,7 +52,9 @@ pub fn stream(
     observers: &mut [Box<dyn Observer>],
     options: &StreamOptions,
 ) -> io::Result<Summary> {
-    let (workers, frames) = (config.workers(), config.in_flight());
+    let params = config.params("flight");
+    let look_ahead = if options.flight { params.get(LOOK_AHEAD) } else { 0 };
+    let (workers, frames) = (config.workers(), config.in_flight() + look_ahead);
     let (pool_in, pool_out) = bounded(frames);
     for _ in 0..frames {
         pool_in.send(Frame::default()).expect("the pool holds them all, and its other end is here");
@@ -80,8 +83,10 @@ pub fn stream(
         let observing = Builder::new().name("observers".into()).spawn_scoped(scope, move || observing.run())?;
 
         let vehicle_width_m = config.params("vehicle").get(VEHICLE_WIDTH_M);
-        let flight = options.flight.then(|| Flight::new(config.params("flight"), vehicle_width_m));
-        let collect = Collect { report, flight, lanes: from_lanes, results, observers: to_observers, ended };
+        let flight = options.flight.then(|| Flight::new(params, vehicle_width_m));
+        let waiting = VecDeque::with_capacity(look_ahead + 1);
+        let observers = to_observers;
+        let collect = Collect { report, flight, look_ahead, waiting, lanes: from_lanes, results, observers, ended };
         let collect = Builder::new().name("report".into()).spawn_scoped(scope, move || collect.run())?;
 
         let mut summary = collect.join().expect("the report thread catches panics");
@@ -182,6 +187,10 @@ impl Ingest<'_> {
 struct Collect<'a> {
     report: Worker,
     flight: Option<Flight>,
+    /// A frame is finished once this many after it are there.
+    look_ahead: usize,
+    /// Frames that are not finished.
+    waiting: VecDeque<Arrived>,
     lanes: Vec<Receiver<Arrived>>,
     results: &'a mut ResultsSink<'a>,
     observers: Sender<Frame>,
@@ -191,44 +200,73 @@ struct Collect<'a> {
 impl Collect<'_> {
     fn run(mut self) -> Summary {
         let mut summary = Summary::default();
-        for lane in (0..self.lanes.len()).cycle() {
-            let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
-            if let Err(failure) = self.report.work(&mut frame) {
-                // A failed ingest leaves no revolution to observe.
-                if failure.step != Step::Ingest {
-                    self.observers.send(frame).ok(); // they may have ended
-                }
-                summary.end = End::Failed(failure);
-                break;
+        let end = self.collect(&mut summary).and_then(|failed| {
+            while !self.waiting.is_empty() {
+                self.finish_next(&mut summary)?;
             }
-            if let Err(failure) = self.fly(&mut frame) {
-                summary.end = End::Failed(failure);
-                break;
-            }
-            if let Err(error) = self.write(&frame) {
-                summary.end = End::ResultsLost(error);
-                break;
-            }
-            // A recorded scan is read before it is due, a live one after.
-            let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
-            frame.timings.set_latency_ns(Some(latency_ns));
-            summary.add(&frame);
-            if self.observers.send(frame).is_err() {
-                break;
-            }
-        }
+            failed.map_or(Ok(()), |frame| Err(self.fail(frame)))
+        });
+        summary.end = end.err().unwrap_or(End::Complete);
         self.ended.set(); // ingest may be waiting for its next revolution to be due
         summary
     }
 
-    /// Adds what the flight shows. Frames come from a pool: without a flight, nothing of an earlier one stays.
-    fn fly(&mut self, frame: &mut Frame) -> Result<(), Failure> {
-        (frame.pose, frame.here, frame.steady) = (None, None, None);
-        frame.timings.set_flight_ns(None);
+    /// Takes frames up to the last, or up to one that fails, which is returned.
+    fn collect(&mut self, summary: &mut Summary) -> Result<Option<Frame>, End> {
+        for lane in (0..self.lanes.len()).cycle() {
+            let Ok(Arrived { mut frame, due }) = self.lanes[lane].recv() else { break };
+            if self.report.work(&mut frame).is_err() {
+                return Ok(Some(frame));
+            }
+            // Frames come from a pool: without a flight, nothing of an earlier one stays.
+            (frame.pose, frame.here, frame.steady) = (None, None, None);
+            frame.timings.set_flight_ns(None);
+            if let Err(failure) = self.fly(&mut frame, |flight, frame, _| flight.place(frame)) {
+                frame.failure = Some(failure);
+                return Ok(Some(frame));
+            }
+            self.waiting.push_back(Arrived { frame, due });
+            if self.waiting.len() > self.look_ahead {
+                self.finish_next(summary)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Finishes the frame that has waited longest: its results are written, then it goes to the observers.
+    fn finish_next(&mut self, summary: &mut Summary) -> Result<(), End> {
+        let Some(Arrived { mut frame, due }) = self.waiting.pop_front() else { return Ok(()) };
+        self.fly(&mut frame, |flight, frame, later| flight.steady(frame, later.iter().map(|later| &later.frame)))
+            .map_err(End::Failed)?;
+        self.write(&frame).map_err(End::ResultsLost)?;
+        // A recorded scan is read before it is due, a live one after.
+        let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
+        frame.timings.set_latency_ns(Some(latency_ns));
+        summary.add(&frame);
+        self.observers.send(frame).ok(); // they only end when this does
+        Ok(())
+    }
+
+    /// The failure of a frame, which observers see unless there is no revolution in it.
+    fn fail(&mut self, frame: Frame) -> End {
+        let failure = frame.failure.clone().expect("it failed");
+        if failure.step != Step::Ingest {
+            self.observers.send(frame).ok(); // they may have ended
+        }
+        End::Failed(failure)
+    }
+
+    /// Adds what the flight shows, with the frames that wait behind this one, and to the time that takes.
+    fn fly(
+        &mut self,
+        frame: &mut Frame,
+        add: impl FnOnce(&mut Flight, &mut Frame, &VecDeque<Arrived>),
+    ) -> Result<(), Failure> {
         let Some(flight) = &mut self.flight else { return Ok(()) };
-        let start = Instant::now();
-        let flown = catch_unwind(AssertUnwindSafe(|| flight.add(frame)));
-        frame.timings.set_flight_ns(Some(elapsed_ns(start)));
+        let (start, waiting) = (Instant::now(), &self.waiting);
+        let flown = catch_unwind(AssertUnwindSafe(|| add(flight, frame, waiting)));
+        let before_ns = frame.timings.flight_ns().unwrap_or(0);
+        frame.timings.set_flight_ns(Some(before_ns.saturating_add(elapsed_ns(start))));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
             Failure { step: Step::Report, seq: frame.revolution.seq, cause }

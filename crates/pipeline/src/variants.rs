@@ -1,7 +1,7 @@
 //! Several configurations on one revolution.
 
 use crosscut_spectral::{ZERO_TOLERANCE, recount};
-use crosscut_stage::{Eigenvalues, Frame, Step};
+use crosscut_stage::{Eigenvalues, Frame, Step, Value};
 
 use crate::engine::Worker;
 use crate::{Config, Engine, Registry};
@@ -25,6 +25,21 @@ pub fn settings_of_step(config: &Config, step: Step) -> String {
     settings.map(|(key, value)| format!("{key}={value}\n")).collect()
 }
 
+/// A zero tolerance that no eigenvalue of a Laplacian exceeds: a decomposition by it has all eigenvectors.
+const ALL_ARE_ZEROS: f64 = 2.0;
+
+/// What a full solver found in the revolutions of a flight in an earlier run: all eigenvalues, and the eigenvectors of the
+/// smallest.
+pub trait Decompositions: Send {
+    /// Writes the decomposition of the W in `frame`, and the time that it took, into `frame`; k and the margin are set
+    /// afterwards. `false` if it is not known. Revolutions come in the order of the flight.
+    fn recall(&mut self, frame: &mut Frame) -> bool;
+
+    /// Keeps the decomposition in `frame` for later runs. It has been computed, also where it was recalled, because
+    /// more eigenvectors are needed.
+    fn keep(&mut self, frame: &Frame);
+}
+
 /// Runs the stages of several configurations on one revolution. Each stage runs once for all configurations that agree in
 /// its settings and in those of the stages before it: W is made once for all zero tolerances, and so is a full
 /// decomposition, of which each tolerance takes the eigenvectors of its zeros.
@@ -43,7 +58,13 @@ struct Branch {
 
 enum Run {
     Stage(Worker),
-    /// Counts the zeros of the decomposition once more, with a τ that is no larger than any before.
+    /// Finds all eigenvalues, or recalls them if their eigenvectors suffice for `largest`, the largest τ that follows.
+    Decompose {
+        worker: Worker,
+        largest: f64,
+        known: Box<dyn Decompositions>,
+    },
+    /// Counts the zeros of the decomposition, with a τ that is no larger than any before.
     Recount(f64),
 }
 
@@ -53,7 +74,7 @@ impl Branch {
     }
 }
 
-/// τ, if `config` chose a full decomposition: it then has the spectrum by every smaller τ as well.
+/// τ, if `config` chose a full decomposition, which has the spectrum by every τ.
 fn recounted_tolerance(config: &Config, registry: &Registry) -> Option<f64> {
     let kind = config.kind(&registry.spectral);
     let counts_below_tolerance = kind.params.iter().any(|spec| spec.name == ZERO_TOLERANCE.spec.name);
@@ -62,32 +83,43 @@ fn recounted_tolerance(config: &Config, registry: &Registry) -> Option<f64> {
 }
 
 impl Variants {
-    /// The stages that `configs` chose. How scans are read is not theirs: they are to agree in that.
-    pub fn new(configs: &[&Config], registry: &Registry) -> Self {
+    /// The stages that `configs` chose. How scans are read is not theirs: they are to agree in that. `known` is asked for
+    /// the decompositions by each full solver, and is given the settings that these depend on.
+    pub fn new(
+        configs: &[&Config],
+        registry: &Registry,
+        mut known: impl FnMut(&str) -> Box<dyn Decompositions>,
+    ) -> Self {
         let mut falling: Vec<_> = configs
             .iter()
             .enumerate()
             .map(|(at, config)| (at, *config, recounted_tolerance(config, registry)))
             .collect();
-        // The largest τ of a decomposition comes first, as its U has all columns of the others.
+        // The largest τ of a decomposition comes first, as a recount leaves the columns of U that smaller ones need.
         let tolerance = |tolerance: Option<f64>| tolerance.unwrap_or(0.0);
         falling.sort_by(|(.., a), (.., b)| tolerance(*b).total_cmp(&tolerance(*a)));
         let mut branches = Vec::new();
         for (place, config, tolerance) in falling {
-            let Engine { weigh, decompose, cluster, report } = Engine::new(config, registry);
-            let mut level = &mut branches;
-            for worker in [weigh, decompose] {
-                let mut settings = settings_of_step(config, worker.step);
-                if worker.step == Step::Spectral && tolerance.is_some() {
-                    settings = without_tolerance(&settings);
+            let widest = match tolerance {
+                Some(_) => &config.with("spectral", ZERO_TOLERANCE.spec.name, Value::Number(ALL_ARE_ZEROS)),
+                None => config,
+            };
+            let Engine { weigh, decompose, cluster, report } = Engine::new(widest, registry);
+            let settings = |step| settings_of_step(widest, step);
+            let weighs = branch(&mut branches, settings(Step::Affinity), || Run::Stage(weigh));
+            let decomposes = branch(&mut weighs.next, settings(Step::Spectral), || match tolerance {
+                Some(largest) => {
+                    let before = [Step::Ingest, Step::Affinity, Step::Spectral].map(settings).concat();
+                    Run::Decompose { worker: decompose, largest, known: known(&before) }
                 }
-                level = &mut branch(level, settings, Run::Stage(worker)).next;
-            }
+                None => Run::Stage(decompose),
+            });
+            let mut level = &mut decomposes.next;
             if let Some(tolerance) = tolerance {
-                level = &mut branch(level, tolerance.to_string(), Run::Recount(tolerance)).next;
+                level = &mut branch(level, tolerance.to_string(), || Run::Recount(tolerance)).next;
             }
-            let clusters = branch(level, settings_of_step(config, cluster.step), Run::Stage(cluster));
-            let reports = branch(&mut clusters.next, settings_of_step(config, report.step), Run::Stage(report));
+            let clusters = branch(level, settings(Step::Kmeans), || Run::Stage(cluster));
+            let reports = branch(&mut clusters.next, settings(Step::Report), || Run::Stage(report));
             reports.configurations.push(place);
         }
         Self { branches }
@@ -101,18 +133,13 @@ impl Variants {
 }
 
 /// The branch of `level` with these settings, which is added if there is none.
-fn branch(level: &mut Vec<Branch>, settings: String, run: Run) -> &mut Branch {
+fn branch(level: &mut Vec<Branch>, settings: String, run: impl FnOnce() -> Run) -> &mut Branch {
     let known = level.iter().position(|branch| branch.settings == settings);
     let at = known.unwrap_or_else(|| {
-        level.push(Branch::new(settings, run));
+        level.push(Branch::new(settings, run()));
         level.len() - 1
     });
     &mut level[at]
-}
-
-fn without_tolerance(settings: &str) -> String {
-    let key = format!("spectral.{}=", ZERO_TOLERANCE.spec.name);
-    settings.lines().filter(|setting| !setting.starts_with(&key)).map(|setting| format!("{setting}\n")).collect()
 }
 
 fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize, &Frame)) {
@@ -125,8 +152,12 @@ fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize,
             Run::Stage(worker) => {
                 worker.work(frame).ok(); // a failure travels in the frame
             }
-            Run::Recount(tolerance) if frame.failure.is_none() => recount(&mut frame.spectrum, *tolerance),
-            Run::Recount(_) => {}
+            Run::Decompose { .. } | Run::Recount(_) if frame.failure.is_some() => {}
+            Run::Decompose { worker, largest, known } => decompose(worker, *largest, known.as_mut(), frame),
+            Run::Recount(tolerance) => {
+                let is_enough = recount(&mut frame.spectrum, *tolerance);
+                assert!(is_enough, "the largest τ comes first");
+            }
         }
         branch.configurations.iter().for_each(|place| each(*place, frame));
         walk(&mut branch.next, frame, each);
@@ -134,15 +165,56 @@ fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize,
     frame.failure = failure;
 }
 
+/// A decomposition on which the solver has something to note is not kept, as the notes would be lost.
+fn decompose(worker: &mut Worker, largest: f64, known: &mut dyn Decompositions, frame: &mut Frame) {
+    if known.recall(frame) && recount(&mut frame.spectrum, largest) {
+        return;
+    }
+    let notes = frame.notes.iter().len();
+    if worker.work(frame).is_ok() && frame.notes.iter().len() == notes {
+        known.keep(frame);
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::{Arc, Mutex};
 
-    use crosscut_stage::Point;
+    use crosscut_stage::{Embedding, Point, Spectrum};
 
     use super::*;
     use crate::{Layer, Preset};
+
+    /// Those of one revolution, of which `columns` eigenvectors are kept, and how often they were asked for and given.
+    #[derive(Clone, Default)]
+    struct Memory {
+        columns: usize,
+        kept: Arc<Mutex<Option<Spectrum>>>,
+        recalled: Arc<AtomicUsize>,
+        computed: Arc<AtomicUsize>,
+    }
+
+    impl Decompositions for Memory {
+        fn recall(&mut self, frame: &mut Frame) -> bool {
+            let Some(kept) = self.kept.lock().expect("no panic").clone() else { return false };
+            self.recalled.fetch_add(1, Ordering::Relaxed);
+            frame.spectrum = kept;
+            true
+        }
+
+        fn keep(&mut self, frame: &Frame) {
+            self.computed.fetch_add(1, Ordering::Relaxed);
+            let mut spectrum = frame.spectrum.clone();
+            let Embedding::Dense(u) = &mut spectrum.u else { panic!("of a full decomposition") };
+            u.truncate(u.nrows(), self.columns.min(u.ncols()));
+            *self.kept.lock().expect("no panic") = Some(spectrum);
+        }
+    }
+
+    fn variants(configs: &[&Config], registry: &Registry) -> Variants {
+        Variants::new(configs, registry, |_| Box::new(Memory::default()))
+    }
 
     fn config(registry: &Registry, settings: &[&str]) -> Config {
         let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
@@ -171,7 +243,7 @@ mod tests {
             &["affinity.kind=dbscan"],
         ];
         let configs: Vec<Config> = settings.iter().map(|settings| config(&registry, settings)).collect();
-        let mut variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
+        let mut variants = variants(&configs.iter().collect::<Vec<_>>(), &registry);
         for _ in 0..2 {
             let mut answers = vec![None; configs.len()];
             let mut shared = frame();
@@ -201,11 +273,34 @@ mod tests {
             with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-9"]),
             with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-3"]),
         ];
-        let variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
+        let variants = variants(&configs.iter().collect::<Vec<_>>(), &registry);
         assert_eq!(variants.branches.len(), 1, "one W");
         let spectral = &variants.branches[0].next;
         let counts: Vec<usize> = spectral.iter().map(|branch| branch.next.len()).collect();
         assert_eq!(counts, [2, 1, 1], "`slicing` finds no more eigenvectors than its tolerance asks for");
+    }
+
+    #[test]
+    fn a_decomposition_is_recalled_where_its_eigenvectors_suffice() {
+        let registry = Registry::standard();
+        let answers = |tolerance: &str, memory: &Memory| {
+            let config = config(&registry, &[&format!("spectral.zero_tolerance={tolerance}")]);
+            let mut variants = Variants::new(&[&config], &registry, |_| Box::new(memory.clone()));
+            let (mut frame, mut answer) = (frame(), None);
+            variants.process(&mut frame, &mut |_, frame| {
+                answer = Some((frame.spectrum.clone(), frame.partition.clone(), frame.junction.clone()));
+            });
+            let (spectrum, partition, junction) = answer.expect("given");
+            format!("{spectrum:?} {partition:?} {junction:?}")
+        };
+        let memory = Memory { columns: 4, ..Memory::default() };
+        let counts = || [&memory.computed, &memory.recalled].map(|count| count.load(Ordering::Relaxed));
+        answers("1e-3", &memory);
+        assert_eq!(counts(), [1, 0]);
+        for (tolerance, expected) in [("1e-9", [1, 1]), ("1e-2", [1, 2]), ("1.9", [2, 3])] {
+            assert_eq!(answers(tolerance, &memory), answers(tolerance, &Memory::default()), "{tolerance}");
+            assert_eq!(counts(), expected, "{tolerance}: four eigenvectors do not suffice where forty are zeros");
+        }
     }
 
     #[test]

@@ -34,18 +34,19 @@ impl ZeroRule {
     }
 }
 
-/// Sets k, the margin and U of a full decomposition, which were made with a larger τ, to those of this τ. What was
-/// decomposed stays as it is.
+/// Sets k, the margin and U of a full decomposition, of which U has the eigenvectors of the smallest eigenvalues, to those
+/// of this τ. `false` if it counts more zeros than U has eigenvectors; the spectrum is then of no use.
 ///
 /// # Panics
-/// If a zero by this τ is none by the one before, or U is sparse: a full decomposition makes it dense.
-pub fn recount(spectrum: &mut Spectrum, tolerance: f64) {
+/// If U is sparse: a full decomposition makes it dense.
+#[must_use]
+pub fn recount(spectrum: &mut Spectrum, tolerance: f64) -> bool {
     let n = spectrum.eigenvalues.len();
-    let counted = spectrum.k;
     ZeroRule::Tolerance(tolerance).count(spectrum, n);
-    assert!(spectrum.k <= counted, "τ {tolerance} counts {} zeros; U was made for {counted}", spectrum.k);
     let Embedding::Dense(u) = &mut spectrum.u else { panic!("U of a full decomposition is dense") };
-    u.truncate(n, spectrum.k);
+    let is_enough = spectrum.k <= u.ncols();
+    u.truncate(n, spectrum.k.min(u.ncols()));
+    is_enough
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ def main() -> int:
         from . import ray
 
         return ray.main(sys.argv[1], arguments)
-    if sys.argv[1:2] == ["run"] and any(argument.startswith("zenoh://") for argument in sys.argv):
+    if sys.argv[1:2] == ["run"] and any(argument.startswith(("zenoh://", "ros2://")) for argument in sys.argv):
         from . import live
 
         return live.main(sys.argv[2:])

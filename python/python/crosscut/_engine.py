@@ -41,7 +41,8 @@ class Engine:
     What a callable returns is checked; an exception in it becomes the cause of a :class:`StageError`. With an affinity of
     one's own, start from preset ``paper`` and set ``spectral.zero_tolerance`` into the gap above the zeros.
 
-    ``keep`` names matrices that results hold: "W", "L", "U". An engine works on one scan at a time.
+    ``keep`` names what else results hold: the matrices "W", "L" and "U", and "markers", a drawing for RViz. An engine works on
+    one scan at a time.
     """
 
     def __init__(
@@ -57,10 +58,12 @@ class Engine:
         self._native = _native.Engine(*self._made_of)
 
     @classmethod
-    def with_changes(cls, preset: str, changes: Iterable[str], **stages: Callable[..., Any]) -> Engine:
+    def with_changes(
+        cls, preset: str, changes: Iterable[str], keep: Iterable[str] = (), /, **stages: Callable[..., Any]
+    ) -> Engine:
         """From settings as the command line has them: ``section.key=value``, the value in TOML. ``stages`` are callables."""
         made = cls.__new__(cls)
-        made._made_of = (preset, list(changes), [stages.get(name) for name in STAGES], [])
+        made._made_of = (preset, list(changes), [stages.get(name) for name in STAGES], list(keep))
         made._native = _native.Engine(*made._made_of)
         return made
 

@@ -93,7 +93,7 @@ class Pose(NamedTuple):
 class Result:
     """The answer for one scan. Two results are equal if all but their timings are.
 
-    The fields are those of the lines that ``crosscut run --results`` writes, and the matrices asked for by ``keep``.
+    The fields are those of the lines that ``crosscut run --results`` writes, and what ``keep`` asks for.
     """
 
     seq: int
@@ -138,6 +138,8 @@ class Result:
     """The Laplacian I - D^-1/2 W D^-1/2 (n, n), stored as W is; with ``keep=("L",)``."""
     U: Any = dataclasses.field(default=None, repr=False)
     """The embedding (n, k); with ``keep=("U",)``."""
+    markers: bytes | None = dataclasses.field(default=None, repr=False)
+    """Walls and openings in the sensor's frame as a ``visualization_msgs/msg/MarkerArray`` in CDR; with ``keep=("markers",)``."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Result):
@@ -145,7 +147,7 @@ class Result:
         mine, others = self.to_dict(), other.to_dict()
         matrices = all(_same(getattr(self, name), getattr(other, name)) for name in ("W", "L", "U"))
         arrays = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("eigenvalues", "clusters"))
-        return mine == others and arrays and matrices
+        return mine == others and arrays and matrices and self.markers == other.markers
 
     __hash__ = None  # type: ignore[assignment]
 

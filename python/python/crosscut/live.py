@@ -1,15 +1,18 @@
-"""A live robot on Zenoh: its scans in, the answers out; needs eclipse-zenoh. ROS need not be installed.
+"""A live robot: its scans in, the answers out. ROS need not be installed.
 
 >>> import crosscut, crosscut.live
->>> flight = crosscut.FlightMap()
->>> with crosscut.live.Robot("robot.local:7447", "/scan", odometry="/odom") as robot:
+>>> flight = crosscut.FlightMap(crosscut.Engine(keep=("markers",)))
+>>> with crosscut.live.Robot("zenoh://robot.local:7447/scan", odometry="/odom") as robot:
 ...     for scan, pose in robot:
 ...         result = flight.add(scan, pose)
 ...         robot.publish("crosscut/results", result)
+...         robot.draw("crosscut/markers", result)
 
-Robots whose ROS 2 speaks rmw_zenoh are heard as they are: the endpoint is that of their Zenoh router. From a shell:
+Robots whose ROS 2 speaks rmw_zenoh are heard as they are, through their Zenoh router (``zenoh://``, needs eclipse-zenoh);
+so are those that speak DDS (``ros2://``, needs cyclonedds). From a shell:
 
     crosscut run zenoh://robot.local:7447/scan --odometry /odom --publish crosscut --map flight.json
+    crosscut run ros2://0/scan --odometry /odom --publish crosscut --map flight.json
 """
 
 from __future__ import annotations
@@ -27,12 +30,13 @@ import warnings
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, TypeAlias
 
 from ._engine import Engine
-from ._errors import Error, LossWarning
+from ._errors import Error, LossWarning, SettingsError
 from ._flight_map import FlightMap
 from ._native import Scan, poses_of_message
 from ._results import Result
@@ -58,9 +62,9 @@ ODOMETRY_FRAME = "odom"
 class Robot:
     """The scans that a robot sends, and their poses, one after the other until :meth:`close`.
 
-    ``endpoint``: HOST or HOST:PORT of the robot's Zenoh router (port 7447 if there is none). ``topic``: of ROS, such as
-    "/robot1/scan", in the ROS domain ``domain``; or a Zenoh key expression of plain messages in CDR, with their
-    ``message_type``. ``odometry``: the topic of nav_msgs/Odometry, or "/tf".
+    ``address``: "zenoh://HOST:PORT/TOPIC", the robot's Zenoh router (port 7447 if there is none) and the topic of its scans
+    in the ROS domain ``domain``; or, with their ``message_type``, a key expression of plain messages in CDR.
+    "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or "/tf".
 
     ``missed`` counts the scans that did not arrive or were left out; ``clock_ns`` is how far this computer's clock is ahead
     of the sensor's stamps, the way through the network included.
@@ -68,46 +72,47 @@ class Robot:
 
     def __init__(
         self,
-        endpoint: str,
-        topic: str,
+        address: str,
         *,
         odometry: str | None = None,
         domain: int = 0,
         message_type: str | None = None,
     ) -> None:
-        import zenoh
-
         self.missed = 0
         self.clock_ns: int | None = None
         self._scans: deque[Scan] = deque()
         self._poses = _Poses()
         self._changed = threading.Condition()
-        self._sequence: dict[bytes, int] = {}
-        self._message_type = message_type
         self._unreadable: str | None = None
         self._closed = False
-        host, _, port = endpoint.rpartition(":") if ":" in endpoint else (endpoint, "", "")
-        config = zenoh.Config()
-        config.insert_json5("mode", '"client"')
-        config.insert_json5("connect/endpoints", json.dumps([f"tcp/{host}:{port or 7447}"]))
-        try:
-            self._session = zenoh.open(config)
-        except zenoh.ZError as error:
-            text = f"no Zenoh router answers at {endpoint}; is it running (rmw_zenohd), and is the port right?"
-            raise Error(text) from error
-        self._subscribers = [self._session.declare_subscriber(_key(topic, domain, message_type), self._hear_scan)]
+        scheme, _, rest = address.partition("://")
+        host, _, topic = rest.partition("/")
+        self._bus = _bus(scheme, host, topic, domain, message_type)
+        self._poses.wanted = odometry is not None
+        of_type = [] if message_type is None else [message_type]
+        self._bus.hear(topic.strip("/"), partial(self._hear_scan, topic), *of_type)
         if odometry is not None:
-            self._poses.wanted = True
-            key = _key(odometry, domain, None)
-            self._subscribers.append(self._session.declare_subscriber(key, self._hear_poses))
+            self._bus.hear(odometry.strip("/"), partial(self._hear_poses, odometry))
 
     def __iter__(self) -> Iterator[tuple[Scan, XyYaw | None]]:
         while (scan := self._next()) is not None:
             yield scan, self._pose_at(scan.stamp_ns)
 
     def publish(self, key: str, what: Result | FlightMap | dict[str, Any]) -> None:
-        """Sends a result, a map or anything else that JSON can hold to all who subscribe to ``key``."""
-        self._session.put(key, json.dumps(what if isinstance(what, dict) else what.to_dict()))
+        """Sends a result, a map or anything else that JSON can hold to all who subscribe to ``key``.
+
+        Over DDS it is a std_msgs/String on the topic of that name.
+        """
+        self._bus.send_text(key.strip("/"), json.dumps(what if isinstance(what, dict) else what.to_dict()))
+
+    def draw(self, topic: str, result: Result) -> None:
+        """Sends walls and openings on a topic of ROS, for RViz and Foxglove, as visualization_msgs/MarkerArray.
+
+        The engine has ``keep=("markers",)``.
+        """
+        if result.markers is None:
+            raise ValueError('the result has no markers: the engine needs keep=("markers",)')
+        self._bus.send_markers(topic.strip("/"), result.markers)
 
     def close(self) -> None:
         """Ends the iteration; may be called from another thread."""
@@ -122,7 +127,7 @@ class Robot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-        self._session.close()
+        self._bus.close()
 
     def _next(self) -> Scan | None:
         silent_since = time.monotonic()
@@ -131,7 +136,7 @@ class Robot:
                 self._changed.wait(0.1)
                 if time.monotonic() - silent_since > SILENCE_S:
                     silent_since = math.inf
-                    told = self._unreadable or "is the topic right? is the robot's router up?"
+                    told = self._unreadable or "is the topic right, and is the robot up?"
                     warnings.warn(f"no scan for {SILENCE_S:.0f} s; {told}", LossWarning, stacklevel=3)
             return None if self._closed else self._scans.popleft()
 
@@ -141,39 +146,27 @@ class Robot:
                 self._changed.wait_for(lambda: self._closed or self._poses.reach(stamp_ns), POSE_WAIT_S)
             return self._poses.at(stamp_ns)
 
-    def _hear_scan(self, sample: Any) -> None:
+    def _hear_scan(self, topic: str, message: bytes, message_type: str, skipped: int) -> None:
         arrived_ns = time.time_ns()
-        message_type = self._message_type or str(sample.key_expr).split("/")[-2]
         try:
-            scan = Scan.from_message(sample.payload.to_bytes(), message_type)
+            scan = Scan.from_message(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {sample.key_expr} cannot be read: {error}"
+            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
             return
         with self._changed:
             self.clock_ns = arrived_ns - scan.stamp_ns
-            self.missed += self._skipped(sample.attachment)
+            self.missed += skipped
             self._scans.append(scan)
             if len(self._scans) > AHEAD:
                 self._scans.popleft()
                 self.missed += 1
             self._changed.notify_all()
 
-    def _skipped(self, attachment: Any) -> int:
-        """How many messages of the same publisher are missing before this one, by the numbers that rmw_zenoh attaches."""
-        attached = b"" if attachment is None else attachment.to_bytes()
-        if len(attached) < 33:
-            return 0
-        number, publisher = int.from_bytes(attached[:8], "little", signed=True), attached[17:33]
-        before = self._sequence.get(publisher)
-        self._sequence[publisher] = number
-        return 0 if before is None else max(0, number - before - 1)
-
-    def _hear_poses(self, sample: Any) -> None:
-        message_type = str(sample.key_expr).split("/")[-2]
+    def _hear_poses(self, topic: str, message: bytes, message_type: str, _skipped: int) -> None:
         try:
-            poses = poses_of_message(sample.payload.to_bytes(), message_type)
+            poses = poses_of_message(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {sample.key_expr} cannot be read: {error}"
+            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
             return
         is_transform = "TFMessage" in message_type
         with self._changed:
@@ -181,6 +174,25 @@ class Robot:
                 if not is_transform or parent.lstrip("/") == ODOMETRY_FRAME:
                     self._poses.add(_StampedPose(stamp_ns, x_m, y_m, yaw_rad))
             self._changed.notify_all()
+
+
+def _bus(scheme: str, host: str, topic: str, domain: int, message_type: str | None) -> Any:
+    """What hears and sends topics: a ``Bus`` of the module for this kind of network."""
+    if scheme == "zenoh":
+        if not host or not topic:
+            raise SettingsError("zenoh://HOST[:PORT]/TOPIC has a host and a topic")
+        from . import _zenoh
+
+        return _zenoh.Bus(host, domain)
+    if scheme == "ros2":
+        if not host.isdecimal() or not topic:
+            raise SettingsError("ros2://DOMAIN/TOPIC has a number and a topic")
+        if domain or message_type:
+            raise SettingsError("a robot on DDS has its domain in ros2://DOMAIN/TOPIC, and tells its types itself")
+        from . import _dds
+
+        return _dds.Bus(int(host))
+    raise SettingsError(f"a live robot is zenoh:// or ros2://, not {scheme}://")
 
 
 class _StampedPose(NamedTuple):
@@ -223,41 +235,30 @@ class _Poses:
         return x_m, y_m, lower.yaw_rad + share * turned_rad
 
 
-def _key(topic: str, domain: int, message_type: str | None) -> str:
-    """A key expression of plain messages, or that of a topic as rmw_zenoh names it: domain/topic/type/hash."""
-    return topic.strip("/") if message_type else f"{domain}/{topic.strip('/')}/*/*"
-
-
 def main(arguments: Sequence[str]) -> int:
-    """``crosscut run zenoh://HOST[:PORT]/TOPIC``; returns the exit code of the program."""
+    """``crosscut run`` on a live robot; returns the exit code of the program."""
     parser = argparse.ArgumentParser(prog="crosscut run", description="Answers to a live robot, until Ctrl-C.")
-    parser.add_argument("robot", metavar="zenoh://HOST[:PORT]/TOPIC", help="the robot's Zenoh router, and its scans")
+    parser.add_argument("robot", metavar="ADDRESS", help="zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC")
     parser.add_argument("--odometry", metavar="TOPIC", help="of nav_msgs/Odometry, or /tf")
-    parser.add_argument("--domain", type=int, default=0, help="ROS domain of the robot [default: 0]")
+    parser.add_argument("--domain", type=int, default=0, help="ROS domain of a robot on Zenoh [default: 0]")
     parser.add_argument("--as", dest="message_type", metavar="TYPE", help="TOPIC is a key of plain messages of this type, CDR")
-    parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results for each scan, and to KEY/map each second")
+    parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results and KEY/map, a drawing to topic KEY/markers")
     parser.add_argument("--results", metavar="FILE.jsonl", help="one JSON object per scan; - is standard output")
     parser.add_argument("--map", metavar="FLIGHT.json", type=Path, help="the map of the flight, renewed each second")
     parser.add_argument("--preset", default="default")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
     args = parser.parse_args(arguments)
-    endpoint, _, topic = args.robot.removeprefix("zenoh://").partition("/")
-    if not endpoint or not topic:
-        print("error: zenoh://HOST[:PORT]/TOPIC has a host and a topic", file=sys.stderr)
-        return 2
-    try:
-        import zenoh  # noqa: F401
-    except ImportError:
-        print("error: live robots need the package eclipse-zenoh: pip install 'crosscut[live]'", file=sys.stderr)
-        return 2
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     warnings.simplefilter("always", LossWarning)
     try:
-        flight = FlightMap(Engine.with_changes(args.preset, args.changes))
-        with Robot(endpoint, topic, odometry=args.odometry, domain=args.domain, message_type=args.message_type) as robot:
+        flight = FlightMap(Engine.with_changes(args.preset, args.changes, ("markers",) if args.publish else ()))
+        with Robot(args.robot, odometry=args.odometry, domain=args.domain, message_type=args.message_type) as robot:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, lambda *_: robot.close())
             return _answer(robot, flight, args)
+    except ImportError as error:
+        print(f"error: {error}; pip install 'crosscut[live]' for zenoh://, 'crosscut[dds]' for ros2://", file=sys.stderr)
+        return 2
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
         return 2 if isinstance(error, ValueError) else 1
@@ -274,6 +275,7 @@ def _answer(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> int:
             answered += 1
             if args.publish:
                 robot.publish(f"{args.publish}/results", result)
+                robot.draw(f"{args.publish}/markers", result)
             if lines is not None:
                 print(json.dumps(result.to_dict()), file=lines, flush=True)
             if time.monotonic() - mapped_at >= 1.0:

@@ -212,16 +212,19 @@ def _process(flight: str, name: str, out: str, command: list[str], options: list
     part = Path(out) / f".{name}.{uuid.uuid4().hex}"
     part.mkdir()
     try:
-        outputs = [part / f"{name}.jsonl", part / f"{name}.map.json"]
-        to = ["--results", str(outputs[0]), "--map", str(outputs[1])] if command[-1] == "run" else ["--out", str(part), "--jobs", "1"]
+        results, flight_map = part / f"{name}.jsonl", part / f"{name}.map.json"
+        to, made = {
+            "run": (["--results", results, "--map", flight_map], f"{name}.*"),
+            "sweep": (["--out", part, "--jobs", "1", "--keep-mb", "0"], "rows/*.json"),
+        }[command[-1]]
         said = subprocess.run([*command, flight, *to, *options, "--quiet"], capture_output=True, text=True)
         if said.returncode < 0:
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
-            if command[-1] == "run":
-                row |= _figures(*outputs)
-            for file in outputs if command[-1] == "run" else part.glob("rows/*.json"):
+            if results.exists():
+                row |= _figures(results, flight_map)
+            for file in sorted(part.glob(made)):
                 file.replace(Path(out) / file.relative_to(part))
         if said.returncode != DONE:
             row["error"] = str(failure(said.returncode, said.stderr))

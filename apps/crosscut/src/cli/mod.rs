@@ -90,6 +90,9 @@ pub(crate) struct RunArgs {
     /// Read on at the end of an MCAP that is still being written, until its recorder closes it or Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
+    /// Let the steady answer, and with it the map, rest on the 10 scans after each as well (`flight.look_ahead`).
+    #[arg(long, conflicts_with = "follow")]
+    pub(crate) smooth: bool,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,

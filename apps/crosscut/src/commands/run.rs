@@ -18,9 +18,13 @@ use crate::say::say;
 use crate::written::Written;
 use crate::{config, flight, outputs, progress, summary};
 
+/// The later scans that the steady answer rests on with `--smooth`: more change hardly a scan.
+const SMOOTH_LOOK_AHEAD: usize = 10;
+
 /// Runs the flight. The results of a revolution are on disk before any observer sees it.
 pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let config = config::resolve(&args.config, registry)?;
+    let smooth: &[String] = if args.smooth { &[format!("flight.look_ahead={SMOOTH_LOOK_AHEAD}")] } else { &[] };
+    let config = config::resolve_with(&args.config, "--smooth", smooth, registry)?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(args.config.config.clone());
     refuse_overwriting(args, &read)?;

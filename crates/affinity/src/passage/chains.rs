@@ -5,7 +5,7 @@ use std::ops::Range;
 use crosscut_scan::{Pieces, Ring};
 use crosscut_stage::{Affinity, Verdict};
 
-use super::judge::{Joint, Judge};
+use super::judge::Judge;
 use super::odds::{self, Measures};
 use super::verdict::Decision;
 
@@ -125,13 +125,12 @@ impl Chains {
             if !judge.site.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
-            let Joint { cost, decision } = judge.joint(&chain[..at], &chain[at..]);
-            if let Some(decision) = decision {
-                let measured = judge.measures(&chain[..at], &chain[at..]);
+            let joint = judge.joint(&chain[..at], &chain[at..]);
+            if let Some((decision, measured)) = joint.verdict() {
                 measures.push(measured);
                 verdicts.push(verdict(ring, [pair[0], pair[1]], false, decision, measured));
             }
-            cost.map_or(WEAK, |cost| (-cost).exp())
+            joint.cost.map_or(WEAK, |cost| (-cost).exp())
         };
         self.links.clear();
         self.links.extend((1..).zip(chain.windows(2)).map(link));
@@ -171,13 +170,12 @@ impl Chains {
             let (a, b) = (&walls[at], &walls[next]);
             let ends = [a[a.len() - 1], b[0]];
             let is_only_wall = next == at;
-            let decision = if is_only_wall && judge.site.is_gap(ends[0], ends[1]) {
-                judge.joint(a, b).decision
+            let judged = if is_only_wall && judge.site.is_gap(ends[0], ends[1]) {
+                judge.joint(a, b).verdict()
             } else {
                 (!is_only_wall).then(|| judge.least_room(a, b))
             };
-            let Some(decision) = decision else { continue };
-            let measured = judge.measures(a, b);
+            let Some((decision, measured)) = judged else { continue };
             self.measures.push(measured);
             verdicts.push(verdict(ring, ends, decision.is_way(), decision, measured));
             if !is_only_wall && leak > 0.0 {

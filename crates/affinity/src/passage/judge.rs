@@ -47,11 +47,19 @@ pub(super) struct Judge<'s> {
 }
 
 /// What it takes to join the two pieces at a gap.
-pub(super) struct Joint {
+pub(super) struct Joint<'p> {
     /// `None` where a vehicle could pass.
     pub(super) cost: Option<f64>,
-    /// `None` if a piece has no direction.
-    pub(super) decision: Option<Decision>,
+    /// The gap and what is decided at it; `None` if a piece has no direction.
+    judged: Option<(Gap<'p>, Decision)>,
+}
+
+impl Joint<'_> {
+    /// What is decided, and what the odds of that rest on.
+    pub(super) fn verdict(&self) -> Option<(Decision, Option<Measures>)> {
+        let (gap, decision) = self.judged.as_ref()?;
+        Some((*decision, Some(gap.measures(*decision))))
+    }
 }
 
 impl<'s> Judge<'s> {
@@ -68,7 +76,11 @@ impl<'s> Judge<'s> {
     }
 
     /// What it takes to join two pieces that have a gap between them.
-    pub(super) fn joint(&mut self, a: &[usize], b: &[usize]) -> Joint {
+    #[inline]
+    pub(super) fn joint<'p>(&mut self, a: &'p [usize], b: &'p [usize]) -> Joint<'p>
+    where
+        's: 'p,
+    {
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
                 let gap = Gap::measure(self.site, [a, b], [before, after]);
@@ -77,9 +89,9 @@ impl<'s> Judge<'s> {
                 let chord_m = gap.chord_m();
                 let long = if chord_m > LONG_GAP_M { COST_PER_M * chord_m } else { 0.0 };
                 let cost = COST + gap.turns.whole_rad.abs() + DETOUR_COST * detour_rad + long;
-                Joint { cost: (!decision.is_way()).then_some(cost), decision: Some(decision) }
+                Joint { cost: (!decision.is_way()).then_some(cost), judged: Some((gap, decision)) }
             }
-            [before, after] => Joint { cost: self.cost_of_small(a, b, before.or(after)), decision: None },
+            [before, after] => Joint { cost: self.cost_of_small(a, b, before.or(after)), judged: None },
         }
     }
 
@@ -99,11 +111,6 @@ impl<'s> Judge<'s> {
         (along_m > 0.0 && off < 1.0).then_some(COST_OF_SMALL + off + COST_PER_M * chord_m)
     }
 
-    /// What the odds of the gap between two pieces rest on; `None` if a piece has no direction.
-    pub(super) fn measures(&mut self, a: &[usize], b: &[usize]) -> Option<Measures> {
-        Some(Gap::between(self.site, a, b, self.directions)?.measures())
-    }
-
     /// The room ratio between two pieces with directions, if that makes a way on.
     pub(super) fn room_ratio_of_way(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
         let decision = Gap::between(self.site, a, b, self.directions)?.decide();
@@ -111,14 +118,16 @@ impl<'s> Judge<'s> {
     }
 
     /// What makes the gap between two walls a way on, and the least room that there is, or would be if the wall turned
-    /// by [`DOUBT_RAD`] less or more.
-    pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> Decision {
+    /// by [`DOUBT_RAD`] less or more. With what its odds rest on, unless a piece has no direction.
+    pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
         let Some(gap) = Gap::between(self.site, a, b, self.directions) else {
-            return Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason: "too little is seen for a direction" };
+            let reason = "too little is seen for a direction";
+            return (Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason }, None);
         };
-        let decisions = [-DOUBT_RAD, 0.0, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide());
-        let least = decisions.iter().map(|decision| decision.room_ratio).fold(f64::INFINITY, f64::min);
-        Decision { room_ratio: least.max(LEAST_ROOM_RATIO), reason: decisions[1].reason }
+        let decision = gap.decide();
+        let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide().room_ratio);
+        let least = turned.into_iter().fold(decision.room_ratio, f64::min);
+        (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(gap.measures(decision)))
     }
 
     /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have

@@ -9,6 +9,7 @@
 use super::gap::{BUMP_HIDES_BUMPS_AT_CORNER, BUMP_HIDES_M, Gap};
 use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
+use super::verdict::Decision;
 
 /// What is measured at a gap, in the order of the terms.
 pub const MEASURES: [&str; 12] =
@@ -57,16 +58,17 @@ fn log_odds(measures: &Measures) -> f64 {
 }
 
 impl Gap<'_> {
-    /// Measures a gap for its odds. Of two equally near ends neither is the nearer one, and the mean of both views counts.
-    pub(super) fn measures(&self) -> Measures {
-        let one = self.measures_from_nearer();
+    /// Measures a gap, at which this is decided, for its odds. Of two equally near ends neither is the nearer one, and
+    /// the mean of both views counts.
+    pub(super) fn measures(&self, decision: Decision) -> Measures {
+        let one = self.measures_from_nearer(decision);
         let Some(other) = self.by_other_end() else { return one };
-        let other = other.measures_from_nearer();
+        let other = other.measures_from_nearer(other.decide());
         std::array::from_fn(|at| f64::midpoint(one[at], other[at]))
     }
 
     /// What is measured from the nearer end. Ratios of lengths are logarithms, angles radians.
-    fn measures_from_nearer(&self) -> Measures {
+    fn measures_from_nearer(&self, decision: Decision) -> Measures {
         let (site, size_m, passage_m) = (self.site, self.site.scan.size_m, self.site.passage_m());
         let ratio = |length_m: f64, to_m: f64| (length_m / to_m).clamp(1.0 / MOST, MOST).ln();
         let beams = |beams: u32| f64::from(beams + 1);
@@ -82,7 +84,7 @@ impl Gap<'_> {
             self.near_m / self.far_m,
             self.near_m / size_m,
             self.near_span_rad(),
-            ratio(self.decide().room_ratio, 1.0),
+            ratio(decision.room_ratio, 1.0),
         ]
     }
 }

@@ -4,31 +4,28 @@ use std::collections::BTreeSet;
 
 use crosscut_flight::{Map, Node};
 
-use super::{MapTruth, ordered};
+use super::MapTruth;
 
 impl MapTruth {
     /// What keeps a map from being exact, and wrong numbers of ways, one sentence each.
     pub fn differences(&self, map: &Map) -> Vec<String> {
         let mut said = Vec::new();
-        let places: Vec<BTreeSet<Option<usize>>> = map.nodes.iter().map(|node| self.places_of(&node.visits)).collect();
-        let one = |node: usize| places[node].iter().next().copied().flatten();
+        let named = self.named(map);
         let mut seen = BTreeSet::new();
         for (id, node) in map.nodes.iter().enumerate() {
-            said.extend(self.node_difference(id, node, &places[id], seen.insert(one(id))));
+            said.extend(self.node_difference(id, node, &named.places[id], seen.insert(named.place(id))));
         }
         let through = self.flown_through();
         let missing = through.iter().filter(|place| !seen.contains(&Some(**place)));
         said.extend(missing.map(|&place| format!("place {place} ({} ways) is missing", self.places[place].ways)));
-        let mut joined = BTreeSet::new();
-        for passage in &map.passages {
-            let ends = one(passage.from).zip(one(passage.to)).map(|(from, to)| ordered(from, to));
-            match ends.and_then(|ends| self.passage(ends, passage.length_m, &joined)) {
-                Some(found) => _ = joined.insert(found),
-                None => said.push(format!("the passage {} to {} joins places {ends:?}", passage.from, passage.to)),
-            }
-        }
+        let wrong = map.passages.iter().zip(&named.passages).filter(|(_, right)| right.is_none());
+        said.extend(wrong.map(|(passage, _)| {
+            let ends = [passage.from, passage.to].map(|node| named.place(node));
+            format!("the passage {} to {} joins places {ends:?}", passage.from, passage.to)
+        }));
+        let found: BTreeSet<usize> = named.passages.iter().copied().flatten().collect();
         let missing =
-            self.flown_passages().difference(&joined).map(|&missing| self.passages[missing].ends).collect::<Vec<_>>();
+            self.flown_passages().difference(&found).map(|&missing| self.passages[missing].ends).collect::<Vec<_>>();
         said.extend(missing.into_iter().map(|ends| format!("the passage of places {ends:?} is missing")));
         said
     }

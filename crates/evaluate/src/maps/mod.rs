@@ -78,21 +78,16 @@ impl MapFigures {
         for &(node, place) in &matched {
             figures.degree.count(map.nodes[node].ways.len() == truth.places[place].ways);
         }
-        let places: Vec<BTreeSet<Option<usize>>> = visits.iter().map(|visits| truth.places_of(visits)).collect();
-        let one = |node: usize| places[node].iter().next().copied().flatten();
-        let joined = |from: usize, to: usize| Some(ordered(one(from)?, one(to)?));
-        let mut found = BTreeSet::new();
-        for passage in &map.passages {
-            let ends = joined(passage.from, passage.to);
-            match ends.and_then(|ends| truth.passage(ends, passage.length_m, &found)) {
-                Some(right) => {
-                    found.insert(right);
-                    let length_m = truth.passages[right].length_m;
-                    figures.length_errors.push((passage.length_m - length_m).abs() / length_m);
-                }
-                None => figures.false_passages += 1,
-            }
+        let named = truth.named(map);
+        for (passage, right) in map.passages.iter().zip(&named.passages) {
+            let Some(right) = *right else {
+                figures.false_passages += 1;
+                continue;
+            };
+            let length_m = truth.passages[right].length_m;
+            figures.length_errors.push((passage.length_m - length_m).abs() / length_m);
         }
+        let found: BTreeSet<usize> = named.passages.iter().copied().flatten().collect();
         let flown = truth.flown_passages();
         for passage in &flown {
             figures.passages.count(found.contains(passage));
@@ -100,10 +95,10 @@ impl MapFigures {
         let loops = loops_in(flown.iter().map(|&passage| truth.passages[passage].ends));
         figures.loops = Proportion { hits: map.loops().min(loops) as u64, of: loops as u64 };
         figures.false_loops = map.loops().saturating_sub(loops) as u64;
-        let named: BTreeSet<usize> = (0..places.len()).filter_map(one).collect();
+        let places: BTreeSet<usize> = (0..map.nodes.len()).filter_map(|node| named.place(node)).collect();
         let is_exact = figures.false_merges == 0
-            && named.len() == map.nodes.len()
-            && through.is_subset(&named)
+            && places.len() == map.nodes.len()
+            && through.is_subset(&places)
             && map.passages.len() == found.len()
             && flown.is_subset(&found);
         figures.exact.count(is_exact);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crosscut_flight::Map;
 use crosscut_messages::{TruthMap, TruthPose};
 use serde::{Deserialize, Serialize};
 
@@ -102,7 +103,36 @@ fn leave_out_pockets(places: &mut [TruePlace], passages: &mut Vec<TruePassage>) 
     is_place
 }
 
+/// Which places and passages of the mine those of a map are.
+pub(super) struct Named {
+    /// For each node, the places that its visits belong to; more than one if they are mixed up.
+    pub(super) places: Vec<BTreeSet<Option<usize>>>,
+    /// For each passage of the map.
+    pub(super) passages: Vec<Option<usize>>,
+}
+
+impl Named {
+    /// The place of a node; of several that are mixed up, one.
+    pub(super) fn place(&self, node: usize) -> Option<usize> {
+        self.places[node].iter().next().copied().flatten()
+    }
+}
+
 impl MapTruth {
+    /// Which places and passages those of a map are, each passage once.
+    pub(super) fn named(&self, map: &Map) -> Named {
+        let places = map.nodes.iter().map(|node| self.places_of(&node.visits)).collect();
+        let mut named = Named { places, passages: Vec::new() };
+        let mut taken = BTreeSet::new();
+        for passage in &map.passages {
+            let ends = named.place(passage.from).zip(named.place(passage.to));
+            let right = ends.and_then(|(from, to)| self.passage(ordered(from, to), passage.length_m, &taken));
+            taken.extend(right);
+            named.passages.push(right);
+        }
+        named
+    }
+
     /// Adds the next revolution of the flight.
     pub fn add(&mut self, stamp_ns: u64, pose: &TruthPose) {
         self.at.push(WhereAt { stamp_ns, position_m: [pose.x_m, pose.y_m] });
@@ -156,7 +186,7 @@ impl MapTruth {
     }
 
     /// Of the passages between two places that are not taken, the one whose length is nearest to this one.
-    pub(super) fn passage(&self, ends: [usize; 2], length_m: f64, taken: &BTreeSet<usize>) -> Option<usize> {
+    fn passage(&self, ends: [usize; 2], length_m: f64, taken: &BTreeSet<usize>) -> Option<usize> {
         let joins = |at: &usize| ordered(self.passages[*at].ends[0], self.passages[*at].ends[1]) == ends;
         let off_m = |at: &usize| (self.passages[*at].length_m - length_m).abs();
         let free = (0..self.passages.len()).filter(|at| joins(at) && !taken.contains(at));

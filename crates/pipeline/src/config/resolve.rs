@@ -115,6 +115,18 @@ impl Config {
         &self.section(section).params
     }
 
+    /// This configuration with another value of a parameter.
+    ///
+    /// # Panics
+    /// When there is no such section or parameter, or it does not allow the value.
+    pub(crate) fn with(&self, section: &str, name: &str, value: Value) -> Self {
+        let mut config = self.clone();
+        let found = config.sections.iter_mut().find(|known| known.name == section);
+        let set = found.map(|section| section.params.set(name, value));
+        assert!(matches!(set, Some(Ok(()))), "{section}.{name} takes this value");
+        config
+    }
+
     /// Every setting, as `section.key` and its value in TOML.
     pub fn settings(&self) -> impl Iterator<Item = (String, String)> {
         self.sections.iter().flat_map(|section| {

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::grid::Grid;
 use super::picture;
 use crate::typeset;
+use crate::unfinished::Unfinished;
 
 /// The figures, in the order of their columns.
 pub(super) const FIGURES: [&str; 13] = [
@@ -57,7 +58,7 @@ impl Row<'_> {
 pub(super) fn write(folder: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
     let file = |name: &str, text: String| {
         let path = folder.join(name);
-        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+        Unfinished::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
     };
     file("sweep.csv", csv(program, grid, rows))?;
     file("times.csv", times(grid, rows))?;

@@ -10,6 +10,8 @@ use anyhow::Context;
 use serde_json::Value;
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
+use crate::unfinished::Unfinished;
+
 /// The folder with the files.
 pub(super) struct Store {
     folder: PathBuf,
@@ -28,10 +30,8 @@ impl Store {
 
     /// Keeps what was computed. A file is there as a whole or not at all.
     pub(super) fn put(&self, name: &str, row: &Value) -> anyhow::Result<()> {
-        let (path, unfinished) = (self.path(name), self.folder.join(format!("{name}.unfinished")));
-        let written =
-            std::fs::write(&unfinished, format!("{row}\n")).and_then(|()| std::fs::rename(&unfinished, &path));
-        written.with_context(|| format!("cannot write {}", path.display()))
+        let path = self.path(name);
+        Unfinished::write(&path, format!("{row}\n")).with_context(|| format!("cannot write {}", path.display()))
     }
 
     fn path(&self, name: &str) -> PathBuf {
