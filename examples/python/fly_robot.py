@@ -61,9 +61,10 @@ def main() -> None:
     args = parser.parse_args()
     limits = {"speed_max_m_s": args.speed_m_s, "turn_rate_max_rad_s": args.turn_rate_rad_s}
     navigator = crosscut.Navigator(crosscut.Engine(vehicle={"width_m": args.width_m}), args.planner, **limits)
+    address = f"zenoh://{args.endpoint}/{args.scan.strip('/')}"
     base = Base(args.endpoint, f"{args.domain}/{args.command.strip('/')}/{TWIST}")
     try:
-        with crosscut.live.Robot(args.endpoint, args.scan, odometry=args.odometry, domain=args.domain) as robot:
+        with crosscut.live.Robot(address, odometry=args.odometry, domain=args.domain) as robot:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, lambda *_: robot.close())
             for scan, pose in robot:
