@@ -130,17 +130,17 @@ impl Chart {
             passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
         let is_of_way =
             |end: &LinkEnd| end.is_of(node) && wrap_angle_rad(end.bearing_rad - way.bearing_rad).abs() < SAME_WAY_RAD;
-        let by_link = || {
-            self.links.iter().rev().find_map(|link| {
-                let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
-                let to = located.map.nodes.iter().position(|node| other.is_of(node))?;
-                Some((to, link.length_m + LINK_EXTRA_M))
-            })
-        };
+        let by_link = self.links.iter().rev().find_map(|link| {
+            let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
+            let to = located.map.nodes.iter().position(|node| other.is_of(node))?;
+            Some((to, link.length_m + LINK_EXTRA_M))
+        });
+        // Where the way was found to lead elsewhere since, the map is wrong.
+        let elsewhere = by_link.filter(|(to, _)| by_map.is_none_or(|(by_map, _)| by_map != *to));
         KnownWay {
             bearing_rad: way.bearing_rad,
             state: self.state(node.position_m, way),
-            leads_to: by_map.or_else(by_link),
+            leads_to: elsewhere.or(by_map),
         }
     }
 
@@ -189,4 +189,35 @@ impl Note {
 pub(crate) fn in_map(ways: &[Way], pose: &Isometry2<f64>, correction: &Isometry2<f64>) -> Vec<Way> {
     let turn_rad = pose.rotation.angle() + correction.rotation.angle();
     ways.iter().map(|way| Way { bearing_rad: wrap_angle_rad(way.bearing_rad + turn_rad), ..*way }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_flight::{Map, Passage};
+
+    #[test]
+    fn a_way_leads_to_where_it_led_last() {
+        let way = |bearing_rad: f64| NodeWay { bearing_rad, width_m: 3.0, taken: true, passage: None };
+        let node = |number: u64| Node {
+            kind: HereKind::Junction,
+            position_m: Point2::new(20.0 * number as f64, 0.0),
+            ways: [0.0, 1.6, 3.1].map(way).to_vec(),
+            visits: vec![[number, number]],
+        };
+        let mut map = Map { nodes: (0..3).map(node).collect(), ..Map::default() };
+        let passage = Passage { from: 0, to: 1, length_m: 20.0, width_m: 3.0, stretch_ns: [0; 2], via_m: Vec::new() };
+        map.passages.push(passage);
+        (map.nodes[0].ways[0].passage, map.nodes[1].ways[2].passage) = (Some(0), Some(0));
+        let located = Located { map, node: 0, correction: Isometry2::identity() };
+        let mut chart = Chart::default();
+        let end = |visited_ns, bearing_rad| LinkEnd { visited_ns, bearing_rad };
+        let mut leads_to = |to: Option<u64>| {
+            to.into_iter().for_each(|to| chart.link(end(0, 0.1), end(to, 3.0), 30.0));
+            chart.known(&located, &[], 0.0).places[0].ways[0].leads_to
+        };
+        assert_eq!(leads_to(None), Some((1, 20.0)), "by the map");
+        assert_eq!(leads_to(Some(2)), Some((2, 30.0 + LINK_EXTRA_M)), "the map is wrong");
+        assert_eq!(leads_to(Some(1)), Some((1, 20.0)), "the map is right again");
+    }
 }
