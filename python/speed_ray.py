@@ -41,7 +41,7 @@ def seconds(flights: list[Path], rows: Any) -> float:
 
 
 def main(recordings: list[str]) -> None:
-    ray.init(num_cpus=WORKERS, include_dashboard=False, log_to_driver=False)
+    ray.init("local", num_cpus=WORKERS, include_dashboard=False, log_to_driver=False)
     print(f"{FLIGHTS} flights, {WORKERS} at a time, {REPETITIONS} times")
     for recording in recordings:
         with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,7 @@
 //! The full self-adjoint decomposition of the faer library, on one thread, in memory that is kept.
 
+use std::hint::black_box;
+
 use crosscut_stage::StageError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
@@ -85,11 +87,17 @@ fn evd(
         let done = self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default());
         done.is_ok() && eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite())
     };
-    if converges(matrix) || converges(without_negligible(matrix).as_ref()) {
-        Ok(())
-    } else {
-        Err(StageError::NoConvergence { n })
-    }
+    let converged = converges(matrix) || converges(without_negligible(matrix).as_ref());
+    clear_vector_registers();
+    if converged { Ok(()) } else { Err(StageError::NoConvergence { n }) }
+}
+
+/// Ends what faer's products of matrices leave behind: the upper halves of the vector registers in use, with which code
+/// for any x86-64 in the same thread, such as the next affinity, takes many times as long. A function that is compiled for
+/// these registers clears them as it returns.
+fn clear_vector_registers() {
+    let halves = |numbers: [f64; 8]| numbers.map(|x| 0.5 * x);
+    pulp::Arch::new().dispatch(|| black_box(halves(black_box([1.0; 8]))));
 }
 
 /// Makes `scratch` as large as it has to be.
