@@ -191,7 +191,8 @@ def test_a_lossy_network_loses_no_scan_of_a_reliable_robot(
 
 def test_commands_reach_the_base_over_dds(monkeypatch: pytest.MonkeyPatch) -> None:
     base = Robot(monkeypatch)
-    heard, commands = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist"), []
+    heard = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist")
+    commands: list[Any] = []
 
     def is_heard() -> bool:
         robot.drive("/robot1/cmd_vel", 0.5, -0.25)
