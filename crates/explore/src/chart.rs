@@ -130,17 +130,21 @@ impl Chart {
             passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
         let is_of_way =
             |end: &LinkEnd| end.is_of(node) && wrap_angle_rad(end.bearing_rad - way.bearing_rad).abs() < SAME_WAY_RAD;
-        let by_link = self.links.iter().rev().find_map(|link| {
+        let mut by_links = self.links.iter().rev().filter_map(|link| {
             let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
             let to = located.map.nodes.iter().position(|node| other.is_of(node))?;
             Some((to, link.length_m + LINK_EXTRA_M))
         });
-        // Where the way was found to lead elsewhere since, the map is wrong.
-        let elsewhere = by_link.filter(|(to, _)| by_map.is_none_or(|(by_map, _)| by_map != *to));
+        // A place may be passed unnoticed once. Where the way was found to lead elsewhere twice, the map is wrong.
+        let [last, before] = [by_links.next(), by_links.next()];
+        let is_wrong = |by_map: usize| {
+            let elsewhere = |link: Option<(usize, f64)>| link.map(|(to, _)| to).filter(|to| *to != by_map);
+            elsewhere(last).is_some() && elsewhere(last) == elsewhere(before)
+        };
         KnownWay {
             bearing_rad: way.bearing_rad,
             state: self.state(node.position_m, way),
-            leads_to: elsewhere.or(by_map),
+            leads_to: by_map.filter(|(to, _)| !is_wrong(*to)).or(last),
         }
     }
 
@@ -197,7 +201,7 @@ mod tests {
     use crosscut_flight::{Map, Passage};
 
     #[test]
-    fn a_way_leads_to_where_it_led_last() {
+    fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
         let way = |bearing_rad: f64| NodeWay { bearing_rad, width_m: 3.0, taken: true, passage: None };
         let node = |number: u64| Node {
             kind: HereKind::Junction,
@@ -217,6 +221,7 @@ mod tests {
             chart.known(&located, &[], 0.0).places[0].ways[0].leads_to
         };
         assert_eq!(leads_to(None), Some((1, 20.0)), "by the map");
+        assert_eq!(leads_to(Some(2)), Some((1, 20.0)), "a place may have been passed unnoticed");
         assert_eq!(leads_to(Some(2)), Some((2, 30.0 + LINK_EXTRA_M)), "the map is wrong");
         assert_eq!(leads_to(Some(1)), Some((1, 20.0)), "the map is right again");
     }
