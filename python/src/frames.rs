@@ -20,7 +20,7 @@ use crate::stages::numbered_by_first_return;
 const NO_RETURN: i32 = -1;
 const UNKNOWN: i32 = -2;
 
-/// So many reasons of verdicts are kept until the program ends; a stage has a few dozen.
+/// At most this many reasons of verdicts are stored until the program ends; a stage has a few dozen.
 const MOST_REASONS: usize = 1000;
 
 /// Writes the scans, and what is noted and measured so far.
@@ -316,7 +316,7 @@ fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
     Ok(())
 }
 
-/// The same text, kept until the program ends.
+/// The text with a lifetime up to the end of the program.
 fn kept_reason(reason: &str) -> &'static str {
     static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);

@@ -114,7 +114,7 @@ impl Flown {
 /// with the rock is counted as a crash; the vehicle then stands where it last was clear, and the mission goes on.
 ///
 /// A mission that was interrupted is resumed from its past: the pilot takes all that the vehicle had sensed, which brings it to
-/// where it was, map and all. The vehicle then stands at its last place, and the mission goes on from there. Contacts of the
+/// where it was, map and all. The vehicle then stands at its last place, and the mission continues from there. Contacts of the
 /// past are not known.
 pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool) -> Flown {
     let Agility { speed_max_m_s, turn_rate_max_rad_s, radius_m, .. } = setup.agility;

@@ -9,11 +9,11 @@
 //! b_k <- b_k · l_k,   l_k = q if k = a, else (1 - q) / (K - 1),   then Σ b = 1
 //! ```
 //!
-//! What later revolutions say of answer k, from the last of them back to the next:
+//! The evidence r_k of later revolutions for answer k, from the last of them back to the next:
 //!
 //! ```text
-//! r_k <- l_k · r_k
-//! r_k <- (1 - p) r_k + p / K · Σ r
+//! r_k <- l_k · r_k,   then Σ r = 1
+//! r_k <- (1 - p) r_k + p / K
 //! ```
 //!
 //! The answer that holds is judged by b_k · r_k.
@@ -69,6 +69,12 @@ impl<A: Copy + PartialEq> Answered<A> {
         [sure, (1.0 - sure) / (ANSWERS - 1.0)].map(|likelihood| likelihood.powf(weight))
     }
 
+    /// Of normalised weights: the vehicle may have come to another place since the revolution before, or will have.
+    fn allow_change(&self, weights: &mut [(A, f64)]) {
+        let change = self.change();
+        weights.iter_mut().for_each(|(_, weight)| *weight = (1.0 - change) * *weight + change / ANSWERS);
+    }
+
     /// Multiplies each weight by how likely this answer is where that answer is right.
     fn weigh(&self, weights: &mut [(A, f64)]) {
         let [alike, other] = self.likelihoods();
@@ -105,26 +111,21 @@ impl<A: Copy + PartialEq> Belief<A> {
     /// Takes the answer of the next revolution. `later`: those of revolutions after it, in order, which judge with it.
     /// Without any, the answer that holds changes to this one or not at all.
     pub(crate) fn add(&mut self, seen: Answered<A>, later: &[Answered<A>]) {
-        let change = seen.change();
-        for (_, belief) in &mut self.beliefs {
-            *belief = (1.0 - change) * *belief + change / ANSWERS;
-        }
-        for seen in std::iter::once(&seen).chain(later) {
-            if !self.beliefs.iter().any(|(known, _)| *known == seen.answer) {
-                self.beliefs.push((seen.answer, (change / ANSWERS).max(f64::MIN_POSITIVE)));
+        seen.allow_change(&mut self.beliefs);
+        for other in std::iter::once(&seen).chain(later) {
+            if !self.beliefs.iter().any(|(known, _)| *known == other.answer) {
+                self.beliefs.push((other.answer, (seen.change() / ANSWERS).max(f64::MIN_POSITIVE)));
             }
         }
         seen.weigh(&mut self.beliefs);
         normalise(&mut self.beliefs);
-        let mut judged = self.beliefs.clone();
-        for ((_, judged), (_, of_later)) in judged.iter_mut().zip(self.said_by(later)) {
-            *judged *= of_later;
-        }
-        let held = judged.iter().find(|(known, _)| Some(*known) == self.holds).map_or(0.0, |(_, belief)| *belief);
+        let later = self.evidence_of(later);
+        let judged = || self.beliefs.iter().zip(&later).map(|((answer, belief), (_, later))| (*answer, belief * later));
+        let held = judged().find(|(known, _)| Some(*known) == self.holds).map_or(0.0, |(_, belief)| belief);
         // Of equal ones the first.
-        let likeliest = judged.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        let likeliest = judged().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
-            self.holds = Some(*answer);
+            self.holds = Some(answer);
         }
         if self.beliefs.len() > MOST_KEPT {
             self.beliefs.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -137,16 +138,15 @@ impl<A: Copy + PartialEq> Belief<A> {
         }
     }
 
-    /// What later revolutions say of each answer (r).
-    fn said_by(&self, later: &[Answered<A>]) -> Vec<(A, f64)> {
-        let mut said: Vec<_> = self.beliefs.iter().map(|(answer, _)| (*answer, 1.0)).collect();
+    /// The evidence of later revolutions for each answer (r).
+    fn evidence_of(&self, later: &[Answered<A>]) -> Vec<(A, f64)> {
+        let mut evidence: Vec<_> = self.beliefs.iter().map(|(answer, _)| (*answer, 1.0)).collect();
         for seen in later.iter().rev() {
-            seen.weigh(&mut said);
-            normalise(&mut said);
-            let change = seen.change();
-            said.iter_mut().for_each(|(_, said)| *said = (1.0 - change) * *said + change / ANSWERS);
+            seen.weigh(&mut evidence);
+            normalise(&mut evidence);
+            seen.allow_change(&mut evidence);
         }
-        said
+        evidence
     }
 
     fn belief_in(&self, answer: A) -> f64 {

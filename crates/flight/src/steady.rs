@@ -47,11 +47,7 @@ struct Moment {
 }
 
 impl Moment {
-    fn of(frame: &Frame) -> Self {
-        Self { stamp_ns: frame.revolution.stamp_ns, pose: frame.pose }
-    }
-
-    fn since(&self, before: Option<&Self>) -> Since {
+    fn since(&self, before: Option<Self>) -> Since {
         let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
         let time_s = (self.stamp_ns.saturating_sub(before.stamp_ns) as f64 * 1e-9).min(LONGEST_S);
         let way_m = before.pose.zip(self.pose).map_or(USUAL_SPEED_M_S * time_s, |(before, pose)| {
@@ -71,8 +67,10 @@ struct Answers {
 }
 
 impl Answers {
-    fn of(frame: &Frame, before: Option<&Moment>) -> Self {
-        let since = Moment::of(frame).since(before);
+    /// Those of the frame after `before`, which becomes its moment.
+    fn of(frame: &Frame, before: &mut Option<Moment>) -> Self {
+        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: frame.pose };
+        let since = now.since(before.replace(now));
         let seen = !frame.revolution.is_empty();
         let junction = &frame.junction;
         let count = Answered { answer: junction.junctions, confidence: junction.confidence, since };
@@ -110,18 +108,12 @@ impl Steadier {
     /// The steady answer at the next revolution; `None` until a revolution has returns. `later`: revolutions after it, in
     /// order, which it rests on as well.
     pub(crate) fn add<'f>(&mut self, frame: &Frame, later: impl Iterator<Item = &'f Frame>) -> Option<Steady> {
-        let answers = Answers::of(frame, self.before.as_ref());
-        self.before = Some(Moment::of(frame));
+        let answers = Answers::of(frame, &mut self.before);
         let yaw_rad = frame.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
         if let Some(count) = answers.count {
-            let mut before = Moment::of(frame);
-            let later: Vec<Answers> = later
-                .map(|frame| {
-                    let now = Moment::of(frame);
-                    Answers::of(frame, Some(&std::mem::replace(&mut before, now)))
-                })
-                .collect();
+            let mut before = self.before;
+            let later: Vec<Answers> = later.map(|frame| Answers::of(frame, &mut before)).collect();
             let tracks = self.follow(&frame.junction.openings, yaw_rad);
             self.junctions.add(count, &later.iter().filter_map(|answers| answers.count).collect::<Vec<_>>());
             if self.junctions.holds().is_some_and(|(junctions, _)| junctions == count.answer) {

@@ -43,7 +43,7 @@ struct MarkerArray {
     markers: Vec<Marker>,
 }
 
-/// `visualization_msgs/msg/Marker`, as it is since ROS 2 Humble.
+/// `visualization_msgs/msg/Marker` of ROS 2 Humble and later.
 #[derive(Default, Serialize)]
 struct Marker {
     header: Header,

@@ -251,7 +251,7 @@ impl Collect<'_> {
     fn fail(&mut self, frame: Frame) -> End {
         let failure = frame.failure.clone().expect("it failed");
         if failure.step != Step::Ingest {
-            self.observers.send(frame).ok(); // they may have ended
+            self.observers.send(frame).ok(); // they only end when this does
         }
         End::Failed(failure)
     }

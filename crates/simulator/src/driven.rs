@@ -127,8 +127,8 @@ impl Driven {
         }
     }
 
-    /// A vehicle at rest where the last scene of an earlier flight was taken. Its odometry and its clock go on; what disturbs
-    /// it begins anew. `None` if the scene has no odometry or no true pose.
+    /// A vehicle at rest where the last scene of an earlier flight was taken. Its odometry and its clock continue; its
+    /// disturbances are drawn from the seed again. `None` if the scene has no odometry or no true pose.
     pub fn resumed(world: &World, agility: Agility, seed: u64, last: &Scene) -> Option<Self> {
         let mut driven = Self::new(world, agility, seed);
         driven.pose = world.pose_of(&last.truth.pose?);

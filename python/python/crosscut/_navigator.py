@@ -63,7 +63,7 @@ class Navigator:
         return Command(*self._engine.navigate(as_scan(scan), pose, self._navigator))
 
     def flight_map(self) -> FlightMap:
-        """The map up to now, in the frame of the start. It stays as it is."""
+        """The map up to now, in the frame of the start. Later steps do not change it."""
         flight = FlightMap.__new__(FlightMap)
         flight._engine, flight._map, flight._added = self._engine, self._navigator.flight_map(), 0
         return flight

@@ -5,7 +5,7 @@ use std::path::Path;
 use crosscut_explore::Moment;
 use crosscut_simulator::{RecordingError, SceneRecorder};
 
-/// So many revolutions are lost at most if the program is killed.
+/// At most this many revolutions are lost if the program is killed.
 const FLUSH_EVERY: u64 = 10;
 
 /// A recording of the flight that grows with the mission.
@@ -29,8 +29,8 @@ impl Journal {
     }
 
     /// Ends the file, and returns the first error.
-    pub(super) fn finish(mut self) -> Result<(), RecordingError> {
-        match self.failed.take() {
+    pub(super) fn finish(self) -> Result<(), RecordingError> {
+        match self.failed {
             Some(error) => Err(error),
             None => self.recorder.finish().map(|_| ()),
         }

@@ -25,7 +25,7 @@ use super::store::hash;
 use crate::diagnostics::Diagnostics;
 use crate::unfinished::unique;
 
-/// So many eigenvectors are kept of each decomposition; a zero tolerance that counts more zeros needs a new one.
+/// At most this many eigenvectors of a decomposition are stored; a zero tolerance that counts more zeros needs a new one.
 const MOST_COLUMNS: usize = 32;
 
 /// A chunk that claims to be larger is damaged.
@@ -97,7 +97,7 @@ pub(super) struct OfFlight {
     writing: Option<Writing>,
 }
 
-/// A decomposition as it is kept, in CDR.
+/// A stored decomposition, encoded in CDR.
 #[derive(Serialize, Deserialize)]
 struct Decomposition {
     /// Hash of W.
