@@ -18,7 +18,7 @@
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). The place is not known
 //!   while more than the width of a mouth of the circle was never seen.
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
-//!   twice as wide as they are, a chamber.
+//!   1.5 times as wide as they are, a chamber.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -69,7 +69,7 @@ const MAX_JOINED_RAD: f64 = 2.6;
 const LEAST_ROCK_M: f64 = 0.3;
 
 /// A place this many times wider than its ways is a chamber.
-const CHAMBER_WIDTHS: f64 = 2.0;
+const CHAMBER_WIDTHS: f64 = 1.5;
 
 /// Finds the place that the vehicle is in.
 #[derive(Clone, Debug)]

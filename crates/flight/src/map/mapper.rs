@@ -99,20 +99,20 @@ impl Mapper {
         let now_ns = frame.revolution.stamp_ns;
         self.way.add(pose);
         self.settle(Point2::from(pose.translation.vector));
-        let is_node = matches!(steady.kind, HereKind::Junction | HereKind::DeadEnd);
-        let has_ended = |open: &OpenVisit| match (is_node, open.kind()) {
-            (true, kind) => kind != steady.kind,
-            (false, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
-            (false, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
+        let node = steady.node();
+        let has_ended = |open: &OpenVisit| match (node, open.kind()) {
+            (Some(node), kind) => kind != node,
+            (None, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
+            (None, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
         };
         if self.open.as_ref().is_some_and(has_ended) {
             self.end_visit(self.in_node_ns, Some(pose));
         }
         let Some(seen) = &frame.here else { return };
-        if is_node {
+        if let Some(node) = node {
             (self.in_node_ns, self.in_node_at_m) = (now_ns, self.way.way_m);
             let came_from = self.way.came_from();
-            let open = self.open.get_or_insert_with(|| OpenVisit::new(steady.kind, now_ns, came_from));
+            let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from));
             open.add(now_ns, pose, self.way.way_m, seen, || {
                 let mut points = Vec::new();
                 line_points(&frame.revolution.points_m, &mut points);

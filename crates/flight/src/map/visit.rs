@@ -97,7 +97,7 @@ impl OpenVisit {
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
         let independent =
             self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
-        if seen.kind == self.kind {
+        if seen.node() == Some(self.kind) {
             let sure = independent * sure(seen.confidence);
             let is_same =
                 |sample: &&mut Sample| sample.ways.len() == seen.ways.len() && moved_m(sample.pose) < SAME_VIEW_M;

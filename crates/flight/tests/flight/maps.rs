@@ -99,15 +99,16 @@ fn straight(stretches: &[(f64, HereKind)], look_m: f64) -> Map {
 }
 
 /// The map of a flight, five frames a metre, without turning: after each length of way the vehicle is in what goes with it.
-/// Ways of passages and junctions lead along x and back, those of dead ends back, those of junctions also to the left.
+/// Ways of passages and junctions lead along x and back, those of dead ends and chambers back, those of junctions also to the
+/// left.
 fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f64; 2]) -> Map {
     let mut mapper = Mapper::default();
     let mut step = 0;
     for &(to_m, kind) in stretches {
         let bearings_rad: &[f64] = match kind {
-            HereKind::DeadEnd => &[3.1],
+            HereKind::DeadEnd | HereKind::Chamber => &[3.1],
             HereKind::Junction => &[0.0, 1.6, 3.1],
-            _ => &[0.0, 3.1],
+            HereKind::Passage => &[0.0, 3.1],
         };
         let way = |&bearing_rad: &f64| Way { bearing_rad, width_m: 3.0, opening: None };
         let here = Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), confidence: 0.9 };
@@ -161,4 +162,11 @@ fn two_stays_within_a_look_are_one_visit_and_others_are_not() {
     assert_eq!((wide.nodes.len(), wide.passages.len(), wide.nodes[1].visits.len()), (2, 1, 2), "{wide:?}");
     let narrow = straight(&stays, 4.0);
     assert_eq!((narrow.nodes.len(), narrow.passages.len()), (3, 2), "{narrow:?}");
+}
+
+#[test]
+fn a_chamber_with_one_way_is_a_dead_end_of_the_map() {
+    use HereKind::{Chamber, Junction, Passage};
+    let map = straight(&[(4.0, Junction), (20.0, Passage), (26.0, Chamber)], 5.0);
+    assert!(map.summary().starts_with("1 junction: 1 tee; 1 dead end; "), "{}", map.summary());
 }
