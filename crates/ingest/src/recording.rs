@@ -96,7 +96,7 @@ impl Recording {
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
-        let scanners = Scanners::open(inputs, options, &sensor)?;
+        let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
         Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
     }
 
