@@ -219,7 +219,7 @@ fn a_recording_without_truth_does_not_stop_the_others() {
     assert!(ran.stderr.contains("left out: there is no truth") && ran.stderr.contains("torn.mcap"), "{}", ran.stderr);
     std::fs::remove_file(folder.path().join("hand.mcap")).expect("there");
     let said = evaluate(folder.path(), &[]).expect_code(1).stderr;
-    assert_eq!((said.lines().count(), said.matches("error: ").count()), (2, 2), "{said}");
+    assert_eq!((said.matches("error: ").count(), said.matches("torn.mcap").count()), (2, 1), "{said}");
 }
 
 #[test]
