@@ -127,6 +127,9 @@ fn scans_that_cannot_be_compared_are_reported_with_code_3() {
     assert_eq!(json_of(&ran)["all"][0]["figures"]["right"]["of"], 2);
     assert_eq!(ran.stderr.matches("no truth has the log time of 1 scan,").count(), 1, "once for both: {}", ran.stderr);
     assert!(ran.stderr.contains("2 scans cannot be compared") && ran.stderr.contains("revolution 2"), "{}", ran.stderr);
+    let page = folder.path().join("gaps.html");
+    run([Path::new("report"), &input, Path::new("--out"), &page]).expect_code(3);
+    assert!(std::fs::read_to_string(&page).expect("written").contains("<li>2 scans cannot be compared"));
 }
 
 #[test]
@@ -214,6 +217,9 @@ fn a_recording_without_truth_does_not_stop_the_others() {
     let left_out = json_of(&ran)["problems"].as_array().expect("a list").clone();
     assert_eq!(left_out.len(), 2, "{left_out:?}");
     assert!(ran.stderr.contains("left out: there is no truth") && ran.stderr.contains("torn.mcap"), "{}", ran.stderr);
+    std::fs::remove_file(folder.path().join("hand.mcap")).expect("there");
+    let said = evaluate(folder.path(), &[]).expect_code(1).stderr;
+    assert_eq!((said.matches("error: ").count(), said.matches("torn.mcap").count()), (2, 1), "{said}");
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! Input: MCAP files in every form, damaged files, and files of other formats.
 
+use std::path::Path;
+
 use crosscut_messages::Endian;
 
 use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
-use crate::program::{Ran, column, crosscut, results_of, run};
+use crate::program::{Ran, column, crosscut, results_of, run, shipped_flight};
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
@@ -174,6 +176,25 @@ fn several_files_are_one_flight() {
 }
 
 #[test]
+fn standard_input_is_read_by_every_configuration_and_for_every_topic() {
+    let folder = folder();
+    let writing = Writing { topics: &["/front", "/rear"], ..Writing::default() };
+    let flight = file(folder.path(), "flight.mcap", &tunnel(5, &writing));
+    let out = folder.path().join("report.html");
+    let piped = |input: &Path, command: &str| {
+        let command = command.split(' ').map(|word| if word == "OUT" { out.as_os_str() } else { word.as_ref() });
+        let input = std::fs::File::open(input).expect("a recording");
+        Ran::from(crosscut(command).stdin(input).output().expect("the program starts")).expect_code(0).stdout
+    };
+    let lines = piped(&flight, "run - --topic /front --topic /rear --results -");
+    assert!(lines.contains("joined with /rear"), "{lines}");
+    let compared = piped(&shipped_flight(), "compare - --with default --with threshold --json -");
+    assert!(compared.contains("same_count"), "{compared}");
+    piped(&shipped_flight(), "report - --out OUT");
+    assert!(std::fs::read_to_string(&out).expect("written").contains("Against the truth in the recording"));
+}
+
+#[test]
 #[cfg(unix)]
 fn a_flight_may_have_more_parts_than_open_files() {
     let folder = folder();
@@ -314,6 +335,8 @@ fn info_ends_with_the_command_that_runs_the_flight() {
     let flight = file(folder.path(), "my flight.mcap", &tunnel(10, &Writing::default()));
     let shown = run(["info".as_ref(), flight.as_os_str()]).expect_code(0).stdout;
     assert!(shown.ends_with(&format!("next: crosscut run '{}'\n", flight.display())), "{shown}");
+    let shown = run(["info".as_ref(), flight.as_os_str(), "--preset=paper".as_ref()]).expect_code(0).stdout;
+    assert!(shown.ends_with(&format!("next: crosscut run '{}' --preset paper\n", flight.display())), "{shown}");
 }
 
 #[test]
@@ -322,16 +345,19 @@ fn a_converted_flight_gives_the_same_results() {
     let flight =
         file(folder.path(), "flight.mcap", &tunnel(10, &Writing { endian: Endian::Big, ..Writing::default() }));
     let out = folder.path().join("converted.mcap");
-    let convert = |input: &std::path::Path, out: &std::path::Path| {
-        run(["convert".as_ref(), input.as_os_str(), "--out".as_ref(), out.as_os_str()])
-    };
+    let convert =
+        |input: &Path, out: &Path| run(["convert".as_ref(), input.as_os_str(), "--out".as_ref(), out.as_os_str()]);
     convert(&flight, &out).expect_code(0);
-    let results = |path: &std::path::Path| results_of(path, &["--quiet"]).0.expect_code(0).stdout;
+    let results = |path: &Path| results_of(path, &["--quiet"]).0.expect_code(0).stdout;
     assert_eq!(results(&out), results(&flight));
     let before = std::fs::read(&out).expect("converted");
     convert(&file(folder.path(), "empty.mcap", b""), &out).expect_code(1);
     assert_eq!(std::fs::read(&out).expect("still there"), before, "a failure replaces nothing");
     convert(&flight, &flight).expect_code(2);
+    convert(&flight, Path::new("-")).expect_code(2);
+    let other = file(folder.path(), "new.mcap.unfinished", b"of the user");
+    convert(&flight, &folder.path().join("new.mcap")).expect_code(0);
+    assert_eq!(std::fs::read(other).expect("still there"), b"of the user");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{Ran, column, crosscut, lines, run, shipped_flight};
+use crate::program::{Ran, column, crosscut, lines, results_of, run, shipped_flight};
 
 /// Starts a flight of a minute at the sensor's pace and waits until some results are on disk.
 fn start(folder: &Path) -> (Child, std::path::PathBuf) {
@@ -191,4 +191,21 @@ fn a_killed_run_leaves_the_map_up_to_then() {
     child.wait().expect("it ends");
     let written: serde_json::Value = serde_json::from_slice(&std::fs::read(&map).expect("a map")).expect("JSON");
     assert!(written["nodes"].is_array() && written["merges"].is_array(), "{written}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_run_loses_at_most_a_second_of_an_mcap() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(100, &Writing::default()));
+    let out = folder.path().join("results.mcap");
+    let args =
+        ["run".as_ref(), flight.as_os_str(), "--rate".as_ref(), "1".as_ref(), "--results".as_ref(), out.as_os_str()];
+    let mut child = crosscut(args).stderr(Stdio::null()).spawn().expect("the program starts");
+    await_or_panic(|| out.metadata().is_ok_and(|file| file.len() > 2000));
+    signal(&child, "KILL");
+    child.wait().expect("it ends");
+    let (ran, lines) = results_of(&out, &[]);
+    ran.expect_code(3);
+    assert!((10..100).contains(&lines.len()), "{} scans", lines.len());
 }

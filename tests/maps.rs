@@ -36,6 +36,7 @@ fn every_format_of_a_map_is_written_and_others_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, start) in [
         ("tee.svg", "<svg "),
+        ("TEE.SVG", "<svg "),
         ("tee.geojson", "{\"features\":"),
         ("tee.graphml", "<?xml "),
         ("tee.g2o", "VERTEX_SE2 0 "),

@@ -81,6 +81,7 @@ fn the_configuration_file_is_never_overwritten() {
     let folder = folder();
     refused(folder.path(), "run @flight.mcap --config @settings.toml --results @settings.toml");
     refused(folder.path(), "run @flight.mcap --config @settings.toml --save @settings.toml");
+    refused(folder.path(), "convert @flight.mcap --config @settings.toml --out @settings.toml");
     refused(folder.path(), "evaluate @flight.mcap --with @settings.toml --json @settings.toml");
     refused(folder.path(), "evaluate @flight.mcap --with @settings.toml,affinity.kind=rbf --markdown @settings.toml");
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");

@@ -352,13 +352,13 @@ fn a_missing_part_is_reported_and_the_rest_read() {
 
     std::fs::rename(&third, &away).expect("moved");
     let cut = listed(3).stderr;
-    assert!(cut.contains("part 3, in which the recording goes on, is missing"), "{cut}");
+    assert!(cut.contains("part 3, which continues the recording, is missing"), "{cut}");
     std::fs::rename(&away, &third).expect("moved");
 
     let renamed = folder.path().join("other.rrd");
     std::fs::rename(&first, &renamed).expect("moved");
     let alone = rrd(&["ls", renamed.to_str().expect("UTF-8")]).expect_code(3).stderr;
-    assert!(alone.contains("part 2, in which the recording goes on, is missing"), "{alone}");
+    assert!(alone.contains("part 2, which continues the recording, is missing"), "{alone}");
     let later = rrd(&["ls", second.to_str().expect("UTF-8")]).expect_code(3).stderr;
     assert!(later.contains("part 1 is missing"), "{later}");
 }

@@ -1,11 +1,12 @@
 //! The lines of results.
 
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
 use crate::flight::{Writing, file, tunnel};
-use crate::program::{column, results_of, run, shipped_flight};
+use crate::program::{Ran, column, crosscut, results_of, run, shipped_flight};
 
 #[test]
 fn every_scan_has_a_line_with_every_field() {
@@ -140,6 +141,22 @@ fn a_flight_that_cannot_be_read_leaves_older_results_as_mcap() {
     std::fs::write(&broken, "no recording").expect("written");
     run([Path::new("run"), &broken, Path::new("--results"), &out]).expect_code(1);
     assert_eq!(std::fs::read(&out).expect("there"), b"older");
+}
+
+#[test]
+#[cfg(unix)]
+fn results_that_cannot_be_ended_leave_the_map() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
+    let (out, map) = (folder.path().join("answers.mcap"), folder.path().join("map.json"));
+    let command = crosscut([Path::new("run"), &flight, Path::new("--results"), &out, Path::new("--map"), &map]);
+    // No file grows beyond a block, which holds the start of an MCAP and an empty map.
+    let limited = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
+    let ran = Command::new("sh").args(["-c", limited]).arg(command.get_program()).args(command.get_args()).output();
+    let ran = Ran::from(ran.expect("a shell")).expect_code(1);
+    assert!(ran.stderr.contains("error: the results cannot be written after 5 revolutions"), "{}", ran.stderr);
+    let map: Value = serde_json::from_slice(&std::fs::read(&map).expect("written")).expect("JSON");
+    assert!(map["nodes"].is_array());
 }
 
 #[test]

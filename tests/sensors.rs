@@ -4,7 +4,10 @@ use std::f32::consts::TAU;
 use std::io::Cursor;
 use std::path::Path;
 
-use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message, NumberType, PointCloud2, PointField, Time};
+use crosscut_messages::{
+    CDR_ENCODING, Endian, Header, LaserEcho, LaserScan, Message, MultiEchoLaserScan, NumberType, PointCloud2,
+    PointField, Time,
+};
 use mcap::records::MessageHeader;
 
 use crate::flight::{PERIOD_NS, file, tunnel_scan};
@@ -121,12 +124,40 @@ fn info_says_how_a_topic_without_a_schema_is_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scans = (0..5).map(|i| tunnel_scan(i).encode(Endian::Little));
     let flight = file(folder.path(), "bare.mcap", &recorded("", PERIOD_NS, scans));
-    assert!(shown(&flight, &[]).ends_with("no schema tells the type of /seen; for laser scans add: --as LaserScan\n"));
+    assert!(shown(&flight, &[]).ends_with("no schema states the type of /seen; for laser scans add: --as LaserScan\n"));
     let told = shown(&flight, &["--as", "LaserScan"]);
     assert!(told.contains("next: crosscut run") && told.ends_with("LaserScan\n"), "{told}");
     let (ran, lines) = results_of(&flight, &["--quiet", "--as", "LaserScan"]);
     ran.expect_code(0);
     assert_eq!(lines.len(), 5);
+    let out = folder.path().join("converted.mcap");
+    let convert = ["convert".as_ref(), flight.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    run(convert.into_iter().chain(["--as".as_ref(), "LaserScan".as_ref()])).expect_code(0);
+    assert_eq!(results_of(&out, &["--quiet"]).1, lines);
+}
+
+#[test]
+fn the_echo_that_is_asked_for_is_converted() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let echoes = |i: u64| {
+        let geometry = tunnel_scan(i);
+        let beam = |near: &f32| LaserEcho { echoes: vec![*near, near + 1.0] };
+        let ranges = geometry.ranges.iter().map(beam).collect();
+        MultiEchoLaserScan { geometry: LaserScan { ranges: Vec::new(), ..geometry }, ranges, intensities: Vec::new() }
+    };
+    let messages = (0..3).map(|i| echoes(i).encode(Endian::Little));
+    let flight = file(folder.path(), "echoes.mcap", &recorded(MultiEchoLaserScan::SCHEMA_NAME, PERIOD_NS, messages));
+    let out = folder.path().join("converted.mcap");
+    let convert = |more: &[&str]| {
+        let fixed = ["convert".as_ref(), flight.as_os_str(), "--out".as_ref(), out.as_os_str()];
+        run(fixed.into_iter().chain(more.iter().map(AsRef::as_ref)))
+    };
+    let last = ["--set", "ingest.echo=last"];
+    convert(&last).expect_code(0);
+    assert_eq!(results_of(&out, &[]).1, results_of(&flight, &last).1);
+    for without_effect in [["--set", "ingest.yaw_rad=1"], ["--preset", "paper"]] {
+        convert(&without_effect).expect_code(2);
+    }
 }
 
 #[test]

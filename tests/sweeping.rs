@@ -103,6 +103,40 @@ fn a_grid_that_cannot_be_is_refused_before_anything_runs() {
     assert!(failed.expect_code(1).stderr.contains("left out"));
 }
 
+#[test]
+fn a_flight_that_lost_scans_is_reported_by_later_sweeps_too() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let whole = tunnel(REVOLUTIONS, &Writing::default());
+    let flight = file(folder.path(), "cut.mcap", &whole[..whole.len() / 2]);
+    let out = folder.path().join("sweep");
+    let args = [Path::new("sweep"), &flight, Path::new("--grid=preset=threshold"), Path::new("--out"), &out];
+    for of_this_sweep in ["first", "second"] {
+        let said = run(args).expect_code(3).stderr;
+        assert!(said.contains("lost: ") && !said.contains("left out"), "{of_this_sweep}: {said}");
+    }
+    assert_eq!(kept(&out).len(), 1);
+}
+
+#[test]
+fn a_flight_that_cannot_be_decoded_is_read_by_the_next_sweep() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut bytes = tunnel(3, &Writing { chunked: false, ..Writing::default() });
+    let header = [0, 1, 0, 0]; // of CDR, before the stamp of the scan
+    let stamp = |scan: i32| [header, [0; 4], (scan * 100_000_000).to_le_bytes()].concat();
+    for scan in 1..=3 {
+        let at = bytes.windows(12).position(|window| window == stamp(scan)).expect("the scan is there");
+        bytes[at + 1] = 0xFF;
+    }
+    let flight = file(folder.path(), "broken.mcap", &bytes);
+    let out = folder.path().join("sweep");
+    let args = [Path::new("sweep"), &flight, Path::new("--grid=preset=threshold"), Path::new("--out"), &out];
+    for _ in 0..2 {
+        let said = run(args).expect_code(1).stderr;
+        assert!(said.contains("left out: none of the 3 messages of /scan can be decoded"), "{said}");
+    }
+    assert!(kept(&out).is_empty());
+}
+
 /// A sweep of preset `paper`, which says what it decomposed.
 fn decomposing(out: &Path, flight: &Path, more: &[&str]) -> String {
     let fixed = [Path::new("sweep"), flight, Path::new("--preset=paper"), Path::new("--out"), out];

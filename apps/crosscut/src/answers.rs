@@ -26,6 +26,8 @@ const OPENING: [f64; 3] = [0.95, 0.9, 0.25];
 /// A wall is drawn through if its next return is not farther away than this, m.
 const WALL_STEP_M: f64 = 2.0;
 const ARROW_M: f64 = 3.0;
+/// A chunk ends after this time: a program that is killed loses the last chunk.
+const CHUNK_NS: u64 = 1_000_000_000;
 
 /// An MCAP that is being written. It begins with the first scan.
 pub(crate) struct AnswersFile<W: Write> {
@@ -33,11 +35,13 @@ pub(crate) struct AnswersFile<W: Write> {
     mcap: Option<mcap::Writer<NoSeek<W>>>,
     sensor: Sensor,
     channels: BTreeMap<&'static str, (u16, u32)>,
+    /// Stamp of the first scan in the chunk that is not on disk yet.
+    chunk_from_ns: Option<u64>,
 }
 
 impl<W: Write> AnswersFile<W> {
     pub(crate) fn new(out: W, sensor: Sensor) -> Self {
-        Self { out: Some(out), mcap: None, sensor, channels: BTreeMap::new() }
+        Self { out: Some(out), mcap: None, sensor, channels: BTreeMap::new(), chunk_from_ns: None }
     }
 
     /// Writes the scan of a finished frame and its answer, at the stamp of the scan.
@@ -53,7 +57,15 @@ impl<W: Write> AnswersFile<W> {
         let mut line = Vec::new();
         ResultsLine::of(frame).write(&mut line)?;
         self.write(RESULTS_TOPIC, stamp_ns, &line)?;
-        self.write(SCENE_TOPIC, stamp_ns, &scene(frame, &self.sensor).encode())
+        self.write(SCENE_TOPIC, stamp_ns, &scene(frame, &self.sensor).encode())?;
+        let from_ns = *self.chunk_from_ns.get_or_insert(stamp_ns);
+        match &mut self.mcap {
+            Some(mcap) if stamp_ns.abs_diff(from_ns) >= CHUNK_NS => {
+                self.chunk_from_ns = None;
+                mcap.flush().map_err(as_io)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes what is left, and the index.

@@ -38,6 +38,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use crosscut_flight::Map;
+use crosscut_ingest::KeptStandardInput;
 use crosscut_pipeline::Registry;
 
 pub use crate::answers::scene;
@@ -57,6 +58,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
+    let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),
         Command::View(args) => view(&args),

@@ -15,7 +15,8 @@ pub(crate) const FORMATS: [&str; 6] = ["json", "svg", "geojson", "graphml", "g2o
 /// The file at `path`.
 pub(crate) fn text(path: &Path, mapper: &Mapper) -> String {
     let map = mapper.map();
-    match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match extension.to_str().unwrap_or_default() {
         "svg" => picture(&map),
         "geojson" => geojson(&map).to_string(),
         "graphml" => graphml(&map),

@@ -162,21 +162,21 @@ impl Source for WithTruth<'_> {
 
 /// Counts the revolutions that could not be compared with a truth.
 #[derive(Default)]
-struct NotCompared {
+pub(crate) struct NotCompared {
     without_truth: u64,
     /// The number of others, and the reason of the first.
     others: Option<(u64, String)>,
 }
 
 impl NotCompared {
-    fn add(&mut self, reason: NoScore) {
+    pub(crate) fn add(&mut self, reason: NoScore) {
         match reason {
             None => self.without_truth += 1,
             Some(reason) => self.others.get_or_insert((0, reason)).0 += 1,
         }
     }
 
-    fn messages(self, path: &Path) -> Vec<String> {
+    pub(crate) fn messages(self, path: &Path) -> Vec<String> {
         let path = path.display();
         let mut losses = Vec::new();
         if self.without_truth > 0 {

@@ -5,8 +5,9 @@ use std::hash::{BuildHasher as _, RandomState};
 use std::io;
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "rerun")]
-use {crate::exit::INTERRUPTED, anyhow::Context};
+use anyhow::Context;
+
+use crate::exit::INTERRUPTED;
 
 /// A file that is written beside the one that it will replace. Dropped before it is finished, it is removed.
 pub(crate) struct Unfinished {
@@ -39,7 +40,6 @@ impl Unfinished {
         std::fs::rename(&self.path, &self.target)
     }
 
-    #[cfg(feature = "rerun")]
     /// From now on Ctrl-C removes the file and ends the program.
     pub(crate) fn remove_on_interrupt(&self) -> anyhow::Result<()> {
         let path = self.path.clone();

@@ -3,7 +3,6 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use crosscut_flight::Mapper;
 use crosscut_ingest::Sensor;
 use crosscut_pipeline::Config;
@@ -19,6 +18,7 @@ use crate::over_time::OverTime;
 
 /// The files that the report thread writes.
 pub(crate) struct Written {
+    /// `None` as well once they cannot be written.
     results: Option<Results>,
     over_time: Option<OverTime>,
     mapper: Mapper,
@@ -64,8 +64,11 @@ impl Written {
         if let Some(map) = &mut self.map {
             map.update(&self.mapper);
         }
-        if let Some(results) = &mut self.results {
-            results.take(frame)?;
+        if let Some(results) = &mut self.results
+            && let Err(error) = results.take(frame)
+        {
+            self.results = None;
+            return Err(error);
         }
         if let Some(over_time) = &mut self.over_time {
             over_time.take(frame);
@@ -73,14 +76,16 @@ impl Written {
         Ok(())
     }
 
-    pub(crate) fn finish(&mut self, starts_at_s: f64) -> anyhow::Result<()> {
-        if let Some(Results::Mcap(answers)) = &mut self.results {
-            answers.finish().context("the results")?;
-        }
-        if let Some(map) = &mut self.map {
-            map.finish(&self.mapper)?;
-        }
-        self.over_time.as_mut().map_or(Ok(()), |over_time| over_time.write(starts_at_s))
+    /// Writes what is left of each file, whatever becomes of the others.
+    ///
+    /// # Errors
+    /// When the results cannot be written.
+    pub(crate) fn finish(&mut self, starts_at_s: f64, diagnostics: &mut Diagnostics) -> io::Result<()> {
+        let map = self.map.as_mut().map(|map| map.finish(&self.mapper));
+        let over_time = self.over_time.as_mut().map(|over_time| over_time.write(starts_at_s));
+        let errors = [map, over_time].into_iter().flatten().filter_map(Result::err);
+        diagnostics.lost_all(errors.map(|error| format!("{error:#}")));
+        self.results.as_mut().map_or(Ok(()), Results::finish)
     }
 }
 
@@ -108,6 +113,13 @@ impl Results {
                 out.flush()
             }
             Self::Mcap(answers) => answers.take(frame),
+        }
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        match self {
+            Self::Lines(_) => Ok(()),
+            Self::Mcap(answers) => answers.finish(),
         }
     }
 }

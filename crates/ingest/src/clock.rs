@@ -82,8 +82,8 @@ impl Clock {
         }
         let by_stamp = self.offset_ns.filter(|_| times.stamp_ns > 0).map(|offset| i128::from(times.stamp_ns) + offset);
         match by_stamp.and_then(|ns| u64::try_from(ns).ok()).filter(|ns| self.believes(*ns)) {
-            Some(ns) => (ns, Some("the time of recording cannot be right: the stamp tells it")),
-            None => (self.start_ns, Some("the time of recording cannot be right: that of the first scan is used")),
+            Some(ns) => (ns, Some("implausible time of recording, replaced by the stamp")),
+            None => (self.start_ns, Some("implausible time of recording, replaced by that of the first scan")),
         }
     }
 

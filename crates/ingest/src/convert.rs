@@ -5,8 +5,8 @@ use std::io::{Seek, Write};
 use std::path::PathBuf;
 
 use crosscut_messages::{
-    CDR_ENCODING, DecodeError, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC, PointCloud2,
-    ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME,
+    CDR_ENCODING, DecodeError, Echo, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC,
+    PointCloud2, ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME,
     TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
 };
 use mcap::records::MessageHeader;
@@ -66,13 +66,19 @@ struct Route {
 }
 
 /// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` name on `/scan`, clouds on
-/// `/points`, odometry on `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are.
+/// `/points`, odometry on `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are; of several
+/// echoes of a beam, `echo` is its range.
 ///
 /// # Errors
 /// When there are no scans that can be read, or `out` cannot be written.
-pub fn convert(inputs: &[PathBuf], options: &ReadOptions, out: impl Write + Seek) -> Result<Converted, ConvertError> {
+pub fn convert(
+    inputs: &[PathBuf],
+    options: &ReadOptions,
+    echo: Echo,
+    out: impl Write + Seek,
+) -> Result<Converted, ConvertError> {
     let (containers, losses) = open_all(inputs, &options.csv)?;
-    let routes = routes(topics_of(containers.iter().map(|container| container.contents())), options)?;
+    let routes = routes(topics_of(containers.iter().map(|container| container.contents())), options, echo)?;
     let mut converted = Converted { losses, ..Converted::default() };
     let mut mcap = mcap::WriteOptions::new().profile("ros2").library("crosscut").create(out)?;
     let mut channels = BTreeMap::new();
@@ -111,8 +117,9 @@ pub fn convert(inputs: &[PathBuf], options: &ReadOptions, out: impl Write + Seek
 }
 
 /// The topics that are converted: one of scans, one of odometry, and those of transforms and truth.
-fn routes(topics: Vec<TopicInfo>, options: &ReadOptions) -> Result<Vec<Route>, ConvertError> {
-    let (scans, decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
+fn routes(topics: Vec<TopicInfo>, options: &ReadOptions, echo: Echo) -> Result<Vec<Route>, ConvertError> {
+    let (scans, mut decoder) = scan_topic(topics.clone(), options.topic.as_deref(), options.read_as)?;
+    decoder.echo = echo;
     let to = if decoder.gives_clouds() { POINTS_TOPIC } else { SCAN_TOPIC };
     let mut routes = vec![Route { kind: Kind::Scan(decoder), from: scans, to: to.to_owned() }];
     let odometry = topics.iter().find(|topic| topic.has_odometry());

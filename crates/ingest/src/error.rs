@@ -44,7 +44,7 @@ pub enum IngestError {
         folders: usize,
     },
     /// A file of another kind.
-    #[error("no recording that can be read: {found}: {}", path.display())]
+    #[error("cannot be read as a recording: {found}: {}", path.display())]
     NotRecording {
         /// The file.
         path: PathBuf,
@@ -53,8 +53,8 @@ pub enum IngestError {
     },
     /// A table of ranges, without the settings that say where its beams look.
     #[error(
-        "a table of ranges does not say where its beams look: give the bearings of the first and the last one, for \
-         example --set csv.first_rad=-2.356 --set csv.last_rad=2.356: {}", path.display()
+        "a table of ranges does not state the directions of its beams: give the bearings of the first and the last one, \
+         for example --set csv.first_rad=-2.356 --set csv.last_rad=2.356: {}", path.display()
     )]
     NoGeometry {
         /// The file.
@@ -130,7 +130,7 @@ impl IngestError {
     pub fn as_loss(&self, is_named: bool) -> Option<Loss> {
         match self {
             Self::NotRecording { path, found } if found.may_be_a_wreck() || !is_named => {
-                let kind = LossKind::File { cause: format!("no recording that can be read: {found}") };
+                let kind = LossKind::File { cause: format!("cannot be read as a recording: {found}") };
                 Some(Loss { file: path.clone(), kind })
             }
             Self::NothingReadable { losses } => losses.first().filter(|_| losses.len() == 1).cloned(),

@@ -116,7 +116,7 @@ mod truths;
 mod turning;
 mod turns;
 
-pub use container::{CSV_PARAMS, CsvGeometry};
+pub use container::{CSV_PARAMS, CsvGeometry, KeptStandardInput};
 pub use convert::{ConvertError, Converted, convert};
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;

@@ -37,6 +37,7 @@ mod tests {
             ("chunk after decompression", gib(CHUNK_BYTES)),
             ("beams of a scan", with_commas(BEAMS)),
             ("points of a cloud", with_commas(crosscut_messages::MOST_POINTS)),
+            ("fields of a point", with_commas(crosscut_messages::MOST_FIELDS)),
             ("line of a text file", mib(LINE_BYTES)),
             ("channels of a file", with_commas(CHANNELS)),
             ("file after decompression, standard input", format!("{} on disk", gib(DECOMPRESSED_BYTES))),

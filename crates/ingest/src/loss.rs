@@ -110,7 +110,7 @@ pub enum LossKind {
         damage: Damage,
     },
     /// Everything could be read, but some of it is not what was written.
-    #[error("something in it is not as it was written, and it cannot be told what: {damage}")]
+    #[error("its content was altered after it was written, at an unknown place: {damage}")]
     Altered {
         /// Which checksum is wrong.
         damage: Damage,

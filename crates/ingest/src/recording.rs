@@ -94,9 +94,19 @@ impl Recording {
     /// recording, is a loss if others are not.
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
-        let scanners = Scanners::open(inputs, options, &sensor)?;
+        let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
+        Ok(Self { scanners, ..Self::with_odometry(containers, losses, options, sensor)? })
+    }
+
+    /// One scanner of the vehicle.
+    pub(crate) fn with_odometry(
+        containers: Vec<Box<dyn Container>>,
+        losses: Vec<Loss>,
+        options: &ReadOptions,
+        sensor: Sensor,
+    ) -> Result<Self, IngestError> {
         let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
-        Ok(Self { scanners, odometry, ..Self::of(containers, losses, options, sensor)? })
+        Ok(Self { odometry, ..Self::of(containers, losses, options, sensor)? })
     }
 
     /// One scanner, without odometry.

@@ -119,11 +119,13 @@ impl<'a> Fields<'a> {
     /// The next sequence of structures, into `out`, whatever it held before. Each takes `least_bytes` or more.
     ///
     /// # Errors
-    /// When the message has no room for as many as the sequence claims, or `read` cannot read one of them.
+    /// When the message has no room for as many as the sequence claims, there are more than `most`, or `read` cannot read
+    /// one of them.
     pub fn structures<T: Default>(
         &mut self,
         field: &'static str,
         least_bytes: usize,
+        most: usize,
         out: &mut Vec<T>,
         mut read: impl FnMut(&mut Self, &mut T) -> Result<(), DecodeError>,
     ) -> Result<(), DecodeError> {
@@ -131,6 +133,9 @@ impl<'a> Fields<'a> {
             self.u32(field)?;
         }
         let count = self.count(field, least_bytes)?;
+        if count > most {
+            return Err(DecodeError::Value { field, cause: format!("{count} are more than {most}") });
+        }
         out.resize_with(count, T::default);
         out.iter_mut().try_for_each(|element| read(self, element))
     }

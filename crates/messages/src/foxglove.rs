@@ -1,11 +1,16 @@
 //! Scans and clouds of Foxglove's schemas, in JSON or protobuf.
 
+use std::fmt;
+use std::marker::PhantomData;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use prost::encoding::{DecodeContext, decode_key, skip_field};
+use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::cloud::{PackedField, PackedPoints};
-use crate::{Cloud, DecodeError, Header, LaserScan, NumberType, Quaternion, Time, Vector3};
+use crate::{Cloud, DecodeError, Header, LaserScan, MOST_BEAMS, MOST_FIELDS, NumberType, Quaternion, Time, Vector3};
 
 /// `foxglove.LaserScan`.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
@@ -30,6 +35,9 @@ pub(crate) struct FoxgloveScan {
     intensities: Vec<f64>,
 }
 
+/// Of [`FoxgloveCloud::fields`].
+const FIELDS_TAG: u32 = 5;
+
 /// `foxglove.PointCloud`.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
@@ -44,6 +52,7 @@ pub(crate) struct FoxgloveCloud {
     #[prost(fixed32, tag = "4")]
     point_stride: u32,
     #[prost(message, repeated, tag = "5")]
+    #[serde(deserialize_with = "fields")]
     fields: Vec<PackedElementField>,
     #[prost(bytes = "vec", tag = "6")]
     #[serde(deserialize_with = "base64_bytes")]
@@ -112,8 +121,11 @@ pub(crate) fn of_json<T: for<'de> Deserialize<'de>>(message: &[u8]) -> Result<T,
 
 /// A message of protobuf.
 pub(crate) fn of_protobuf<T: prost::Message + Default>(message: &[u8]) -> Result<T, DecodeError> {
-    let refused = |error: prost::DecodeError| DecodeError::Format { encoding: "protobuf", cause: error.to_string() };
-    T::decode(message).map_err(refused)
+    T::decode(message).map_err(not_protobuf)
+}
+
+fn not_protobuf(error: prost::DecodeError) -> DecodeError {
+    DecodeError::Format { encoding: "protobuf", cause: error.to_string() }
 }
 
 impl FoxgloveScan {
@@ -135,6 +147,22 @@ impl FoxgloveScan {
 }
 
 impl FoxgloveCloud {
+    /// A cloud of protobuf. An empty field takes 2 bytes in the message and 16 times that in memory, so that they are counted
+    /// first.
+    pub(crate) fn of_protobuf(message: &[u8]) -> Result<Self, DecodeError> {
+        let (mut rest, mut fields) = (message, 0);
+        while !rest.is_empty() && fields <= MOST_FIELDS {
+            let (tag, wire_type) = decode_key(&mut rest).map_err(not_protobuf)?;
+            skip_field(wire_type, tag, &mut rest, DecodeContext::default()).map_err(not_protobuf)?;
+            fields += usize::from(tag == FIELDS_TAG);
+        }
+        if fields > MOST_FIELDS {
+            let cause = format!("there are more than {MOST_FIELDS}");
+            return Err(DecodeError::Value { field: "fields", cause });
+        }
+        of_protobuf(message)
+    }
+
     /// Writes the points into `out`, whatever it held before, moved by the cloud's pose.
     pub(crate) fn write_cloud(&self, out: &mut Cloud) -> Result<(), DecodeError> {
         write_header(self.timestamp, &self.frame_id, &mut out.header);
@@ -208,23 +236,75 @@ fn text_bytes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
 }
 
 fn base64_bytes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
-    STANDARD.decode(String::deserialize(from)?).map_err(serde::de::Error::custom)
+    STANDARD.decode(String::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// JSON has no NaN and no infinity; writers give null, or their name.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum JsonNumber {
-    Number(f64),
-    Name(String),
-    Null,
+struct JsonNumber(f64);
+
+impl<'de> Deserialize<'de> for JsonNumber {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Number;
+        impl Visitor<'_> for Number {
+            type Value = JsonNumber;
+
+            fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+                to.write_str("a number, its name or null")
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<JsonNumber, E> {
+                Ok(JsonNumber(number))
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<JsonNumber, E> {
+                Ok(JsonNumber(number as f64))
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<JsonNumber, E> {
+                Ok(JsonNumber(number as f64))
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<JsonNumber, E> {
+                Ok(JsonNumber(name.parse().unwrap_or(f64::NAN)))
+            }
+
+            fn visit_unit<E>(self) -> Result<JsonNumber, E> {
+                Ok(JsonNumber(f64::NAN))
+            }
+        }
+        from.deserialize_any(Number)
+    }
 }
 
 fn numbers<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
-    let number = |value| match value {
-        JsonNumber::Number(number) => number,
-        JsonNumber::Name(name) => name.parse().unwrap_or(f64::NAN),
-        JsonNumber::Null => f64::NAN,
-    };
-    Ok(Vec::deserialize(from)?.into_iter().map(number).collect())
+    let numbers: Vec<JsonNumber> = at_most(MOST_BEAMS, from)?;
+    Ok(numbers.into_iter().map(|JsonNumber(number)| number).collect())
+}
+
+fn fields<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PackedElementField>, D::Error> {
+    at_most(MOST_FIELDS, from)
+}
+
+/// The elements of a list. They may take more memory than their text: a longer list is refused while it is read.
+fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(most: usize, from: D) -> Result<Vec<T>, D::Error> {
+    struct AtMost<T>(usize, PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for AtMost<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(to, "a list of {} or less", self.0)
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+            let mut elements = Vec::new();
+            while let Some(element) = list.next_element()? {
+                if elements.len() == self.0 {
+                    return Err(A::Error::custom(format!("a list has more than {} elements", self.0)));
+                }
+                elements.push(element);
+            }
+            Ok(elements)
+        }
+    }
+    from.deserialize_seq(AtMost(most, PhantomData))
 }

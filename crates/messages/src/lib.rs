@@ -17,8 +17,8 @@
 //! CDR begins with an encapsulation header of 4 bytes; then every value is aligned to its own size, counted from the end
 //! of that header (to 4 bytes at most in XCDR2). Both byte orders are read. XCDR2 that is not plain, and PL_CDR, are
 //! refused by name. A length field is believed only as far as there are bytes for it: no memory is allocated for more.
-//! A scan of more than [`MOST_BEAMS`] and a cloud of more than [`MOST_POINTS`] are refused.
-//! Bytes after the last field are ignored (writers pad to 4). Texts that are not UTF-8 have replacement characters.
+//! A scan of more than [`MOST_BEAMS`], a cloud of more than [`MOST_POINTS`] and points of more than [`MOST_FIELDS`] are
+//! refused. Bytes after the last field are ignored (writers pad to 4). Texts that are not UTF-8 have replacement characters.
 //!
 //! [`Message::SCHEMA_NAME`] and [`Message::SCHEMA_TEXT`] (in [`SCHEMA_ENCODING`]) are what an MCAP channel needs for
 //! any ROS 2 tool to read what was written. Times are [`Time`]s as on the wire and nanoseconds elsewhere.
@@ -82,6 +82,10 @@ pub use truth_map::{
 pub const MOST_BEAMS: usize = 1 << 20;
 /// A cloud with more points is refused.
 pub const MOST_POINTS: usize = 1 << 24;
+/// A cloud whose points have more fields is refused.
+pub const MOST_FIELDS: usize = 1 << 12;
+/// A message of more transforms is refused.
+pub(crate) const MOST_TRANSFORMS: usize = 1 << 16;
 
 /// Message encoding of ROS 2 messages in an MCAP channel.
 pub const CDR_ENCODING: &str = "cdr";

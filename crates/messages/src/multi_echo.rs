@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{DecodeError, Fields, LaserScan, Message, schema};
+use crate::{DecodeError, Fields, LaserScan, MOST_BEAMS, Message, schema};
 
 /// Which of the echoes of a beam is its range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl Message for MultiEchoLaserScan {
     fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
         self.geometry.read_geometry(from)?;
         for (field, echoes) in [("ranges", &mut self.ranges), ("intensities", &mut self.intensities)] {
-            from.structures(field, LaserEcho::LEAST_BYTES, echoes, |from, echo| echo.read(from, field))?;
+            from.structures(field, LaserEcho::LEAST_BYTES, MOST_BEAMS, echoes, |from, echo| echo.read(from, field))?;
         }
         Ok(())
     }

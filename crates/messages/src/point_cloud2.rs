@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use crate::cloud::{PackedField, PackedPoints};
-use crate::{Cloud, DecodeError, Endian, Fields, Header, NumberType, message, schema};
+use crate::{Cloud, DecodeError, Endian, Fields, Header, MOST_FIELDS, NumberType, message, schema};
 
 /// `sensor_msgs/msg/PointCloud2`: points packed into bytes, in rows. Its data is borrowed from the message.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -134,9 +134,8 @@ impl<'a> PointCloud2<'a> {
         cloud.header.read(from)?;
         cloud.height = from.u32("height")?;
         cloud.width = from.u32("width")?;
-        from.structures("fields", PointField::LEAST_BYTES, &mut cloud.fields, |from, field: &mut PointField| {
-            field.read(from)
-        })?;
+        let read = |from: &mut Fields<'a>, field: &mut PointField| field.read(from);
+        from.structures("fields", PointField::LEAST_BYTES, MOST_FIELDS, &mut cloud.fields, read)?;
         cloud.is_bigendian = from.u8("is_bigendian")? != 0;
         cloud.point_step = from.u32("point_step")?;
         cloud.row_step = from.u32("row_step")?;

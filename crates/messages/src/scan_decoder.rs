@@ -221,7 +221,7 @@ impl ScanDecoder {
                 Ok(())
             }
             ScanType::FoxglovePointCloud => {
-                let cloud: FoxgloveCloud = if is_json { of_json(message) } else { of_protobuf(message) }?;
+                let cloud = if is_json { of_json(message) } else { FoxgloveCloud::of_protobuf(message) }?;
                 cloud.write_cloud(out.as_cloud_mut())
             }
         }

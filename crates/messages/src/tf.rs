@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{DecodeError, Fields, Header, Message, Quaternion, Vector3, schema};
+use crate::{DecodeError, Fields, Header, MOST_TRANSFORMS, Message, Quaternion, Vector3, schema};
 
 /// `tf2_msgs/msg/TFMessage`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -49,6 +49,6 @@ impl Message for TfMessage {
 
     fn read(&mut self, from: &mut Fields<'_>) -> Result<(), DecodeError> {
         let read = |from: &mut Fields<'_>, transform: &mut TransformStamped| transform.read(from);
-        from.structures("transforms", TransformStamped::LEAST_BYTES, &mut self.transforms, read)
+        from.structures("transforms", TransformStamped::LEAST_BYTES, MOST_TRANSFORMS, &mut self.transforms, read)
     }
 }

@@ -19,8 +19,11 @@ use crate::schema::{
 };
 use crate::tensors::f64_vector;
 
-/// The drawing is made again each time the vehicle has moved this far.
+/// Way and walls are drawn again when the way has grown by this length at least.
 const DRAWN_EVERY_M: f64 = 2.0;
+/// Way and walls are drawn again when the way has grown by this share of itself at least: what is written then grows with the
+/// way, not with its square.
+const DRAWN_EVERY_SHARE: f64 = 0.02;
 /// Points of the path are this far apart.
 const PATH_M: f64 = 0.5;
 /// Walls are recorded as the points that lie in other squares of this side than those before.
@@ -29,7 +32,7 @@ const CELL_M: f64 = 0.2;
 const WALLS_EVERY_M: f64 = 0.7;
 /// Returns farther than this add little, and are drawn where the heading of the pose is uncertain.
 const WALLS_WITHIN_M: f64 = 12.0;
-/// All walls are drawn again once this share is new: this bounds what is written.
+/// All walls are drawn again once this share is new.
 const NEW_SHARE: f64 = 0.25;
 /// Length of the arrows of ways.
 const WAY_M: f64 = 3.0;
@@ -49,6 +52,7 @@ const HERE: [(&str, u32); 4] =
 pub(crate) struct FlightMap {
     mapper: Mapper,
     path: Vec<Anchored>,
+    way_m: f64,
     walls: Vec<Anchored>,
     cells: BTreeSet<[i64; 2]>,
     walls_from: Option<Point2<f64>>,
@@ -56,7 +60,7 @@ pub(crate) struct FlightMap {
     drawn: Map,
     drawn_path: usize,
     drawn_walls: [usize; 2],
-    drawn_from: Option<Point2<f64>>,
+    drawn_way_m: f64,
     /// Visits, merges and refusals that have been drawn and logged.
     told: [usize; 3],
 }
@@ -86,9 +90,10 @@ impl FlightMap {
         let Some(pose) = frame.pose else { return };
         let here = self.mapper.anchored(pose);
         let at_m = self.at(&here);
-        let is_farther = |from: Option<&Anchored>| from.is_none_or(|from| (self.at(from) - at_m).norm() > PATH_M);
-        if is_farther(self.path.last()) {
+        let since_last_m = self.path.last().map(|last| (self.at(last) - at_m).norm());
+        if since_last_m.is_none_or(|since_last_m| since_last_m > PATH_M) {
             self.path.push(here);
+            self.way_m += since_last_m.unwrap_or(0.0);
         }
         if self.walls_from.is_none_or(|from| (from - at_m).norm() > WALLS_EVERY_M) {
             self.walls_from = Some(at_m);
@@ -121,22 +126,26 @@ impl FlightMap {
         if let Some(here) = frame.steady.as_ref().and_then(|steady| steady.here.as_ref()) {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }
-        let at_m = Point2::from(pose.translation.vector);
         let visits = self.mapper.poses().len();
-        let has_moved = self.drawn_from.is_none_or(|from| (from - at_m).norm() > DRAWN_EVERY_M);
-        let (whole_before, mut is_corrected) = (self.drawn_walls[0], false);
-        if has_moved || visits != self.told[0] {
-            self.drawn_from = Some(at_m);
+        let due_m = DRAWN_EVERY_M.max(DRAWN_EVERY_SHARE * self.way_m);
+        let is_way_due = self.drawn_path == 0 || self.way_m - self.drawn_way_m > due_m;
+        let mut is_corrected = false;
+        if is_way_due || visits != self.told[0] {
             let map = self.mapper.map();
             self.log_reasons(rows, &map);
             is_corrected = map.merges.len() != self.told[1];
-            self.add_drawn(is_corrected);
             self.told = [visits, map.merges.len(), map.refusals.len()];
             self.drawn = map;
         } else if !again {
             return;
         }
-        self.log_way(rows, again || self.drawn_walls[0] != whole_before || is_corrected);
+        let whole_before = self.drawn_walls[0];
+        if is_way_due || is_corrected {
+            self.add_drawn(is_corrected);
+        }
+        if is_way_due || is_corrected || again {
+            self.log_way(rows, again || is_corrected || self.drawn_walls[0] != whole_before);
+        }
         log_map(rows, &self.drawn);
     }
 
@@ -151,7 +160,7 @@ impl FlightMap {
 
     /// Adds what is new to what is drawn; all of it again if the drift was corrected.
     fn add_drawn(&mut self, is_corrected: bool) {
-        self.drawn_path = self.path.len();
+        (self.drawn_path, self.drawn_way_m) = (self.path.len(), self.way_m);
         let [whole, _] = self.drawn_walls;
         let new = self.walls.len() - whole;
         let is_whole = is_corrected || new as f64 > NEW_SHARE * whole as f64;

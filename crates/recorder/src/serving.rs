@@ -21,6 +21,8 @@ pub struct Served {
     pub url: String,
     /// The page for a browser; `None` without the feature `web`.
     pub web_url: Option<String>,
+    /// Whether it listens at every address of this machine. Other machines put one of these in place of 127.0.0.1.
+    pub at_every_address: bool,
 }
 
 /// A server that listens.
@@ -37,16 +39,19 @@ pub(crate) struct Server {
 /// When it cannot listen at the address.
 pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
     let address = free_address(address)?;
+    // The web viewer's own pages. By which of its addresses another machine opens them is not known here.
+    let at_every_address = address.ip().is_unspecified();
+    let pages = if at_every_address { "*".to_owned() } else { bind_ip(address) };
     let options = ServerOptions {
         memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES),
-        cors_allowed_origins: vec![format!("http://{}:*", bind_ip(address))], // the web viewer's own pages
+        cors_allowed_origins: vec![format!("http://{pages}:*")],
         ..ServerOptions::default()
     };
     let sink = GrpcServerSink::new(&bind_ip(address), address.port(), options).map_err(|e| cannot(address, &e))?;
     await_listening(address)?;
     let url = format!("rerun+http://{}/proxy", reachable(address));
     let (web, web_url) = web_viewer(address, &url)?.unzip();
-    Ok(Server { sink, served: Served { url, web_url }, _web: web })
+    Ok(Server { sink, served: Served { url, web_url, at_every_address }, _web: web })
 }
 
 /// A server of pages, which stops when it is dropped.
@@ -58,7 +63,8 @@ fn web_viewer(address: SocketAddr, url: &str) -> Result<Option<(Pages, String)>,
     let config =
         rerun::web_viewer::WebViewerConfig { bind_ip: bind_ip(address), open_browser: false, ..Default::default() };
     let server = rerun::serve_web_viewer(config).map_err(|e| cannot(address, &e))?;
-    let page = format!("{}?url={}", server.server_url(), url.replace('+', "%2B"));
+    let server_url = server.server_url().replace("localhost", "127.0.0.1"); // as in `url`
+    let page = format!("{server_url}?url={}", url.replace('+', "%2B"));
     Ok(Some((Box::new(server), page)))
 }
 

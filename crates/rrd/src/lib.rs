@@ -156,7 +156,7 @@ pub enum Damage {
         last: u64,
     },
     /// The last part that is there says that another one follows.
-    #[error("part {part}, in which the recording goes on, is missing: {}", path.display())]
+    #[error("part {part}, which continues the recording, is missing: {}", path.display())]
     EndMissing {
         /// The file that was opened.
         path: PathBuf,

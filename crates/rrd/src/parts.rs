@@ -118,6 +118,6 @@ mod tests {
         assert_eq!(found(&[(1, true), (3, false)]), ["part 2 is missing: x"]);
         assert_eq!(found(&[(1, true), (5, false)]), ["parts 2 to 4 are missing: x"]);
         assert_eq!(found(&[(2, false)]), ["part 1 is missing: x"]);
-        assert_eq!(found(&[(1, true), (2, true)]), ["part 3, in which the recording goes on, is missing: x"]);
+        assert_eq!(found(&[(1, true), (2, true)]), ["part 3, which continues the recording, is missing: x"]);
     }
 }

@@ -1,8 +1,8 @@
 //! Scenes as an MCAP recording of ROS 2 messages, with truth.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use crosscut_messages::{
@@ -76,12 +76,12 @@ pub struct SceneRecorder {
 }
 
 impl SceneRecorder {
-    /// Creates the file.
+    /// Creates the file, and holds it: a second recorder of the same file is refused.
     ///
     /// # Errors
     /// If it cannot be created or written.
     pub fn create(path: &Path) -> Result<Self, RecordingError> {
-        let file = File::create(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
+        let file = created(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
         let begin = || -> Result<Self, mcap::McapError> {
             // Fixed texts and compression without threads keep the bytes the same in every run.
             let mut mcap = mcap::WriteOptions::new()
@@ -183,6 +183,19 @@ pub fn read_mcap(path: &Path) -> Result<Vec<Scene>, RecordingError> {
     let is_whole = |scene: &Scene| scene.odometry.is_some() && scene.truth.pose.is_some();
     scenes.truncate(scenes.iter().take_while(|scene| is_whole(scene)).count());
     if scenes.is_empty() { Err(RecordingError::NoFlight { path: path.into() }) } else { Ok(scenes) }
+}
+
+/// An empty file that no other program writes to.
+fn created(path: &Path) -> io::Result<File> {
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+    // On other systems a lock would exclude readers as well.
+    if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+        return Err(io::Error::new(io::ErrorKind::ResourceBusy, "another program is writing to it"));
+    }
+    if file.metadata()?.is_file() {
+        file.set_len(0)?;
+    }
+    Ok(file)
 }
 
 fn json_channel(

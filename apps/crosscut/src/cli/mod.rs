@@ -165,8 +165,16 @@ pub(crate) struct ConvertArgs {
     /// Topic of the scans; may be omitted when there is only one.
     #[arg(long)]
     pub(crate) topic: Option<String>,
-    #[command(flatten)]
-    pub(crate) config: ConfigArgs,
+    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
+    /// File of settings, of which those of the section csv and ingest.echo count.
+    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
+    pub(crate) config: Option<PathBuf>,
+    /// Single setting that overrides the file: ingest.echo=VALUE or csv.KEY=VALUE. May be repeated.
+    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion)]
+    pub(crate) set: Vec<String>,
 }
 
 #[derive(Debug, Args)]
@@ -366,6 +374,15 @@ fn mcap_path(path: PathBuf) -> Result<PathBuf, &'static str> {
         return Err("the output is an MCAP recording, not one for the Rerun viewer: FLIGHT.mcap");
     }
     Ok(path)
+}
+
+fn setting_of_conversion(setting: &str) -> Result<String, &'static str> {
+    let key = setting.split('=').next().unwrap_or_default().trim();
+    if key.starts_with("csv.") || key == "ingest.echo" {
+        Ok(setting.to_owned())
+    } else {
+        Err("only csv.KEY and ingest.echo have an effect: scans are converted as they were recorded")
+    }
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

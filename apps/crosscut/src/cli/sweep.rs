@@ -26,7 +26,7 @@ pub(crate) struct SweepArgs {
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
     /// Folder for sweep.csv, sweep.parquet, times.csv and the pictures. What an earlier sweep into it has computed with the
-    /// same program, settings and recordings is kept: an interrupted sweep goes on.
+    /// same program, settings and recordings is kept, so the same command continues an interrupted sweep.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of recordings that are processed at a time. [default: the number of processors]

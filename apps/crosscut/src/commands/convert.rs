@@ -1,36 +1,39 @@
 //! `crosscut convert`: any recording as an MCAP that other tools read.
 
-use std::fs::File;
 use std::io::BufWriter;
+use std::path::Path;
 
 use anyhow::Context;
-use crosscut_ingest::{CsvGeometry, ReadOptions, recordings_in};
+use crosscut_ingest::{CsvGeometry, ReadOptions, Sensor, recordings_in};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
-use crate::cli::ConvertArgs;
+use crate::cli::{ConfigArgs, ConvertArgs};
 use crate::diagnostics::Diagnostics;
-use crate::exit::Outcome;
+use crate::exit::{Outcome, UsageError};
 use crate::say::say;
+use crate::unfinished::Unfinished;
 use crate::{config, outputs};
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
 pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let config = config::resolve(&args.config, registry)?;
-    outputs::refuse(&[&args.out], &recordings_in(&args.input)?)?;
+    if args.out == Path::new("-") {
+        return Err(UsageError("convert writes to a file, not to standard output".to_owned()).into());
+    }
+    let settings = ConfigArgs { preset: "default".to_owned(), config: args.config.clone(), set: args.set.clone() };
+    let config = config::resolve(&settings, registry)?;
+    let mut read = recordings_in(&args.input)?;
+    read.extend(args.config.clone());
+    outputs::refuse(&[&args.out], &read)?;
     let csv = CsvGeometry::new(config.params("csv"));
-    let options = ReadOptions { topic: args.topic.clone(), csv, ..ReadOptions::default() };
-    let unfinished = args.out.with_extension("mcap.unfinished");
+    let options = ReadOptions { topic: args.topic.clone(), read_as: args.read_as, csv, ..ReadOptions::default() };
+    let echo = Sensor::new(config.params("ingest")).echo();
+    let unfinished = Unfinished::beside(&args.out);
+    unfinished.remove_on_interrupt()?;
     let cannot = || format!("cannot write {}", args.out.display());
-    let file = BufWriter::new(File::create(&unfinished).with_context(cannot)?);
-    let converted = match crosscut_ingest::convert(&args.input, &options, file) {
-        Ok(converted) => converted,
-        Err(error) => {
-            std::fs::remove_file(&unfinished).ok(); // the first error says what is wrong
-            return Err(error.into());
-        }
-    };
-    std::fs::rename(&unfinished, &args.out).with_context(cannot)?;
+    let file = BufWriter::new(unfinished.create().with_context(cannot)?);
+    let converted = crosscut_ingest::convert(&args.input, &options, echo, file)?;
+    unfinished.finish().with_context(cannot)?;
     let written = converted.messages.iter().map(|(topic, count)| format!("{} on {topic}", counted(*count, "message")));
     say(format_args!("{}: {}", args.out.display(), written.collect::<Vec<_>>().join(", ")));
     let mut diagnostics = Diagnostics::default();

@@ -105,23 +105,24 @@ fn with_truth(
         Truths::open(path)?;
         anyhow::Ok(scoring::open(path, &options, &columns[0].config)?.total_revolutions())
     };
-    let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), None);
+    let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), Vec::new());
     for path in recordings {
         match messages_in(&path) {
             Ok(messages) => {
                 sum = sum.zip(messages).map(|(sum, messages)| sum + messages * columns.len() as u64);
                 kept.push(path);
             }
-            Err(error) => {
-                diagnostics.error(format_args!("left out: {error:#}"));
-                refused.get_or_insert(error);
-            }
+            Err(error) => refused.push(error),
         }
     }
-    match refused {
-        Some(error) if kept.is_empty() => Err(error),
-        _ => Ok((kept, sum)),
+    if kept.is_empty() {
+        // The last error ends the command, which prints it.
+        let last = refused.pop();
+        refused.iter().for_each(|error| diagnostics.error(format_args!("{error:#}")));
+        return last.map_or(Ok((kept, sum)), Err);
     }
+    refused.iter().for_each(|error| diagnostics.error(format_args!("left out: {error:#}")));
+    Ok((kept, sum))
 }
 
 /// Notes settings of ingest: the truth belongs to the scans as they were recorded, in the body frame of the sensor.

@@ -50,7 +50,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         print(&format!("\nnext: {line}\n"))?;
     } else if !unknown_topics.is_empty() && args.read_as.is_none() {
         let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
-        print(&format!("\nno schema tells the type of {names}; for laser scans add: --as LaserScan\n"))?;
+        print(&format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
     }
     Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
 }
@@ -68,6 +68,9 @@ fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<Stri
         words.extend(["--topic".to_owned(), topic.clone()]);
     }
     words.extend(args.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
+    if args.config.preset != "default" {
+        words.extend(["--preset".to_owned(), args.config.preset.clone()]);
+    }
     words.extend(args.config.config.iter().flat_map(|file| ["--config".to_owned(), file.display().to_string()]));
     words.extend(args.config.set.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
     let is_plain = |c: char| c.is_alphanumeric() || "/._-=:+,".contains(c);

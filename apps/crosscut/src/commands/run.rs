@@ -1,5 +1,6 @@
 //! `crosscut run`: a recorded flight through all stages.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -21,7 +22,8 @@ use crate::{config, flight, outputs, progress, summary};
 /// The later scans that the steady answer rests on with `--smooth`: more change hardly a scan.
 const SMOOTH_LOOK_AHEAD: usize = 10;
 
-/// Runs the flight. The results of a revolution are on disk before any observer sees it.
+/// Runs the flight. The results of a revolution are written before any observer sees it; in an MCAP they are on disk
+/// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let smooth: &[String] = if args.smooth { &[format!("flight.look_ahead={SMOOTH_LOOK_AHEAD}")] } else { &[] };
     let config = config::resolve_with(&args.config, "--smooth", smooth, registry)?;
@@ -58,8 +60,9 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
         say(format_args!("\n{}", written.map_summary()));
     }
 
-    let finished = written.finish(recording.starts_at_s().unwrap_or(0.0));
-    diagnostics.lost_all(finished.err().map(|error| format!("{error:#}")));
+    if let Err(error) = written.finish(recording.starts_at_s().unwrap_or(0.0), &mut diagnostics) {
+        report_lost_results(&error, &summary, args, &mut diagnostics);
+    }
     diagnostics.lost_all(recording.losses());
     diagnostics.lost_all(&summary.observer_errors);
     note_left_out(&recording, &mut diagnostics);
@@ -120,18 +123,23 @@ fn report_end(summary: &Summary, args: &RunArgs, diagnostics: &mut Diagnostics) 
             diagnostics.error(cause);
         }
         End::Failed(failure) => diagnostics.error(format_args!("{failure}; saved before it: {done}")),
-        End::ResultsLost(error) if is_closed_pipe(error) => {
-            diagnostics.interrupt();
-            if args.record.save.is_some() || args.over_time.is_some() {
-                diagnostics.note(format_args!("the reader of the results closed the pipe; the run ended after {done}"));
-            }
-        }
-        End::ResultsLost(error) => {
-            diagnostics.error(format_args!("the results cannot be written after {done}: {error}"));
-        }
+        End::ResultsLost(error) => report_lost_results(error, summary, args, diagnostics),
         End::Interrupted => diagnostics.interrupt(),
         End::Complete if summary.revolutions == 0 => diagnostics.error("no scan could be read"),
         End::Complete => {}
+    }
+}
+
+/// Reports that the results are not complete. A reader of them that closed the pipe wants no more.
+fn report_lost_results(error: &io::Error, summary: &Summary, args: &RunArgs, diagnostics: &mut Diagnostics) {
+    let done = counted(summary.revolutions, "revolution");
+    if !is_closed_pipe(error) {
+        diagnostics.error(format_args!("the results cannot be written after {done}: {error}"));
+        return;
+    }
+    diagnostics.interrupt();
+    if args.record.save.is_some() || args.over_time.is_some() {
+        diagnostics.note(format_args!("the reader of the results closed the pipe; the run ended after {done}"));
     }
 }
 

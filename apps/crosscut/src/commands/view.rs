@@ -36,4 +36,7 @@ pub(crate) fn say_where(served: &Served) {
     if let Some(page) = &served.web_url {
         say(format_args!("or in a browser: {page}"));
     }
+    if served.at_every_address {
+        say("from another machine: put this machine's address in place of 127.0.0.1");
+    }
 }

@@ -34,6 +34,7 @@ use self::spool::{Compression, Spooled};
 use self::table::Table;
 use crate::{Following, Found, IngestError, Loss, LossKind};
 
+pub use self::spool::KeptStandardInput;
 pub use self::table::{CSV_PARAMS, CsvGeometry};
 
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
@@ -96,7 +97,7 @@ pub(crate) struct Message {
 pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
     let failed = |source| IngestError::Open { path: path.to_owned(), source };
     if path == Path::new(STANDARD_INPUT) {
-        let spooled = spool::copy(std::io::stdin().lock()).map_err(failed)?;
+        let spooled = spool::standard_input().map_err(failed)?;
         return open_spooled(path, spooled, None, csv);
     }
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
@@ -131,7 +132,7 @@ fn open_spooled(
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
     let failed = |source| IngestError::Open { path: path.to_owned(), source };
-    let (name, temporary) = (temporary.to_path_buf(), Arc::new(temporary));
+    let name = temporary.to_path_buf();
     let mut file = RestingFile::temporary(Arc::clone(&temporary));
     let start = start_of(&mut file).map_err(failed)?;
     let mut container = open_plain(path, &name, file, &start, csv)?;

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write as _};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
@@ -34,11 +35,47 @@ impl Compression {
     }
 }
 
-/// A copy on disk, which goes away with this value.
+/// A copy on disk, which goes away with the last clone of this value.
+#[derive(Clone)]
 pub(super) struct Spooled {
-    pub(super) path: TempPath,
+    pub(super) path: Arc<TempPath>,
     /// Why it ends before its end, if it does.
     pub(super) damage: Option<Damage>,
+}
+
+/// The copy of standard input, once there is one, while somebody keeps it.
+static KEPT: Mutex<Option<Option<Spooled>>> = Mutex::new(None);
+
+/// While this value is there, the copy of standard input is kept: it can be opened more than once.
+#[derive(Debug)]
+pub struct KeptStandardInput(());
+
+impl KeptStandardInput {
+    /// Keeps what is read from now on.
+    #[must_use = "the copy is removed with this value"]
+    pub fn keep() -> Self {
+        KEPT.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(None);
+        Self(())
+    }
+}
+
+impl Drop for KeptStandardInput {
+    fn drop(&mut self) {
+        *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
+/// Copies standard input, unless its copy was kept.
+///
+/// # Errors
+/// When there is no place on the disk for it.
+pub(super) fn standard_input() -> io::Result<Spooled> {
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    match &mut *kept {
+        Some(Some(copied)) => Ok(copied.clone()),
+        Some(empty) => Ok(empty.insert(copy(io::stdin().lock())?).clone()),
+        None => copy(io::stdin().lock()),
+    }
 }
 
 /// Decompresses a file up to where it is damaged.
@@ -57,7 +94,7 @@ pub(super) fn decompress(file: File, compression: Compression) -> io::Result<Spo
 ///
 /// # Errors
 /// When there is no place on the disk for it.
-pub(super) fn copy(input: impl Read) -> io::Result<Spooled> {
+fn copy(input: impl Read) -> io::Result<Spooled> {
     copy_up_to(input, limits::DECOMPRESSED_BYTES)
 }
 
@@ -79,7 +116,7 @@ fn copy_up_to(mut input: impl Read, limit: u64) -> io::Result<Spooled> {
             Err(error) => break Some(error.into()),
         }
     };
-    Ok(Spooled { path: file.into_temp_path(), damage })
+    Ok(Spooled { path: Arc::new(file.into_temp_path()), damage })
 }
 
 #[cfg(test)]
@@ -89,7 +126,7 @@ mod tests {
     #[test]
     fn an_endless_input_ends_at_the_limit() {
         let spooled = copy_up_to(io::repeat(7), 1 << 20).expect("room on the disk");
-        assert_eq!(std::fs::metadata(&spooled.path).expect("a file").len(), 1 << 20);
+        assert_eq!(std::fs::metadata(&*spooled.path).expect("a file").len(), 1 << 20);
         assert!(matches!(spooled.damage, Some(Damage::TooLarge { limit: 0x10_0000, .. })));
     }
 }

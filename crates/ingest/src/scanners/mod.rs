@@ -6,13 +6,11 @@
 mod around;
 mod frames;
 
-use std::path::PathBuf;
-
 use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
-use crate::recording::open_all;
+use crate::container::{self, Container};
 use crate::{IngestError, Loss, ReadOptions, Recording, Sensor};
 
 /// Scans of two scanners whose stamps are further apart than this are of different revolutions.
@@ -35,26 +33,30 @@ struct Scanner {
 }
 
 impl Scanners {
-    /// Opens the topics beside the first one; `None` if there are none.
+    /// Opens the topics beside the first one in the files of `containers`, which lack `losses`; `None` if there are none.
     ///
     /// # Errors
     /// When one of them carries no scans.
     pub(crate) fn open(
-        inputs: &[PathBuf],
+        containers: &[Box<dyn Container>],
+        losses: &[Loss],
         options: &ReadOptions,
         sensor: &Sensor,
     ) -> Result<Option<Self>, IngestError> {
         if options.beside.is_empty() {
             return Ok(None);
         }
+        let (csv, read_as) = (options.csv, options.read_as);
+        let reopened = || -> Result<Vec<_>, IngestError> {
+            containers.iter().map(|container| container::reopen(container.contents(), &csv)).collect()
+        };
         let open = |topic: &String| {
-            let (csv, read_as) = (options.csv, options.read_as);
             let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
-            let recording = Recording::open(inputs, &options, sensor.clone())?;
+            let recording = Recording::with_odometry(reopened()?, losses.to_vec(), &options, sensor.clone())?;
             Ok(Scanner { recording, before: None, after: None, has_ended: false })
         };
         let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
-        let frames = Frames::read(open_all(inputs, &options.csv)?.0);
+        let frames = Frames::read(reopened()?);
         Ok(Some(Self { others, frames, around: Around::default(), joined: Revolution::default() }))
     }
 

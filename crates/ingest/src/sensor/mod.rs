@@ -38,7 +38,7 @@ pub const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
 const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
     .from(-PI)
     .to(PI)
-    .doc("bearings in the body frame that are not looked at, anticlockwise from..to; from > to crosses ±π");
+    .doc("bearings in the body frame whose beams are ignored, anticlockwise from..to; from > to crosses ±π");
 
 const RINGS: Pairs = Pairs::new("rings", "")
     .from(0.0)

@@ -109,12 +109,14 @@ impl BlindSectors {
                 }
             }
             if hidden > 0 {
-                let ends = [sector.first, sector.first + sector.beams - 1].map(|beam| sweep.bearings_rad[beam % turn_beams]);
+                let ends =
+                    [sector.first, sector.first + sector.beams - 1].map(|beam| sweep.bearings_rad[beam % turn_beams]);
                 let [from, to] = if sweep.view().clockwise { [ends[1], ends[0]] } else { ends };
                 let margin_rad = 0.5 * sweep.step_rad;
                 notes.add(format!(
                     "{} never returned anything in the first scans, taken as blind: \
-                     ingest.masked_sectors_rad = [[{:.3}, {:.3}]] masks them, ingest.find_blind_sectors = false does not",
+                     ingest.masked_sectors_rad = [[{:.3}, {:.3}]] masks them for good; \
+                     ingest.find_blind_sectors = false turns this off",
                     counted(hidden, "beam"),
                     as_setting_rad(from - margin_rad),
                     as_setting_rad(to + margin_rad)

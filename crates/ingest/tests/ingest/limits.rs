@@ -88,6 +88,43 @@ fn a_scan_of_too_many_beams_is_an_empty_revolution() {
     assert!(read.notes[1][0].contains("more than 1048576"), "{:?}", read.notes[1]);
 }
 
+/// The note of the second of three messages, which alone cannot be decoded.
+fn note_of_the_second(type_name: &'static str, encoding: &'static str, good: &[u8], bad: Vec<u8>) -> String {
+    let folder = Folder::new();
+    let record = |i, data| Record { topic: "/scan", type_name, encoding, log_time_ns: time_ns(i), data };
+    let flight = [record(0, good.to_vec()), record(1, bad), record(2, good.to_vec())];
+    let mut recording = open(&folder.add("flight.mcap", &Form::CHUNKED.write(&flight))).expect("a recording");
+    let read = drain(&mut recording);
+    assert_eq!(read.seqs, [0, 1, 2]);
+    read.notes[1][0].clone()
+}
+
+#[test]
+fn a_list_that_is_too_long_is_refused_before_its_end() {
+    // What is wrong at the end of each list would be noted if it were read that far.
+    let json = |numbers: &str| format!("{{\"start_angle\":0,\"end_angle\":1,\"ranges\":[{numbers}").into_bytes();
+    let (good, bad) = (json("1,2,3]}"), json(&"1,".repeat((1 << 20) + 1)));
+    let note = note_of_the_second("foxglove.LaserScan", "json", &good, bad);
+    assert!(note.contains("more than 1048576"), "{note}");
+    let echoes = |beams: usize| {
+        let geometry = [&[0u8, 1, 0, 0][..], &[0; 8], &1u32.to_le_bytes(), &[0; 4], &[0; 28]].concat();
+        [geometry, (beams as u32).to_le_bytes().to_vec(), vec![0; 4 * beams], vec![0; 4]].concat()
+    };
+    let mut bad = echoes((1 << 20) + 1);
+    let last = bad.len() - 8;
+    bad[last..last + 4].fill(0xFF);
+    let note = note_of_the_second("sensor_msgs/msg/MultiEchoLaserScan", "cdr", &echoes(3), bad);
+    assert!(note.contains("1048577 are more than 1048576"), "{note}");
+    // An empty field of a point takes 2 bytes.
+    let protobuf = |fields: usize| [[0x2a, 0].repeat(fields), vec![0xff]].concat();
+    let good = [
+        &[0x25, 8, 0, 0, 0, 0x2a, 5, 0x0a, 1, b'x', 0x18, 7][..],
+        &[0x2a, 10, 0x0a, 1, b'y', 0x15, 4, 0, 0, 0, 0x18, 7],
+    ];
+    let note = note_of_the_second("foxglove.PointCloud", "protobuf", &good.concat(), protobuf(4097));
+    assert!(note.contains("more than 4096"), "{note}");
+}
+
 #[test]
 fn a_message_that_decompresses_to_too_much_is_an_empty_revolution() {
     let folder = Folder::new();

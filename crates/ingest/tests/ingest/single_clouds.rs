@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use crosscut_ingest::{LossKind, ReadOptions, Recording, convert};
-use crosscut_messages::{Fields, PointCloud2};
+use crosscut_messages::{Echo, Fields, PointCloud2};
 use crosscut_stage::{Notes, Revolution, Source as _};
 
 use crate::cloud_files::{POINTS, all, point};
@@ -37,7 +37,8 @@ fn a_converted_cloud_keeps_points_and_their_other_fields() {
     let expected: Vec<_> = (0..POINTS).map(point).collect();
     for (name, bytes) in all() {
         let mut mcap = Cursor::new(Vec::new());
-        let converted = convert(&[folder.add(&name, &bytes)], &ReadOptions::default(), &mut mcap).expect(&name);
+        let converted =
+            convert(&[folder.add(&name, &bytes)], &ReadOptions::default(), Echo::First, &mut mcap).expect(&name);
         assert_eq!(converted.messages, BTreeMap::from([("/points".to_owned(), 1)]), "{name}");
         let mcap = mcap.into_inner();
         let message = mcap::MessageStream::new(&mcap).expect("an MCAP").next().expect("a message").expect("whole");

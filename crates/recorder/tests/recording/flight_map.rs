@@ -8,6 +8,8 @@ use crosscut_stage::{Frame, Here, HereKind, Steady, Way};
 use nalgebra::{Isometry2, Point2};
 
 use crate::drawings::{lines, points, texts, wholes};
+use crate::frames::cloud_frame;
+use crate::reading::{Recording, record};
 
 /// The way of the vehicle from frame to frame: far enough for a new drawing.
 const STEP_M: f64 = 3.0;
@@ -98,4 +100,18 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
 
 fn drawn(place_m: &Point2<f64>) -> Vec<f64> {
     [place_m.x, -place_m.y].map(|along_m| f64::from(along_m as f32)).to_vec()
+}
+
+#[test]
+fn what_is_drawn_grows_with_the_way_not_with_its_square() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawings = |revolutions: u64| {
+        let path = folder.path().join("flight.rrd");
+        let mut frames: Vec<Frame> = (0..revolutions).map(|seq| cloud_frame(seq, 4)).collect();
+        frames.iter_mut().for_each(fly);
+        record(&path, &frames);
+        Recording::read(&path).revolutions("/flight/path").len()
+    };
+    let [first, all] = [200, 400].map(drawings);
+    assert!(first > 50 && all > first && all < first + 60, "{first} of 200, {all} of 400");
 }

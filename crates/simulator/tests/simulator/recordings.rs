@@ -1,7 +1,7 @@
 //! Suites, flights and their recordings.
 
 use crosscut_messages::{LaserScan, Message, Odometry, TfMessage, Truth};
-use crosscut_simulator::{SCENES, Scene, Split, scenarios, suites, write_mcap};
+use crosscut_simulator::{SCENES, Scene, SceneRecorder, Split, scenarios, suites, write_mcap};
 
 fn scenes(suite: &str, split: Split) -> Vec<Scene> {
     let suite = suites().iter().find(|known| known.name == suite).unwrap_or_else(|| panic!("no suite {suite}"));
@@ -156,4 +156,17 @@ fn a_file_that_cannot_be_created_is_named() {
     let path = folder.path().join("no/such/folder.mcap");
     let error = write_mcap(&path, std::iter::empty()).expect_err("there is no such folder").to_string();
     assert!(error.contains("cannot create the recording") && error.contains("folder.mcap"), "{error}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_recording_that_is_being_written_is_not_written_by_another() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("flight.mcap");
+    let scene = &scenes("clean6", Split::Dev)[0];
+    let mut first = SceneRecorder::create(&path).expect("writable");
+    first.add(scene).expect("writable");
+    assert!(SceneRecorder::create(&path).is_err());
+    assert_eq!(first.finish().expect("writable"), 1);
+    SceneRecorder::create(&path).expect("nobody writes it any more");
 }

@@ -198,7 +198,7 @@ impl Fleet<'_> {
         };
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get).min(jobs.len());
         std::thread::scope(|scope| {
-            for number in 0..threads {
+            for number in 1..threads {
                 let named = std::thread::Builder::new().name(format!("mission-{number}"));
                 if named.spawn_scoped(scope, work).is_err() {
                     break; // the threads that there are do all the work

@@ -4,6 +4,7 @@ mod page;
 mod places;
 
 use std::io::Write as _;
+use std::path::Path;
 
 use anyhow::Context;
 use crosscut_evaluate::Evaluation;
@@ -20,7 +21,7 @@ use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
 use crate::over_time::Course;
 use crate::say::say;
-use crate::scoring::{TruthQueue, WithTruth};
+use crate::scoring::{NotCompared, TruthQueue, WithTruth};
 use crate::{config, flight, outputs, progress};
 
 /// What the page shows of a flight.
@@ -46,7 +47,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     stop_on_interrupt(stop.clone())?;
     let recording = flight::open(&args.flight, &config)?;
     let truths = match &args.flight.input[..] {
-        [only] => Truths::open(only).ok(),
+        [only] => Truths::open(only).ok().map(|truths| (truths, only.as_path())),
         _ => None,
     };
     let names = args.flight.input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
@@ -69,7 +70,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
 fn fly(
     title: String,
     mut recording: Recording,
-    truths: Option<Truths>,
+    truths: Option<(Truths, &Path)>,
     config: Config,
     registry: &Registry,
     stop: &StopFlag,
@@ -79,30 +80,32 @@ fn fly(
     let mut course = Course::new(config.params("vehicle").get(VEHICLE_WIDTH_M));
     let (mut mapper, mut places) = (Mapper::default(), Places::default());
     let queue = TruthQueue::default();
-    let mut evaluation = truths.is_some().then(Evaluation::default);
+    let (mut evaluation, mut not_compared) = (truths.is_some().then(Evaluation::default), NotCompared::default());
     let mut sink = |frame: &Frame| {
         bar.inc(1);
         course.take(frame);
         mapper.add(frame);
         places.take(frame);
-        if let Some(evaluation) = &mut evaluation
-            && let Ok((_, score)) = queue.compare(frame)
-        {
-            evaluation.add(&score);
+        if let Some(evaluation) = &mut evaluation {
+            match queue.compare(frame) {
+                Ok((_, score)) => evaluation.add(&score),
+                Err(reason) => not_compared.add(reason),
+            }
         }
         Ok(())
     };
     let options = StreamOptions { stop: stop.clone(), flight: true, ..StreamOptions::default() };
-    let (ran, recording) = match truths {
-        Some(truths) => {
+    let (ran, recording, not_compared) = match truths {
+        Some((truths, path)) => {
             let mut source = WithTruth { recording, truths, queue: &queue };
-            (stream(&mut source, &config, registry, &mut sink, &mut [], &options), source.recording)
+            let ran = stream(&mut source, &config, registry, &mut sink, &mut [], &options);
+            (ran, source.recording, not_compared.messages(path))
         }
-        None => (stream(&mut recording, &config, registry, &mut sink, &mut [], &options), recording),
+        None => (stream(&mut recording, &config, registry, &mut sink, &mut [], &options), recording, Vec::new()),
     };
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
     course.start(recording.starts_at_s().unwrap_or(0.0));
-    let lost = recording.losses().iter().map(ToString::to_string).collect();
+    let lost = recording.losses().iter().map(ToString::to_string).chain(not_compared).collect();
     Ok(Flown { title, config, summary, course, mapper, places, evaluation, lost })
 }

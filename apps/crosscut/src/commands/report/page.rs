@@ -2,6 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::{AROUND, Evaluation};
+use crosscut_pipeline::End;
 use crosscut_stage::{SURE, counted};
 
 use super::Flown;
@@ -16,6 +17,11 @@ const MOST_NOTES: usize = 30;
 
 pub(super) fn html(flown: &Flown) -> String {
     let Flown { title, config, summary, course, mapper, places, evaluation, lost } = flown;
+    let failure = match &summary.end {
+        End::Failed(failure) => Some(failure.to_string()),
+        _ => None,
+    };
+    let lost: Vec<String> = failure.into_iter().chain(lost.iter().cloned()).collect();
     let map = mapper.map();
     let title = escaped(title);
     let revolutions = counted(summary.revolutions, "revolution");
@@ -42,7 +48,7 @@ pub(super) fn html(flown: &Flown) -> String {
         )),
         (!map.nodes.is_empty()).then(|| ("Map", format!("<div class=\"map\">{}</div>\n", maps::picture(&map)))),
         Some(("Places", places.html(&map))),
-        (!lost.is_empty()).then(|| ("Lost", list(lost))),
+        (!lost.is_empty()).then(|| ("Lost", list(&lost))),
         (summary.noted > 0).then(|| ("Notes", table(&notes(summary, MOST_NOTES)))),
         Some(("Time", table(&times(summary)))),
         Some((

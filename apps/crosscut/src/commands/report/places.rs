@@ -22,7 +22,7 @@ const EXPONENTS: [i32; 2] = [-18, 0];
 pub(super) struct Places {
     stays: Vec<Stay>,
     is_open: bool,
-    left_out: usize,
+    has_more: bool,
 }
 
 /// Revolutions in a row at one place.
@@ -65,7 +65,7 @@ impl Places {
         if self.is_open {
             self.stays.push(Stay { what, seqs: [seq; 2], stamps_ns: [stamp_ns; 2], clearest: Scan::of(frame) });
         } else {
-            self.left_out += 1;
+            self.has_more = true;
         }
     }
 
@@ -79,7 +79,7 @@ impl Places {
             html += &stay.html(map);
         }
         html += "</div>\n";
-        if self.left_out > 0 {
+        if self.has_more {
             // Writing to a string cannot fail.
             let _ = writeln!(html, "<p>The first {MOST_PLACES} are shown; there are more.</p>");
         }

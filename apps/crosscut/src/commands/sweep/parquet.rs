@@ -1,6 +1,5 @@
 //! The table with types, for pandas, Polars and DuckDB.
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use crosscut_rrd::arrow::datatypes::{Field, Schema};
 use super::grid::Grid;
 use super::output::{COUNTS, FIGURES, Row};
 use crate::commands::rrd::parquet::ParquetFile;
+use crate::unfinished::Unfinished;
 
 pub(super) fn write(path: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
     let texts =
@@ -41,6 +41,8 @@ pub(super) fn write(path: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -
     let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
     let table = RecordBatch::try_new(schema, columns.into_iter().map(|(_, column)| column).collect())?;
     let cannot = || format!("cannot write {}", path.display());
-    let mut file = ParquetFile::new(File::create(path).with_context(cannot)?);
-    file.add(&table).and_then(|()| file.finish()).with_context(cannot)
+    let unfinished = Unfinished::beside(path);
+    let mut file = ParquetFile::new(unfinished.create().with_context(cannot)?);
+    file.add(&table).and_then(|()| file.finish()).with_context(cannot)?;
+    unfinished.finish().with_context(cannot)
 }
