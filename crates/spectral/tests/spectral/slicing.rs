@@ -13,7 +13,11 @@ const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;
 
 fn slicing(eigenvalues: usize) -> Box<dyn SpectralStage> {
-    let values = [("zero_tolerance", TOLERANCE.into()), ("eigenvalues", (eigenvalues as u32).into())];
+    slicing_at(TOLERANCE, eigenvalues)
+}
+
+fn slicing_at(tolerance: f64, eigenvalues: usize) -> Box<dyn SpectralStage> {
+    let values = [("zero_tolerance", tolerance.into()), ("eigenvalues", (eigenvalues as u32).into())];
     slicing::KIND.with(&values).expect("allowed")
 }
 
@@ -110,6 +114,20 @@ fn a_part_that_has_more_of_the_smallest_eigenvalues_than_its_share_gives_them_al
         assert_eq!((found.k, found.eigenvalues.len()), (2, eigenvalues.max(3)));
         for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
             assert!((ours - full).abs() <= 1e-10, "λ_{j} of {eigenvalues}: {ours} is {full}");
+        }
+    }
+}
+
+#[test]
+fn a_zero_that_rounding_lifts_above_the_tolerance_keeps_its_eigenvector() {
+    for n in (100..600).step_by(50) {
+        let wall = dense(n, |i, j| (-1.5 * (0.05 * i.abs_diff(j) as f64).powi(2)).exp());
+        let volume: f64 = wall.degrees.iter().sum();
+        for eigenvalues in [1, EIGENVALUES] {
+            let (found, _) = spectrum(slicing_at(1e-14, eigenvalues).as_mut(), &wall);
+            assert_eq!((found.k, found.eigenvalues.len()), (1, eigenvalues.max(2)), "{n} returns");
+            let off = (0..n).map(|i| (found.u[(i, 0)] - (wall.degrees[i] / volume).sqrt()).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{n} returns: the eigenvector of the zero is off by {off}");
         }
     }
 }
