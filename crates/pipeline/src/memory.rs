@@ -49,7 +49,8 @@ impl MemoryBudget {
         }
         Err(StageError::TooLarge(format!(
             "{n} returns would need {needed_mb} MB ({} frames in flight, {} workers), pipeline.memory_mb is {}; raise it, \
-             lower pipeline.in_flight or pipeline.workers, or choose an affinity with fewer edges",
+             lower pipeline.in_flight or pipeline.workers, or choose an affinity with few edges, such as \"passage\", and \
+             spectral.kind = \"blocks\" or \"components\"",
             self.frames, self.workers, self.limit_mb
         )))
     }
