@@ -7,6 +7,10 @@ use crosscut_stage::ParamError;
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages explain the fields
 pub enum ConfigError {
+    #[error("the registry has no kind of {section}: append one")]
+    NoKinds { section: &'static str },
+    #[error("the registry has two {section} kinds of the name {kind:?}: rename yours")]
+    KindTwice { section: &'static str, kind: &'static str },
     #[error("there is no preset {name:?}; {nearest}")]
     UnknownPreset { name: String, nearest: String },
     #[error("{layer}: this is not TOML: {message}")]
