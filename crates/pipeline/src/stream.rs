@@ -27,7 +27,7 @@ pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
 /// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct StreamOptions {
-    /// Revolutions are released at this multiple of the sensor's pace; `None`: as fast as the stages are.
+    /// Revolutions are released at this multiple of the sensor's pace, above 0; `None`: as fast as the stages are.
     pub rate: Option<f64>,
     /// Asks the run to stop.
     pub stop: StopFlag,
@@ -43,7 +43,7 @@ pub struct StreamOptions {
 /// written. An observer that fails sees no further frame. All threads are joined before this returns.
 ///
 /// # Errors
-/// When a thread cannot be started.
+/// When the rate is not above 0, or a thread cannot be started.
 pub fn stream(
     source: &mut dyn Source,
     config: &Config,
@@ -52,6 +52,9 @@ pub fn stream(
     observers: &mut [Box<dyn Observer>],
     options: &StreamOptions,
 ) -> io::Result<Summary> {
+    if let Some(rate) = options.rate.filter(|rate| rate.is_nan() || *rate <= 0.0) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("the rate must be above 0, not {rate}")));
+    }
     let params = config.params("flight");
     let look_ahead = if options.flight { params.get(LOOK_AHEAD) } else { 0 };
     let (workers, frames) = (config.workers(), config.in_flight() + look_ahead);

@@ -251,6 +251,16 @@ fn playing_at_a_rate_takes_the_time_that_the_stamps_say() {
 }
 
 #[test]
+fn a_rate_that_is_not_above_0_is_refused() {
+    for rate in [0.0, -1.0, f64::NAN] {
+        let options = StreamOptions { rate: Some(rate), ..StreamOptions::default() };
+        let (mut source, config) = (Count::to(2), settings(1, 4, ""));
+        let refused = stream(&mut source, &config, &registry(), &mut |_| Ok(()), &mut [], &options);
+        assert_eq!(refused.expect_err("must be refused").kind(), io::ErrorKind::InvalidInput, "{rate}");
+    }
+}
+
+#[test]
 fn a_run_that_has_ended_does_not_wait_for_the_next_revolution_to_be_due() {
     // Stamps are 1 ms apart: the second revolution is due after 1000 s.
     let options = StreamOptions { rate: Some(1e-6), ..StreamOptions::default() };
