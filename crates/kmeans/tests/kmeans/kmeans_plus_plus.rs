@@ -117,11 +117,13 @@ fn each_number_out_of_range_is_refused() {
 }
 
 #[test]
-fn a_u_too_large_to_be_spread_out_is_refused_with_its_size() {
-    let mut u = Embedding::default();
-    u.write_rows(100_000, 100_000, |i, row| row.push((i as u32, 1.0)));
-    let spectrum = Spectrum { k: 100_000, u, ..Spectrum::default() };
-    let mut stage = KIND.with(&[]).expect("the defaults");
-    let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("80 GB");
-    assert!(refused.to_string().contains("would need 76294 MB"), "{refused}");
+fn a_u_of_too_many_numbers_or_columns_is_refused_with_its_size() {
+    for (n, needed) in [(100_000, "76294 MB and more than 1e15 operations"), (5000, "191 MB and more than 1e11 operations")] {
+        let mut u = Embedding::default();
+        u.write_rows(n, n, |i, row| row.push((i as u32, 1.0)));
+        let spectrum = Spectrum { k: n, u, ..Spectrum::default() };
+        let mut stage = KIND.with(&[]).expect("the defaults");
+        let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too many");
+        assert!(refused.to_string().contains(needed), "{refused}");
+    }
 }
