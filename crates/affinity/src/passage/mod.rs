@@ -194,7 +194,8 @@ impl Passage {
         if scan.of_vehicle > 0 {
             let (inside, inside_m) = (counted(scan.of_vehicle as u64, "return"), lengths.passage_m / 2.0);
             notes.add(format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), tied to none"
+                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
+                 vehicle.width_m unless it is set), without edges"
             ));
         }
 

@@ -177,8 +177,10 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
-    KIND.with(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
-    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m (half of vehicle.width_m), tied to none";
+    let narrow = [("passage_m", Value::Number(0.5))];
+    KIND.with(&narrow).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
+    let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of affinity.passage_m, which is \
+                vehicle.width_m unless it is set), without edges";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
