@@ -145,13 +145,12 @@ impl Split {
         self.forest.plant(n);
         self.between.clear();
         self.within.clear();
-        let weak = weak.max(f64::from_bits(1)); // a weight of 0 is no edge either
         for i in 0..n {
-            for edge in graph.entries_back(i) {
+            for edge in graph.edges_back(i) {
                 if edge.scaled >= weak {
                     self.forest.join(i, edge.to as usize);
                     self.within.push(edge);
-                } else if edge.scaled > 0.0 {
+                } else {
                     self.between.push(edge);
                 }
             }
