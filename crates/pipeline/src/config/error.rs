@@ -34,7 +34,6 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> S
     let known: Vec<_> = known.collect();
     match best(name, &known) {
         Some(best) => format!("did you mean {best}?"),
-        None if known.is_empty() => "it has no parameters".to_owned(),
         None => format!("there are: {}", known.join(", ")),
     }
 }
