@@ -8,20 +8,13 @@ use nalgebra::distance_squared;
 use proptest::collection::vec;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-/// Whether each two returns are connected in the graph, by way of the smallest return that each can reach.
+/// The smallest return of the component of each return.
 fn components(eps_m: f64, min_points: u32, points_m: &[Point]) -> Vec<usize> {
     let revolution = Revolution { points_m: points_m.to_vec(), ..Revolution::default() };
     let mut out = Affinity::default();
     let mut stage = KIND.with(&[("eps_m", eps_m.into()), ("min_points", min_points.into())]).expect("in range");
     stage.affinity(&revolution, &mut out, &mut Notes::default()).expect("finite points");
-    let mut smallest: Vec<usize> = (0..points_m.len()).collect();
-    loop {
-        let before = smallest.clone();
-        out.weights.for_each(|i, j, _| smallest[i] = smallest[i].min(smallest[j]));
-        if smallest == before {
-            return smallest;
-        }
-    }
+    crate::components(&out, 0.0)
 }
 
 /// Labels (`None` for noise) as components: the smallest return with the same label, or the return itself.

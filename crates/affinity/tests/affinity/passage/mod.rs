@@ -107,14 +107,7 @@ pub(crate) fn components(revolution: &Revolution, settings: &[(&'static str, Val
     let mut affinity = Affinity::default();
     let mut stage = KIND.with(settings).expect("allowed");
     stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
-    let mut component: Vec<usize> = (0..revolution.len()).collect();
-    for _ in 0..revolution.len() {
-        affinity.weights.for_each(|i, j, weight| {
-            if weight > LEAK {
-                component[i] = component[i].min(component[j]);
-            }
-        });
-    }
+    let component = crate::components(&affinity, LEAK);
     let size = |root: usize| component.iter().filter(|c| **c == root).count();
     let mut sizes: Vec<usize> = (0..revolution.len()).map(size).filter(|size| *size > 0).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
