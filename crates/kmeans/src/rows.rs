@@ -22,8 +22,11 @@ impl Rows {
     /// # Errors
     /// When U has not k columns, has a value that is not finite, would take more than 256 MB, or too much time.
     pub(crate) fn copy_from(&mut self, spectrum: &Spectrum) -> Result<(), StageError> {
-        check(spectrum)?;
+        check_columns(spectrum)?;
         let u = &spectrum.u;
+        if !u.is_finite() {
+            return Err(not_finite(u));
+        }
         (self.n, self.k) = (u.nrows(), u.ncols());
         let numbers = self.n as f64 * self.k as f64;
         let (bytes, operations) = (8.0 * numbers, numbers * self.k as f64);
@@ -74,15 +77,6 @@ impl Rows {
         };
         (0..k).map(variance).sum::<f64>() / k as f64
     }
-}
-
-/// Whether U has k columns, all its values finite.
-///
-/// # Errors
-/// When not.
-pub(crate) fn check(spectrum: &Spectrum) -> Result<(), StageError> {
-    check_columns(spectrum)?;
-    if spectrum.u.is_finite() { Ok(()) } else { Err(not_finite(&spectrum.u)) }
 }
 
 /// Whether U has k columns.
