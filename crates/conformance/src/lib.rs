@@ -1,6 +1,6 @@
-//! What the rest of the program relies on in a stage: one body of tests for every kind.
+//! What the rest of the program relies on in an affinity: one body of tests for every kind.
 //!
-//! A stage of your own runs them in a test of its own; random inputs are the same in every run:
+//! An affinity of your own runs them in a test of its own; random inputs are the same in every run:
 //!
 //! ```
 //! use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};

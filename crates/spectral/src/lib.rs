@@ -34,8 +34,8 @@
 //! ```
 //!
 //! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
-//! `tests/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero
-//! rule: a variant of `ZeroRule`.
+//! `tests/spectral/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To
+//! add a zero rule: a variant of `ZeroRule`.
 //!
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
