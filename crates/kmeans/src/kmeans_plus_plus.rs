@@ -16,7 +16,7 @@ const SEED: Count =
 const RESTARTS: Count = Count::new("restarts", "", 10)
     .from(1)
     .to(1000)
-    .doc("how often the centres are seeded anew; the best result is kept");
+    .doc("how often the centres are seeded; the best result is kept");
 
 const MAX_ITERATIONS: Count = Count::new("max_iterations", "", 300)
     .from(1)

@@ -22,7 +22,7 @@ const TEE: [Wall; 5] = [
     ([[2.0, -2.0], [2.0, -14.0]], 2),
 ];
 
-/// So many numbers in 0..1 that do not line up.
+/// Pseudo-random numbers in 0..1.
 struct Spread(u64);
 
 impl Spread {

@@ -125,7 +125,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
     });
     ran.unwrap_or_else(|error| panic!("{error}"));
     let (set_aside, undecided) = (set_aside.get(), undecided.get());
-    assert!(set_aside > 100 && undecided < 20, "{set_aside} with links set aside, {undecided} undecided");
+    assert!(set_aside > 100 && undecided < 20, "{set_aside} with edges set aside, {undecided} undecided");
 }
 
 #[test]
@@ -262,5 +262,5 @@ fn very_many_blocks_with_weak_links_are_refused_before_their_graph_takes_the_mem
     let mut blocks = blocks(1e-8, 1e-3);
     let refused = blocks.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default());
     let words = refused.expect_err("3 GB and more").to_string();
-    assert!(words.contains("20000 blocks with weak links") && words.contains("spectral.weak_link"), "{words}");
+    assert!(words.contains("20000 blocks with weak edges") && words.contains("spectral.weak_link"), "{words}");
 }

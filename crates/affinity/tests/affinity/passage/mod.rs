@@ -33,7 +33,7 @@ pub(crate) fn scan(segments: &[Segment], report: impl Fn(usize, Option<f64>) -> 
     scan_by(360, segments, report)
 }
 
-/// The same with so many beams.
+/// [`scan`] with this number of beams.
 pub(crate) fn scan_by(
     beams: usize,
     segments: &[Segment],
@@ -42,7 +42,7 @@ pub(crate) fn scan_by(
     scan_as_far_as(15.0, beams, segments, report)
 }
 
-/// The same with another range limit.
+/// [`scan_by`] with another range limit.
 pub(crate) fn scan_as_far_as(
     range_max_m: f64,
     beams: usize,
@@ -95,7 +95,7 @@ pub(crate) fn with_branch(width_m: f64) -> Vec<Segment> {
     with_branch_at(3.0, width_m)
 }
 
-/// The same, so many metres ahead.
+/// [`with_branch`], its near side this many metres ahead.
 pub(crate) fn with_branch_at(near_m: f64, width_m: f64) -> Vec<Segment> {
     let far_m = near_m + width_m;
     let left = [[[-30.0, 2.0], [near_m, 2.0]], [[near_m, 2.0], [near_m, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
@@ -161,7 +161,7 @@ fn a_wall_nearer_than_half_the_vehicle_is_a_wall() {
 }
 
 #[test]
-fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
+fn dust_and_the_vehicle_itself_have_no_edges() {
     let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
     let sizes = components(&scan(&TUNNEL, dusty), &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 8, 8), "{sizes:?}");
