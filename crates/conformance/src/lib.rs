@@ -24,3 +24,21 @@
 
 pub mod affinity;
 pub mod revolutions;
+
+use std::fmt::Debug;
+
+use proptest::prelude::Strategy;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+/// Runs `body`, which asserts, on this many inputs, the same ones in every run.
+///
+/// # Panics
+/// When `body` does; with the smallest input found for which it does, under the name of what is tested.
+pub fn for_many<T: Debug>(tested: &str, cases: u32, inputs: &impl Strategy<Value = T>, body: impl Fn(T)) {
+    let config = Config { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let ran = TestRunner::new(config).run(inputs, |input| {
+        body(input);
+        Ok(())
+    });
+    ran.unwrap_or_else(|error| panic!("{tested}: {error}"));
+}

@@ -220,7 +220,11 @@ impl Passage {
         let Cloud { view, seen, carrying } = &mut buffers;
         view.look(cloud, self.height_m, passage_m);
         if let Some(sweep) = cloud.beams() {
-            notes.add(format!("passage: sweep of {} beams processed as a cloud of {} beams", sweep.len(), view.beams()));
+            notes.add(format!(
+                "passage: sweep of {} beams processed as a cloud of {} beams",
+                sweep.len(),
+                view.beams()
+            ));
         }
         let aside = cloud.len() - view.level().len();
         if aside > 0 {

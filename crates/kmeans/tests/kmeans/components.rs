@@ -39,7 +39,8 @@ fn a_u_whose_columns_share_a_row_or_leave_one_out_has_the_clusters_of_kmeans_and
     for mixed in [mat![[1.0, 0.0], [0.6, 0.8], [0.6, 0.8]], mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]] {
         let (partition, notes) = run(1, mixed);
         assert_eq!(partition.labels, [Some(0), Some(1), Some(1)]);
-        let told = "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too";
+        let told =
+            "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too";
         assert_eq!(notes[0], told);
     }
 }

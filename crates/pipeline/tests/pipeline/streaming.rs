@@ -296,10 +296,8 @@ fn a_size_that_does_not_fit_is_refused_with_the_size_it_would_need() {
 
 #[test]
 fn a_solver_too_large_for_a_sparse_w_is_refused_with_smaller_ones() {
-    let mut engine = Engine::new(
-        &config(&["affinity.kind=passage", "spectral.kind=faer", "pipeline.memory_mb=1"]),
-        &registry(),
-    );
+    let mut engine =
+        Engine::new(&config(&["affinity.kind=passage", "spectral.kind=faer", "pipeline.memory_mb=1"]), &registry());
     let mut frame = Frame::default();
     frame.revolution.points_m.resize(400, crosscut_stage::Point::origin());
     let failure = engine.process(&mut frame).expect_err("the eigenvectors alone are more than 1 MB");

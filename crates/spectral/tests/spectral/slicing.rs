@@ -3,11 +3,11 @@
 use std::cell::Cell;
 
 use crate::solving::{solver, spectrum};
+use crosscut_conformance::for_many;
 use crosscut_spectral::{faer_evd, slicing};
 use crosscut_stage::{Affinity, SpectralStage};
 use proptest::collection::vec;
 use proptest::prelude::Strategy;
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 const TOLERANCE: f64 = 1e-7;
 const EIGENVALUES: usize = 16;
@@ -57,8 +57,7 @@ fn dense(n: usize, weight: impl Fn(usize, usize) -> f64) -> Affinity {
 fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition() {
     let (compared, undecided, fallbacks) = (Cell::new(0), Cell::new(0), Cell::new(0));
     let count = |counter: &Cell<usize>| counter.set(counter.get() + 1);
-    let config = Config { cases: 150, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(&walls(), |affinity| {
+    for_many("slicing", 150, &walls(), |affinity| {
         let n = affinity.degrees.len();
         let rounding = 100.0 * n as f64 * f64::EPSILON;
         let (all, _) = spectrum(solver(&faer_evd::KIND, TOLERANCE).as_mut(), &affinity);
@@ -81,9 +80,7 @@ fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition()
             assert!(sines <= rounding / gap, "the span is off by {sines}, allowed {}", rounding / gap);
             count(&compared);
         }
-        Ok(())
     });
-    ran.unwrap_or_else(|error| panic!("{error}"));
     let (compared, undecided, fallbacks) = (compared.get(), undecided.get(), fallbacks.get());
     assert!(compared > 280 && fallbacks < 5, "{compared} compared, {undecided} undecided, {fallbacks} in full");
 }
