@@ -117,14 +117,15 @@ fn a_part_that_has_more_of_the_smallest_eigenvalues_than_its_share_gives_them_al
 
 #[test]
 fn a_zero_that_rounding_lifts_above_the_tolerance_keeps_its_eigenvector() {
-    for n in (100..600).step_by(50) {
-        let wall = dense(n, |i, j| (-1.5 * (0.05 * i.abs_diff(j) as f64).powi(2)).exp());
-        let volume: f64 = wall.degrees.iter().sum();
-        for eigenvalues in [1, EIGENVALUES] {
-            let (found, _) = spectrum(slicing_at(1e-14, eigenvalues).as_mut(), &wall);
-            assert_eq!((found.k, found.eigenvalues.len()), (1, eigenvalues.max(2)), "{n} returns");
-            let off = (0..n).map(|i| (found.u[(i, 0)] - (wall.degrees[i] / volume).sqrt()).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-9, "{n} returns: the eigenvector of the zero is off by {off}");
-        }
+    let n = 300;
+    let mut wall = dense(n, |i, j| (-1.5 * (0.05 * i.abs_diff(j) as f64).powi(2)).exp());
+    // Sums of n weights may be off by n·ε of themselves.
+    wall.degrees.iter_mut().for_each(|degree| *degree *= 1.0 + 100.0 * f64::EPSILON);
+    let volume: f64 = wall.degrees.iter().sum();
+    for eigenvalues in [1, EIGENVALUES] {
+        let (found, _) = spectrum(slicing_at(1e-14, eigenvalues).as_mut(), &wall);
+        assert_eq!((found.k, found.eigenvalues.len()), (1, eigenvalues.max(2)));
+        let off = (0..n).map(|i| (found.u[(i, 0)] - (wall.degrees[i] / volume).sqrt()).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "the eigenvector of the zero is off by {off}");
     }
 }
