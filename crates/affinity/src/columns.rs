@@ -18,15 +18,10 @@ pub(crate) struct Columns {
 impl Columns {
     /// Takes points, to be asked for distances up to `reach_m` > 0. Finite coordinates.
     pub(crate) fn fill(&mut self, points_m: &[Point], reach_m: f64) {
-        self.fill_with(points_m, 0..points_m.len() as u32, reach_m);
-    }
-
-    /// Takes the points of these numbers alone, to be asked for distances up to `reach_m` > 0.
-    pub(crate) fn fill_with(&mut self, points_m: &[Point], numbers: impl Iterator<Item = u32>, reach_m: f64) {
-        self.side_m = reach_m * (1.0 + MARGIN);
+        let side_m = reach_m * (1.0 + MARGIN);
+        self.side_m = side_m;
         self.sorted.clear();
-        let side_m = self.side_m;
-        self.sorted.extend(numbers.map(|number| (column(&points_m[number as usize], side_m), number)));
+        self.sorted.extend((0..).zip(points_m).map(|(number, point)| (column(point, side_m), number)));
         self.sorted.sort_unstable();
     }
 

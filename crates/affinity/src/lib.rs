@@ -31,8 +31,8 @@
 //! ```
 //!
 //! To add one: a file with its parameters, a `KIND` and the stage (`threshold.rs` is the shortest example), and here its
-//! `mod` and its entry in [`KINDS`]. `tests/conformance.rs` then runs over it. A kind kept elsewhere is appended to the
-//! registry.
+//! `mod` and its entry in [`KINDS`]. `tests/affinity/conformance.rs` then runs over it. A kind kept elsewhere is
+//! appended to the registry.
 //!
 //! [`Revolution`]: crosscut_stage::Revolution
 //! [`Affinity`]: crosscut_stage::Affinity

@@ -1,7 +1,5 @@
 //! What is relied on in an affinity. Each function panics with what is wrong.
 
-use std::fmt::Debug;
-
 use crosscut_stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, Weights, wrap_angle_rad,
 };
@@ -9,11 +7,14 @@ use faer::Mat;
 use nalgebra::{Rotation3, Vector3};
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
+use crate::for_many;
 use crate::revolutions::{cloud, scan};
 
 type AffinityKind = Kind<dyn AffinityStage>;
+
+/// Random inputs of a test.
+const CASES: u32 = 100;
 
 /// All that follows.
 pub fn all(kind: &AffinityKind) {
@@ -52,21 +53,9 @@ fn any_revolution() -> impl Strategy<Value = Revolution> {
     prop_oneof![4 => scan(0..80), 1 => scan(0..4), 4 => cloud(0..40)]
 }
 
-/// Runs `body`, which asserts, on many inputs.
-fn for_many<T: Debug>(kind: &AffinityKind, inputs: &impl Strategy<Value = T>, body: impl Fn(T)) {
-    let config = Config { cases: 100, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(inputs, |input| {
-        body(input);
-        Ok(())
-    });
-    if let Err(error) = ran {
-        panic!("{}: {error}", kind.name);
-    }
-}
-
 /// W is n×n, exactly symmetric, with 0 <= W_ij <= 1 and W_ii = 1.
 pub fn w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind: &AffinityKind) {
-    for_many(kind, &any_revolution(), |revolution| {
+    for_many(kind.name, CASES, &any_revolution(), |revolution| {
         let Some(affinity) = graph(kind, &revolution) else { return };
         let w = dense(&affinity);
         assert_eq!((w.nrows(), w.ncols()), (revolution.len(), revolution.len()));
@@ -82,7 +71,7 @@ pub fn w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind: &Aff
 
 /// D_ii = Σ_j W_ij, to rounding.
 pub fn degrees_are_the_row_sums_of_w(kind: &AffinityKind) {
-    for_many(kind, &any_revolution(), |revolution| {
+    for_many(kind.name, CASES, &any_revolution(), |revolution| {
         let Some(affinity) = graph(kind, &revolution) else { return };
         let w = dense(&affinity);
         let n = revolution.len();
@@ -96,7 +85,7 @@ pub fn degrees_are_the_row_sums_of_w(kind: &AffinityKind) {
 
 /// Nothing is left over from one revolution to the next, nor from another kind's W, dense or sparse.
 pub fn a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones(kind: &AffinityKind) {
-    for_many(kind, &(scan(40..80), scan(0..20)), |(big, small)| {
+    for_many(kind.name, CASES, &(scan(40..80), scan(0..20)), |(big, small)| {
         let (mut stage, mut out) = (build(kind), Affinity::default());
         for (at, revolution) in [&big, &small, &big, &small].into_iter().enumerate() {
             match at {
@@ -124,7 +113,7 @@ pub fn few_returns_and_returns_in_one_place_have_defined_graphs(kind: &AffinityK
 
 /// NaN and infinite coordinates are errors, not graphs.
 pub fn a_point_that_is_not_finite_is_refused_by_its_index(kind: &AffinityKind) {
-    for_many(kind, &(scan(1..40), any::<usize>(), 0..3usize), |(mut revolution, at, axis)| {
+    for_many(kind.name, CASES, &(scan(1..40), any::<usize>(), 0..3usize), |(mut revolution, at, axis)| {
         if revolution.is_empty() {
             return;
         }
@@ -140,7 +129,7 @@ pub fn a_point_that_is_not_finite_is_refused_by_its_index(kind: &AffinityKind) {
 /// The memory that follows from [`Storage`](crosscut_stage::Storage) is enough.
 pub fn w_takes_no_more_memory_than_the_kind_states(kind: &AffinityKind) {
     let params = Params::defaults(kind.params);
-    for_many(kind, &any_revolution(), |revolution| {
+    for_many(kind.name, CASES, &any_revolution(), |revolution| {
         let Some(affinity) = graph(kind, &revolution) else { return };
         let starts = if matches!(affinity.weights, Weights::Sparse(_)) { affinity.degrees.len() } else { 0 };
         let needed = affinity.weights.memory_bytes() + 8 * (affinity.degrees.len() + starts) as u64;
@@ -152,7 +141,7 @@ pub fn w_takes_no_more_memory_than_the_kind_states(kind: &AffinityKind) {
 /// Each [`Invariance`] that the kind states holds.
 pub fn w_is_blind_to_what_the_kind_states(kind: &AffinityKind) {
     let motion = ([-20.0..20.0f64, -20.0..20.0f64, -20.0..20.0f64], [-3.0..3.0f64, -3.0..3.0f64, -3.0..3.0f64]);
-    for_many(kind, &(any_revolution(), motion, vec(any::<u32>(), 80)), |(revolution, motion, keys)| {
+    for_many(kind.name, CASES, &(any_revolution(), motion, vec(any::<u32>(), 80)), |(revolution, motion, keys)| {
         for &invariance in kind.properties.blind_to {
             let mut order: Vec<usize> = (0..revolution.len()).collect();
             if invariance == Invariance::Permutation {

@@ -91,10 +91,13 @@ impl KmeansStage for Components {
             return Ok(());
         }
         if !self.read_columns(&spectrum.u)? {
-            notes.add("components: columns of U share returns, so kmeans++ clusters its rows, small clusters too");
+            notes.add(
+                "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too",
+            );
             return self.mixed.partition(spectrum, out, notes).map_err(|error| match error {
                 StageError::TooLarge(_) => StageError::TooLarge(format!(
-                    "columns of U share returns, and k-means on its {n}x{k} numbers is too large"
+                    "some rows of U do not have exactly one entry, and k-means on its {n}x{k} numbers is too large: choose \
+                     spectral.kind = \"components\""
                 )),
                 error => error,
             });

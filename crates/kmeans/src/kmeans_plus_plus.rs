@@ -13,10 +13,8 @@ use crate::seeding::Seeding;
 const SEED: Count =
     Count::new("seed", "", 0).to(u32::MAX).doc("where the random numbers start, again for every revolution");
 
-const RESTARTS: Count = Count::new("restarts", "", 10)
-    .from(1)
-    .to(1000)
-    .doc("how often the centres are seeded anew; the best result is kept");
+const RESTARTS: Count =
+    Count::new("restarts", "", 10).from(1).to(1000).doc("how often the centres are seeded; the best result is kept");
 
 const MAX_ITERATIONS: Count = Count::new("max_iterations", "", 300)
     .from(1)

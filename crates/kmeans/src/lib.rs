@@ -25,7 +25,7 @@
 //! ```
 //!
 //! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
-//! `tests/conformance.rs` then runs over it.
+//! `tests/kmeans/conformance.rs` then runs over it.
 //!
 //! [`Spectrum`]: crosscut_stage::Spectrum
 //! [`Partition`]: crosscut_stage::Partition

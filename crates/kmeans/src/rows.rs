@@ -3,7 +3,10 @@
 use crosscut_stage::{Embedding, Spectrum, StageError};
 
 /// Larger matrices are refused.
-const MOST_BYTES: u64 = 1 << 28;
+const MOST_BYTES: f64 = (1 << 28) as f64;
+/// n·k² above this is refused, too: k centres are seeded by their distances, k operations each, to n rows, several times.
+/// It takes minutes.
+const MOST_OPERATIONS: f64 = 1e10;
 
 /// n points of Rᵏ, one after the other, in a buffer that is used again.
 #[derive(Clone, Debug, Default)]
@@ -17,18 +20,23 @@ impl Rows {
     /// Takes the rows of U.
     ///
     /// # Errors
-    /// When U has not k columns, has a value that is not finite, or would take more than 256 MB.
+    /// When U has not k columns, has a value that is not finite, would take more than 256 MB, or too much time.
     pub(crate) fn copy_from(&mut self, spectrum: &Spectrum) -> Result<(), StageError> {
-        check(spectrum)?;
+        check_columns(spectrum)?;
         let u = &spectrum.u;
+        if !u.is_finite() {
+            return Err(not_finite(u));
+        }
         (self.n, self.k) = (u.nrows(), u.ncols());
-        let bytes = (self.n as u64).saturating_mul(self.k as u64).saturating_mul(8);
-        if bytes > MOST_BYTES {
+        let numbers = self.n as f64 * self.k as f64;
+        let (bytes, operations) = (8.0 * numbers, numbers * self.k as f64);
+        if bytes > MOST_BYTES || operations > MOST_OPERATIONS {
             return Err(StageError::TooLarge(format!(
-                "k-means on {}x{} numbers of U would need {} MB: kmeans `components` needs no such matrix",
+                "k-means on {}x{} numbers of U would need {:.0} MB and more than {operations:.0e} operations: kmeans \
+                 `components` needs neither",
                 self.n,
                 self.k,
-                bytes.div_ceil(1 << 20)
+                (bytes / (1 << 20) as f64).ceil()
             )));
         }
         self.values.clear();
@@ -69,15 +77,6 @@ impl Rows {
         };
         (0..k).map(variance).sum::<f64>() / k as f64
     }
-}
-
-/// Whether U has k columns, all its values finite.
-///
-/// # Errors
-/// When not.
-pub(crate) fn check(spectrum: &Spectrum) -> Result<(), StageError> {
-    check_columns(spectrum)?;
-    if spectrum.u.is_finite() { Ok(()) } else { Err(not_finite(&spectrum.u)) }
 }
 
 /// Whether U has k columns.

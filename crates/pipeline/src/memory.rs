@@ -1,4 +1,4 @@
-//! Matrices that would not fit into memory are refused before they are allocated.
+//! W and the working memory of the solver are refused before they are allocated, if they would not fit.
 
 use crosscut_stage::{Affinity, Params, SpectralStage, StageError, Storage};
 
@@ -7,7 +7,7 @@ use crate::{Config, Registry};
 
 const MB: u64 = 1 << 20;
 
-/// How much memory the matrices may take, and how many there are at a time.
+/// How much memory W and the solvers may take, and how many there are at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct MemoryBudget {
     limit_mb: u64,
@@ -49,7 +49,8 @@ impl MemoryBudget {
         }
         Err(StageError::TooLarge(format!(
             "{n} returns would need {needed_mb} MB ({} frames in flight, {} workers), pipeline.memory_mb is {}; raise it, \
-             lower pipeline.in_flight or pipeline.workers, or choose an affinity with fewer edges",
+             lower pipeline.in_flight or pipeline.workers, or choose an affinity with few edges, such as \"passage\", and \
+             spectral.kind = \"blocks\" or \"components\"",
             self.frames, self.workers, self.limit_mb
         )))
     }

@@ -4,7 +4,7 @@ use crosscut_stage::{AffinityStage, Kind, KmeansStage, SpectralStage};
 
 /// The stages that a configuration can choose from.
 ///
-/// Append a stage of your own, and it is chosen by its name like any other:
+/// Append a stage of your own under a new name, and it is chosen by this name like any other:
 ///
 /// ```
 /// use crosscut_pipeline::Registry;

@@ -27,7 +27,7 @@ pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
 /// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct StreamOptions {
-    /// Revolutions are released at this multiple of the sensor's pace; `None`: as fast as the stages are.
+    /// Revolutions are released at this multiple of the sensor's pace, above 0; `None`: as fast as the stages are.
     pub rate: Option<f64>,
     /// Asks the run to stop.
     pub stop: StopFlag,
@@ -43,7 +43,7 @@ pub struct StreamOptions {
 /// written. An observer that fails sees no further frame. All threads are joined before this returns.
 ///
 /// # Errors
-/// When a thread cannot be started.
+/// When the rate is not above 0, or a thread cannot be started.
 pub fn stream(
     source: &mut dyn Source,
     config: &Config,
@@ -52,6 +52,9 @@ pub fn stream(
     observers: &mut [Box<dyn Observer>],
     options: &StreamOptions,
 ) -> io::Result<Summary> {
+    if let Some(rate) = options.rate.filter(|rate| rate.is_nan() || *rate <= 0.0) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("the rate must be above 0, not {rate}")));
+    }
     let params = config.params("flight");
     let look_ahead = if options.flight { params.get(LOOK_AHEAD) } else { 0 };
     let (workers, frames) = (config.workers(), config.in_flight() + look_ahead);
@@ -221,8 +224,7 @@ impl Collect<'_> {
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
             (frame.pose, frame.here, frame.steady) = (None, None, None);
             frame.timings.set_flight_ns(None);
-            if let Err(failure) = self.fly(&mut frame, |flight, frame, _| flight.place(frame)) {
-                frame.failure = Some(failure);
+            if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));
             }
             self.waiting.push_back(Arrived { frame, due });
@@ -236,8 +238,12 @@ impl Collect<'_> {
     /// Finishes the frame that has waited longest: its results are written, then it goes to the observers.
     fn finish_next(&mut self, summary: &mut Summary) -> Result<(), End> {
         let Some(Arrived { mut frame, due }) = self.waiting.pop_front() else { return Ok(()) };
-        self.fly(&mut frame, |flight, frame, later| flight.steady(frame, later.iter().map(|later| &later.frame)))
-            .map_err(End::Failed)?;
+        let steady = |flight: &mut Flight, frame: &mut Frame, later: &VecDeque<Arrived>| {
+            flight.steady(frame, later.iter().map(|later| &later.frame));
+        };
+        if self.fly(&mut frame, steady).is_err() {
+            return Err(self.fail(frame));
+        }
         self.write(&frame).map_err(End::ResultsLost)?;
         // A recorded scan is read before it is due, a live one after.
         let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
@@ -256,7 +262,8 @@ impl Collect<'_> {
         End::Failed(failure)
     }
 
-    /// Adds what the flight shows, with the frames that wait behind this one, and to the time that takes.
+    /// Adds what the flight shows, with the frames that wait behind this one, and to the time that takes. A failure is
+    /// left in the frame.
     fn fly(
         &mut self,
         frame: &mut Frame,
@@ -269,7 +276,7 @@ impl Collect<'_> {
         frame.timings.set_flight_ns(Some(before_ns.saturating_add(elapsed_ns(start))));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
-            Failure { step: Step::Report, seq: frame.revolution.seq, cause }
+            frame.failure.insert(Failure { step: Step::Report, seq: frame.revolution.seq, cause }).clone()
         })
     }
 
@@ -310,4 +317,36 @@ fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stag
     };
     errors.push(error);
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use crosscut_stage::{Here, HereKind, Point, Way};
+
+    use super::*;
+    use crate::Preset;
+
+    #[test]
+    fn observers_see_the_frame_whose_steady_answer_panics() {
+        let registry = Registry::standard();
+        let config = Config::preset(Preset::Default, &registry).expect("a preset");
+        let mut frame = Frame::default();
+        frame.revolution.points_m.push(Point::origin());
+        let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
+        frame.here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        let (observers, seen) = bounded(1);
+        let mut collect = Collect {
+            report: Engine::new(&config, &registry).report,
+            flight: Some(Flight::new(config.params("flight"), 0.6)),
+            look_ahead: 0,
+            waiting: VecDeque::from([Arrived { frame, due: Instant::now() }]),
+            lanes: Vec::new(),
+            results: &mut |_| Ok(()),
+            observers,
+            ended: StopFlag::default(),
+        };
+        let end = collect.finish_next(&mut Summary::default());
+        assert!(matches!(end, Err(End::Failed(_))), "{end:?}");
+        assert!(seen.try_recv().expect("a frame").failure.is_some());
+    }
 }

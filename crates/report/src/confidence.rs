@@ -8,10 +8,10 @@
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)
 //! ```
-//! with q what the odds of the gaps say ([`crate::odds`]) and w the width of the vehicle. Returns more than 4° apart, on average, do not show walls as lines: what is seen as
-//! clear may not be, and P is lowered by a factor of its own. So it is where a dark gap in the line of a wall could be a
-//! doorway. β is a logistic regression of right against wrong over
-//! the development scenes and places of another generator. The example `confidence` checks it and writes what it means.
+//! with q the probability of the answer by the odds of its gaps ([`crate::odds`]) and w the width of the vehicle. Where
+//! returns are more than 4° apart on average, walls do not show as lines, and P is lowered by a factor. A dark gap in the
+//! line of a wall that could be a doorway lowers it too. β is a logistic regression of right against wrong over the
+//! development scenes and places of another generator. The example `confidence` checks it and writes what it means.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -38,7 +38,7 @@ pub const BETA: [f64; Grounds::INPUTS] = [-2.01, 0.31, 0.38, -0.46, 0.06, 2.53, 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
 
-/// About this share of the answers is right that one scan leaves open, because a gap in a wall could be a doorway.
+/// The share of right answers, about, where a gap in a wall could be a doorway.
 const OF_DOORWAY: f64 = 0.6;
 
 /// What an answer rests on.
@@ -77,9 +77,9 @@ impl Grounds {
         answer: &Junction,
     ) -> Option<Self> {
         let of_no_island = |wall: &Option<u32>| wall.filter(|&id| !answer.walls[id as usize].island);
-        let wall_beside_openings: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
+        let wall_of_return: Vec<_> = answer.wall_of_return.iter().map(of_no_island).collect();
         let mut outline = Outline::default();
-        outline.fill(revolution, revolution.as_sweep()?, &wall_beside_openings).ok()?;
+        outline.fill(revolution, revolution.as_sweep()?, &wall_of_return).ok()?;
         Self::on(&outline, revolution, verdicts, vehicle_width_m, margin_decades, answer)
     }
 

@@ -24,7 +24,7 @@ pub struct ResultsLine {
     pub returns: usize,
     /// What is reported: the number of walls, islands left out.
     pub junctions: usize,
-    /// What the eigenvalues say.
+    /// The number of zero eigenvalues.
     pub k: usize,
     /// Decades by which the zero tolerance could be moved before `k` changes; null if no eigenvalue is known but exact
     /// zeros, as from `components`, or at n = 0.

@@ -68,10 +68,4 @@ impl Scan {
         self.size_m = median(&mut ranges_m).min(HALL_M);
         Ok(())
     }
-
-    /// Whether at least half of the beams after a return and before another one, anticlockwise, end at islands.
-    #[inline]
-    pub fn is_shaded(&self, from: usize, to: usize) -> bool {
-        self.islands.shade(&self.ring, from, to)
-    }
 }

@@ -7,6 +7,7 @@ use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::prelude::ReborrowMut;
+use faer::traits::pulp::Arch;
 use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use crate::laplacian::dense_bytes;
@@ -97,7 +98,7 @@ fn evd(
 /// these registers clears them as it returns.
 fn clear_vector_registers() {
     let halves = |numbers: [f64; 8]| numbers.map(|x| 0.5 * x);
-    pulp::Arch::new().dispatch(|| black_box(halves(black_box([1.0; 8]))));
+    Arch::new().dispatch(|| black_box(halves(black_box([1.0; 8]))));
 }
 
 /// Makes `scratch` as large as it has to be.

@@ -5,7 +5,7 @@
 //!
 //! L = I - D^-1/2 W D^-1/2 (the paper's equation 2). In exact arithmetic 0 = λ_1 <= … <= λ_n <= 2 (equation 3), and as
 //! many eigenvalues are 0 as the graph has components. Computed ones carry rounding errors of some n·2.2e-16: a zero
-//! may come out as -3e-16, and is kept as computed. What counts as zero is for the zero rule to say: those below τ ([`ZERO_TOLERANCE`]).
+//! may come out as -3e-16, and is kept as computed. Eigenvalues below τ ([`ZERO_TOLERANCE`]) count as zero.
 //!
 //! | kind | method | λ | for |
 //! |---|---|---|---|
@@ -34,8 +34,8 @@
 //! ```
 //!
 //! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
-//! `tests/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To add a zero
-//! rule: a variant of `ZeroRule`.
+//! `tests/spectral/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To
+//! add a zero rule: a variant of `ZeroRule`.
 //!
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum

@@ -37,7 +37,7 @@ pub struct Wall {
     pub island: bool,
 }
 
-/// Where a vehicle can leave the place, and is not too wide.
+/// A gap through which the vehicle can leave the place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
     /// Direction towards the branch.

@@ -86,7 +86,10 @@ impl Params {
         let value = value.into();
         let Some(place) = self.specs.iter().position(|spec| spec.name == name) else {
             let names: Vec<_> = self.specs.iter().map(|spec| spec.name).collect();
-            let expected = format!("there are the parameters {}", names.join(", "));
+            let expected = match &names[..] {
+                [] => "there are no parameters".to_owned(),
+                names => format!("there are the parameters {}", names.join(", ")),
+            };
             return Err(ParamError { name: name.to_owned(), value: value.to_string(), expected });
         };
         self.values[place] = self.specs[place].check(value)?;
@@ -208,5 +211,7 @@ mod tests {
         let refused = params.set("sigma", 2.0).expect_err("must be refused").to_string();
         assert_eq!(refused, "sigma = 2.0 is not allowed: there are the parameters sigma_per_m2");
         assert_eq!((params.get(RESTARTS), params.value("restarts")), (10, None));
+        let refused = Params::defaults(&[]).set("sigma", 2.0).expect_err("must be refused").to_string();
+        assert_eq!(refused, "sigma = 2.0 is not allowed: there are no parameters");
     }
 }

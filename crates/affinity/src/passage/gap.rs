@@ -142,7 +142,7 @@ impl<'p> Gap<'p> {
             depth_m,
             dark_beams: ring.dark_between(p, q),
             is_dark: false,
-            is_shaded: site.scan.is_shaded(p, q),
+            is_shaded: site.scan.islands.shade(ring, p, q),
             bump_hides_m: f64::INFINITY,
             is_corner: false,
         };

@@ -32,7 +32,7 @@ const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
     .above(0.0)
     .to(100.0)
     .follows("vehicle.width_m", 1.0)
-    .doc("vehicle.width_m unless it is set: returns nearer to each other are of one wall; nearer to the sensor than half of it, of none, unless they go on as a wall");
+    .doc("vehicle.width_m unless it is set: neighbouring returns nearer to each other are of one wall; returns within half of it of the sensor are of the vehicle, unless a wall continues on both sides");
 
 const STRETCH_M: Number = Number::new("stretch_m", "m", 0.85)
     .above(0.0)
@@ -51,7 +51,7 @@ const WAY_DEG: Number = Number::new("way_deg", "°", 115.0).from(0.0).to(360.0).
 const CLEAR_SHARE: Number = Number::new("clear_share", "", 1.15)
     .from(0.0)
     .to(100.0)
-    .doc("at turns between the two a wall ends if the gap's clear width is at least this share of the median range");
+    .doc("at turns from straight_deg to way_deg a wall ends if the gap's clear width is at least this share of the median range");
 
 const ISLAND_M: Number = Number::new("island_m", "m", 2.0)
     .from(0.0)
@@ -75,7 +75,7 @@ const HEIGHT_M: Number = Number::new("height_m", "m", 0.6)
     .doc("vehicle.height_m unless it is set: of a cloud, returns farther above or below the sensor than half of it are of no wall");
 
 const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
-    "the zero tolerance; ways on leak so that their eigenvalues come the nearer to it the worse the odds are that a vehicle can pass; 0: none",
+    "a weak edge over each opening makes an eigenvalue of leak/2 divided by the odds that a vehicle can pass; the zero tolerance follows it; 0: no such edges",
 );
 
 const WITHOUT: Names =
@@ -189,12 +189,13 @@ impl Passage {
         scan.make(sweep, points_m, lengths)?;
         if scan.in_air > 0 {
             let in_air = counted(scan.in_air as u64, "return");
-            notes.add(format!("passage: {in_air} in the air (dust, edges of pillars), tied to none"));
+            notes.add(format!("passage: {in_air} in the air (dust, edges of pillars), without edges"));
         }
         if scan.of_vehicle > 0 {
             let (inside, inside_m) = (counted(scan.of_vehicle as u64, "return"), lengths.passage_m / 2.0);
             notes.add(format!(
-                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of vehicle.width_m), tied to none"
+                "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
+                 vehicle.width_m unless it is set), without edges"
             ));
         }
 
@@ -219,12 +220,16 @@ impl Passage {
         let Cloud { view, seen, carrying } = &mut buffers;
         view.look(cloud, self.height_m, passage_m);
         if let Some(sweep) = cloud.beams() {
-            notes.add(format!("passage: {} beams are many, worked on as {}", sweep.len(), view.beams()));
+            notes.add(format!(
+                "passage: sweep of {} beams processed as a cloud of {} beams",
+                sweep.len(),
+                view.beams()
+            ));
         }
         let aside = cloud.len() - view.level().len();
         if aside > 0 {
             let aside = counted(aside as u64, "return");
-            notes.add(format!("passage: {aside} above or below the vehicle, or within it, tied to none"));
+            notes.add(format!("passage: {aside} above or below the vehicle, or within it, without edges"));
         }
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
         // No leak: carried on to the returns that are not seen, it would become many.

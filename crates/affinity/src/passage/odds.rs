@@ -1,5 +1,5 @@
-//! The odds that a vehicle can pass at a gap: a sum of terms, one for each measurement. It says how doubtful the decision
-//! of the rules is.
+//! The odds that a vehicle can pass at a gap: a sum of terms, one for each measurement. They show how doubtful the
+//! decision of the rules is.
 //!
 //! ```text
 //! ln(p / (1 - p)) = c + Σ f_i(x_i)

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::components;
 use crosscut_affinity::passage::KIND;
 use crosscut_stage::{Affinity, Beam, Notes, Point, Revolution, Sweep};
 
@@ -21,7 +22,7 @@ const TEE: [Wall; 5] = [
     ([[2.0, -2.0], [2.0, -14.0]], 2),
 ];
 
-/// So many numbers in 0..1 that do not line up.
+/// Pseudo-random numbers in 0..1.
 struct Spread(u64);
 
 impl Spread {
@@ -64,27 +65,13 @@ fn graph(revolution: &Revolution) -> Affinity {
     affinity
 }
 
-/// The smallest return of the component of each return.
-fn components(affinity: &Affinity) -> Vec<usize> {
-    let mut component: Vec<usize> = (0..affinity.degrees.len()).collect();
-    let mut changed = true;
-    while std::mem::take(&mut changed) {
-        affinity.weights.for_each(|i, j, _| {
-            let least = component[i].min(component[j]);
-            changed |= component[i] != least || component[j] != least;
-            (component[i], component[j]) = (least, least);
-        });
-    }
-    component
-}
-
 #[test]
 fn the_walls_of_a_tube_are_those_between_its_openings_and_floor_and_roof_join_none() {
     let dead_end = [LEFT, ([[-12.0, -2.0], [12.0, -2.0]], 0), ([[12.0, -2.0], [12.0, 2.0]], 0)];
     for (name, walls, count) in [("tunnel", &[LEFT, RIGHT][..], 2), ("dead end", &dead_end, 1), ("tee", &TEE, 3)] {
         for n in [10_000, 100_000] {
             let (cloud, truth) = tube(walls, n);
-            let found = components(&graph(&cloud));
+            let found = components(&graph(&cloud), 0.0);
             let mut walls_of: BTreeMap<usize, BTreeMap<Option<usize>, usize>> = BTreeMap::new();
             for (component, truth) in found.iter().zip(&truth) {
                 *walls_of.entry(*component).or_default().entry(*truth).or_default() += 1;
@@ -109,7 +96,7 @@ fn the_walls_of_a_tube_are_those_between_its_openings_and_floor_and_roof_join_no
 fn a_wall_goes_on_past_a_gap_too_narrow_for_the_vehicle() {
     let parted = [LEFT, ([[-12.0, -2.0], [-0.25, -2.0]], 1), ([[0.25, -2.0], [12.0, -2.0]], 1)];
     let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
-    for component in components(&graph(&tube(&parted, 30_000).0)) {
+    for component in components(&graph(&tube(&parted, 30_000).0), 0.0) {
         *sizes.entry(component).or_default() += 1;
     }
     assert_eq!(sizes.values().filter(|&&size| size > 1).count(), 2);
@@ -151,10 +138,10 @@ fn the_mirror_image_of_a_cloud_has_the_same_walls() {
         Point::new(x, -x - 0.4 - 4.0 * spread.next(), 0.0)
     };
     cloud.points_m.extend(std::iter::repeat_with(&mut rubble).take(2000));
-    let walls = components(&graph(&cloud));
+    let walls = components(&graph(&cloud), 0.0);
     assert!(walls[6000..].iter().any(|&wall| wall != walls[6000]), "it is of both");
     cloud.points_m.iter_mut().for_each(|point_m| point_m.y = -point_m.y);
-    let mirrored = components(&graph(&cloud));
+    let mirrored = components(&graph(&cloud), 0.0);
     let differ = (0..walls.len()).filter(|&i| walls[i] != mirrored[i]).count();
     assert_eq!(differ, 0, "of {} returns", walls.len());
 }

@@ -39,8 +39,20 @@ fn a_u_whose_columns_share_a_row_or_leave_one_out_has_the_clusters_of_kmeans_and
     for mixed in [mat![[1.0, 0.0], [0.6, 0.8], [0.6, 0.8]], mat![[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]] {
         let (partition, notes) = run(1, mixed);
         assert_eq!(partition.labels, [Some(0), Some(1), Some(1)]);
-        assert!(notes.iter().any(|note| note.contains("kmeans++")), "{notes:?}");
+        let told =
+            "components: some rows of U do not have exactly one entry, so kmeans++ clusters them, small clusters too";
+        assert_eq!(notes[0], told);
     }
+}
+
+#[test]
+fn a_u_too_large_for_kmeans_is_refused_with_the_solver_to_choose() {
+    let mut u = Embedding::default();
+    u.write_rows(5000, 5000, |i, row| row.extend((i > 0).then_some((i as u32, 1.0))));
+    let spectrum = Spectrum { k: 5000, u, ..Spectrum::default() };
+    let mut stage = KIND.with(&[]).expect("the defaults");
+    let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too large");
+    assert!(refused.to_string().ends_with("choose spectral.kind = \"components\""), "{refused}");
 }
 
 #[test]

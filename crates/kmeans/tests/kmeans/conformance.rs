@@ -3,12 +3,12 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
+use crosscut_conformance::for_many;
 use crosscut_kmeans::KINDS;
 use crosscut_stage::{Kind, KmeansStage, Notes, Partition, Spectrum, StageError};
 use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any, prop_oneof};
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 use crate::embeddings::{arbitrary, spectrum};
 
@@ -58,16 +58,7 @@ fn any_spectrum() -> impl Strategy<Value = Spectrum> {
 
 /// Runs `body`, which asserts, on every kind and many inputs.
 fn for_every_kind<T: Debug>(inputs: &impl Strategy<Value = T>, body: impl Fn(&AssignmentKind, T)) {
-    for kind in KINDS {
-        let config = Config { cases: 100, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-        let ran = TestRunner::new(config).run(inputs, |input| {
-            body(kind, input);
-            Ok(())
-        });
-        if let Err(error) = ran {
-            panic!("{}: {error}", kind.name);
-        }
-    }
+    KINDS.iter().for_each(|kind| for_many(kind.name, 100, inputs, |input| body(kind, input)));
 }
 
 fn distance_squared(spectrum: &Spectrum, i: usize, partition: &Partition, c: usize) -> f64 {

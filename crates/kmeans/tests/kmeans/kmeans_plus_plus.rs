@@ -1,9 +1,9 @@
 //! `kmeans++` against every possible partition, and its stated rules.
 
+use crosscut_conformance::for_many;
 use crosscut_kmeans::kmeans_plus_plus::KIND;
 use crosscut_stage::{Embedding, Notes, Partition, Spectrum};
 use faer::Mat;
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -37,19 +37,15 @@ fn inertia_of(spectrum: &Spectrum, code: usize) -> f64 {
 
 #[test]
 fn no_partition_of_a_few_returns_is_better() {
-    let config = Config { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(&arbitrary(1..7), |spectrum| {
+    for_many("kmeans++", 60, &arbitrary(1..7), |spectrum| {
         let (found, optimum) = (run(0, 50, 300, &spectrum).0.inertia, smallest_inertia(&spectrum));
         assert!((found - optimum).abs() <= 1e-12, "{found}, but {optimum} can be had");
-        Ok(())
     });
-    assert!(ran.is_ok(), "{ran:?}");
 }
 
 #[test]
 fn no_return_is_nearer_to_another_centroid_than_its_own() {
-    let config = Config { cases: 100, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(&arbitrary(1..40), |spectrum| {
+    for_many("kmeans++", 100, &arbitrary(1..40), |spectrum| {
         let partition = run(0, 10, 300, &spectrum).0;
         for (i, label) in partition.labels.iter().enumerate() {
             let offset = |c: usize, j: usize| spectrum.u[(i, j)] - partition.centroids[(c, j)];
@@ -58,9 +54,7 @@ fn no_return_is_nearer_to_another_centroid_than_its_own() {
             let nearest = (0..partition.clusters).map(distance).fold(f64::INFINITY, f64::min);
             assert!(own <= nearest, "return {i} is in cluster {label:?}");
         }
-        Ok(())
     });
-    assert!(ran.is_ok(), "{ran:?}");
 }
 
 /// Twelve tight blobs, the corners of a 4×3 grid in the first two coordinates.
@@ -117,11 +111,16 @@ fn each_number_out_of_range_is_refused() {
 }
 
 #[test]
-fn a_u_too_large_to_be_spread_out_is_refused_with_its_size() {
-    let mut u = Embedding::default();
-    u.write_rows(100_000, 100_000, |i, row| row.push((i as u32, 1.0)));
-    let spectrum = Spectrum { k: 100_000, u, ..Spectrum::default() };
-    let mut stage = KIND.with(&[]).expect("the defaults");
-    let refused = stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("80 GB");
-    assert!(refused.to_string().contains("would need 76294 MB"), "{refused}");
+fn a_u_of_too_many_numbers_or_columns_is_refused_with_its_size() {
+    for (n, needed) in
+        [(100_000, "76294 MB and more than 1e15 operations"), (5000, "191 MB and more than 1e11 operations")]
+    {
+        let mut u = Embedding::default();
+        u.write_rows(n, n, |i, row| row.push((i as u32, 1.0)));
+        let spectrum = Spectrum { k: n, u, ..Spectrum::default() };
+        let mut stage = KIND.with(&[]).expect("the defaults");
+        let refused =
+            stage.partition(&spectrum, &mut Partition::default(), &mut Notes::default()).expect_err("too many");
+        assert!(refused.to_string().contains(needed), "{refused}");
+    }
 }

@@ -7,6 +7,10 @@ use crosscut_stage::ParamError;
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages explain the fields
 pub enum ConfigError {
+    #[error("the registry has no kind of {section}: append one")]
+    NoKinds { section: &'static str },
+    #[error("the registry has two {section} kinds of the name {kind:?}: rename yours")]
+    KindTwice { section: &'static str, kind: &'static str },
     #[error("there is no preset {name:?}; {nearest}")]
     UnknownPreset { name: String, nearest: String },
     #[error("{layer}: this is not TOML: {message}")]
@@ -30,7 +34,6 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> S
     let known: Vec<_> = known.collect();
     match best(name, &known) {
         Some(best) => format!("did you mean {best}?"),
-        None if known.is_empty() => "it has no parameters".to_owned(),
         None => format!("there are: {}", known.join(", ")),
     }
 }

@@ -58,9 +58,11 @@ impl Config {
     /// Applies `layers` in order over the defaults of the stages in `registry`.
     ///
     /// # Errors
-    /// The first name that is unknown, or value that is not allowed.
+    /// The first name that is unknown, or value that is not allowed; a stage of which the registry has no kind, or two of
+    /// one name.
     pub fn resolve(registry: &Registry, layers: &[Layer]) -> Result<Self, ConfigError> {
         let sections = sections(registry);
+        sections.iter().try_for_each(refuse_unusable_kinds)?;
         for layer in layers {
             refuse_unknown_sections(&sections, layer)?;
         }
@@ -180,6 +182,20 @@ impl Config {
     fn section(&self, name: &str) -> &Resolved {
         let found = self.sections.iter().find(|section| section.name == name);
         found.unwrap_or_else(|| panic!("the configuration has no section {name}"))
+    }
+}
+
+fn refuse_unusable_kinds(section: &Section) -> Result<(), ConfigError> {
+    let Body::Kinds(choices) = &section.body else { return Ok(()) };
+    let section = section.name;
+    if choices.is_empty() {
+        return Err(ConfigError::NoKinds { section });
+    }
+    let mut names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(ConfigError::KindTwice { section, kind: pair[0] }),
+        None => Ok(()),
     }
 }
 

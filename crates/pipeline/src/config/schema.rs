@@ -15,7 +15,7 @@ pub(crate) const IN_FLIGHT: Count = Count::new("in_flight", "frames", 8)
 
 pub(crate) const MEMORY_MB: Count = Count::new("memory_mb", "MB", 4096)
     .from(1)
-    .doc("matrices that would need more are refused before they are allocated");
+    .doc("if W and the working memory of the solver would need more, they are refused before they are allocated");
 
 /// Section `pipeline` of the configuration.
 const PIPELINE_PARAMS: &[ParamSpec] = &[WORKERS.spec, IN_FLIGHT.spec, MEMORY_MB.spec];

@@ -153,3 +153,14 @@ fn text_that_is_not_configuration_is_refused() {
         assert!(refused("", &[malformed]).contains("is not of the form section.key=value"), "{malformed}");
     }
 }
+
+#[test]
+fn a_registry_with_no_kind_or_two_of_one_name_is_refused() {
+    let resolve = |registry: &Registry| Config::resolve(registry, &[]).expect_err("must be refused").to_string();
+    let mut twice = Registry::standard();
+    twice.affinity.push(twice.affinity[0]);
+    assert!(resolve(&twice).contains("rename yours"), "{}", resolve(&twice));
+    let mut none = Registry::standard();
+    none.kmeans.clear();
+    assert_eq!(resolve(&none), "the registry has no kind of kmeans: append one");
+}

@@ -1,4 +1,4 @@
-//! `slicing` against `faer` on the paper's W of whole scans: recorded and simulated ones.
+//! `slicing` against `faer` on the paper's W of simulated scans, generated and read from a file.
 
 use std::path::{Path, PathBuf};
 

@@ -1,16 +1,12 @@
-//! Stages and sources that count, fail and panic on command.
+//! Stages and sources that fail and panic on command.
 
 use std::io;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crosscut_pipeline::{Config, Layer, Registry, StreamOptions, Summary, stream};
 use crosscut_stage::{
     Affinity, AffinityStage, Frame, Kind, KmeansStage, Notes, Number, ParamSpec, Partition, Point, Revolution, Source,
     SourceError, SpectralStage, Spectrum, StageError, Step,
 };
-
-/// Calls of all test stages of one kind, over all tests of this binary.
-pub(crate) static AFFINITY_CALLS: AtomicUsize = AtomicUsize::new(0);
 
 /// The x at which a stage names a cluster that there is not, errs, or panics; -1: never.
 const LIE_AT_X: Number = Number::new("lie_at_x", "", -1.0).from(-1.0).to(1e9);
@@ -38,7 +34,6 @@ impl Failing {
 
 impl AffinityStage for Failing {
     fn weigh(&mut self, r: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
-        AFFINITY_CALLS.fetch_add(1, Ordering::Relaxed);
         let x = r.points_m[0].x;
         // Uneven work, so that lanes overtake each other if nothing keeps the order.
         std::thread::sleep(std::time::Duration::from_micros(u64::from(r.seq.is_multiple_of(7)) * 500));

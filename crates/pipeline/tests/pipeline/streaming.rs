@@ -1,9 +1,8 @@
 //! Order, failure and shutdown of the streaming pipeline.
 
 use std::io;
-use std::sync::atomic::Ordering;
 
-use crate::stages::{AFFINITY_CALLS, Count, STAGES, config, registry, run};
+use crate::stages::{Count, STAGES, config, registry, run};
 use crosscut_pipeline::{Config, End, Engine, StopFlag, StreamOptions, stream};
 use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
 
@@ -16,12 +15,10 @@ fn settings(workers: usize, in_flight: usize, more: &str) -> Config {
 fn results_keep_the_order_of_the_source_whatever_the_workers_and_the_pool() {
     for workers in [1, 2, 4] {
         for in_flight in [1, 2, 3, 16] {
-            let before = AFFINITY_CALLS.load(Ordering::Relaxed);
             let (summary, written) = run(&mut Count::to(50), &settings(workers, in_flight, ""));
             assert!(written.iter().copied().eq(0..50), "{workers} workers, {in_flight} in flight: {written:?}");
             assert!(matches!(summary.end, End::Complete));
             assert_eq!((summary.revolutions, summary.noted), (50, 50));
-            assert!(AFFINITY_CALLS.load(Ordering::Relaxed) >= before + 50, "the stages were really called");
         }
     }
 }
@@ -251,6 +248,16 @@ fn playing_at_a_rate_takes_the_time_that_the_stamps_say() {
 }
 
 #[test]
+fn a_rate_that_is_not_above_0_is_refused() {
+    for rate in [0.0, -1.0, f64::NAN] {
+        let options = StreamOptions { rate: Some(rate), ..StreamOptions::default() };
+        let (mut source, config) = (Count::to(2), settings(1, 4, ""));
+        let refused = stream(&mut source, &config, &registry(), &mut |_| Ok(()), &mut [], &options);
+        assert_eq!(refused.expect_err("must be refused").kind(), io::ErrorKind::InvalidInput, "{rate}");
+    }
+}
+
+#[test]
 fn a_run_that_has_ended_does_not_wait_for_the_next_revolution_to_be_due() {
     // Stamps are 1 ms apart: the second revolution is due after 1000 s.
     let options = StreamOptions { rate: Some(1e-6), ..StreamOptions::default() };
@@ -285,4 +292,15 @@ fn a_size_that_does_not_fit_is_refused_with_the_size_it_would_need() {
     assert_eq!(failure.step, Step::Affinity);
     let text = failure.to_string();
     assert!(text.contains("400 returns would need 2 MB") && text.contains("pipeline.memory_mb is 1"), "{text}");
+}
+
+#[test]
+fn a_solver_too_large_for_a_sparse_w_is_refused_with_smaller_ones() {
+    let mut engine =
+        Engine::new(&config(&["affinity.kind=passage", "spectral.kind=faer", "pipeline.memory_mb=1"]), &registry());
+    let mut frame = Frame::default();
+    frame.revolution.points_m.resize(400, crosscut_stage::Point::origin());
+    let failure = engine.process(&mut frame).expect_err("the eigenvectors alone are more than 1 MB");
+    assert_eq!(failure.step, Step::Spectral);
+    assert!(failure.to_string().contains("spectral.kind = \"blocks\""), "{failure}");
 }

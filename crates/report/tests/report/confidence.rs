@@ -3,7 +3,7 @@
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::confidence::Grounds;
 use crosscut_report::{PARAMS, Reporter, VEHICLE_PARAMS};
-use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution, Spectrum, Verdict};
+use crosscut_stage::{Beam, Frame, Junction, Params, Partition, Place, Point, Revolution, Verdict};
 
 const VEHICLE_WIDTH_M: f64 = 0.6;
 
@@ -19,13 +19,15 @@ fn answer_with_margin(
     (revolution, walls): (Revolution, Vec<Option<u32>>),
     margin_decades: Option<f64>,
 ) -> (Revolution, Junction) {
-    answer_by(&[], (revolution, walls), margin_decades)
+    let verdicts = verdicts(&revolution, &walls);
+    answer_by(&[], (revolution, walls), margin_decades, &verdicts)
 }
 
 fn answer_by(
     settings: &[(&str, f64)],
     (revolution, walls): (Revolution, Vec<Option<u32>>),
     margin_decades: Option<f64>,
+    verdicts: &[Verdict],
 ) -> (Revolution, Junction) {
     let mut params = Params::defaults(PARAMS);
     settings.iter().for_each(|(name, value)| params.set(name, *value).expect("allowed"));
@@ -38,8 +40,7 @@ fn answer_by(
     frame.partition = Partition { clusters, labels: walls, ..Partition::default() };
     let Frame { revolution, spectrum, partition, junction, notes, .. } = &mut frame;
     let mut reporter = Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS));
-    let verdicts = verdicts(revolution, &partition.labels);
-    reporter.report(revolution, &verdicts, spectrum, partition, junction, notes).expect("as many labels as returns");
+    reporter.report(revolution, verdicts, spectrum, partition, junction, notes).expect("as many labels as returns");
     (frame.revolution, frame.junction)
 }
 
@@ -57,7 +58,9 @@ fn verdicts(revolution: &Revolution, walls: &[Option<u32>]) -> Vec<Verdict> {
 
 #[test]
 fn openings_beyond_the_range_that_is_set_are_left_out_and_nothing_else_changes() {
-    let by = |settings: &[(&str, f64)]| answer_by(settings, scan(&tee(), 360, |_| false), None).1;
+    let (revolution, walls) = scan(&tee(), 360, |_| false);
+    let verdicts = verdicts(&revolution, &walls);
+    let by = |settings: &[(&str, f64)]| answer_by(settings, (revolution.clone(), walls.clone()), None, &verdicts).1;
     let (all, near) = (by(&[]), by(&[("max_range_m", 5.0)]));
     assert_eq!((all.openings.len(), near.openings.len()), (3, 1), "the ends of the tunnel are farther");
     assert_eq!((near.junctions, near.place, near.confidence), (all.junctions, all.place, all.confidence));
@@ -205,21 +208,7 @@ fn an_opening_has_the_odds_of_its_gap() {
 fn of_tunnel(verdicts: &dyn Fn(&[Verdict]) -> Vec<Verdict>) -> (f64, Vec<Option<f64>>) {
     let (revolution, labels) = scan(&tunnel(), 360, |_| false);
     let verdicts = verdicts(&self::verdicts(&revolution, &labels));
-    let mut params = Params::defaults(PARAMS);
-    params.set("openings", "between_walls").expect("allowed");
-    params.set("confidence", "scene").expect("allowed");
-    let partition = Partition { clusters: 2, labels, ..Partition::default() };
-    let (mut answer, mut reporter) = (Junction::default(), Reporter::new(&params, &Params::defaults(VEHICLE_PARAMS)));
-    reporter
-        .report(
-            &revolution,
-            &verdicts,
-            &Spectrum::default(),
-            &partition,
-            &mut answer,
-            &mut crosscut_stage::Notes::default(),
-        )
-        .expect("as many labels as returns");
+    let (_, answer) = answer_by(&[], (revolution, labels), None, &verdicts);
     (answer.confidence, answer.openings.iter().map(|opening| opening.p).collect())
 }
 

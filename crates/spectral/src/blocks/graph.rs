@@ -48,18 +48,13 @@ impl Graph<'_> {
     /// that is 0, is none.
     #[inline]
     pub(crate) fn edges_back(&self, i: usize) -> impl Iterator<Item = Edge> {
-        self.entries_back(i).filter(|edge| edge.scaled > 0.0)
-    }
-
-    /// The stored entries of W of return `i` to earlier ones, also those that are no edges, each as an edge.
-    #[inline]
-    pub(crate) fn entries_back(&self, i: usize) -> impl Iterator<Item = Edge> {
         let ((others, weights), scale) = (self.edges.row(i), self.inverse_sqrt_degrees[i]);
         let earlier = others.iter().zip(weights).take_while(move |&(&j, _)| (j as usize) < i);
-        earlier.map(move |(&to, &weight)| {
+        let edges = earlier.map(move |(&to, &weight)| {
             let scaled = weight * (scale * self.inverse_sqrt_degrees[to as usize]);
             Edge { from: i as u32, to, weight, scaled }
-        })
+        });
+        edges.filter(|edge| edge.scaled > 0.0)
     }
 
     /// L_ii, if edges of these weights in sum are set aside.

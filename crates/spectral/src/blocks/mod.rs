@@ -240,7 +240,7 @@ impl SpectralStage for Blocks {
         let graph = graph.graph(affinity, tolerance)?;
         solver.solve(&graph, weak_link, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {
-            notes.add("blocks: no link set aside, as a wall between weak links is itself almost two");
+            notes.add("blocks: no edge set aside, as a wall between weak edges is itself almost two");
             solver.solve(&graph, 0.0, tolerance)?;
         }
         let several = solver.several.iter();

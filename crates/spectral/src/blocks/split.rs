@@ -145,13 +145,12 @@ impl Split {
         self.forest.plant(n);
         self.between.clear();
         self.within.clear();
-        let weak = weak.max(f64::from_bits(1)); // a weight of 0 is no edge either
         for i in 0..n {
-            for edge in graph.entries_back(i) {
+            for edge in graph.edges_back(i) {
                 if edge.scaled >= weak {
                     self.forest.join(i, edge.to as usize);
                     self.within.push(edge);
-                } else if edge.scaled > 0.0 {
+                } else {
                     self.between.push(edge);
                 }
             }
@@ -189,8 +188,8 @@ impl Split {
         let bytes = dense_bytes(linked).saturating_add(Decomposition::memory_bytes(linked));
         if bytes > MOST_BYTES {
             return Err(StageError::TooLarge(format!(
-                "the graph of {linked} blocks with weak links between them would need {} MB, more than {} MB: set \
-                 spectral.weak_link = 0, or choose an affinity without weak links",
+                "the graph of {linked} blocks with weak edges between them would need {} MB, more than {} MB: set \
+                 spectral.weak_link = 0, or choose an affinity without weak edges",
                 bytes >> 20,
                 MOST_BYTES >> 20
             )));

@@ -203,6 +203,12 @@ impl Envelope {
         self.below
     }
 
+    /// The number of eigenvalues that count as zero if the shift is τ: those below it, and always the first, which
+    /// rounding may have lifted above a small τ.
+    pub(crate) fn zeros(&self) -> usize {
+        self.below.max(1)
+    }
+
     /// Solves (L - shift·I) X = `x` in place.
     pub(crate) fn solve(&mut self, x: &mut Mat<f64>) {
         for_columns(x, &self.roots, |x, root| x * root);

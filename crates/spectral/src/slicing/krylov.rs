@@ -43,7 +43,7 @@ pub(crate) struct Krylov {
     values: Vec<f64>,
 }
 
-/// The lowest eigenvalues, ascending, and a unit eigenvector of each that is below the shift.
+/// The lowest eigenvalues, ascending, and a unit eigenvector of each that counts as zero.
 pub(crate) struct Lowest {
     pub(crate) eigenvalues: Vec<f64>,
     pub(crate) vectors: Mat<f64>,
@@ -91,7 +91,7 @@ impl Krylov {
         wanted: usize,
     ) -> Result<Option<Lowest>, StageError> {
         let columns = (envelope.below() + SPARE).max(COLUMNS);
-        let beyond = if wanted > envelope.below() + 1 { LEAST_SHARE * wanted } else { 0 };
+        let beyond = if wanted > envelope.zeros() + 1 { LEAST_SHARE * wanted } else { 0 };
         let least = LEAST_BLOCKS * columns + beyond;
         self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
         while self.space.grow(envelope) {
@@ -119,7 +119,8 @@ impl Krylov {
         let mut order = (0..negative).rev().chain((negative..dimension).rev());
         let chosen: Vec<usize> = order.by_ref().take(wanted).collect();
         let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
-        let needed = Needed { n: envelope.n(), below: envelope.below(), outside };
+        let zeros = envelope.zeros().min(wanted);
+        let needed = Needed { n: envelope.n(), zeros, outside };
 
         let inverses: Vec<f64> = chosen.iter().map(|&j| values[j].recip()).collect();
         let beyond = space.beyond(&small.last_rows(space.columns, &chosen), &inverses);
@@ -134,10 +135,9 @@ impl Krylov {
             let z = concat![[y], [product(beyond.as_ref(), weights)]];
             (y, z)
         };
-        let below = envelope.below().min(wanted);
         // Each of the zeros; of the others random sums of the vectors, and of the vectors / ν.
         let signs: Vec<f64> = (0..wanted).map(|_| random(&mut space.noise).signum()).collect();
-        let weights = Mat::from_fn(wanted, below + 2, |j, column| match (j < below, column.checked_sub(below)) {
+        let weights = Mat::from_fn(wanted, zeros + 2, |j, column| match (j < zeros, column.checked_sub(zeros)) {
             (true, None) => f64::from(u8::from(j == column)),
             (false, Some(0)) => signs[j],
             (false, Some(_)) => signs[j] * inverses[j],
@@ -145,9 +145,9 @@ impl Krylov {
         });
         let (y, z) = sums(weights.as_ref());
         let sound =
-            wanted - below > SMALL_REQUEST && space.step_error(l, envelope, z.col(below), y.col(below + 1)) <= ERROR;
+            wanted - zeros > SMALL_REQUEST && space.step_error(l, envelope, z.col(zeros), y.col(zeros + 1)) <= ERROR;
         let (unsettled, mut turn) = if sound {
-            (below, z.subcols(0, below).to_owned())
+            (zeros, z.subcols(0, zeros).to_owned())
         } else {
             (wanted, sums(Mat::<f64>::identity(wanted, wanted).as_ref()).1)
         };
@@ -157,7 +157,7 @@ impl Krylov {
         let quotient = |j: usize| envelope.shift() + inverses[j] / (1.0 + lengths[j] * lengths[j]);
         lowest.eigenvalues.extend((unsettled..wanted).map(quotient));
         let found = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
-        Ok((found == below).then_some(lowest))
+        Ok((found == envelope.below()).then_some(lowest))
     }
 
     /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector
@@ -197,8 +197,8 @@ impl Krylov {
 /// What residuals have to be.
 struct Needed {
     n: usize,
-    /// Eigenvalues below the shift.
-    below: usize,
+    /// Eigenvalues that count as zero.
+    zeros: usize,
     /// The next eigenvalue after those that are wanted.
     outside: f64,
 }
@@ -207,7 +207,7 @@ impl Needed {
     /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their
     /// residuals over the gap. The others are off by residual² over the distance of what is outside.
     fn is_met(&self, j: usize, eigenvalue: f64, residual: f64) -> bool {
-        if j < self.below {
+        if j < self.zeros {
             return residual <= 10.0 * self.n as f64 * f64::EPSILON;
         }
         residual <= RESIDUAL || residual * residual <= ERROR * (self.outside - eigenvalue)

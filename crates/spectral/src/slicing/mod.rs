@@ -102,7 +102,7 @@ impl Slicing {
         }
         let members = envelope.members().to_vec();
         let n = members.len();
-        let wanted = eigenvalues(&members).max(envelope.below() + 1).min(n);
+        let wanted = eigenvalues(&members).max(envelope.zeros() + 1).min(n);
         if n >= FEWEST_RETURNS + RETURNS_PER_EIGENVALUE * wanted {
             match if factorised { krylov.lowest(l, envelope, wanted) } else { Ok(None) } {
                 Ok(Some(lowest)) => return Ok(Part { members, lowest }),

@@ -4,12 +4,12 @@
 use std::cell::Cell;
 
 use crate::solving::{solver, spectrum};
+use crosscut_conformance::for_many;
 use crosscut_spectral::{blocks, faer_evd, nalgebra_evd};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 use faer::Mat;
 use proptest::collection::vec;
 use proptest::prelude::{Strategy, any};
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 fn blocks(tolerance: f64, weak_link: f64) -> Box<dyn SpectralStage> {
     let values = [("zero_tolerance", tolerance.into()), ("weak_link", weak_link.into())];
@@ -95,14 +95,13 @@ fn sine(u: &Mat<f64>, v: &Mat<f64>) -> f64 {
 fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_are_within_the_bounds() {
     let tolerance = 1e-8;
     let (set_aside, undecided) = (Cell::new(0), Cell::new(0));
-    let config = Config { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(&linked_chains(), |affinity| {
+    for_many("blocks", 400, &linked_chains(), |affinity| {
         let rounding = 100.0 * affinity.degrees.len() as f64 * f64::EPSILON;
         let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
         let (all, _) = spectrum(solver(&nalgebra_evd::KIND, tolerance).as_mut(), &affinity);
         if all.eigenvalues.iter().any(|lambda| (lambda - all.tolerance).abs() <= rounding) {
             undecided.set(undecided.get() + 1);
-            return Ok(());
+            return;
         }
         assert_eq!(found.k, all.k, "{:?} is {:?}", found.eigenvalues, all.eigenvalues);
         for (theta, lambda) in found.eigenvalues[..found.k].iter().zip(&all.eigenvalues) {
@@ -110,7 +109,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
             assert!((-rounding..=found.zeros_bound + rounding).contains(&excess), "{theta} is {lambda}: {found:?}");
         }
         let Some((next, lambda)) = found.eigenvalues.get(found.k).zip(all.eigenvalues.get(all.k)) else {
-            return Ok(());
+            return;
         };
         assert!(*next <= lambda + rounding, "the next eigenvalue is {lambda}, not {next}");
         let (sine, allowed) = (sine(&found.u.to_dense(), &all.u.to_dense()), found.span_bound + rounding / lambda);
@@ -121,11 +120,9 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
             assert_eq!(notes, 0);
             set_aside.set(set_aside.get() + 1);
         }
-        Ok(())
     });
-    ran.unwrap_or_else(|error| panic!("{error}"));
     let (set_aside, undecided) = (set_aside.get(), undecided.get());
-    assert!(set_aside > 100 && undecided < 20, "{set_aside} with links set aside, {undecided} undecided");
+    assert!(set_aside > 100 && undecided < 20, "{set_aside} with edges set aside, {undecided} undecided");
 }
 
 #[test]
@@ -262,5 +259,5 @@ fn very_many_blocks_with_weak_links_are_refused_before_their_graph_takes_the_mem
     let mut blocks = blocks(1e-8, 1e-3);
     let refused = blocks.spectrum(&affinity, &mut Spectrum::default(), &mut Notes::default());
     let words = refused.expect_err("3 GB and more").to_string();
-    assert!(words.contains("20000 blocks with weak links") && words.contains("spectral.weak_link"), "{words}");
+    assert!(words.contains("20000 blocks with weak edges") && words.contains("spectral.weak_link"), "{words}");
 }

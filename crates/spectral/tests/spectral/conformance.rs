@@ -3,15 +3,18 @@
 
 use std::fmt::Debug;
 
+use crosscut_conformance::for_many;
 use crosscut_spectral::{KINDS, Laplacian};
 use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum, StageError};
 use faer::Mat;
 use proptest::prelude::{Strategy, any};
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 use crate::graphs::{self, Graph, graph};
 
 type SpectralKind = Kind<dyn SpectralStage>;
+
+/// Random inputs of a test.
+const CASES: u32 = 60;
 
 fn build(kind: &SpectralKind) -> Box<dyn SpectralStage> {
     kind.with(&[]).expect("the defaults")
@@ -38,26 +41,14 @@ fn rounding(n: usize) -> f64 {
     100.0 * n.max(1) as f64 * f64::EPSILON
 }
 
-/// Runs `body`, which asserts, on many inputs.
-fn for_many<T: Debug>(what: &str, inputs: &impl Strategy<Value = T>, body: impl Fn(T)) {
-    let config = Config { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran = TestRunner::new(config).run(inputs, |input| {
-        body(input);
-        Ok(())
-    });
-    if let Err(error) = ran {
-        panic!("{what}: {error}");
-    }
-}
-
 /// Runs `body`, which asserts, on every kind and many inputs.
 fn for_every_kind<T: Debug>(inputs: &impl Strategy<Value = T>, body: impl Fn(&SpectralKind, T)) {
-    KINDS.iter().for_each(|kind| for_many(kind.name, inputs, |input| body(kind, input)));
+    KINDS.iter().for_each(|kind| for_many(kind.name, CASES, inputs, |input| body(kind, input)));
 }
 
 #[test]
 fn the_laplacian_is_that_of_equation_2_exactly_symmetric_and_takes_the_root_of_the_degrees_to_zero() {
-    for_many("the Laplacian", &graph(0..40), |graph| {
+    for_many("the Laplacian", CASES, &graph(0..40), |graph| {
         let affinity = graph.dense();
         let l = laplacian(&affinity);
         let root: Vec<f64> = affinity.degrees.iter().map(|degree| degree.sqrt()).collect();

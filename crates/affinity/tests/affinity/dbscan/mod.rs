@@ -3,25 +3,18 @@
 use std::collections::BTreeMap;
 
 use crosscut_affinity::dbscan::KIND;
+use crosscut_conformance::for_many;
 use crosscut_stage::{Affinity, Notes, Point, Revolution};
 use nalgebra::distance_squared;
 use proptest::collection::vec;
-use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-/// Whether each two returns are connected in the graph, by way of the smallest return that each can reach.
+/// The smallest return of the component of each return.
 fn components(eps_m: f64, min_points: u32, points_m: &[Point]) -> Vec<usize> {
     let revolution = Revolution { points_m: points_m.to_vec(), ..Revolution::default() };
     let mut out = Affinity::default();
     let mut stage = KIND.with(&[("eps_m", eps_m.into()), ("min_points", min_points.into())]).expect("in range");
     stage.affinity(&revolution, &mut out, &mut Notes::default()).expect("finite points");
-    let mut smallest: Vec<usize> = (0..points_m.len()).collect();
-    loop {
-        let before = smallest.clone();
-        out.weights.for_each(|i, j, _| smallest[i] = smallest[i].min(smallest[j]));
-        if smallest == before {
-            return smallest;
-        }
-    }
+    crate::components(&out, 0.0)
 }
 
 /// Labels (`None` for noise) as components: the smallest return with the same label, or the return itself.
@@ -71,17 +64,12 @@ fn by_definition(eps_m: f64, min_points: u32, points_m: &[Point]) -> Vec<Option<
 
 #[test]
 fn clusters_are_those_of_the_definition_on_clouds_full_of_ties() {
-    let config = Config { cases: 300, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let ran =
-        TestRunner::new(config).run(&(vec([0..6i32, 0..6i32, 0..2i32], 0..40), 1..7u32), |(lattice, min_points)| {
-            let points_m: Vec<Point> = lattice.iter().map(|p| Point::from(p.map(f64::from))).collect();
-            let expected = smallest_of_label(&by_definition(1.0, min_points, &points_m));
-            assert_eq!(components(1.0, min_points, &points_m), expected);
-            Ok(())
-        });
-    if let Err(error) = ran {
-        panic!("{error}");
-    }
+    let clouds = (vec([0..6i32, 0..6i32, 0..2i32], 0..40), 1..7u32);
+    for_many("dbscan", 300, &clouds, |(lattice, min_points)| {
+        let points_m: Vec<Point> = lattice.iter().map(|p| Point::from(p.map(f64::from))).collect();
+        let expected = smallest_of_label(&by_definition(1.0, min_points, &points_m));
+        assert_eq!(components(1.0, min_points, &points_m), expected);
+    });
 }
 
 #[test]

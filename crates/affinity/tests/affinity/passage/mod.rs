@@ -33,7 +33,7 @@ pub(crate) fn scan(segments: &[Segment], report: impl Fn(usize, Option<f64>) -> 
     scan_by(360, segments, report)
 }
 
-/// The same with so many beams.
+/// [`scan`] with this number of beams.
 pub(crate) fn scan_by(
     beams: usize,
     segments: &[Segment],
@@ -42,7 +42,7 @@ pub(crate) fn scan_by(
     scan_as_far_as(15.0, beams, segments, report)
 }
 
-/// The same with another range limit.
+/// [`scan_by`] with another range limit.
 pub(crate) fn scan_as_far_as(
     range_max_m: f64,
     beams: usize,
@@ -95,7 +95,7 @@ pub(crate) fn with_branch(width_m: f64) -> Vec<Segment> {
     with_branch_at(3.0, width_m)
 }
 
-/// The same, so many metres ahead.
+/// [`with_branch`], its near side this many metres ahead.
 pub(crate) fn with_branch_at(near_m: f64, width_m: f64) -> Vec<Segment> {
     let far_m = near_m + width_m;
     let left = [[[-30.0, 2.0], [near_m, 2.0]], [[near_m, 2.0], [near_m, 30.0]], [[far_m, 30.0], [far_m, 2.0]]];
@@ -107,14 +107,7 @@ pub(crate) fn components(revolution: &Revolution, settings: &[(&'static str, Val
     let mut affinity = Affinity::default();
     let mut stage = KIND.with(settings).expect("allowed");
     stage.affinity(revolution, &mut affinity, &mut Notes::default()).expect("a scan");
-    let mut component: Vec<usize> = (0..revolution.len()).collect();
-    for _ in 0..revolution.len() {
-        affinity.weights.for_each(|i, j, weight| {
-            if weight > LEAK {
-                component[i] = component[i].min(component[j]);
-            }
-        });
-    }
+    let component = crate::components(&affinity, LEAK);
     let size = |root: usize| component.iter().filter(|c| **c == root).count();
     let mut sizes: Vec<usize> = (0..revolution.len()).map(size).filter(|size| *size > 0).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
@@ -168,7 +161,7 @@ fn a_wall_nearer_than_half_the_vehicle_is_a_wall() {
 }
 
 #[test]
-fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
+fn dust_and_the_vehicle_itself_have_no_edges() {
     let dusty = |beam: usize, range_m| if beam % 45 == 10 { Some(0.4 + 0.003 * beam as f64) } else { range_m };
     let sizes = components(&scan(&TUNNEL, dusty), &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 8, 8), "{sizes:?}");
@@ -177,8 +170,10 @@ fn dust_and_the_vehicle_itself_are_tied_to_nothing() {
     let sizes = components(&hidden, &[]);
     assert_eq!((sizes.len(), sizes.iter().filter(|size| **size == 1).count()), (2 + 20, 20), "{sizes:?}");
     let mut notes = Notes::default();
-    KIND.with(&[]).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
-    let told = "passage: 20 returns within the vehicle, nearer than 0.3 m (half of vehicle.width_m), tied to none";
+    let narrow = [("passage_m", Value::Number(0.5))];
+    KIND.with(&narrow).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
+    let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of affinity.passage_m, which is \
+                vehicle.width_m unless it is set), without edges";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
