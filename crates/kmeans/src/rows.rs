@@ -36,7 +36,7 @@ impl Rows {
                  `components` needs neither",
                 self.n,
                 self.k,
-                (bytes / (1 << 20) as f64).ceil()
+                (bytes / f64::from(1 << 20)).ceil()
             )));
         }
         self.values.clear();
