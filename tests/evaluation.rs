@@ -254,8 +254,10 @@ fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
     let flight = folder.path().join("tee.mcap");
     run(["simulate".as_ref(), "tee".as_ref(), "--out".as_ref(), flight.as_os_str()]).expect_code(0);
     let json = folder.path().join("figures.json");
-    let args = ["evaluate".as_ref(), flight.as_os_str(), "--json".as_ref(), json.as_os_str()];
-    let ran = run(args).expect_code(0);
+    let by_odometry = "default,flight.pose=odometry".as_ref();
+    let with =
+        ["--with".as_ref(), "default".as_ref(), "--with".as_ref(), by_odometry, "--json".as_ref(), json.as_os_str()];
+    let ran = run([&["evaluate".as_ref(), flight.as_os_str()], &with[..]].concat()).expect_code(0);
     assert!(ran.stderr.contains("ms a revolution"), "{}", ran.stderr);
     assert!(ran.stdout.contains("flights: % of the revolutions whose place is right"), "{}", ran.stdout);
     assert!(ran.stdout.contains("every change") && ran.stdout.contains("8 m radius"), "{}", ran.stdout);
@@ -264,4 +266,6 @@ fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
     assert_eq!(flight["map"]["false_merges"], 0, "{flight}");
     assert_eq!(flight["map"]["recall"]["share"], 1.0, "the tee is found: {flight}");
     assert!(flight["here"]["passage"]["share"].as_f64().is_some_and(|share| share > 0.9), "{flight}");
+    let by_odometry = &figures["families"][0]["results"][1]["flight"];
+    assert_eq!(by_odometry["map"]["recall"]["share"], 1.0, "the recording has odometry: {by_odometry}");
 }

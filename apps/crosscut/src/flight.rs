@@ -42,7 +42,6 @@ fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
         to_s: args.to,
         every: args.every,
         csv,
-        odometry: true,
     }
 }
 

@@ -1,10 +1,10 @@
 //! What following a flight adds to the answers for single scans: the place, the steady answer, and the map.
 //!
-//! - **Here right**: of the revolutions of a kind of place, those whose `here` has its kind and its number of ways; so for
-//!   the steady one. Between two kinds of place nothing is counted.
-//! - **Count right**: revolutions whose count is the true number of walls in view; so for the steady one.
-//! - **Flicker**: revolutions whose count differs from that of the one before although the true one has not changed for
-//!   half a second, of all of those: so late a steady answer may be.
+//! - **Here right**: of the revolutions of a kind of place, those whose `here` has its kind and its number of ways;
+//!   likewise for the steady answer. Between two kinds of place nothing is counted.
+//! - **Count right**: revolutions whose count is the true number of walls in view; likewise for the steady answer.
+//! - **Flicker**: of the revolutions whose true count has been the same for half a second, those whose count differs from
+//!   the revolution before. A steady answer may be that late.
 //! - **Map**: the figures of [`maps`](crate::maps), beside those of two plain ways to count.
 
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ use crate::maps::{Counts, MapFigures, MapTruth, WhereAt, every_change, within_ra
 /// The radius of the baseline that takes all places within it to be one, metres.
 pub const RADIUS_M: f64 = 8.0;
 
-/// So long after a change of the true count no change of an answer is flicker.
+/// A change of an answer within this time after a change of the true count is not flicker.
 const LATE_NS: u64 = 500_000_000;
 
 /// The figures of flights, over any number of them. The module's page defines them.
@@ -99,7 +99,7 @@ impl FlightScore {
             let at = WhereAt { stamp_ns, position_m: tracked.translation.vector.into() };
             self.counts.add(frame.junction.junctions, at);
             let here = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
-            let is_node = |here: &&Here| matches!(here.kind, HereKind::Junction | HereKind::DeadEnd);
+            let is_node = |here: &&Here| here.node().is_some();
             self.ways.add(here.filter(is_node).map_or(2, |here| here.ways.len()), at);
         }
         let figures = &mut self.figures;

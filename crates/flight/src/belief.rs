@@ -35,6 +35,19 @@ const INDEPENDENT_S: f64 = 0.1;
 /// Answers that are no longer likely are forgotten beyond this number of them.
 const MOST_KEPT: usize = 16;
 
+/// The time from one revolution to the next; a usual one where stamps do not advance, as those of scans without a stamp.
+pub(crate) fn elapsed_s(before_ns: u64, now_ns: u64) -> f64 {
+    match now_ns.saturating_sub(before_ns) {
+        0 => INDEPENDENT_S,
+        elapsed_ns => elapsed_ns as f64 * 1e-9,
+    }
+}
+
+/// How many independent views a revolution is, this long after the one before; at most one.
+pub(crate) fn independent(elapsed_s: f64) -> f64 {
+    (elapsed_s / INDEPENDENT_S).min(1.0)
+}
+
 /// How much the answer of a revolution counts (q). One without a confidence of its own, as of a method that has none, counts
 /// as a doubtful one.
 pub(crate) fn sure(confidence: f64) -> f64 {
@@ -65,7 +78,7 @@ impl<A: Copy + PartialEq> Answered<A> {
     /// How likely it is where the first answer is right, and where another one is (l).
     fn likelihoods(&self) -> [f64; 2] {
         let sure = sure(self.confidence);
-        let weight = (self.since.time_s / INDEPENDENT_S).min(1.0);
+        let weight = independent(self.since.time_s);
         [sure, (1.0 - sure) / (ANSWERS - 1.0)].map(|likelihood| likelihood.powf(weight))
     }
 
@@ -95,17 +108,25 @@ pub(crate) struct Belief<A> {
     /// Another answer holds once it is believed this many times as much as the one that held.
     odds: f64,
     holds: Option<A>,
+    /// By the revolutions up to now (b).
     beliefs: Vec<(A, f64)>,
+    /// By later ones, too (b · r).
+    judged: Vec<(A, f64)>,
 }
 
 impl<A: Copy + PartialEq> Belief<A> {
     pub(crate) fn new(odds: f64) -> Self {
-        Self { odds, holds: None, beliefs: Vec::new() }
+        Self { odds, holds: None, beliefs: Vec::new(), judged: Vec::new() }
     }
 
-    /// The answer that holds, and the belief in it; `None` before the first.
-    pub(crate) fn holds(&self) -> Option<(A, f64)> {
-        self.holds.map(|answer| (answer, self.belief_in(answer)))
+    /// The answer that holds; `None` before the first.
+    pub(crate) fn holds(&self) -> Option<A> {
+        self.holds
+    }
+
+    /// The belief in an answer.
+    pub(crate) fn belief_in(&self, answer: A) -> f64 {
+        self.judged.iter().find(|(known, _)| *known == answer).map_or(0.0, |(_, belief)| *belief)
     }
 
     /// Takes the answer of the next revolution. `later`: those of revolutions after it, in order, which judge with it.
@@ -119,13 +140,14 @@ impl<A: Copy + PartialEq> Belief<A> {
         }
         seen.weigh(&mut self.beliefs);
         normalise(&mut self.beliefs);
-        let later = self.evidence_of(later);
-        let judged = || self.beliefs.iter().zip(&later).map(|((answer, belief), (_, later))| (*answer, belief * later));
-        let held = judged().find(|(known, _)| Some(*known) == self.holds).map_or(0.0, |(_, belief)| belief);
+        self.judged = self.evidence_of(later);
+        self.judged.iter_mut().zip(&self.beliefs).for_each(|((_, judged), (_, belief))| *judged *= belief);
+        normalise(&mut self.judged);
+        let held = self.holds.map_or(0.0, |answer| self.belief_in(answer));
         // Of equal ones the first.
-        let likeliest = judged().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        let likeliest = self.judged.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((answer, _)) = likeliest.filter(|(_, belief)| *belief > self.odds * held) {
-            self.holds = Some(answer);
+            self.holds = Some(*answer);
         }
         if self.beliefs.len() > MOST_KEPT {
             self.beliefs.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -148,10 +170,6 @@ impl<A: Copy + PartialEq> Belief<A> {
         }
         evidence
     }
-
-    fn belief_in(&self, answer: A) -> f64 {
-        self.beliefs.iter().find(|(known, _)| *known == answer).map_or(0.0, |(_, belief)| *belief)
-    }
 }
 
 #[cfg(test)]
@@ -166,7 +184,7 @@ mod tests {
         let mut belief = Belief::new(100.0);
         let held = |&(answer, confidence): &(usize, f64)| {
             belief.add(Answered { answer, confidence, since }, &[]);
-            belief.holds().expect("there is an answer").0
+            belief.holds().expect("there is an answer")
         };
         answers.iter().map(held).collect()
     }
@@ -204,7 +222,7 @@ mod tests {
         let mut belief = Belief::new(100.0);
         let held = |at: usize| {
             belief.add(seen[at], &seen[at + 1..(at + 16).min(seen.len())]);
-            belief.holds().expect("there is an answer").0
+            belief.holds().expect("there is an answer")
         };
         let held: Vec<usize> = (0..seen.len()).map(held).collect();
         assert!(held[..40].iter().all(|&held| held == 2) && held[41..].iter().all(|&held| held == 3), "{held:?}");

@@ -18,14 +18,15 @@
 //! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). The place is not known
 //!   while more than the width of a mouth of the circle was never seen.
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
-//!   twice as wide as they are, a chamber.
+//!   1.5 times as wide as they are, a chamber.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Isometry2;
 
 use crosscut_stage::{
-    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, Way, wrap_angle_rad,
+    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, Way, widest_run,
+    wrap_angle_rad,
 };
 
 const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
@@ -42,15 +43,18 @@ const LEAST_LOOK_M: Number = Number::new("least_look_m", "m", 1.5)
 const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
     .above(0.0)
     .to(1000.0)
-    .doc("the look is never longer, so that in a hall it stays where walls have enough returns");
+    .doc("the look is never longer, so that in a hall it stays where walls have enough returns; nor, in a limited view, than 12 m");
 
-use crate::surroundings::{Ray, RayEnd, Surroundings};
+use crate::surroundings::{REACH_M, Ray, RayEnd, Surroundings};
 
 /// Parameters of the place.
 pub(crate) const PLACE_PARAMS: [ParamSpec; 3] = [LOOK_WIDTHS.spec, LEAST_LOOK_M.spec, FARTHEST_LOOK_M.spec];
 
 /// The place is judged in three looks; where they differ it is in doubt.
 const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
+
+/// What matters of a ray lies within this many times the look.
+const FARTHEST_REACH: f64 = LOOKS[2] * LEAST_REACH;
 
 /// A mouth is at least this wide, in local widths.
 const LEAST_MOUTH_WIDTHS: f64 = 0.25;
@@ -65,7 +69,7 @@ const MAX_JOINED_RAD: f64 = 2.6;
 const LEAST_ROCK_M: f64 = 0.3;
 
 /// A place this many times wider than its ways is a chamber.
-const CHAMBER_WIDTHS: f64 = 2.0;
+const CHAMBER_WIDTHS: f64 = 1.5;
 
 /// Finds the place that the vehicle is in.
 #[derive(Clone, Debug)]
@@ -100,14 +104,16 @@ impl Places {
         let sweep = revolution.as_sweep()?;
         let view = sweep.view();
         let mut outline = Outline::of(revolution, sweep, junction, view)?;
+        let mut farthest_look_m = self.farthest_look_m;
         if !view.full_turn {
             let pose = pose?;
-            let farthest_m = self.farthest_look_m * LOOKS.into_iter().fold(LEAST_REACH, f64::max) * LEAST_REACH;
+            farthest_look_m = farthest_look_m.min(REACH_M / FARTHEST_REACH);
             self.surroundings.add(&pose, &outline.rays);
-            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&pose, bearing_rad, farthest_m));
+            let reach_m = farthest_look_m * FARTHEST_REACH;
+            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&pose, bearing_rad, reach_m));
         }
         let width_m = outline.local_width_m();
-        let look_m = (self.look_widths * width_m).max(self.least_look_m).min(self.farthest_look_m);
+        let look_m = (self.look_widths * width_m).max(self.least_look_m).min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
         let (kind, ways) = place?;
@@ -208,7 +214,8 @@ impl Outline {
         vehicle_width_m: f64,
         openings: &[Opening],
     ) -> Option<(HereKind, Vec<Way>)> {
-        let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m);
+        // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
+        let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
         let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
         if !self.runs(look_m, least_m, is_unseen).is_empty() {
             return None;
@@ -257,9 +264,11 @@ impl Outline {
     fn runs(&self, look_m: f64, least_m: f64, holds: impl Fn(&Ray) -> bool) -> Vec<Run> {
         let n = self.rays.len();
         let is_in = |at: usize| holds(&self.rays[at % n]);
-        let Some(start) = (0..n).find(|&at| !is_in(at)) else {
+        // The widest rock parts the first mouth from the last.
+        let (start, rock) = widest_run(n, |at| !is_in(at));
+        if rock == 0 {
             return vec![Run { first: n, len: n - 1, of: n, reach_m: f64::INFINITY }];
-        };
+        }
         let mut runs: Vec<Run> = Vec::new();
         for at in (start..start + n).filter(|&at| is_in(at)) {
             let reach_m = self.rays[at % n].free_m;

@@ -1,7 +1,7 @@
 //! Where each revolution of a flight was taken, and what kind of place that is.
 //!
 //! In: revolutions in order, and odometry where there is any. Out: poses in the plane, [`nalgebra::Isometry2`] in metres
-//! and radians, in the frame of the first revolution (x forward, y left), with covariances.
+//! and radians, in the frame of the first revolution (x forward, y left).
 //!
 //! - [`Flight`] adds all of this to the frames of a flight, in order.
 //! - [`ScanMatcher`] matches each revolution to the walls seen before, point to line; odometry is its prediction where

@@ -25,7 +25,7 @@ pub(crate) struct LinePoint {
 }
 
 impl LinePoint {
-    /// It in the frame that `pose` is in.
+    /// This line point, moved by `pose`.
     pub(crate) fn at(&self, pose: &Isometry2<f64>) -> Self {
         Self { position_m: pose * self.position_m, normal: pose.rotation * self.normal }
     }

@@ -102,7 +102,7 @@ impl Hasher for CellHasher {
 }
 
 fn cell_of(position_m: &Point2<f64>) -> [i32; 2] {
-    // `as` saturates: a position beyond 10^9 m shares the last cell.
+    // `as` saturates: a position beyond 5·10^8 m shares the last cell.
     [position_m.x, position_m.y].map(|value_m| ((value_m / CELL_M).floor() as i32).clamp(i32::MIN / 2, i32::MAX / 2))
 }
 

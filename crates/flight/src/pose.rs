@@ -32,9 +32,8 @@ pub struct PoseTracker {
     odometry_share: f64,
     odometry_floor_m: f64,
     matcher: ScanMatcher,
-    /// The odometry of the revolution before.
-    odometry: Option<Isometry2<f64>>,
-    had_odometry: bool,
+    /// The last odometry, and the pose of its revolution.
+    odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
     pose: Isometry2<f64>,
 }
 
@@ -52,8 +51,6 @@ enum PoseKind {
 pub struct Tracked {
     /// In the frame of the first revolution.
     pub pose: Isometry2<f64>,
-    /// Covariance of the motion since the revolution before, x, y (m²) and yaw (rad²) in the axes of the first revolution.
-    pub covariance: Matrix3<f64>,
     /// The scan does not go with those before: what was seen from earlier poses does not lie where it did.
     pub lost: bool,
 }
@@ -74,37 +71,38 @@ impl PoseTracker {
             odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
             matcher: ScanMatcher::default(),
             odometry: None,
-            had_odometry: false,
             pose: Isometry2::identity(),
         }
     }
 
     /// The pose of the next revolution, with what was odd in `notes`: a slip or a jump, a lost map, missing odometry.
-    /// `None` where nothing tells it; scans of clouds are not matched.
+    /// `None` without a source for it; scans of clouds are not matched.
     pub fn add(&mut self, revolution: &Revolution, notes: &mut Notes) -> Option<Tracked> {
         if self.kind == PoseKind::None {
             return None;
         }
-        let odometry = revolution.odometry;
-        let motion = self.odometry.zip(odometry).map(|(before, now)| self.motion(before.inv_mul(&now)));
-        let is_first = !self.had_odometry;
-        self.odometry = odometry;
-        self.had_odometry |= odometry.is_some();
+        let is_finite = |pose: &Isometry2<f64>| pose.to_homogeneous().iter().all(|value| value.is_finite());
+        let odometry = revolution.odometry.filter(is_finite);
+        if odometry.is_none() && revolution.odometry.is_some() {
+            notes.add("pose: the odometry is not finite");
+        }
+        let motion = self.odometry.zip(odometry).map(|((before, there), now)| self.motion(there, before.inv_mul(&now)));
+        let had_odometry = self.odometry.is_some() || odometry.is_some();
         let tracked = if self.kind == PoseKind::Odometry || revolution.as_sweep().is_none() {
-            if !self.had_odometry {
+            if !had_odometry {
                 if self.kind != PoseKind::Auto {
                     notes.add("pose: no odometry yet");
                 }
                 return None;
             }
-            if motion.is_none() && !is_first {
+            if odometry.is_none() {
                 notes.add("pose: no odometry at this time; the pose before");
             }
-            self.by_odometry(motion)
+            Tracked { pose: motion.map_or(self.pose, |motion| self.pose * motion.step), lost: false }
         } else {
             let motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
             let is_expected = match self.kind {
-                PoseKind::Auto => self.had_odometry,
+                PoseKind::Auto => had_odometry,
                 kind => kind == PoseKind::OdometryScanMatch,
             };
             let matched = self.matcher.add(revolution, motion);
@@ -112,27 +110,23 @@ impl PoseTracker {
             if odometry.is_none() && is_expected {
                 notes.add("pose: no odometry at this time; by the scan alone");
             }
-            Tracked { pose: matched.pose, covariance: matched.covariance, lost: matched.lost }
+            Tracked { pose: matched.pose, lost: matched.lost }
         };
         self.pose = tracked.pose;
+        self.odometry = odometry.map(|odometry| (odometry, tracked.pose)).or(self.odometry);
         Some(tracked)
     }
 
-    /// A step of the odometry with its covariance.
-    fn motion(&self, step: Isometry2<f64>) -> Motion {
+    /// The motion since the revolution before, by a step of the odometry from the pose `there`.
+    fn motion(&self, there: Isometry2<f64>, step: Isometry2<f64>) -> Motion {
         let (moved_m, turned_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
         let deviation_m = self.odometry_floor_m + self.odometry_share * moved_m;
         let deviation_rad = self.odometry_floor_m + self.odometry_share * turned_rad;
         let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
-        Motion { step, covariance: Matrix3::from_diagonal(&deviations.component_mul(&deviations)) }
-    }
-
-    /// Without a motion the vehicle is taken to have stood still.
-    fn by_odometry(&self, motion: Option<Motion>) -> Tracked {
-        let still = Motion { step: Isometry2::identity(), covariance: Matrix3::identity() };
-        let Motion { step, covariance } = motion.unwrap_or(still);
-        let turn = self.pose.rotation.to_rotation_matrix().to_homogeneous();
-        Tracked { pose: self.pose * step, covariance: turn * covariance * turn.transpose(), lost: false }
+        let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
+        let step = self.pose.inv_mul(&(there * step));
+        // By its angle: a rotation that is multiplied by the inverse of its like is a unit ever less.
+        Motion { step: Isometry2::new(step.translation.vector, step.rotation.angle()), covariance }
     }
 }
 

@@ -60,8 +60,12 @@ pub enum PoseGraphError {
         /// How many poses there are.
         poses: usize,
     },
-    /// A pose is not joined to the first one, or its edges leave a direction open.
-    #[error("the edges do not determine every pose")]
+    /// A pose or a measurement is no number.
+    #[error("a pose or an edge holds a value that is not finite")]
+    NotFinite,
+    /// A pose is not joined to the first one, its edges leave a direction open, or an information matrix is not positive
+    /// semidefinite.
+    #[error("the edges do not determine every pose, or an information matrix is not positive semidefinite")]
     Undetermined,
 }
 
@@ -111,7 +115,8 @@ impl PoseGraph {
     /// error are damped (Levenberg-Marquardt).
     ///
     /// # Errors
-    /// When an edge names no pose, or when the edges do not determine every pose. The poses stay as they were.
+    /// When an edge names no pose, a value is not finite, or the edges do not determine every pose. The poses stay as they
+    /// were.
     pub fn solve(&mut self) -> Result<Solved, PoseGraphError> {
         self.check()?;
         let error_before = self.error();
@@ -138,6 +143,12 @@ impl PoseGraph {
     }
 
     fn check(&self) -> Result<(), PoseGraphError> {
+        let is_finite = |pose: &Isometry2<f64>| pose.to_homogeneous().iter().all(|value| value.is_finite());
+        let measured = self.edges.iter().map(|edge| &edge.measured);
+        let is_known = |edge: &Edge| edge.information.iter().all(|value| value.is_finite());
+        if !self.poses.iter().chain(measured).all(is_finite) || !self.edges.iter().all(is_known) {
+            return Err(PoseGraphError::NotFinite);
+        }
         let poses = self.poses.len();
         let wrong = self.edges.iter().position(|edge| edge.from == edge.to || edge.from.max(edge.to) >= poses);
         wrong.map_or(Ok(()), |edge| {

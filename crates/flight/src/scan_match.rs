@@ -91,7 +91,8 @@ impl ScanMatcher {
         let Motion { step, covariance } = predicted.unwrap_or(steady);
         let predicted = self.pose * step;
         let prior = turned(&covariance, self.pose.rotation.angle());
-        let matched = if self.map.is_empty() {
+        // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
+        let matched = if self.map.is_empty() || self.line_points.is_empty() {
             Matched { pose: predicted, covariance: prior, matched: 1.0, surprise: 0.0, lost: false }
         } else {
             // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
@@ -136,7 +137,7 @@ impl ScanMatcher {
             }
         }
         let walls = self.evidence_at(&pose);
-        let matched = walls.matched as f64 / self.line_points.len().max(1) as f64;
+        let matched = walls.matched as f64 / self.line_points.len() as f64;
         let off = difference(&pose, predicted);
         let from_prediction = off.dot(&(prior_information * off)).max(0.0);
         let unmatched = (self.line_points.len() - walls.matched) as f64;

@@ -4,7 +4,7 @@ use nalgebra::Isometry2;
 
 use crosscut_stage::{Frame, Here, HereKind, Opening, Steady, SteadyOpening, Way, wrap_angle_rad};
 
-use crate::belief::{Answered, Belief, Since};
+use crate::belief::{Answered, Belief, Since, elapsed_s};
 
 /// Another count, and another place, hold once they are believed this many times as much as those that held.
 const COUNT_ODDS: f64 = 100.0;
@@ -28,7 +28,7 @@ const MOST_MISSED: u32 = 10;
 /// Follows the answers of a flight.
 #[derive(Clone, Debug)]
 pub(crate) struct Steadier {
-    before: Option<Moment>,
+    before: Before,
     junctions: Belief<usize>,
     place: Belief<(HereKind, usize)>,
     tracks: Vec<Track>,
@@ -37,6 +37,13 @@ pub(crate) struct Steadier {
     shown: Vec<u64>,
     /// The place of the last revolution whose place held, its ways in fixed axes, and the track of each of them.
     here: Option<(Here, Vec<Option<u64>>)>,
+}
+
+/// The last revolutions that answered.
+#[derive(Clone, Copy, Debug, Default)]
+struct Before {
+    count: Option<Moment>,
+    place: Option<Moment>,
 }
 
 /// When and where a revolution was taken.
@@ -49,7 +56,7 @@ struct Moment {
 impl Moment {
     fn since(&self, before: Option<Self>) -> Since {
         let Some(before) = before else { return Since { way_m: 0.0, time_s: LONGEST_S } };
-        let time_s = (self.stamp_ns.saturating_sub(before.stamp_ns) as f64 * 1e-9).min(LONGEST_S);
+        let time_s = elapsed_s(before.stamp_ns, self.stamp_ns).min(LONGEST_S);
         let way_m = before.pose.zip(self.pose).map_or(USUAL_SPEED_M_S * time_s, |(before, pose)| {
             let step = before.inv_mul(&pose);
             step.translation.vector.norm() + WAY_M_PER_RAD * step.rotation.angle().abs()
@@ -67,15 +74,20 @@ struct Answers {
 }
 
 impl Answers {
-    /// Those of the frame after `before`, which becomes its moment.
-    fn of(frame: &Frame, before: &mut Option<Moment>) -> Self {
+    /// Those of the frame after `before`, which is moved to it.
+    fn of(frame: &Frame, before: &mut Before) -> Self {
+        if frame.revolution.is_empty() {
+            return Self { count: None, place: None };
+        }
         let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: frame.pose };
-        let since = now.since(before.replace(now));
-        let seen = !frame.revolution.is_empty();
         let junction = &frame.junction;
+        let since = now.since(before.count.replace(now));
         let count = Answered { answer: junction.junctions, confidence: junction.confidence, since };
-        let place = |here: &Here| Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since };
-        Self { count: seen.then_some(count), place: frame.here.as_ref().filter(|_| seen).map(place) }
+        let place = frame.here.as_ref().map(|here| {
+            let since = now.since(before.place.replace(now));
+            Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since }
+        });
+        Self { count: Some(count), place }
     }
 }
 
@@ -93,7 +105,7 @@ struct Track {
 impl Default for Steadier {
     fn default() -> Self {
         Self {
-            before: None,
+            before: Before::default(),
             junctions: Belief::new(COUNT_ODDS),
             place: Belief::new(PLACE_ODDS),
             tracks: Vec::new(),
@@ -116,12 +128,12 @@ impl Steadier {
             let later: Vec<Answers> = later.map(|frame| Answers::of(frame, &mut before)).collect();
             let tracks = self.follow(&frame.junction.openings, yaw_rad);
             self.junctions.add(count, &later.iter().filter_map(|answers| answers.count).collect::<Vec<_>>());
-            if self.junctions.holds().is_some_and(|(junctions, _)| junctions == count.answer) {
+            if self.junctions.holds() == Some(count.answer) {
                 self.shown.clone_from(&tracks);
             }
             if let Some((here, place)) = frame.here.as_ref().zip(answers.place) {
                 self.place.add(place, &later.iter().filter_map(|answers| answers.place).collect::<Vec<_>>());
-                if self.place.holds().is_some_and(|(held, _)| held == place.answer) {
+                if self.place.holds() == Some(place.answer) {
                     let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();
                     let fixed = |way: &Way| Way { bearing_rad: way.bearing_rad + yaw_rad, ..*way };
                     let ways = here.ways.iter().map(fixed).collect();
@@ -130,7 +142,7 @@ impl Steadier {
             }
             self.tracks.retain(|track| track.missed <= MOST_MISSED || self.shown.contains(&track.id));
         }
-        let (junctions, _) = self.junctions.holds()?;
+        let junctions = self.junctions.holds()?;
         let openings = self.openings(yaw_rad);
         let here = self.place(&openings, yaw_rad);
         Some(Steady { junctions, here, openings })
@@ -182,9 +194,10 @@ impl Steadier {
         openings
     }
 
-    /// The place that holds, in the present heading.
+    /// The last place that was seen while it held, in the present heading.
     fn place(&self, openings: &[SteadyOpening], yaw_rad: f64) -> Option<Here> {
-        let ((here, tracks), (_, confidence)) = self.here.as_ref().zip(self.place.holds())?;
+        let (here, tracks) = self.here.as_ref()?;
+        let confidence = self.place.belief_in((here.kind, here.ways.len()));
         let index = |id: u64| openings.iter().position(|opening| opening.track == id);
         let way = |(way, track): (&Way, &Option<u64>)| Way {
             bearing_rad: wrap_angle_rad(way.bearing_rad - yaw_rad),

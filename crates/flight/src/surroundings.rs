@@ -7,12 +7,15 @@ use nalgebra::{Isometry2, Point2, Vector2};
 /// Side of a cell.
 const CELL_M: f64 = 0.1;
 
-/// Cells farther from the vehicle than this are forgotten, along each axis; the farthest look ends before.
-const RADIUS_M: f64 = 16.0;
+/// Cells farther from the vehicle than this are forgotten, along each axis.
+const RADIUS_M: f64 = 16.1;
 const SIDE: usize = (2.0 * RADIUS_M / CELL_M) as usize;
 
 /// The vehicle moves within the cells; once it is this far from their middle, they are laid around it again.
 const OFF_MIDDLE_M: f64 = 1.5;
+
+/// Up to this distance from the vehicle, what was seen is remembered.
+pub(crate) const REACH_M: f64 = RADIUS_M - OFF_MIDDLE_M - CELL_M;
 
 /// A scan adds to the cells once the vehicle has moved or turned this far since the last one that did.
 const MOVED_M: f64 = 0.2;
@@ -75,7 +78,7 @@ impl Surroundings {
         }
         self.added_from = Some(*pose);
         self.surround(pose);
-        let reach_m = |ray: &Ray| ray.free_m.min(RADIUS_M - OFF_MIDDLE_M - CELL_M);
+        let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
         for pair in rays.windows(2) {
             let turned_rad = pair[1].bearing_rad - pair[0].bearing_rad;
             let (from_m, to_m) = (reach_m(&pair[0]), reach_m(&pair[1]));

@@ -57,9 +57,8 @@ impl Recording {
                     if !container.follow(following) {
                         return Err(IngestError::CannotFollow { path: path.to_owned() });
                     }
-                    // Odometry is read from the file a second time, which would end where the file ends now.
-                    let options = ReadOptions { odometry: false, ..options.clone() };
-                    match Self::of(vec![container], Vec::new(), &options, sensor.clone()) {
+                    // Without odometry: it is read from the file a second time, which would end where the file ends now.
+                    match Self::of(vec![container], Vec::new(), options, sensor.clone()) {
                         Err(error) if is_unfinished => error,
                         opened => return opened,
                     }

@@ -37,8 +37,6 @@ pub struct ReadOptions {
     pub every: NonZero<u64>,
     /// Where the beams of a table of ranges look.
     pub csv: CsvGeometry,
-    /// Each revolution gets the vehicle's pose by the odometry beside the scans, if there is any.
-    pub odometry: bool,
 }
 
 impl Default for ReadOptions {
@@ -51,12 +49,12 @@ impl Default for ReadOptions {
             to_s: None,
             every: NonZero::<u64>::MIN,
             csv: CsvGeometry::default(),
-            odometry: false,
         }
     }
 }
 
-/// A recorded flight. It gives one revolution for each turn of the lidar that is selected, empty ones too.
+/// A recorded flight. It gives one revolution for each turn of the lidar that is selected, empty ones too, with the pose of
+/// the vehicle by the odometry beside the scans, if there is any.
 pub struct Recording {
     messages: Messages,
     odometry: Option<OdometryReader>,
@@ -97,9 +95,21 @@ impl Recording {
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
         let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
-        Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
+        Ok(Self { scanners, ..Self::with_odometry(containers, losses, options, sensor)? })
     }
 
+    /// One scanner, with the odometry beside its scans.
+    pub(crate) fn with_odometry(
+        containers: Vec<Box<dyn Container>>,
+        losses: Vec<Loss>,
+        options: &ReadOptions,
+        sensor: Sensor,
+    ) -> Result<Self, IngestError> {
+        let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
+        Ok(Self { odometry, ..Self::of(containers, losses, options, sensor)? })
+    }
+
+    /// One scanner, without odometry.
     pub(crate) fn of(
         containers: Vec<Box<dyn Container>>,
         losses: Vec<Loss>,
@@ -120,12 +130,10 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
-        let odometry =
-            options.odometry.then(|| OdometryReader::new(&containers, &options.csv, sensor.odometry_topic()));
         let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
         Ok(Self {
             messages: Messages::new(containers, &topic, decoder, losses),
-            odometry: odometry.flatten(),
+            odometry: None,
             turns,
             options: options.clone(),
             sensor,

@@ -17,8 +17,9 @@ use crate::world::World;
 const HEIGHT_M: f64 = 3.0;
 /// Places that are nearer are one, m.
 const LEAST_LENGTH_M: f64 = 0.01;
-/// A mine is smaller, m.
+/// Coordinates are within this, m, and a mine covers no more than this, m²: it is kept as cells of 0.5 m.
 const LARGEST_M: f64 = 1e5;
+const LARGEST_M2: f64 = 25e6;
 /// The vehicle turns back this far from the face of a dead end, m.
 const BEFORE_FACE_M: f64 = 2.5;
 /// It turns on the spot towards a way that is farther to the side or behind.
@@ -222,6 +223,10 @@ impl Plan {
             check(&format!("the length of edge {edge}"), length_m, length_m >= LEAST_LENGTH_M, "1 cm or more")?;
             straight(&mut network, last, to, *width_m);
         }
+        let positions_m = || network.nodes.iter().map(|node| node.position_m);
+        let extent_m = positions_m().reduce(|a, b| a.sup(&b)).zip(positions_m().reduce(|a, b| a.inf(&b)));
+        let area_m2 = extent_m.map_or(0.0, |(high, low)| (high - low).product());
+        check("the area of the mine in km²", 1e-6 * area_m2, area_m2 <= LARGEST_M2, "25 or less")?;
         Ok(network)
     }
 }
@@ -339,6 +344,7 @@ mod tests {
             (r#"{"from": 0, "to": "b", "width_m": 3}"#, "the node \"b\""),
             (r#"{"from": 0, "to": "a", "width_m": -3}"#, "width_m of edge 0 is -3"),
             (r#"{"from": 0, "to": 0, "width_m": 3}"#, "the length of edge 0 is 0"),
+            (r#"{"from": 0, "to": "a", "width_m": 3, "via_m": [[9e4, 9e4]]}"#, "the area of the mine"),
             ("", "no edges"),
             (r#"{"from": 0, "to": "a", "width_m": 3}, {"from": 2, "to": 3, "width_m": 3}"#, "node 2 cannot be reached"),
         ] {

@@ -141,7 +141,7 @@ impl Flight {
         Self { mine, lidar, vehicle, stamp_ns: FIRST_STAMP_NS, rng, origin: None, has_odometry: true }
     }
 
-    /// The same flight with odometry that drifts by this share of the way: the way is longer or shorter by it, and the
+    /// This flight with odometry that drifts by this share of the way: the way is longer or shorter by it, and the
     /// heading drifts by a tenth of it in rad per metre. Seeds draw the side and the sign. Other errors stay.
     #[must_use]
     pub fn with_drift(mut self, share: f64, seed: u64) -> Self {
@@ -149,7 +149,7 @@ impl Flight {
         self
     }
 
-    /// The same flight without odometry.
+    /// This flight without odometry.
     #[must_use]
     pub fn without_odometry(mut self) -> Self {
         self.has_odometry = false;

@@ -9,16 +9,20 @@ use crosscut_stage::wrap_angle_rad;
 use crate::network::{Network, Point};
 use crate::pose::Pose;
 
-/// Within so many widths a position is in a junction, or at a dead end.
+/// Within this many widths a position is in a junction, or at a dead end.
 const IN_JUNCTION: f64 = 0.5;
 const AT_DEAD_END: f64 = 0.8;
 
-/// Beyond so many widths from junctions and from dead ends it is in a passage; a look from there does not reach them.
+/// Beyond this many widths from junctions and from dead ends it is in a passage; a look from there does not reach them.
 const FROM_JUNCTION: f64 = 2.0;
 const FROM_DEAD_END: f64 = 3.0;
 
 /// A dead end that is nearer to its junction, in widths, may be a way or a bay.
 const BAY: f64 = 2.5;
+
+/// A round place with one or two tunnels whose diameter is more than this many of their widths is a chamber; one of less
+/// than the first of them is none.
+const CHAMBER: [f64; 2] = [1.25, 1.75];
 
 /// The direction of a way is that to where its centreline is this many widths away.
 const BEARING_AT: f64 = 1.0;
@@ -80,17 +84,17 @@ impl Network {
         }
     }
 
-    /// Whether a position is in or near a chamber with one or two tunnels: then what lies there, if it is clear.
+    /// Whether a position is in or near what may be a chamber with one or two tunnels: then what lies there, if it is clear.
     fn chamber_at(&self, at_m: &Point) -> Option<Option<TruthPlace>> {
         let off_m = |node: usize| (self.nodes[node].position_m - at_m).norm();
+        let radius_m = |node: usize| self.nodes[node].chamber_radius_m;
         let width_m = |node: usize| 2.0 * self.half_width_at_m(node);
-        let is_chamber =
-            |&node: &usize| self.nodes[node].chamber_radius_m > width_m(node) && (1..3).contains(&self.degree(node));
-        let is_near = |&node: &usize| off_m(node) < self.nodes[node].chamber_radius_m + FROM_JUNCTION * width_m(node);
-        let node = (0..self.nodes.len()).filter(is_chamber).find(is_near)?;
-        let ways = self.degree(node) as u32;
-        let is_inside = off_m(node) < 0.5 * self.nodes[node].chamber_radius_m;
-        Some(is_inside.then_some(TruthPlace { kind: TruthKind::Chamber, ways }))
+        let widths = |node: usize| 2.0 * radius_m(node) / width_m(node);
+        let may_be_one = |&node: &usize| widths(node) > CHAMBER[0] && (1..3).contains(&self.degree(node));
+        let is_near = |&node: &usize| off_m(node) < radius_m(node) + FROM_JUNCTION * width_m(node);
+        let node = (0..self.nodes.len()).filter(may_be_one).find(is_near)?;
+        let is_clear = widths(node) > CHAMBER[1] && off_m(node) < 0.5 * radius_m(node);
+        Some(is_clear.then_some(TruthPlace { kind: TruthKind::Chamber, ways: self.degree(node) as u32 }))
     }
 
     /// Whether a short dead end leaves from a junction.

@@ -38,6 +38,18 @@ pub struct Here {
     pub confidence: f64,
 }
 
+impl Here {
+    /// What a map takes the place to be: a chamber with one way is a dead end; passages, also those through chambers, are
+    /// no node.
+    pub fn node(&self) -> Option<HereKind> {
+        match (self.kind, self.ways.len()) {
+            (HereKind::Junction, _) => Some(HereKind::Junction),
+            (HereKind::DeadEnd, _) | (HereKind::Chamber, 1) => Some(HereKind::DeadEnd),
+            (HereKind::Passage | HereKind::Chamber, _) => None,
+        }
+    }
+}
+
 /// Where a place continues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {

@@ -23,7 +23,11 @@ impl Counts {
     /// Adds a revolution with its number of ways, and where it was taken by its pose.
     pub fn add(&mut self, ways: usize, here: WhereAt) {
         match &mut self.open {
-            Some((count, at)) if *count == ways => at.push(here),
+            Some((count, at)) if *count == ways => {
+                if ways != 2 {
+                    at.push(here);
+                }
+            }
             _ => {
                 self.end();
                 self.open = Some((ways, vec![here]));

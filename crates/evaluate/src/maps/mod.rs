@@ -14,7 +14,7 @@
 //!   none.
 //! - **Degree**: share of the matched nodes with the true number of ways.
 //! - **Passages**: those flown from place to place that the map has, and those of the map that are not there. Of several
-//!   between the same two places the one of the length. **Length**: error of the length of right ones, relative.
+//!   between the same two places, the one nearest in length counts. **Length**: error of the length of right ones, relative.
 //!   **Loops**: those of the passages flown; more are false.
 //! - **Exact**: each place flown through is one node, each passage flown between two of them one passage, none mixes two
 //!   places, and none is of no place. Where a flight begins or ends, a place may be found that was not flown through.

@@ -205,16 +205,15 @@ impl MapTruth {
     }
 
     /// The place that a visit belongs to.
-    pub(super) fn place_of(&self, [from_ns, to_ns]: [u64; 2]) -> Option<usize> {
-        let from = self.at.partition_point(|at| at.stamp_ns < from_ns);
-        let to = self.at.partition_point(|at| at.stamp_ns <= to_ns);
-        self.at.get(from..to).and_then(|during| during.get(during.len() / 2)).and_then(|at| self.within(at, BELONGS))
+    pub(super) fn place_of(&self, visit: [u64; 2]) -> Option<usize> {
+        self.nearest_during(visit).filter(|(_, widths)| *widths < BELONGS).map(|(place, _)| place)
     }
 
     /// The place nearest in the middle of a visit, and its distance in widths.
     pub(super) fn nearest_during(&self, [from_ns, to_ns]: [u64; 2]) -> Option<(usize, f64)> {
-        let during: Vec<&WhereAt> = self.at.iter().filter(|at| (from_ns..=to_ns).contains(&at.stamp_ns)).collect();
-        during.get(during.len() / 2).and_then(|at| self.nearest(at))
+        let from = self.at.partition_point(|at| at.stamp_ns < from_ns);
+        let to = self.at.partition_point(|at| at.stamp_ns <= to_ns);
+        self.at.get(from..to).and_then(|during| during.get(during.len() / 2)).and_then(|at| self.nearest(at))
     }
 
     pub(super) fn places_of(&self, visits: &[[u64; 2]]) -> BTreeSet<Option<usize>> {

@@ -216,25 +216,26 @@ impl Navigator {
         let from_left_m = self.left.map_or(f64::INFINITY, |left| (left.at_m - here_m).norm());
         if let Some(here) = steady {
             let has_left = self.left.is_none_or(|left| from_left_m > left.look_m + BEYOND_LOOK_M);
-            self.is_armed |= has_left && matches!(here.kind, HereKind::Passage | HereKind::Chamber);
-            let is_other = match here.kind {
-                HereKind::Junction => {
+            let node = here.node();
+            self.is_armed |= has_left && node.is_none();
+            let is_other = match node {
+                Some(HereKind::Junction) => {
                     self.is_armed
                         || self.left.is_some_and(|left| match left.kind {
                             HereKind::DeadEnd => from_left_m > left.look_m,
                             _ => from_left_m > 2.0 * left.look_m + 2.0,
                         })
                 }
-                HereKind::DeadEnd => {
+                Some(_) => {
                     self.is_armed
                         || self
                             .left
                             .is_some_and(|left| left.kind == HereKind::Junction && from_left_m > 0.7 * left.look_m)
                 }
-                _ => false,
+                None => false,
             };
-            if is_other {
-                self.arrive(here.kind, here_m);
+            if let Some(kind) = node.filter(|_| is_other) {
+                self.arrive(kind, here_m);
                 return;
             }
         }
@@ -332,7 +333,7 @@ impl Navigator {
         let here_m = Point2::from(pose.translation.vector);
         let from = here_m - left.at_m;
         let has_left = from.norm() > left.look_m + BEYOND_LOOK_M;
-        let is_short = steady.is_some_and(|here| here.kind == HereKind::DeadEnd)
+        let is_short = steady.is_some_and(|here| here.node() == Some(HereKind::DeadEnd))
             && left.kind == HereKind::Junction
             && from.norm() > 0.7 * left.look_m;
         let has_failed = self.now - began > MOST_TO_LEAVE;

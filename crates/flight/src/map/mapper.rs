@@ -99,21 +99,21 @@ impl Mapper {
         let now_ns = frame.revolution.stamp_ns;
         self.way.add(pose);
         self.settle(Point2::from(pose.translation.vector));
-        let is_node = matches!(steady.kind, HereKind::Junction | HereKind::DeadEnd);
-        let has_ended = |open: &OpenVisit| match (is_node, open.kind()) {
-            (true, kind) => kind != steady.kind,
-            (false, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
-            (false, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
+        let node = steady.node();
+        let has_ended = |open: &OpenVisit| match (node, open.kind()) {
+            (Some(node), kind) => kind != node,
+            (None, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
+            (None, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
         };
         if self.open.as_ref().is_some_and(has_ended) {
             self.end_visit(self.in_node_ns, Some(pose));
         }
         let Some(seen) = &frame.here else { return };
-        if is_node {
+        if let Some(node) = node {
             (self.in_node_ns, self.in_node_at_m) = (now_ns, self.way.way_m);
             let came_from = self.way.came_from();
-            let open = self.open.get_or_insert_with(|| OpenVisit::new(steady.kind, now_ns, came_from));
-            open.add(pose, self.way.way_m, seen, || {
+            let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from));
+            open.add(now_ns, pose, self.way.way_m, seen, || {
                 let mut points = Vec::new();
                 line_points(&frame.revolution.points_m, &mut points);
                 points
@@ -183,23 +183,21 @@ impl Mapper {
         }
         let found = self.recognise(&visit, &walls, &predicted);
         let stayed = self.last.filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
-        let (node, turned_rad) = match (found, stayed) {
+        let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
-                let turned_rad = candidate.fit.pose.rotation.angle();
                 let node = self.merge(&visit, &candidate, runner_up, number);
                 let node = match stayed.filter(|&last| last != node && self.is_new(last)) {
                     // The first part of this stay was not recognised.
                     Some(last) => self.absorb(last, node),
                     None => node,
                 };
-                (self.reconsider(node), turned_rad)
+                self.reconsider(node)
             }
-            (None, Some(node)) => {
-                let first = self.graph.poses[self.places[node].first_visit];
-                (node, first.inv_mul(&predicted).rotation.angle())
-            }
-            (None, None) => (self.add_node(&visit, walls, number), 0.0),
+            (None, Some(node)) => node,
+            (None, None) => self.add_node(&visit, walls, number),
         };
+        let [first, this] = [self.places[node].first_visit, number].map(|visit| self.graph.poses[visit]);
+        let turned_rad = first.inv_mul(&this).rotation.angle();
         self.map.nodes[node].visits.push(visit.time_ns);
         self.count_ways(node, &visit, turned_rad);
         self.connect(&visit, node, turned_rad, number, left_to.is_some());
@@ -276,7 +274,15 @@ impl Mapper {
             [last.visit, self.graph.poses.len() - 1].map(|visit| self.graph.poses[visit] * Point2::origin());
         let [first, second] = [from.0, to.0].map(|node| self.map.nodes[node].position_m);
         let length_m = (length_m + apart_m(&first, &second) - apart_m(&start, &end)).max(0.0);
-        let width_m = self.way.widths_m[0] / self.way.widths_m[1].max(1.0);
+        // Between two places that touch nothing was measured.
+        let narrower_m = || {
+            [from, to]
+                .map(|(node, way)| self.map.nodes[node].ways[way].width_m)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        let [sum_m, count] = self.way.widths_m;
+        let width_m = if count > 0.0 { sum_m / count } else { narrower_m() };
         let to_last = last.tracked.inverse();
         let between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
         let via_m = between.map(|(_, place_m)| to_last * place_m).collect();

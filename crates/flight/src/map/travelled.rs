@@ -10,7 +10,7 @@ const VIA_M: f64 = 2.0;
 /// Steps shorter than this add nothing to the way: poses of a standing vehicle tremble.
 const STEP_M: f64 = 0.3;
 
-/// So many steps are remembered, to know from where the vehicle comes.
+/// This many steps are remembered; the oldest shows where the vehicle came from.
 const TRAIL: usize = 10;
 
 /// The way so far.

@@ -6,11 +6,14 @@ use nalgebra::{Isometry2, Point2};
 
 use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
 
-use crate::belief::sure;
+use crate::belief::{elapsed_s, independent, sure};
 use crate::line_points::LinePoint;
 
 /// The outline of a visit is taken each time the vehicle has moved this far.
 const OUTLINE_EVERY_M: f64 = 0.7;
+
+/// Revolutions nearer to each other than this see the same.
+const SAME_VIEW_M: f64 = 0.05;
 
 /// Line points of an outline are no farther from the sensor than this many times the look.
 const OUTLINE_LOOKS: f64 = 2.0;
@@ -38,6 +41,8 @@ struct Sample {
 #[derive(Clone, Debug)]
 pub(crate) struct OpenVisit {
     began_ns: u64,
+    /// When a revolution was added last.
+    added_ns: Option<u64>,
     kind: HereKind,
     samples: Vec<Sample>,
     outline: Vec<LinePoint>,
@@ -72,7 +77,8 @@ pub(crate) struct Visit {
 impl OpenVisit {
     /// That begins; `came_from`: a place shortly before, as it was tracked.
     pub(crate) fn new(kind: HereKind, began_ns: u64, came_from: Option<Point2<f64>>) -> Self {
-        Self { began_ns, kind, samples: Vec::new(), outline: Vec::new(), outlined_from: None, came_from }
+        let (samples, outline) = (Vec::new(), Vec::new());
+        Self { began_ns, added_ns: None, kind, samples, outline, outlined_from: None, came_from }
     }
 
     pub(crate) fn kind(&self) -> HereKind {
@@ -82,21 +88,24 @@ impl OpenVisit {
     /// Adds a revolution at which this place holds: what it saw itself, and its line points.
     pub(crate) fn add(
         &mut self,
+        stamp_ns: u64,
         pose: Isometry2<f64>,
         way_m: f64,
         seen: &Here,
         line_points: impl FnOnce() -> Vec<LinePoint>,
     ) {
-        if seen.kind == self.kind {
-            self.samples.push(Sample {
-                pose,
-                way_m,
-                ways: seen.ways.clone(),
-                look_m: seen.look_m,
-                sure: sure(seen.confidence),
-            });
-        }
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
+        let independent =
+            self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
+        if seen.node() == Some(self.kind) {
+            let sure = independent * sure(seen.confidence);
+            let is_same =
+                |sample: &&mut Sample| sample.ways.len() == seen.ways.len() && moved_m(sample.pose) < SAME_VIEW_M;
+            match self.samples.iter_mut().rev().find(is_same) {
+                Some(sample) => sample.sure += sure,
+                None => self.samples.push(Sample { pose, way_m, ways: seen.ways.clone(), look_m: seen.look_m, sure }),
+            }
+        }
         if self.outlined_from.is_none_or(|from| moved_m(from) > OUTLINE_EVERY_M) {
             self.outlined_from = Some(pose);
             let reach_m = OUTLINE_LOOKS * seen.look_m;
@@ -161,5 +170,25 @@ impl Visit {
         let is_behind = |way: &Way, place_m: Point2<f64>| place_m.coords.dot(&unit(way.bearing_rad)) < -BEHIND_M;
         let dead_end = self.ways.iter().filter(|_| self.kind == HereKind::DeadEnd);
         dead_end.into_iter().any(|way| is_behind(way, self.came_from) || is_behind(way, self.left_to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vehicle_that_stands_in_a_junction_takes_no_memory() {
+        let mut open = OpenVisit::new(HereKind::Junction, 0, None);
+        let way = Way { bearing_rad: 0.0, width_m: 3.0, opening: None };
+        for i in 0..1000 {
+            let ways = vec![way; 3 + i % 2];
+            let here = Here { kind: HereKind::Junction, look_m: 5.0, ways, confidence: 0.9 };
+            let trembling = Isometry2::translation(0.01 * (i % 3) as f64, 0.0);
+            open.add(i as u64 * 100_000_000, trembling, 0.0, &here, Vec::new);
+        }
+        assert_eq!(open.samples.len(), 2);
+        let visit = open.end(100_000_000_000, None).expect("believed");
+        assert!((visit.belief - 400.0).abs() < 1e-6, "each revolution counts: {}", visit.belief);
     }
 }

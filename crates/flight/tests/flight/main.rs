@@ -1,4 +1,5 @@
-//! Poses of flights: the pose graph against independent checks, scan matching in worlds made of straight walls.
+//! Poses, places, steady answers and maps of flights: on simulated ones against the truth, the pose graph and scan matching
+//! against independent checks.
 
 mod maps;
 mod places;
@@ -6,3 +7,28 @@ mod pose_graph;
 mod scan_match;
 mod simulated;
 mod steady;
+
+use crosscut_flight::Flight;
+use crosscut_ingest::Sensor;
+use crosscut_pipeline::{Preset, Settings};
+use crosscut_simulator::{Scenario, Scene, scenarios};
+use crosscut_stage::{Frame, Params};
+
+fn scenario(name: &str) -> &'static Scenario {
+    scenarios().iter().find(|scenario| scenario.name == name).expect("there is one")
+}
+
+/// Follows a flight of the simulator. `edit` changes what a scene shows, `each` takes the scene and what came of it.
+fn follow(name: &str, seed: u64, revolutions: usize, edit: impl Fn(&mut Scene), mut each: impl FnMut(&Scene, &Frame)) {
+    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
+    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
+    let mut frame = Frame::default();
+    for mut scene in (scenario(name).fly)(seed).take(revolutions) {
+        edit(&mut scene);
+        frame.notes.clear();
+        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+        engine.process(&mut frame).expect("no failure");
+        flight.add(&mut frame);
+        each(&scene, &frame);
+    }
+}

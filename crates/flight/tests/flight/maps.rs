@@ -2,13 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::{Flight, Map, Mapper};
-use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Preset, Settings};
+use crosscut_flight::{Map, Mapper};
 use crosscut_simulator::network::{Network, Point};
-use crosscut_simulator::scenarios;
-use crosscut_stage::{Frame, Here, HereKind, Params, Revolution, Steady, Way};
+use crosscut_stage::{Frame, Here, HereKind, Revolution, Steady, Way};
 use nalgebra::{Isometry2, Vector2};
+
+use crate::{follow, scenario};
 
 struct Flown {
     network: Network,
@@ -18,21 +17,19 @@ struct Flown {
 }
 
 fn fly(name: &str, revolutions: usize) -> Flown {
-    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
-    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
-    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
-    let (mut mapper, mut frame, mut poses) = (Mapper::default(), Frame::default(), Vec::new());
-    let scenes = (scenario.fly)(1);
-    let network = scenes.mine().network().clone();
-    for scene in scenes.take(revolutions) {
-        frame.notes.clear();
-        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame).expect("no failure");
-        flight.add(&mut frame);
-        mapper.add(&frame);
-        let pose = scene.pose.expect("a scene of a flight");
-        poses.push((frame.revolution.stamp_ns, Isometry2::new(pose.position_m.coords, pose.heading_rad)));
-    }
+    let network = (scenario(name).fly)(1).mine().network().clone();
+    let (mut mapper, mut poses) = (Mapper::default(), Vec::new());
+    follow(
+        name,
+        1,
+        revolutions,
+        |_| {},
+        |scene, frame| {
+            mapper.add(frame);
+            let pose = scene.pose.expect("a scene of a flight");
+            poses.push((frame.revolution.stamp_ns, Isometry2::new(pose.position_m.coords, pose.heading_rad)));
+        },
+    );
     Flown { network, map: mapper.map(), poses }
 }
 
@@ -102,15 +99,16 @@ fn straight(stretches: &[(f64, HereKind)], look_m: f64) -> Map {
 }
 
 /// The map of a flight, five frames a metre, without turning: after each length of way the vehicle is in what goes with it.
-/// Ways of passages and junctions lead along x and back, those of dead ends back, those of junctions also to the left.
+/// Ways of passages and junctions lead along x and back, those of dead ends and chambers back, those of junctions also to the
+/// left.
 fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f64; 2]) -> Map {
     let mut mapper = Mapper::default();
     let mut step = 0;
     for &(to_m, kind) in stretches {
         let bearings_rad: &[f64] = match kind {
-            HereKind::DeadEnd => &[3.1],
+            HereKind::DeadEnd | HereKind::Chamber => &[3.1],
             HereKind::Junction => &[0.0, 1.6, 3.1],
-            _ => &[0.0, 3.1],
+            HereKind::Passage => &[0.0, 3.1],
         };
         let way = |&bearing_rad: &f64| Way { bearing_rad, width_m: 3.0, opening: None };
         let here = Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), confidence: 0.9 };
@@ -118,7 +116,7 @@ fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f
             let [x_m, y_m] = place_m(0.2 * f64::from(step));
             let pose = Isometry2::translation(x_m, y_m);
             let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
-            let revolution = Revolution { stamp_ns: u64::from(step as u32), ..Revolution::default() };
+            let revolution = Revolution { stamp_ns: 100_000_000 * u64::from(step as u32), ..Revolution::default() };
             let (pose, here, steady) = (Some(pose), Some(here.clone()), Some(steady));
             mapper.add(&Frame { revolution, pose, here, steady, ..Frame::default() });
             step += 1;
@@ -164,4 +162,11 @@ fn two_stays_within_a_look_are_one_visit_and_others_are_not() {
     assert_eq!((wide.nodes.len(), wide.passages.len(), wide.nodes[1].visits.len()), (2, 1, 2), "{wide:?}");
     let narrow = straight(&stays, 4.0);
     assert_eq!((narrow.nodes.len(), narrow.passages.len()), (3, 2), "{narrow:?}");
+}
+
+#[test]
+fn a_chamber_with_one_way_is_a_dead_end_of_the_map() {
+    use HereKind::{Chamber, Junction, Passage};
+    let map = straight(&[(4.0, Junction), (20.0, Passage), (26.0, Chamber)], 5.0);
+    assert!(map.summary().starts_with("1 junction: 1 tee; 1 dead end; "), "{}", map.summary());
 }

@@ -162,11 +162,13 @@ fn wheels_that_slip_are_a_surprise_and_the_walls_hold_the_pose() {
 }
 
 #[test]
-fn revolutions_without_returns_keep_the_motion_and_break_nothing() {
+fn a_revolution_without_returns_keeps_the_motion_and_the_walls() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut matcher = ScanMatcher::default();
     matcher.add(&Revolution::default(), None);
     matcher.add(&scan(&CORNER, &Isometry2::identity(), &mut rng), None);
-    let empty = matcher.add(&Revolution::default(), None);
-    assert!(empty.lost && empty.pose.translation.vector.iter().all(|value| value.is_finite()));
+    assert!(!matcher.add(&Revolution::default(), None).lost);
+    let after = Isometry2::new(Vector2::new(0.1, 0.05), 0.02);
+    let matched = matcher.add(&scan(&CORNER, &after, &mut rng), None);
+    assert!(!matched.lost && matched.matched > 0.5 && off_m(&matched, &after) < 0.1, "{matched:?}");
 }

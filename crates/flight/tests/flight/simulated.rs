@@ -2,13 +2,14 @@
 
 use crosscut_flight::{PoseTracker, Tracked};
 use crosscut_ingest::{PARAMS, Sensor};
-use crosscut_simulator::{Scene, scenarios};
+use crosscut_simulator::Scene;
 use crosscut_stage::{Notes, Params, Revolution, Value};
 use nalgebra::{Isometry2, Vector2};
 
+use crate::scenario;
+
 fn flight(name: &str, seed: u64, revolutions: usize) -> Vec<Scene> {
-    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
-    (scenario.fly)(seed).take(revolutions).collect()
+    (scenario(name).fly)(seed).take(revolutions).collect()
 }
 
 fn true_pose(scene: &Scene) -> Isometry2<f64> {
@@ -24,13 +25,22 @@ fn odometry(scene: &Scene) -> Isometry2<f64> {
 
 /// The poses of a flight, and how many revolutions have a note.
 fn track(flight: &[Scene], kind: &str, with_odometry: impl Fn(usize) -> bool) -> (Vec<Tracked>, usize) {
+    track_by(flight, kind, |i, scene| with_odometry(i).then(|| odometry(scene)))
+}
+
+/// As [`track`], with this odometry.
+fn track_by(
+    flight: &[Scene],
+    kind: &str,
+    odometry: impl Fn(usize, &Scene) -> Option<Isometry2<f64>>,
+) -> (Vec<Tracked>, usize) {
     let mut params = Params::defaults(crosscut_flight::PARAMS);
     params.set("pose", Value::Text(kind.to_owned())).expect("a kind");
     let (mut tracker, sensor) = (PoseTracker::new(&params), Sensor::new(&Params::defaults(PARAMS)));
     let (mut revolution, mut noted) = (Revolution::default(), 0);
     let add = |(i, scene): (usize, &Scene)| {
         sensor.revolution(&scene.scan, &mut revolution, &mut Notes::default());
-        revolution.odometry = with_odometry(i).then(|| odometry(scene));
+        revolution.odometry = odometry(i, scene);
         let mut notes = Notes::default();
         let tracked = tracker.add(&revolution, &mut notes);
         noted += usize::from(!notes.is_empty());
@@ -75,10 +85,30 @@ fn the_kinds_treat_missing_odometry_as_they_state() {
     assert_eq!(notes("auto", |_| true), 0);
     assert_eq!(notes("auto", |_| false), 0, "a recording of scans alone");
     assert_eq!(notes("auto", |i| i != 7), 1, "a hole");
-    assert_eq!(notes("odometry", |i| i != 7), 2, "two motions are unknown");
+    assert_eq!(notes("odometry", |i| i != 7), 1, "a hole");
     assert_eq!(notes("odometry_scan_match", |_| false), 20);
     assert_eq!(notes("odometry", |_| false), 20);
     assert!(track(&flight, "odometry", |_| false).0.is_empty() && track(&flight, "none", |_| true).0.is_empty());
     let scans = |with_odometry| track(&flight, "scan_match", with_odometry);
     assert_eq!(scans((|_| true) as fn(usize) -> bool), scans(|_| false));
+}
+
+#[test]
+fn a_hole_in_the_odometry_loses_no_motion() {
+    let flight = flight("tee", 1, 60);
+    for kind in ["odometry", "odometry_scan_match"] {
+        let last = |with_odometry: fn(usize) -> bool| track(&flight, kind, with_odometry).0[59].pose;
+        let off = last(|_| true).inv_mul(&last(|i| !(20..30).contains(&i)));
+        assert!(off.translation.vector.norm() < 0.05 && off.rotation.angle().abs() < 0.01, "{kind}: {off:?}");
+    }
+}
+
+#[test]
+fn odometry_that_is_not_finite_is_left_out() {
+    let flight = flight("tee", 1, 20);
+    let broken =
+        |i: usize, scene: &Scene| Some(if i == 7 { Isometry2::translation(f64::NAN, 0.0) } else { odometry(scene) });
+    for kind in ["odometry", "odometry_scan_match"] {
+        assert_eq!(track_by(&flight, kind, broken), track(&flight, kind, |i| i != 7), "{kind}");
+    }
 }

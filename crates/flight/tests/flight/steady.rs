@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::Flight;
-use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Preset, Settings};
-use crosscut_simulator::scenarios;
-use crosscut_stage::{Frame, Params, Steady};
+use crosscut_messages::Time;
+use crosscut_simulator::Scene;
+use crosscut_stage::Steady;
+
+use crate::follow;
 
 struct Flown {
     truth: usize,
@@ -15,21 +15,14 @@ struct Flown {
     steady: Steady,
 }
 
-fn fly(name: &str, seed: u64, revolutions: usize) -> Vec<Flown> {
-    let scenario = scenarios().iter().find(|scenario| scenario.name == name).expect("there is one");
-    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
-    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
-    let mut frame = Frame::default();
-    let fly = |scene: crosscut_simulator::Scene| {
-        frame.notes.clear();
-        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame).expect("no failure");
-        flight.add(&mut frame);
+fn fly(name: &str, seed: u64, revolutions: usize, edit: impl Fn(&mut Scene)) -> Vec<Flown> {
+    let mut flown = Vec::new();
+    follow(name, seed, revolutions, edit, |scene, frame| {
         let here = frame.here.as_ref().map(|here| (here.kind.name(), here.ways.len()));
         let steady = frame.steady.clone().expect("there are returns");
-        Flown { truth: scene.truth.walls as usize, single: frame.junction.junctions, here, steady }
-    };
-    (scenario.fly)(seed).take(revolutions).map(fly).collect()
+        flown.push(Flown { truth: scene.truth.walls as usize, single: frame.junction.junctions, here, steady });
+    });
+    flown
 }
 
 /// Revolutions whose answer is not that before, although that after is.
@@ -40,7 +33,7 @@ fn flicker<A: PartialEq>(answers: &[A]) -> usize {
 #[test]
 fn the_steady_answer_does_not_flicker_and_is_nearly_as_right() {
     for (name, seed) in [("tunnel", 1), ("mine", 1)] {
-        let flown = fly(name, seed, 800);
+        let flown = fly(name, seed, 800, |_| {});
         let right = |of: fn(&Flown) -> usize| flown.iter().filter(|flown| of(flown) == flown.truth).count();
         let (single, steady) = (right(|flown| flown.single), right(|flown| flown.steady.junctions));
         // In the tunnel the openings change faster than the belief; in the mine the single answers err.
@@ -60,7 +53,7 @@ fn the_steady_answer_does_not_flicker_and_is_nearly_as_right() {
 
 #[test]
 fn openings_keep_their_tracks_and_ways_lead_to_them() {
-    let flown = fly("tunnel", 1, 400);
+    let flown = fly("tunnel", 1, 400, |_| {});
     let mut tracks = BTreeSet::new();
     let mut kept = [0, 0];
     let mut before: BTreeSet<u64> = BTreeSet::new();
@@ -78,4 +71,13 @@ fn openings_keep_their_tracks_and_ways_lead_to_them() {
     let share = kept[0] as f64 / kept[1] as f64;
     println!("{share:.3} of the openings have the track of the revolution before; {} tracks", tracks.len());
     assert!(share > 0.9 && tracks.len() < 60, "{share} {}", tracks.len());
+}
+
+#[test]
+fn scans_without_stamps_move_the_steady_answer_too() {
+    let held = |edit: fn(&mut Scene)| {
+        let steady = fly("tunnel", 1, 200, edit).into_iter().map(|flown| flown.steady);
+        steady.map(|steady| (steady.junctions, steady.here.map(|here| here.kind.name()))).collect::<BTreeSet<_>>()
+    };
+    assert_eq!(held(|scene| scene.scan.header.stamp = Time::default()), held(|_| {}));
 }

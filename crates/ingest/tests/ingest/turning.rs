@@ -50,7 +50,7 @@ fn last_of(mut records: Vec<Record>, settings: &[(&str, Value)]) -> (Revolution,
     records.sort_by_key(|record| record.log_time_ns);
     let folder = Folder::new();
     let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
-    let options = ReadOptions { odometry: true, ..ReadOptions::default() };
+    let options = ReadOptions::default();
     let mut recording = Recording::open(&[path], &options, sensor(settings)).expect("a recording");
     let (mut revolution, mut last) = (Revolution::default(), Vec::new());
     loop {
