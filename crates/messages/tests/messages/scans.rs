@@ -2,7 +2,7 @@
 
 use base64::Engine as _;
 use crosscut_messages::{
-    Cloud, DecodeError, Echo, Endian, Header, LaserEcho, LaserScan, MOST_BEAMS, MOST_POINTS, Message,
+    Cloud, DecodeError, Echo, Endian, Header, LaserEcho, LaserScan, MOST_BEAMS, MOST_FIELDS, MOST_POINTS, Message,
     MultiEchoLaserScan, NumberType, PointCloud2, PointField, ScanDecoder, ScanMessage, Time,
 };
 use proptest::prelude::{any, prop, prop_assert, prop_assert_eq, proptest};
@@ -125,6 +125,13 @@ fn more_points_beams_or_levels_than_the_limit_are_refused() {
     let wide = LaserScan { ranges: vec![1.0; MOST_BEAMS + 1], ..LaserScan::default() };
     let error = decode(LaserScan::SCHEMA_NAME, "cdr", &wide.encode(Endian::Little)).expect_err("too many");
     assert!(error.to_string().contains("1048577 are more than 1048576"), "{error}");
+    // An empty field takes 2 bytes of protobuf; the byte after the fields would be an error of its own.
+    let fields = [[0x2a, 0].repeat(MOST_FIELDS + 1), vec![0xff]].concat();
+    let error = decode("foxglove.PointCloud", "protobuf", &fields).expect_err("too many");
+    assert!(error.to_string().contains("more than 4096"), "{error}");
+    let fields = format!("{{\"fields\":[{}", "{},".repeat(MOST_FIELDS + 1));
+    let error = decode("foxglove.PointCloud", "json", fields.as_bytes()).expect_err("too many");
+    assert!(error.to_string().contains("more than 4096"), "{error}");
     let levels = 1 << 20;
     let unknown = format!("{{\"other\":{}{}}}", "[".repeat(levels), "]".repeat(levels));
     assert!(decode("foxglove.LaserScan", "json", unknown.as_bytes()).is_ok(), "passed over without recursion");
