@@ -68,6 +68,12 @@ fn several_missions_are_a_table() {
     assert!(said.contains("success %") && said.contains("tee"), "{said}");
 }
 
+#[test]
+fn settings_that_need_later_scans_are_refused() {
+    let refused = run(["explore", "tee", "--set", "flight.look_ahead=5"]).expect_code(2).stderr;
+    assert!(refused.contains("flight.look_ahead is for recordings"), "{refused}");
+}
+
 #[cfg(feature = "rerun")]
 #[test]
 fn a_mission_is_recorded_for_the_viewer() {
@@ -111,6 +117,24 @@ fn a_killed_mission_is_resumed_from_its_journal() {
     assert!((30..revolutions(&whole_json)).contains(&known), "{known} revolutions were known");
     assert_eq!(recorded("rest.mcap"), revolutions(&resumed), "{known} of them were known");
     assert!(revolutions(&resumed) > known);
+
+    let resume = |other: &[&str], code: i32| {
+        let all = ["explore"].iter().chain(other).chain(&["--resume", &journal]);
+        run(all).expect_code(code).stderr
+    };
+    for (other, words) in [
+        (&["loops", "--seed", "3"][..], "its mission is tee, not loops"),
+        (&["tee", "--seed", "4"][..], "its seed is 3, not 4"),
+        (&["tee", "--seed", "3", "--planner", "depth_first"][..], "its planner is nearest_frontier, not depth_first"),
+        (&["tee", "--seed", "3", "--set", "vehicle.width_m=0.7"][..], "its vehicle.width_m is 0.6, not 0.7"),
+    ] {
+        let refused = resume(other, 2);
+        assert!(refused.contains(words), "{refused}");
+    }
+    let flight = path("flight.mcap");
+    run(["simulate", "tee", "--out", &flight]).expect_code(0);
+    let refused = run(["explore", "tee", "--resume", &flight]).expect_code(2).stderr;
+    assert!(refused.contains("does not state its mission"), "{refused}");
 
     let refused = run(["explore", "tee", "--resume", &journal, "--journal", &journal]).expect_code(2).stderr;
     assert!(refused.contains("would be overwritten"), "{refused}");

@@ -192,8 +192,8 @@ impl Engine {
     }
 
     /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
-    fn navigator(&self, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
-        Navigator::new(&self.config, &self.registry, planner, limits)
+    fn navigator(&self, py: Python<'_>, planner: &str, limits: [f64; 2]) -> PyResult<Navigator> {
+        Navigator::new(py, &self.config, &self.registry, planner, limits)
     }
 
     /// The command of a navigator after the next scan. `pose` is x, y and yaw by the vehicle's odometry.

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_flight::{Flight, LOOK_AHEAD, Mapper};
+use crosscut_flight::{Flight, Mapper, check_live};
 use crosscut_pipeline::Config;
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Frame;
@@ -21,11 +21,7 @@ pub(crate) struct FlightMap {
 impl FlightMap {
     pub(crate) fn new(py: Python<'_>, config: &Config) -> PyResult<Self> {
         let params = config.params("flight");
-        if params.get(LOOK_AHEAD) > 0 {
-            let text =
-                "flight.look_ahead is for recordings (`crosscut run --smooth`): a scan that is added has none after it";
-            return Err(Class::Settings.error(py, text));
-        }
+        check_live(params).map_err(|error| Class::Settings.because(py, &error))?;
         let flight = Flight::new(params, config.params("vehicle").get(VEHICLE_WIDTH_M));
         Ok(Self { state: Mutex::new((flight, Mapper::default(), None)) })
     }

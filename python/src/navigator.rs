@@ -3,12 +3,14 @@
 use std::sync::{Mutex, PoisonError};
 
 use crosscut_explore::{Limits, Pilot, PlannerKind, Step, planners};
+use crosscut_flight::check_live;
 use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::error::Class;
 use crate::flight_map::FlightMap;
 use crate::scan::Scan;
 
@@ -23,6 +25,7 @@ pub(crate) struct Navigator {
 
 impl Navigator {
     pub(crate) fn new(
+        py: Python<'_>,
         config: &Config,
         registry: &Registry,
         planner: &str,
@@ -37,6 +40,7 @@ impl Navigator {
             let all: Vec<&str> = planners().iter().map(|kind| kind.name).collect();
             PyValueError::new_err(format!("there is no planner {planner:?}; {}", nearest_and_all(planner, &all)))
         })?;
+        check_live(config.params("flight")).map_err(|error| Class::Settings.because(py, &error))?;
         let radius_m = 0.5 * config.params("vehicle").get(VEHICLE_WIDTH_M);
         let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
         Ok(Self { pilot: Mutex::new(Pilot::new(config, registry, *kind, limits)) })

@@ -58,5 +58,6 @@ def test_a_given_pose_is_the_odometry() -> None:
 
 def test_a_setting_that_looks_ahead_is_refused() -> None:
     engine = crosscut.Engine(flight={"look_ahead": 5})
-    with pytest.raises(crosscut.SettingsError, match="crosscut run --smooth"):
-        crosscut.FlightMap(engine)
+    for on_the_way in (crosscut.FlightMap, crosscut.Navigator):
+        with pytest.raises(crosscut.SettingsError, match="crosscut run --smooth"):
+            on_the_way(engine)

@@ -1,5 +1,7 @@
 //! The flight's map with what the vehicle notes beside it: which ways it tried, and how it went from place to place.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Isometry2, Point2};
 
 use crosscut_flight::{Located, Node, NodeWay};
@@ -7,50 +9,48 @@ use crosscut_stage::{HereKind, Way, unit, wrap_angle_rad};
 
 use crate::known::{Known, KnownPlace, KnownWay, WayState};
 
-/// A note belongs to a way of a place if it is no farther from it than this.
-const SAME_PLACE_M: f64 = 3.0;
+/// A note belongs to a way whose direction differs by no more than this.
 const SAME_WAY_RAD: f64 = 0.5;
 
 /// A way in view that is farther from all ways of the place on the map is one that the map misses.
 const OTHER_WAY_RAD: f64 = 0.6;
 
 /// A way is given up after this many attempts that did not lead into it.
-const MOST_TRIES: u32 = 2;
-
-/// Places of the trail are this far apart, m.
-const TRAIL_STEP_M: f64 = 0.4;
+const MOST_TRIES: usize = 2;
 
 /// A link that the map does not have is taken to be longer by this, m, so that passages of the map go before.
 const LINK_EXTRA_M: f64 = 5.0;
 
-/// What the vehicle notes. Positions and bearings are in the frame of the map, as it was when they were noted.
+/// What the vehicle notes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chart {
-    notes: Vec<Note>,
+    notes: Vec<(WayEnd, Noted)>,
     links: Vec<Link>,
-    trail_m: Vec<Point2<f64>>,
 }
 
-/// A way of a place with what is known of it.
-#[derive(Clone, Copy, Debug)]
-struct Note {
-    place_m: Point2<f64>,
-    bearing_rad: f64,
-    tries: u32,
-    is_taken: bool,
-    is_ended: bool,
+/// What was noted of a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Noted {
+    /// The vehicle got into it.
+    Taken,
+    /// An attempt did not lead into it.
+    Failed,
+    /// It is seen to end.
+    Ended,
+    /// It was chosen to fly home.
+    Homewards,
 }
 
 /// How the vehicle went from one place to the next.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    ends: [LinkEnd; 2],
+    ends: [WayEnd; 2],
     length_m: f64,
 }
 
 /// A way of a place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LinkEnd {
+pub(crate) struct WayEnd {
     /// When a visit to the place began. Its number on the map changes where two places turn out to be one; the visit stays
     /// one to it.
     pub(crate) visited_ns: u64,
@@ -58,55 +58,59 @@ pub(crate) struct LinkEnd {
     pub(crate) bearing_rad: f64,
 }
 
-impl LinkEnd {
+impl WayEnd {
+    /// A way of the place that the vehicle is in.
     pub(crate) fn new(located: &Located, bearing_rad: f64) -> Self {
         let visited_ns = located.map.nodes[located.node].visits.first().map_or(0, |visit| visit[0]);
         Self { visited_ns, bearing_rad }
     }
 
-    fn is_of(&self, node: &Node) -> bool {
+    fn is_of(&self, node: &Node, bearing_rad: f64) -> bool {
+        self.is_at(node) && wrap_angle_rad(self.bearing_rad - bearing_rad).abs() < SAME_WAY_RAD
+    }
+
+    fn is_at(&self, node: &Node) -> bool {
         node.visits.iter().any(|visit| visit[0] == self.visited_ns)
     }
 }
 
 impl Chart {
-    /// Adds the vehicle's place to the trail.
-    pub(crate) fn passes(&mut self, place_m: Point2<f64>) {
-        if self.trail_m.last().is_none_or(|last_m| (place_m - last_m).norm() > TRAIL_STEP_M) {
-            self.trail_m.push(place_m);
-        }
+    /// Notes something of a way.
+    pub(crate) fn note(&mut self, way: WayEnd, noted: Noted) {
+        self.notes.push((way, noted));
     }
 
-    /// The place of the trail about this far back.
-    pub(crate) fn back_m(&self, from_m: Point2<f64>, far_m: f64) -> Option<Point2<f64>> {
-        self.trail_m.iter().rev().find(|place_m| (*place_m - from_m).norm() >= far_m).copied()
+    /// Of these ways of the present place, the one that was chosen least often to fly home, and of several the one nearest
+    /// to a direction.
+    pub(crate) fn homewards(&mut self, located: &Located, ways_rad: &[f64], home_rad: f64) -> Option<usize> {
+        let node = &located.map.nodes[located.node];
+        let chosen = |bearing_rad: f64| self.count(node, bearing_rad, Noted::Homewards);
+        let off_rad = |bearing_rad: f64| wrap_angle_rad(bearing_rad - home_rad).abs();
+        let rank = |way: &usize| (chosen(ways_rad[*way]), off_rad(ways_rad[*way]));
+        let way = (0..ways_rad.len()).min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal))?;
+        self.note(WayEnd::new(located, ways_rad[way]), Noted::Homewards);
+        Some(way)
     }
 
-    /// Notes that a way was taken (`led_into`), or that an attempt did not lead into it.
-    pub(crate) fn tried(&mut self, place_m: Point2<f64>, bearing_rad: f64, led_into: bool) {
-        let note = self.note(place_m, bearing_rad);
-        note.is_taken |= led_into;
-        note.tries += u32::from(!led_into);
-    }
-
-    /// Notes that a way is seen to end.
-    pub(crate) fn ends(&mut self, place_m: Point2<f64>, bearing_rad: f64) {
-        self.note(place_m, bearing_rad).is_ended = true;
+    /// How often something was noted of a way of a place.
+    fn count(&self, node: &Node, bearing_rad: f64, noted: Noted) -> usize {
+        self.notes.iter().filter(|(way, of)| *of == noted && way.is_of(node, bearing_rad)).count()
     }
 
     /// Notes a flight from one way of a place to one of another place.
-    pub(crate) fn link(&mut self, from: LinkEnd, to: LinkEnd, length_m: f64) {
+    pub(crate) fn link(&mut self, from: WayEnd, to: WayEnd, length_m: f64) {
         self.links.push(Link { ends: [from, to], length_m });
     }
 
     /// What a planner is to know. `in_view` are the ways of the present place in the frame of the map.
-    pub(crate) fn known(&self, located: &Located, in_view: &[Way], heading_rad: f64) -> Known {
+    /// `trail_m`: where the vehicle was, on the map.
+    pub(crate) fn known(&self, located: &Located, trail_m: &[Point2<f64>], in_view: &[Way], heading_rad: f64) -> Known {
         let nodes = located.map.nodes.iter().enumerate();
         let mut places: Vec<KnownPlace> = nodes
             .map(|(number, node)| KnownPlace {
                 kind: node.kind,
                 position_m: node.position_m,
-                ways: node.ways.iter().map(|way| self.way(located, number, way)).collect(),
+                ways: node.ways.iter().map(|way| self.way(located, trail_m, number, way)).collect(),
             })
             .collect();
         let here = &mut places[located.node];
@@ -116,23 +120,22 @@ impl Chart {
             if here.ways[..known].iter().all(is_other) {
                 let unseen =
                     NodeWay { bearing_rad: way.bearing_rad, width_m: way.width_m, taken: false, passage: None };
-                let state = self.state(here.position_m, &unseen);
+                let state = self.state(&located.map.nodes[located.node], &unseen, trail_m);
                 here.ways.push(KnownWay { bearing_rad: way.bearing_rad, state, leads_to: None });
             }
         }
         Known { places, here: located.node, heading_rad }
     }
 
-    fn way(&self, located: &Located, number: usize, way: &NodeWay) -> KnownWay {
+    fn way(&self, located: &Located, trail_m: &[Point2<f64>], number: usize, way: &NodeWay) -> KnownWay {
         let node = &located.map.nodes[number];
         let passage = way.passage.map(|passage| &located.map.passages[passage]);
         let by_map =
             passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
-        let is_of_way =
-            |end: &LinkEnd| end.is_of(node) && wrap_angle_rad(end.bearing_rad - way.bearing_rad).abs() < SAME_WAY_RAD;
+        let is_of_way = |end: &WayEnd| end.is_of(node, way.bearing_rad);
         let mut by_links = self.links.iter().rev().filter_map(|link| {
             let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
-            let to = located.map.nodes.iter().position(|node| other.is_of(node))?;
+            let to = located.map.nodes.iter().position(|node| other.is_at(node))?;
             Some((to, link.length_m + LINK_EXTRA_M))
         });
         // A place may be passed unnoticed once. Where the way was found to lead elsewhere twice, the map is wrong.
@@ -143,50 +146,35 @@ impl Chart {
         };
         KnownWay {
             bearing_rad: way.bearing_rad,
-            state: self.state(node.position_m, way),
+            state: self.state(node, way, trail_m),
             leads_to: by_map.filter(|(to, _)| !is_wrong(*to)).or(last),
         }
     }
 
-    fn state(&self, place_m: Point2<f64>, way: &NodeWay) -> WayState {
-        let note = self.notes.iter().find(|note| note.is_of(place_m, way.bearing_rad));
-        if way.taken || note.is_some_and(|note| note.is_taken) || self.is_on_trail(place_m, way) {
+    fn state(&self, node: &Node, way: &NodeWay, trail_m: &[Point2<f64>]) -> WayState {
+        let count = |noted: Noted| self.count(node, way.bearing_rad, noted);
+        if way.taken || count(Noted::Taken) > 0 || is_on_trail(node.position_m, way, trail_m) {
             WayState::Taken
-        } else if note.is_some_and(|note| note.tries >= MOST_TRIES) {
+        } else if count(Noted::Failed) >= MOST_TRIES {
             WayState::Blocked
-        } else if note.is_some_and(|note| note.is_ended) {
+        } else if count(Noted::Ended) > 0 {
             WayState::Ended
         } else {
             WayState::New
         }
     }
-
-    /// Whether the trail leads through the mouth of a way and on: the place may be on the map twice.
-    fn is_on_trail(&self, place_m: Point2<f64>, way: &NodeWay) -> bool {
-        let along = unit(way.bearing_rad);
-        let mouth_m = (1.4 * way.width_m).clamp(1.5, 9.0);
-        let within_m = 0.3 * way.width_m.min(5.0) + 0.3;
-        let is_passed = |far_m: f64| {
-            let at_m = place_m + along * far_m;
-            self.trail_m.iter().any(|trail_m| (trail_m - at_m).norm() < within_m)
-        };
-        is_passed(mouth_m) && is_passed(mouth_m + 1.0) && is_passed(mouth_m + 2.0)
-    }
-
-    fn note(&mut self, place_m: Point2<f64>, bearing_rad: f64) -> &mut Note {
-        let at = self.notes.iter().position(|note| note.is_of(place_m, bearing_rad)).unwrap_or_else(|| {
-            self.notes.push(Note { place_m, bearing_rad, tries: 0, is_taken: false, is_ended: false });
-            self.notes.len() - 1
-        });
-        &mut self.notes[at]
-    }
 }
 
-impl Note {
-    fn is_of(&self, place_m: Point2<f64>, bearing_rad: f64) -> bool {
-        (self.place_m - place_m).norm() < SAME_PLACE_M
-            && wrap_angle_rad(self.bearing_rad - bearing_rad).abs() < SAME_WAY_RAD
-    }
+/// Whether a trail leads through the mouth of a way and on: the place may be on the map twice.
+fn is_on_trail(place_m: Point2<f64>, way: &NodeWay, trail_m: &[Point2<f64>]) -> bool {
+    let along = unit(way.bearing_rad);
+    let mouth_m = (1.4 * way.width_m).clamp(1.5, 9.0);
+    let within_m = 0.3 * way.width_m.min(5.0) + 0.3;
+    let is_passed = |far_m: f64| {
+        let at_m = place_m + along * far_m;
+        trail_m.iter().any(|trail_m| (trail_m - at_m).norm() < within_m)
+    };
+    is_passed(mouth_m) && is_passed(mouth_m + 1.0) && is_passed(mouth_m + 2.0)
 }
 
 /// The ways of a place, turned from the body frame into that of the map.
@@ -200,8 +188,8 @@ mod tests {
     use super::*;
     use crosscut_flight::{Map, Passage};
 
-    #[test]
-    fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
+    /// Three junctions in a row; by the map the first leads to the second. The vehicle is in the first.
+    fn located() -> Located {
         let way = |bearing_rad: f64| NodeWay { bearing_rad, width_m: 3.0, taken: true, passage: None };
         let node = |number: u64| Node {
             kind: HereKind::Junction,
@@ -213,12 +201,24 @@ mod tests {
         let passage = Passage { from: 0, to: 1, length_m: 20.0, width_m: 3.0, stretch_ns: [0; 2], via_m: Vec::new() };
         map.passages.push(passage);
         (map.nodes[0].ways[0].passage, map.nodes[1].ways[2].passage) = (Some(0), Some(0));
-        let located = Located { map, node: 0, correction: Isometry2::identity() };
+        Located { map, node: 0, correction: Isometry2::identity(), visits: Vec::new() }
+    }
+
+    #[test]
+    fn a_way_home_that_led_back_is_not_taken_again_before_the_others() {
+        let (located, mut chart) = (located(), Chart::default());
+        let mut taken = || chart.homewards(&located, &[0.0, 1.6, 3.1], 1.0);
+        assert_eq!([taken(), taken(), taken(), taken()], [Some(1), Some(0), Some(2), Some(1)]);
+    }
+
+    #[test]
+    fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
+        let located = located();
         let mut chart = Chart::default();
-        let end = |visited_ns, bearing_rad| LinkEnd { visited_ns, bearing_rad };
+        let end = |visited_ns, bearing_rad| WayEnd { visited_ns, bearing_rad };
         let mut leads_to = |to: Option<u64>| {
             to.into_iter().for_each(|to| chart.link(end(0, 0.1), end(to, 3.0), 30.0));
-            chart.known(&located, &[], 0.0).places[0].ways[0].leads_to
+            chart.known(&located, &[], &[], 0.0).places[0].ways[0].leads_to
         };
         assert_eq!(leads_to(None), Some((1, 20.0)), "by the map");
         assert_eq!(leads_to(Some(2)), Some((1, 20.0)), "a place may have been passed unnoticed");

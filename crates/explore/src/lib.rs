@@ -31,6 +31,7 @@ mod pilot;
 mod planner;
 mod steering;
 mod surround;
+mod trail;
 mod ways;
 
 pub use known::{Known, KnownPlace, KnownWay, Route, WayState};

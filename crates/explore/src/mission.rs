@@ -1,5 +1,6 @@
 //! The closed loop: scan, detector, flight, map, planner, command.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use nalgebra::Point2;
@@ -114,8 +115,7 @@ impl Flown {
 /// with the rock is counted as a crash; the vehicle then stands where it last was clear, and the mission goes on.
 ///
 /// A mission that was interrupted is resumed from its past: the pilot takes all that the vehicle had sensed, which brings it to
-/// where it was, map and all. The vehicle then stands at its last place, and the mission continues from there. Contacts of the
-/// past are not known.
+/// where it was, map and all. The vehicle then stands at its last place, and the mission continues from there.
 pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool) -> Flown {
     let Agility { speed_max_m_s, turn_rate_max_rad_s, radius_m, .. } = setup.agility;
     let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
@@ -130,12 +130,12 @@ pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool)
     let mut last_m: Option<Point2<f64>> = None;
     loop {
         let replayed = past.next();
-        let scene = replayed.map_or_else(|| driven.step(command), |(scene, _)| scene.clone());
+        let scene = replayed.map_or_else(|| Cow::Owned(driven.step(command)), |(scene, _)| Cow::Borrowed(scene));
         let true_pose = replayed.map_or_else(|| driven.pose(), |(_, pose)| pose);
         judge.add(true_pose.position_m);
         flown.way_m +=
             last_m.replace(true_pose.position_m).map_or(0.0, |last_m| (true_pose.position_m - last_m).norm());
-        if driven.is_in_contact() {
+        if replayed.map_or_else(|| driven.is_in_contact(), |(scene, _)| scene.truth.contact) {
             flown.crashes += u32::from(last_contact.is_none_or(|last| flown.revolutions - last > SAME_CRASH));
             last_contact = Some(flown.revolutions);
         }
@@ -162,7 +162,7 @@ pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool)
         command = step.command;
         let scene = || {
             let truth = replayed.map_or_else(|| driven.truth(), |(scene, _)| scene.truth.clone());
-            Scene { truth, ..scene.clone() }
+            Scene { truth, ..Scene::clone(&scene) }
         };
         let (frame, mapper) = (pilot.frame(), pilot.mapper());
         let goes_on = watch(&Moment { scene: &scene, frame, mapper, step: &step, true_pose });

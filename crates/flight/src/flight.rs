@@ -19,6 +19,19 @@ pub const PARAMS: &[ParamSpec] = &{
     [pose, share, floor, widths, least, farthest, LOOK_AHEAD.spec]
 };
 
+/// A setting needs scans that are not there yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("flight.look_ahead is for recordings (`crosscut run --smooth`): a scan that was just taken has none after it")]
+pub struct LooksAhead;
+
+/// Refuses settings that only the flight of a recording can keep to.
+///
+/// # Errors
+/// If the steady answer is to rest on later scans.
+pub fn check_live(params: &Params) -> Result<(), LooksAhead> {
+    if params.get(LOOK_AHEAD) > 0 { Err(LooksAhead) } else { Ok(()) }
+}
+
 /// Adds to each frame of a flight what the flight so far shows.
 ///
 /// ```

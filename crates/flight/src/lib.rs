@@ -28,7 +28,7 @@ mod scan_match;
 mod steady;
 mod surroundings;
 
-pub use flight::{Flight, LOOK_AHEAD, PARAMS};
+pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
 pub use map::{Anchored, Located, Map, Mapper, Merge, Node, NodeWay, Passage, Refusal, loops_in};

@@ -26,6 +26,9 @@ pub struct Truth {
     /// What kind of place that is; only on flights, and only where it is clear.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub here: Option<TruthPlace>,
+    /// The vehicle touched rock during the scan; only on missions.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub contact: bool,
 }
 
 /// The pose of the sensor at the first beam of a scan, in the frame of that of the flight's first scan.

@@ -167,6 +167,7 @@ impl Driven {
         Truth {
             pose: Some(seen_from(&self.origin, position_m, heading_rad)),
             here: self.mine.network().place_at(&position_m),
+            contact: self.is_in_contact,
             ..self.mine.scenery(&self.lidar, motion, echoes).truth(readings)
         }
     }

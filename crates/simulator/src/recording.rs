@@ -10,11 +10,14 @@ use crosscut_messages::{
     SCAN_TOPIC, SCHEMA_ENCODING, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC,
     TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage, Truth, TruthMap,
 };
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata, Record};
 
 use crate::scene::Scene;
 
-/// Why a recording could not be written.
+/// Name of the metadata record that describes a flight.
+const DESCRIPTION: &str = "crosscut";
+
+/// Why a recording could not be written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -81,6 +84,14 @@ impl SceneRecorder {
     /// # Errors
     /// If it cannot be created or written.
     pub fn create(path: &Path) -> Result<Self, RecordingError> {
+        Self::described(path, BTreeMap::new())
+    }
+
+    /// Creates the file with values that describe the flight, for [`read_description`].
+    ///
+    /// # Errors
+    /// If it cannot be created or written.
+    pub fn described(path: &Path, values: BTreeMap<String, String>) -> Result<Self, RecordingError> {
         let file = created(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
         let begin = || -> Result<Self, mcap::McapError> {
             // Fixed texts and compression without threads keep the bytes the same in every run.
@@ -91,6 +102,9 @@ impl SceneRecorder {
                 .compression_level(9)
                 .compression_threads(0)
                 .create(BufWriter::new(file))?;
+            if !values.is_empty() {
+                mcap.write_metadata(&Metadata { name: DESCRIPTION.to_owned(), metadata: values })?;
+            }
             let scan = ros_channel::<LaserScan>(&mut mcap, SCAN_TOPIC)?;
             let truth = json_channel(&mut mcap, TRUTH_TOPIC, [TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT])?;
             Ok(Self { path: path.into(), mcap, scan, truth, motion: None, written: 0 })
@@ -163,7 +177,7 @@ impl SceneRecorder {
 /// # Errors
 /// If the file cannot be read, or has no scene with odometry and a true pose.
 pub fn read_mcap(path: &Path) -> Result<Vec<Scene>, RecordingError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = bytes_of(path)?;
     let messages = mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into());
     let mut scenes: Vec<Scene> = Vec::new();
     // The last chunk of a file that was not finished is in pieces.
@@ -196,6 +210,24 @@ fn created(path: &Path) -> io::Result<File> {
         file.set_len(0)?;
     }
     Ok(file)
+}
+
+/// The values that describe a flight, as [`SceneRecorder::described`] wrote them; none if it was written without.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_description(path: &Path) -> Result<BTreeMap<String, String>, RecordingError> {
+    let bytes = bytes_of(path)?;
+    let records = mcap::read::LinearReader::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into());
+    let described = records.into_iter().flatten().map_while(Result::ok).find_map(|record| match record {
+        Record::Metadata(metadata) if metadata.name == DESCRIPTION => Some(metadata.metadata),
+        _ => None,
+    });
+    Ok(described.unwrap_or_default())
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, RecordingError> {
+    std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })
 }
 
 fn json_channel(

@@ -9,12 +9,16 @@ use crosscut_stage::{Beam, Frame, HereKind, Revolution, unit, wrap_angle_rad};
 
 use super::answer::Decision;
 use super::{Doing, Left, Navigator};
-use crate::chart::{LinkEnd, in_map};
+use crate::chart::{Noted, WayEnd, in_map};
 use crate::known::{Known, Route, WayState};
 use crate::planner::Choice;
+use crate::trail::way_back_m;
 
-/// From a place that is no farther from home the vehicle flies straight there, m.
+/// If home is no farther, it need not be by one of the ways of the place, m.
 const STRAIGHT_HOME_M: f64 = 15.0;
+
+/// The direction of the way home is that of the place this far along it, m.
+const BACK_M: f64 = 8.0;
 
 /// A way without an opening whose end is nearer than this is not entered, m.
 const SEEN_TO_END_M: f64 = 6.0;
@@ -40,17 +44,17 @@ impl Navigator {
                 self.map_m = located.map.passages.iter().map(|passage| passage.length_m).sum();
                 let turn_rad = self.correction.rotation.angle();
                 let in_view = steady.map_or_else(Vec::new, |here| in_map(&here.ways, pose, &self.correction));
-                let place_m = located.map.nodes[located.node].position_m;
-                self.note_ends(place_m, frame, pose.rotation.angle() + turn_rad);
-                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
+                self.note_ends(located, frame, pose.rotation.angle() + turn_rad);
+                let trail_m = self.trail.placed_m(&located.visits);
+                let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
                 self.note_link(located, &known);
-                let known = self.chart.known(located, &in_view, self.course_rad + turn_rad);
-                let (way, bearing_rad, why) = self.choose(&known, self.correction * here_m);
+                let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
+                let (way, bearing_rad, why) = self.choose(located, &known, &trail_m);
                 let way = way.and_then(|way| known.places[known.here].ways.get(way));
                 if way.is_some_and(|way| way.state == WayState::New) {
                     self.last_new = self.now;
                 }
-                (bearing_rad - turn_rad, Some((place_m, LinkEnd::new(located, bearing_rad))), why)
+                (bearing_rad - turn_rad, Some(WayEnd::new(located, bearing_rad)), why)
             }
             None if kind == HereKind::Junction => {
                 let on = steady.and_then(|here| self.way_ahead(here, pose));
@@ -73,14 +77,13 @@ impl Navigator {
     }
 
     /// The way to take, its direction in the frame of the map, and why.
-    fn choose(&mut self, known: &Known, here_m: Point2<f64>) -> (Option<usize>, f64, String) {
+    fn choose(&mut self, located: &Located, known: &Known, trail_m: &[Point2<f64>]) -> (Option<usize>, f64, String) {
         let ways = &known.places[known.here].ways;
         let by = |choice: Choice| {
             let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
             (Some(choice.way), bearing_rad, choice.why)
         };
-        let first = (known.places[known.here].position_m, known.heading_rad + PI);
-        let (first_m, back_rad) = *self.first.get_or_insert(first);
+        let first_m = *self.first_m.get_or_insert(known.places[known.here].position_m);
         if let Some(choice) = self.planner.choose(known) {
             self.goes_home = false;
             return by(choice);
@@ -94,24 +97,31 @@ impl Navigator {
         if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
             return by(Choice { way, why: format!("home, {length_m:.0} m away") });
         }
-        // At the first place the way back from it leads home. Elsewhere the vehicle is lost, and tries where home lies.
-        let home_rad = (-here_m.y).atan2(-here_m.x);
-        let is_first = known.here == first;
-        if is_first && here_m.coords.norm() < STRAIGHT_HOME_M {
-            return (None, home_rad, "straight home".to_owned());
+        // From the first place on, and where the map knows no route, the vehicle flies back the way that it came. Where that
+        // led back to a place, it takes another way.
+        let way_m = way_back_m(trail_m);
+        let here_m = way_m.first().copied().unwrap_or_default();
+        let ahead_m = way_m.iter().find(|place_m| (*place_m - here_m).norm() > BACK_M).or(way_m.last());
+        let towards = ahead_m.map_or(-here_m.coords, |ahead_m| ahead_m - here_m);
+        let home_rad = towards.y.atan2(towards.x);
+        let left_m: f64 = way_m.windows(2).map(|step| (step[1] - step[0]).norm()).sum();
+        let mut ways_rad: Vec<f64> = ways.iter().map(|way| way.bearing_rad).collect();
+        if left_m < STRAIGHT_HOME_M {
+            ways_rad.push(home_rad); // home may lie beside the ways
         }
-        let wanted_rad = if is_first { back_rad } else { home_rad };
-        let off_rad = |way: usize| wrap_angle_rad(ways[way].bearing_rad - wanted_rad).abs();
-        let way = (0..ways.len()).min_by(|&a, &b| off_rad(a).total_cmp(&off_rad(b))).unwrap_or(0);
-        by(Choice { way, why: "towards home".to_owned() })
+        match self.chart.homewards(located, &ways_rad, home_rad) {
+            Some(way) => (Some(way), ways_rad[way], format!("back the way that it came, home in {left_m:.0} m")),
+            None => (None, home_rad, "towards home".to_owned()),
+        }
     }
 
     /// Notes the ways that are seen to end near by.
-    fn note_ends(&mut self, place_m: Point2<f64>, frame: &Frame, yaw_rad: f64) {
+    fn note_ends(&mut self, located: &Located, frame: &Frame, yaw_rad: f64) {
         let ways = frame.here.iter().flat_map(|here| &here.ways);
         for way in ways.filter(|way| way.opening.is_none()) {
             if is_seen_to_end(&frame.revolution, way.bearing_rad) {
-                self.chart.ends(place_m, wrap_angle_rad(way.bearing_rad + yaw_rad));
+                let way = WayEnd::new(located, wrap_angle_rad(way.bearing_rad + yaw_rad));
+                self.chart.note(way, Noted::Ended);
             }
         }
     }
@@ -119,19 +129,18 @@ impl Navigator {
     /// Notes how the vehicle came from the place before.
     fn note_link(&mut self, located: &Located, known: &Known) {
         let Some(left) = self.left.take() else { return };
-        if let (Some((_, from)), Some(bearing_rad)) = (left.place, left.really_rad)
+        if let (Some(from), Some(bearing_rad)) = (left.place, left.really_rad)
             && let Some(back) = known.way_back()
         {
-            let to = LinkEnd::new(located, known.places[known.here].ways[back].bearing_rad);
-            self.chart.link(LinkEnd { bearing_rad, ..from }, to, self.way_m - left.way_m);
+            let to = WayEnd::new(located, known.places[known.here].ways[back].bearing_rad);
+            self.chart.link(WayEnd { bearing_rad, ..from }, to, self.way_m - left.way_m);
         }
     }
 
     /// Notes whether the vehicle got into the way that it left a place by.
     pub(super) fn note_try(&mut self, left: &Left, led_into: bool) {
-        if let Some((place_m, _)) = left.place {
-            let bearing_rad = left.bearing_rad + self.correction.rotation.angle();
-            self.chart.tried(place_m, wrap_angle_rad(bearing_rad), led_into);
+        if let Some(way) = left.place {
+            self.chart.note(way, if led_into { Noted::Taken } else { Noted::Failed });
         }
     }
 }

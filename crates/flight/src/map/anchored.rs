@@ -13,6 +13,13 @@ pub struct Anchored {
     pub pose: Isometry2<f64>,
 }
 
+impl Anchored {
+    /// Where the place lies if the visits were at these poses.
+    pub fn placed(&self, visits: &[Isometry2<f64>]) -> Isometry2<f64> {
+        self.visit.and_then(|visit| visits.get(visit)).map_or(self.pose, |pose| pose * self.pose)
+    }
+}
+
 impl Mapper {
     /// Where the visits were, by what is known now, in the map's frame.
     pub fn poses(&self) -> &[Isometry2<f64>] {
@@ -29,6 +36,6 @@ impl Mapper {
 
     /// Where an anchored place lies by what is known now.
     pub fn placed(&self, anchored: &Anchored) -> Isometry2<f64> {
-        anchored.visit.and_then(|visit| self.graph.poses.get(visit)).map_or(anchored.pose, |pose| pose * anchored.pose)
+        anchored.placed(&self.graph.poses)
     }
 }

@@ -57,6 +57,8 @@ pub struct Located {
     pub node: usize,
     /// Brings poses as they are tracked now into the frame of the map.
     pub correction: Isometry2<f64>,
+    /// Where the visits were, for places that are [`Anchored`](super::Anchored) to them.
+    pub visits: Vec<Isometry2<f64>>,
 }
 
 /// What is kept of a node to recognise it.
@@ -145,6 +147,7 @@ impl Mapper {
         Some(Located {
             node: last.node,
             correction: ended.graph.poses[last.visit] * last.tracked.inverse(),
+            visits: ended.graph.poses,
             map: ended.map,
         })
     }

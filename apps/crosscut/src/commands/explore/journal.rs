@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
-use crosscut_explore::Moment;
-use crosscut_simulator::{RecordingError, SceneRecorder};
+use crosscut_explore::{Moment, PlannerKind};
+use crosscut_pipeline::Config;
+use crosscut_simulator::{RecordingError, Scene, SceneRecorder, World, read_description, read_mcap};
+
+use super::Job;
+use crate::exit::UsageError;
 
 /// At most this many revolutions are lost if the program is killed.
 const FLUSH_EVERY: u64 = 10;
@@ -15,8 +19,9 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    pub(super) fn create(path: &Path) -> Result<Self, RecordingError> {
-        Ok(Self { recorder: SceneRecorder::create(path)?, failed: None })
+    pub(super) fn create(path: &Path, about: &About) -> Result<Self, RecordingError> {
+        let recorder = SceneRecorder::described(path, about.values.iter().cloned().collect())?;
+        Ok(Self { recorder, failed: None })
     }
 
     pub(super) fn add(&mut self, moment: &Moment) {
@@ -34,5 +39,42 @@ impl Journal {
             Some(error) => Err(error),
             None => self.recorder.finish().map(|_| ()),
         }
+    }
+}
+
+/// All that decides how a mission is flown, by name.
+pub(super) struct About {
+    values: Vec<(String, String)>,
+}
+
+impl About {
+    pub(super) fn new(job: &Job, world: &World, planner: &PlannerKind, config: &Config) -> Self {
+        let (tunnels, walls) = (&world.mine.network().tunnels, world.mine.surface().segments());
+        let wall_m: f64 = walls.iter().map(|wall| (wall.to_m - wall.from_m).norm()).sum();
+        let of_mission = [
+            ("mission", job.name.clone()),
+            ("seed", job.seed.to_string()),
+            ("planner", planner.name.to_owned()),
+            // Another plan may have the same name.
+            ("mine", format!("{} tunnels with {wall_m:.3} m of wall", tunnels.len())),
+        ];
+        let of_mission = of_mission.map(|(name, value)| (name.to_owned(), value));
+        // The pipeline's threads and memory change no result.
+        let settings = config.settings().filter(|(name, _)| !name.starts_with("pipeline."));
+        Self { values: of_mission.into_iter().chain(settings).collect() }
+    }
+
+    /// What was sensed in the mission of a journal, which must be this one.
+    pub(super) fn past(&self, journal: &Path) -> anyhow::Result<Vec<Scene>> {
+        let known = read_description(journal)?;
+        let refuse = |why: String| Err(UsageError(format!("cannot resume {}: {why}", journal.display())).into());
+        for (name, value) in &self.values {
+            match known.get(name) {
+                Some(then) if then == value => {}
+                Some(then) => return refuse(format!("its {name} is {then}, not {value}")),
+                None => return refuse(format!("it does not state its {name}; only a journal (--journal) is resumed")),
+            }
+        }
+        Ok(read_mcap(journal)?)
     }
 }

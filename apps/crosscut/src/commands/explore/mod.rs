@@ -13,12 +13,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Context;
 use crosscut_explore::{Flown, Moment, PlannerKind, Setup, fly, planners};
+use crosscut_flight::check_live;
 use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
-use crosscut_simulator::{Agility, Family, Plan, Scene, World, families, read_mcap};
+use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
 use serde_json::Value;
 
-use self::journal::Journal;
+use self::journal::{About, Journal};
 use self::save::Saved;
 use crate::cli::explore::ExploreArgs;
 use crate::config;
@@ -33,11 +34,8 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    #[cfg(not(feature = "rerun"))]
-    if args.save.is_some() {
-        return Err(crate::exit::without_rerun());
-    }
     let config = config::resolve(&args.config, registry)?;
+    check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
@@ -148,11 +146,10 @@ impl Fleet<'_> {
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Flown> {
         let world = job.world();
-        let past = args.resume.as_deref().map(read_mcap).transpose()?.unwrap_or_default();
-        let mut journal = args.journal.as_deref().map(Journal::create).transpose()?;
-        let saved = args.save.as_deref().map(|path| Saved::create(path, &job.name, self.config, &world)).transpose();
-        diagnostics.lost_all(saved.as_ref().err());
-        let mut saved = saved.unwrap_or_default();
+        let about = About::new(job, &world, &self.planner, self.config);
+        let past = args.resume.as_deref().map(|path| about.past(path)).transpose()?.unwrap_or_default();
+        let mut saved = Saved::open(args.save.as_deref(), &job.name, self.config, &world, diagnostics)?;
+        let mut journal = args.journal.as_deref().map(|path| Journal::create(path, &about)).transpose()?;
         let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
             if let Some(journal) = &mut journal {
                 journal.add(moment);

@@ -8,6 +8,8 @@ use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, Recorde
 use crosscut_simulator::World;
 use nalgebra::{Isometry2, Point2};
 
+use crate::diagnostics::Diagnostics;
+
 /// The map is drawn anew after this many revolutions: it costs more than all else.
 const MAP_EVERY: u64 = 20;
 
@@ -18,7 +20,21 @@ pub(super) struct Saved {
 }
 
 impl Saved {
-    pub(super) fn create(path: &Path, name: &str, config: &Config, world: &World) -> Result<Self, RecorderError> {
+    /// The recording of a mission, if one is requested. If it cannot be opened, the mission is flown without it; it fails
+    /// in a program without Rerun alone.
+    pub(super) fn open(
+        path: Option<&Path>,
+        name: &str,
+        config: &Config,
+        world: &World,
+        diagnostics: &mut Diagnostics,
+    ) -> anyhow::Result<Option<Self>> {
+        let created = path.map(|path| Self::create(path, name, config, world)).transpose();
+        diagnostics.lost_all(created.as_ref().err());
+        Ok(created.unwrap_or_default())
+    }
+
+    fn create(path: &Path, name: &str, config: &Config, world: &World) -> Result<Self, RecorderError> {
         let start = world.start;
         let home = Isometry2::new(start.position_m.coords, start.heading_rad).inverse();
         let segments = world.mine.surface().segments().iter();

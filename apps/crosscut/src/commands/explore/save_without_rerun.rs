@@ -6,12 +6,20 @@ use crosscut_explore::Moment;
 use crosscut_pipeline::Config;
 use crosscut_simulator::World;
 
+use crate::diagnostics::Diagnostics;
+
 /// There are none.
 pub(super) enum Saved {}
 
 impl Saved {
-    pub(super) fn create(_: &Path, _: &str, _: &Config, _: &World) -> Result<Self, anyhow::Error> {
-        Err(crate::exit::without_rerun())
+    pub(super) fn open(
+        path: Option<&Path>,
+        _: &str,
+        _: &Config,
+        _: &World,
+        _: &mut Diagnostics,
+    ) -> anyhow::Result<Option<Self>> {
+        if path.is_some() { Err(crate::exit::without_rerun()) } else { Ok(None) }
     }
 
     pub(super) fn add(&mut self, _: &Moment) {
