@@ -119,8 +119,7 @@ fn a_killed_mission_is_resumed_from_its_journal() {
     assert!(revolutions(&resumed) > known);
 
     let resume = |other: &[&str], code: i32| {
-        let all = ["explore"].iter().chain(other).chain(&["--resume", &journal]);
-        run(all).expect_code(code).stderr
+        run([&["explore"], other, &["--resume", &journal]].concat()).expect_code(code).stderr
     };
     for (other, words) in [
         (&["loops", "--seed", "3"][..], "its mission is tee, not loops"),
