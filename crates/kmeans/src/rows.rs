@@ -3,10 +3,10 @@
 use crosscut_stage::{Embedding, Spectrum, StageError};
 
 /// Larger matrices are refused.
-const MOST_BYTES: f64 = (1 << 28) as f64;
-/// n·k² above this is refused, too: k centres are seeded by their distances, k operations each, to n rows, several times.
-/// It takes minutes.
-const MOST_OPERATIONS: f64 = 1e10;
+const MOST_BYTES: u64 = 1 << 28;
+/// Larger n·k² are refused, too: seeding takes several times as many operations, which are minutes without an end by
+/// Ctrl-C.
+const MOST_OPERATIONS: u64 = 10_000_000_000;
 
 /// n points of Rᵏ, one after the other, in a buffer that is used again.
 #[derive(Clone, Debug, Default)]
@@ -28,15 +28,16 @@ impl Rows {
             return Err(not_finite(u));
         }
         (self.n, self.k) = (u.nrows(), u.ncols());
-        let numbers = self.n as f64 * self.k as f64;
-        let (bytes, operations) = (8.0 * numbers, numbers * self.k as f64);
+        let numbers = (self.n as u64).saturating_mul(self.k as u64);
+        let (bytes, operations) = (numbers.saturating_mul(8), numbers.saturating_mul(self.k as u64));
         if bytes > MOST_BYTES || operations > MOST_OPERATIONS {
             return Err(StageError::TooLarge(format!(
-                "k-means on {}x{} numbers of U would need {:.0} MB and more than {operations:.0e} operations: kmeans \
+                "k-means on {}x{} numbers of U would need {} MB and more than {:.0e} operations: kmeans \
                  `components` needs neither",
                 self.n,
                 self.k,
-                (bytes / f64::from(1 << 20)).ceil()
+                bytes.div_ceil(1 << 20),
+                operations as f64
             )));
         }
         self.values.clear();
