@@ -189,6 +189,24 @@ def test_a_lossy_network_loses_no_scan_of_a_reliable_robot(
     assert len(check_answers(results, tee)) == answered > 100
 
 
+def test_scans_that_a_lossy_network_loses_are_missing_by_their_stamps(tee: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sender = Robot(monkeypatch, LOSSY)
+    writer = sender.writer("/robot1/scan", LASER_SCAN, BEST_EFFORT)
+    scans = [idl_value(message) for of_type, message in recorded(tee) if of_type == LASER_SCAN]
+    monkeypatch.setattr(crosscut.live, "AHEAD", len(scans))
+    with crosscut.live.Robot(f"ros2://{sender.domain}/robot1/scan") as robot:
+        wait_until(writer.get_matched_subscriptions)
+        for scan in scans:
+            writer.write(scan)
+            time.sleep(0.005)
+        threading.Timer(2.0, robot.close).start()
+        stamps = [scan.stamp_ns for scan, _ in robot]
+    assert robot.missed == 0
+    # The first intervals show what is usual.
+    lost = round((stamps[-1] - stamps[5]) / 1e8) + 1 - len(stamps[5:])
+    assert lost > 3 and lost <= robot.gaps <= lost + 3, (lost, robot.gaps)
+
+
 def test_commands_reach_the_base_over_dds(monkeypatch: pytest.MonkeyPatch) -> None:
     base = Robot(monkeypatch)
     heard = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist")

@@ -29,7 +29,7 @@ from ._engine import Engine, Recording
 from ._errors import Error, SettingsError
 
 STAGES = ("affinity", "spectral", "kmeans")
-NODES = ("source", *STAGES, "report")
+NODES = ("source", *STAGES, "record", "report")
 
 PROGRAM = "crosscut-dora"
 """As the hosts find it, on their PATH."""
@@ -62,7 +62,12 @@ def main() -> int:
             return _source(node, engine, args)
         if args.node == "report":
             return _report(node, engine, args)
-        return _stage(node, engine, args.node)
+        if args.node == "record":
+            return _record(node, engine, args.recording)
+        return _stage(node, engine, args.node, args.recorded)
+    except ImportError as error:
+        print(f"error: {error}; pip install 'crosscut[view]' for a recording", file=sys.stderr)
+        return WRONG_USAGE
     except (Error, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_USAGE if isinstance(error, ValueError) else FAILED
@@ -145,7 +150,7 @@ def _source(node: Any, engine: Engine, args: argparse.Namespace) -> int:
     return SOMETHING_LOST if lost else DONE
 
 
-def _stage(node: Any, engine: Engine, stage: str) -> int:
+def _stage(node: Any, engine: Engine, stage: str, recorded: bool) -> int:
     """Runs one stage on all frames that come."""
     from . import _frames
 
@@ -153,10 +158,31 @@ def _stage(node: Any, engine: Engine, stage: str) -> int:
         value, about = event["value"], event["metadata"]
         if not about["ended"] and not about["failed"]:
             try:
-                value = _frames.after(stage, engine._native, value)
+                value = _frames.after(stage, engine._native, value, recorded=recorded)
             except (ValueError, KeyError) as error:  # of a stage of another's
                 about["failed"] = f"{stage}: {error}"
         node.send_output("frames", value, _own(about))
+    return DONE
+
+
+def _record(node: Any, engine: Engine, path: Path) -> int:
+    """Records the frames for the viewer, each once, and passes on what the report reads."""
+    from . import _frames
+    from ._record import Recording
+    from ._window import Order
+
+    order = Order[Any]()
+    with Recording(path, engine._native) as recording:
+        for event in _inputs(node):
+            value, about = event["value"], event["metadata"]
+            for frames, is_end in order.take(about["number"], (value, about["ended"] or bool(about["failed"]))):
+                try:
+                    recording.close() if is_end else recording.add(frames)
+                except (ValueError, KeyError) as error:  # of a stage of another's
+                    about["failed"] = f"record: {error}"
+            if not about["ended"] and not about["failed"]:
+                value = _frames.without({**_frames.W, **_frames.U}, value)
+            node.send_output("frames", value, _own(about))
     return DONE
 
 
@@ -260,9 +286,10 @@ def _write_dataflow(args: argparse.Namespace) -> int:
 
 
 def _nodes(args: argparse.Namespace, places: dict[str, str], own: dict[str, str]) -> Iterator[dict[str, Any]]:
+    nodes = [name for name in NODES if name != "record" or args.recording]
     for name in [*places, *own]:
-        if name not in (NODES if name in places else STAGES):
-            raise ValueError(f"there is no node {name} to place or replace: {', '.join(NODES)}")
+        if name not in (nodes if name in places else STAGES):
+            raise ValueError(f"there is no node {name} to place or replace: {', '.join(nodes)}")
     settings = [part for change in args.changes for part in ("--set", change)]
     settings += ["--preset", args.preset] if args.preset != "default" else []
     files: dict[str, list[Any]] = {
@@ -270,11 +297,13 @@ def _nodes(args: argparse.Namespace, places: dict[str, str], own: dict[str, str]
         "report": [part for option, path in (("--results", args.results), ("--map", args.map)) if path
                    for part in (option, path.absolute())],
     }
+    if args.recording:
+        files |= {stage: ["--recorded"] for stage in STAGES} | {"record": [args.recording.absolute()]}
     for option, value in (("--from", args.from_s), ("--to", args.to_s)):
         files["source"] += [] if value is None else [option, value]
     files["source"] += [part for topic in args.topic for part in ("--topic", topic)]
     files["source"] += [] if args.every == 1 else ["--every", args.every]
-    for before, name in zip((None, *NODES), NODES):
+    for before, name in zip((None, *nodes), nodes):
         arguments = shlex.join(map(str, ["node", name, *files.get(name, []), *settings]))
         node: dict[str, Any] = {"id": name, "path": PROGRAM, "args": arguments}
         if name in own:
@@ -301,6 +330,8 @@ def _parser() -> argparse.ArgumentParser:
     dataflow = commands.add_parser("dataflow", help="write the dataflow of a flight to standard output, as YAML")
     _add_source(dataflow)
     _add_report(dataflow)
+    dataflow.add_argument("--record", type=Path, metavar="FLIGHT.rrd", dest="recording",
+                          help="a recording for the Rerun viewer, also of stages of your own; needs crosscut[view]")
     dataflow.add_argument("--place", action="append", default=[], type=_pair, metavar="NODE=MACHINE",
                           help=f"run a node on a machine; nodes are {', '.join(NODES)}")
     dataflow.add_argument("--own", action="append", default=[], type=_pair, metavar="STAGE=COMMAND",
@@ -313,6 +344,10 @@ def _parser() -> argparse.ArgumentParser:
             _add_source(node)
         elif name == "report":
             _add_report(node)
+        elif name == "record":
+            node.add_argument("recording", type=Path)
+        else:
+            node.add_argument("--recorded", action="store_true", help="pass on W and U for a recording")
         _add_settings(node)
     return parser
 
