@@ -179,7 +179,7 @@ def test_motion_is_corrected_as_in_the_recording(
     recording = spinning(tee, tmp_path / "spinning.mcap")
     said = subprocess.run([in_wheel(), "run", recording, "--results", "-", "--quiet"], capture_output=True, check=True)
     expected = [json.loads(line) for line in said.stdout.splitlines()]
-    turned = sum("turned by 17.1° during the scan" in " ".join(line["notes"]) for line in expected)
+    turned = sum("turned by 17.2° during the scan" in " ".join(line["notes"]) for line in expected)
     # No scan is left out or answered before its odometry, however slow this machine is.
     monkeypatch.setattr(crosscut.live, "AHEAD", len(expected))
     monkeypatch.setattr(crosscut.live, "POSE_WAIT_S", 30.0)

@@ -194,6 +194,7 @@ def test_scans_that_a_lossy_network_loses_are_missing_by_their_stamps(tee: Path,
     writer = sender.writer("/robot1/scan", LASER_SCAN, BEST_EFFORT)
     scans = [idl_value(message) for of_type, message in recorded(tee) if of_type == LASER_SCAN]
     monkeypatch.setattr(crosscut.live, "AHEAD", len(scans))
+    monkeypatch.setattr(crosscut.live, "SILENCE_S", 30.0)
     with crosscut.live.Robot(f"ros2://{sender.domain}/robot1/scan") as robot:
         wait_until(writer.get_matched_subscriptions)
         for scan in scans:

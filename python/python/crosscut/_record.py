@@ -42,37 +42,41 @@ class Recording:
             self._unfinished.replace(self._path)
 
     def add(self, frames: pa.StructArray) -> None:
-        """The frames that have not failed."""
+        """The frames up to the first that has failed."""
+        columns = _frames.columns(frames)
         # Each frame is reported by itself: a flight would add to the line, and is that of the last node.
-        lines, _ = self._engine.report(_frames.columns(frames), self._engine.flight_map())
+        lines, _ = self._engine.report(columns, self._engine.flight_map())
         for row, line in enumerate(map(json.loads, lines.splitlines())):
-            self._log(line, {name: frames.field(name)[row] for name in (*_frames.W, *_frames.U, "points_m", "clusters")})
+            self._log(line, columns, row)
 
-    def _log(self, line: dict[str, Any], columns: dict[str, pa.Scalar]) -> None:
+    def _log(self, line: dict[str, Any], columns: dict[str, Any], row: int) -> None:
         log = self._stream.log
-        points_m = _values(columns["points_m"]).flatten().to_numpy().reshape(-1, 3)
-        clusters = _values(columns["clusters"]).to_numpy()
-        bearings = [opening["bearing_rad"] for opening in line["openings"]]
+        points_m = _row(columns["points_m"], row, width=3).reshape(-1, 3)
+        clusters = _row(columns["clusters"], row)
+        ahead = [[2.0 * np.cos(a), 2.0 * np.sin(a), 0.0] for a in (opening["bearing_rad"] for opening in line["openings"])]
         n = len(points_m)
         self._stream.set_time("revolution", sequence=line["seq"])
         self._stream.set_time("stamp", timestamp=np.datetime64(line["stamp_ns"], "ns"))
         log("scan/points", rr.Points3D(points_m, class_ids=clusters + 1))
-        log("affinity/W", rr.Tensor(_matrix("w", columns, [n, n]), dim_names=("return", "return")))
+        for entity, name, shape in (("affinity/W", "w", (n, n)), ("spectral/U", "u", (n, line["k"]))):
+            if f"{name}_value" in columns:  # a stage of another's may have left it out
+                log(entity, rr.Tensor(_matrix(name, columns, row, shape)))
         log("spectral/eigenvalues", rr.BarChart(line["eigenvalues"]))
-        log("spectral/U", rr.Tensor(_matrix("u", columns, [n, line["k"]]), dim_names=("return", "eigenvector")))
-        log("kmeans/labels", rr.Tensor(clusters, dim_names=("return",)))
-        log("report/openings", rr.Arrows3D(vectors=[[2.0 * np.cos(a), 2.0 * np.sin(a), 0.0] for a in bearings]))
-        log("report/place", rr.TextDocument(f"{line['place']}: {line['junctions']} walls, {len(bearings)} openings"))
+        log("kmeans/labels", rr.Tensor(clusters))
+        log("report/openings", rr.Arrows3D(vectors=ahead))
+        log("report/place", rr.TextDocument(f"{line['place']}: {line['junctions']} walls, {len(ahead)} openings"))
 
 
-def _values(cell: pa.Scalar) -> pa.Array:
-    values: pa.Array = cell.values
-    return values
+def _row(column: Any, row: int, width: int = 1) -> NDArray[Any]:
+    """The list of a row, of entries of ``width`` values."""
+    starts, values = column
+    of_row: NDArray[Any] = values[width * starts[row] : width * starts[row + 1]]
+    return of_row
 
 
-def _matrix(name: str, columns: dict[str, pa.Scalar], shape: list[int]) -> NDArray[np.float64]:
+def _matrix(name: str, columns: dict[str, Any], row: int, shape: tuple[int, int]) -> NDArray[np.float64]:
     """All entries of W or U."""
-    starts, of_entry, values = (_values(columns[f"{name}_{part}"]).to_numpy() for part in ("row_start", "column", "value"))
+    starts, of_entry, values = (_row(columns[f"{name}_{part}"], row) for part in ("row_start", "column", "value"))
     if len(starts) == 0:
         return values.reshape(shape)
     matrix = np.zeros(shape)
