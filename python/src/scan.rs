@@ -218,7 +218,9 @@ impl Scan {
         let seq = self.seq.map(|seq| format!("seq={seq}, ")).unwrap_or_default();
         let content = match (self.wire(), &self.content) {
             (Some((ranges_m, _)), _) => format!("beams={}", ranges_m.len()),
-            (None, Content::Message { message: ScanMessage::Cloud(cloud), .. }) => format!("points={}", cloud.points_m.len()),
+            (None, Content::Message { message: ScanMessage::Cloud(cloud), .. }) => {
+                format!("points={}", cloud.points_m.len())
+            }
             (None, Content::Revolution(cloud, _)) => format!("points={}", cloud.len()),
             (None, Content::Message { .. }) => unreachable!("a scan has ranges"),
         };
