@@ -2,6 +2,8 @@
 
 use nalgebra::Isometry2;
 
+const NS_PER_S: f64 = 1e9;
+
 /// The poses of the vehicle at two times of a scan. Between and around them it moves evenly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
@@ -9,8 +11,6 @@ pub(crate) struct Motion {
     pub(crate) times_s: [f64; 2],
     pub(crate) poses: [Isometry2<f64>; 2],
 }
-
-const NS_PER_S: f64 = 1e9;
 
 impl Motion {
     /// During a scan with this stamp, whose first and last point were measured at `times_s`; `poses_at` knows the poses at

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crosscut_ingest::{Live, Odometry, ReadOptions, Recording};
-use crosscut_messages::{Cloud, Endian, Header, LaserScan, Message, PointCloud2, ScanDecoder, ScanMessage, Time};
+use crosscut_messages::{Cloud, Endian, Header, LaserScan, PointCloud2, ScanDecoder, ScanMessage, Time};
 use crosscut_stage::{Beam, Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Record, record_at, sensor, time_ns};
