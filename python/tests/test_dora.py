@@ -294,6 +294,9 @@ def test_what_cannot_be_read_ends_the_dataflow_with_its_reason(tee: Path, tmp_pa
     run = Flow(tmp_path, [tmp_path / "text.mcap"]).run()
     said = run.communicate(timeout=60)[0]
     assert run.returncode != 0 and "text.mcap" in said
+    run = Flow(tmp_path, [tee], "--record", str(tmp_path / "absent" / "flight.rrd")).run()
+    said = run.communicate(timeout=60)[0]
+    assert run.returncode != 0 and "record: " in said, said
     assert "error: there is no node solver" in refused("--own", "solver=x")
     assert "x is not NAME=VALUE" in refused("--place", "x")
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -27,19 +26,9 @@ class Recording:
         self._stream = rr.RecordingStream("crosscut", recording_id=path.name)
         self._stream.save(self._unfinished)
 
-    def __enter__(self) -> Recording:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if kind is None:
-            self.close()
-
     def close(self) -> None:
-        if self._unfinished.exists():
-            self._stream.disconnect()
-            self._unfinished.replace(self._path)
+        self._stream.disconnect()
+        self._unfinished.replace(self._path)
 
     def add(self, frames: pa.StructArray) -> None:
         """The frames up to the first that has failed."""
@@ -80,5 +69,6 @@ def _matrix(name: str, columns: dict[str, Any], row: int, shape: tuple[int, int]
     if len(starts) == 0:
         return values.reshape(shape)
     matrix = np.zeros(shape)
-    matrix[np.repeat(np.arange(shape[0]), np.diff(starts.astype(np.int64))), of_entry] = values
+    entries = [int(end) - int(start) for start, end in zip(starts, starts[1:])]
+    matrix[np.repeat(np.arange(shape[0]), entries), of_entry] = values
     return matrix
