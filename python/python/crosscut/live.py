@@ -50,8 +50,8 @@ AHEAD = 16
 SILENCE_S = 2.0
 """After so long without a scan, that is told."""
 
-POSE_WAIT_S = 0.1
-"""How long a scan waits for the odometry up to its end, from when it arrives."""
+POSE_WAIT_S = 0.2
+"""How long a scan waits for the odometry up to its end, from when it arrives: one of 0.1 s may be sent as it begins."""
 
 LEAST_INTERVALS = 5
 """Fewer stamps do not show the usual interval."""
