@@ -1,7 +1,8 @@
 """Times frames through dora on this machine: `python/run dora`.
 
-Latency: frames leave one node at 40 Hz, with their send time; the next node takes them as arrays of numpy. Throughput: frames of
-60 returns, 64 in a message, from node to node with every message acknowledged (`crosscut/_window.py`).
+Latency: frames leave one node at 40 Hz, with their send time; the next node takes them as arrays of numpy. Beside them, an array
+of as many bytes tells what dora alone takes. Throughput: frames of 60 returns, 64 in a message, from node to node with every
+message acknowledged (`crosscut/_window.py`).
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ def frames_of(beams: int, batch: int, stage: bool) -> pa.StructArray:
     return _frames.after("affinity", engine, frames) if stage else frames
 
 
-def send_in_time(node: Any, frames: pa.StructArray) -> None:
+WHAT = {"bytes": "an array as large as a scan, by dora alone", "scan": "a scan of 360 beams", "W": "a scan of 360 beams with its W"}
+
+
+def send_in_time(node: Any, frames: pa.Array) -> None:
     start = time.monotonic()
     for number in range(FRAMES):
         time.sleep(max(0.0, start + number / HZ - time.monotonic()))
@@ -43,10 +47,11 @@ def take_in_time(node: Any, what: str) -> None:
     latencies_ms = []
     for event in node:
         if event["type"] == "INPUT":
-            _frames.columns(event["value"])
+            if what != "bytes":
+                _frames.columns(event["value"])
             latencies_ms.append((time.monotonic_ns() - event["metadata"]["sent_ns"]) / 1e6)
     p50, p99 = np.percentile(latencies_ms[HZ:], [50, 99])  # the first second is the engine's start
-    print(f"{what}: {event_count(latencies_ms)}, one hop p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
+    print(f"{WHAT[what]}: {event_count(latencies_ms)}, one hop p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
 
 
 def event_count(latencies_ms: list[float]) -> str:
@@ -89,16 +94,17 @@ def node(role: str, what: str) -> None:
     if role == "send" and what.startswith("fast"):
         send_fast(Node(), frames_of(SMALL, int(what.removeprefix("fast")), stage=False))
     elif role == "send":
-        send_in_time(Node(), frames_of(360, 1, stage=what == "W"))
+        frames = frames_of(360, 1, stage=what == "W")
+        send_in_time(Node(), pa.array(np.zeros(frames.nbytes, np.uint8)) if what == "bytes" else frames)
     elif what.startswith("fast"):
         take_fast(Node())
     else:
-        take_in_time(Node(), f"a scan of 360 beams{' with its W' if what == 'W' else ''}")
+        take_in_time(Node(), what)
 
 
 def main() -> None:
     program = Path(sys.executable).with_name("dora")
-    for what in ("scan", "W", f"fast{BATCH}", "fast1"):
+    for what in (*WHAT, f"fast{BATCH}", "fast1"):
         sender = {"id": "send", "path": sys.executable, "args": f"{Path(__file__).resolve()} send {what}",
                   "inputs": {"acks": {"source": "take/acks", "queue_size": 2 * WINDOW}}, "outputs": ["frames"]}
         taker = {"id": "take", "path": sys.executable, "args": f"{Path(__file__).resolve()} take {what}",

@@ -45,7 +45,7 @@ def send(where: str) -> None:
 def measure(name: str, where: str) -> None:
     latencies_ms = []
 
-    def take(message: bytes, message_type: str, skipped: int) -> None:
+    def take(message: bytes, message_type: str, skipped: int | None) -> None:
         arrived_ns = time.monotonic_ns()
         sent = re.search(rb"(\d+) \.", message)
         if sent:

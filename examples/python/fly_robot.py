@@ -33,8 +33,8 @@ def main() -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: robot.close())
         try:
-            for scan, pose in robot:
-                command = navigator.step(scan, pose)
+            for scan, _ in robot:
+                command = navigator.step(scan)
                 robot.drive(args.command, command.speed_m_s, command.turn_rate_rad_s)
                 if command.why or command.done:
                     print(command.end or command.why, flush=True)

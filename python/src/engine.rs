@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
-use crosscut_ingest::Sensor;
+use crosscut_ingest::{Live, Sensor};
 use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
 use crosscut_report::ResultsLine;
 use crosscut_stage::Step;
@@ -42,15 +42,15 @@ struct Work {
 }
 
 impl Work {
-    fn write(&mut self, scan: &Scan, seq: u64) {
-        scan.write(&self.sensor, seq, &mut self.frame);
-        // What a flight added to the scan before.
-        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
+    fn process(&mut self, scan: &Scan, seq: u64) -> Result<(), Failure> {
+        scan.write(&mut Live::default(), &self.sensor, seq, &mut self.frame);
+        self.forget_flight();
+        self.stages.process(&mut self.frame)
     }
 
-    fn process(&mut self, scan: &Scan, seq: u64) -> Result<(), Failure> {
-        self.write(scan, seq);
-        self.stages.process(&mut self.frame)
+    /// What a flight added to the scan before.
+    fn forget_flight(&mut self) {
+        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
     }
 
     fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {
@@ -180,7 +180,8 @@ impl Engine {
         map: Py<FlightMap>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let added = self.working(py, |work| {
-            work.write(scan.get(), seq);
+            map.get().write(scan.get(), &work.sensor, seq, &mut work.frame);
+            work.forget_flight();
             if let Some((x_m, y_m, yaw_rad)) = pose {
                 work.frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
             }
@@ -213,7 +214,7 @@ impl Engine {
         let frames = self.working(py, |work| {
             let written = scans.iter().zip(first_seq..).map(|(scan, seq)| {
                 let mut frame = Frame::default();
-                scan.get().write(&work.sensor, seq, &mut frame);
+                scan.get().write(&mut Live::default(), &work.sensor, seq, &mut frame);
                 frame
             });
             written.collect::<Vec<_>>()

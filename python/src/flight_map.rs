@@ -1,8 +1,9 @@
 //! The map of a flight.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crosscut_flight::{Flight, Mapper, check_live};
+use crosscut_ingest::{Live, Sensor};
 use crosscut_pipeline::Config;
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Frame;
@@ -11,11 +12,21 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::error::Class;
+use crate::scan::Scan;
 
 /// Poses and map of a flight so far.
 #[pyclass(frozen, module = "crosscut._native")]
 pub(crate) struct FlightMap {
-    state: Mutex<(Flight, Mapper, Option<Isometry2<f64>>)>,
+    state: Mutex<State>,
+}
+
+struct State {
+    /// What is known of a live robot by its scans.
+    live: Live,
+    flight: Flight,
+    mapper: Mapper,
+    /// That of the last scan.
+    pose: Option<Isometry2<f64>>,
 }
 
 impl FlightMap {
@@ -23,21 +34,30 @@ impl FlightMap {
         let params = config.params("flight");
         check_live(params).map_err(|error| Class::Settings.because(py, &error))?;
         let flight = Flight::new(params, config.params("vehicle").get(VEHICLE_WIDTH_M));
-        Ok(Self { state: Mutex::new((flight, Mapper::default(), None)) })
+        Ok(Self::of(&flight, &Mapper::default(), None))
     }
 
     /// A flight that was followed elsewhere.
     pub(crate) fn of(flight: &Flight, mapper: &Mapper, pose: Option<Isometry2<f64>>) -> Self {
-        Self { state: Mutex::new((flight.clone(), mapper.clone(), pose)) }
+        let state = State { live: Live::default(), flight: flight.clone(), mapper: mapper.clone(), pose };
+        Self { state: Mutex::new(state) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Writes the next scan into `frame`, as the scans before it show the robot.
+    pub(crate) fn write(&self, scan: &Scan, sensor: &Sensor, seq: u64, frame: &mut Frame) {
+        scan.write(&mut self.state().live, sensor, seq, frame);
     }
 
     /// Takes the next frame, which the stages have filled.
     pub(crate) fn add(&self, frame: &mut Frame) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let (flight, mapper, pose) = &mut *state;
-        flight.add(frame);
-        mapper.add(frame);
-        *pose = frame.pose;
+        let mut state = self.state();
+        state.flight.add(frame);
+        state.mapper.add(frame);
+        state.pose = frame.pose;
     }
 }
 
@@ -46,13 +66,12 @@ impl FlightMap {
     /// x and y in metres and yaw in radians of the last scan, in the frame of the first one.
     #[getter]
     fn pose(&self) -> Option<(f64, f64, f64)> {
-        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.2.map(|pose| (pose.translation.x, pose.translation.y, pose.rotation.angle()))
+        self.state().pose.map(|pose| (pose.translation.x, pose.translation.y, pose.rotation.angle()))
     }
 
     /// The nodes, and the passages as (from, to, attributes); both with the names of `crosscut map`'s JSON.
     fn graph<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyList>, Bound<'py, PyList>)> {
-        let map = py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map());
+        let map = py.detach(|| self.state().mapper.map());
         let (nodes, passages) = (PyList::empty(py), PyList::empty(py));
         for node in &map.nodes {
             let ways = PyList::empty(py);
@@ -84,11 +103,11 @@ impl FlightMap {
 
     /// The map as `run --map` writes it.
     fn json(&self, py: Python<'_>) -> String {
-        py.detach(|| crosscut::map_json(&self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map()))
+        py.detach(|| crosscut::map_json(&self.state().mapper.map()))
     }
 
     /// The map in a line.
     fn summary(&self, py: Python<'_>) -> String {
-        py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).1.map().summary())
+        py.detach(|| self.state().mapper.map().summary())
     }
 }

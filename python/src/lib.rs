@@ -30,7 +30,7 @@ mod _native {
     #[pymodule_export]
     use crate::navigator::Navigator;
     #[pymodule_export]
-    use crate::odometry::poses_of_message;
+    use crate::odometry::Odometry;
     #[pymodule_export]
     use crate::program::program;
     #[pymodule_export]

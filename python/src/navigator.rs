@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crosscut_explore::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_flight::check_live;
+use crosscut_ingest::Live;
 use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;
 use nalgebra::{Isometry2, Vector2};
@@ -20,7 +21,8 @@ pub(crate) type Command = (f64, f64, &'static str, Option<String>, Option<&'stat
 /// The navigator of one vehicle, with its detector and its map.
 #[pyclass(frozen, module = "crosscut._native")]
 pub(crate) struct Navigator {
-    pilot: Mutex<Pilot>,
+    /// The pilot, and what is known of the robot by its scans.
+    state: Mutex<(Pilot, Live)>,
 }
 
 impl Navigator {
@@ -43,13 +45,14 @@ impl Navigator {
         check_live(config.params("flight")).map_err(|error| Class::Settings.because(py, &error))?;
         let radius_m = 0.5 * config.params("vehicle").get(VEHICLE_WIDTH_M);
         let limits = Limits { speed_max_m_s, turn_rate_max_rad_s, radius_m };
-        Ok(Self { pilot: Mutex::new(Pilot::new(config, registry, *kind, limits)) })
+        Ok(Self { state: Mutex::new((Pilot::new(config, registry, *kind, limits), Live::default())) })
     }
 
     pub(crate) fn step(&self, scan: &Scan, pose: Option<(f64, f64, f64)>) -> Result<Command, Failure> {
-        let mut pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let (pilot, live) = &mut *state;
         let step = pilot.step(|sensor, frame| {
-            scan.write(sensor, 0, frame);
+            scan.write(live, sensor, 0, frame);
             if let Some((x_m, y_m, yaw_rad)) = pose {
                 frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
             }
@@ -64,7 +67,7 @@ impl Navigator {
 impl Navigator {
     /// The map up to now; what the vehicle flies later is not added.
     fn flight_map(&self) -> FlightMap {
-        let pilot = self.pilot.lock().unwrap_or_else(PoisonError::into_inner);
+        let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
         FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
     }
 }

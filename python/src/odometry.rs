@@ -1,37 +1,65 @@
-//! Poses in messages of a robot.
+//! Poses of a live robot.
 
-use crosscut_messages::{Message, Odometry, Quaternion, TfMessage, Vector3, plain_type_name};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crosscut_ingest::Odometry as Poses;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::error::Class;
+use crate::scan::Scan;
 
-/// Stamp in nanoseconds, parent and child frame, x and y in metres, yaw in radians.
-type Pose = (u64, String, String, f64, f64, f64);
+/// Of more poses than these, those of the last seconds are kept, where no scan asks for any.
+const MOST_POSES: usize = 10_000;
+const KEPT_NS: u64 = 5_000_000_000;
 
-/// The poses in a message of ROS 2 (CDR): of `nav_msgs/msg/Odometry` one, of `tf2_msgs/msg/TFMessage` one a transform.
-#[pyfunction]
-pub(crate) fn poses_of_message(py: Python<'_>, message: &[u8], message_type: &str) -> PyResult<Vec<Pose>> {
-    let pose = |stamp: crosscut_messages::Time, frames: [String; 2], at: Vector3, turned: &Quaternion| {
-        let [parent, child] = frames;
-        (stamp.to_ns().unwrap_or(0), parent, child, at.x, at.y, turned.yaw_rad())
-    };
-    let type_name = plain_type_name(message_type);
-    if type_name == plain_type_name(Odometry::SCHEMA_NAME) {
-        let odometry = Odometry::decode(message).map_err(|error| Class::Read.because(py, &error))?;
-        let of_vehicle = odometry.pose.pose;
-        let frames = [odometry.header.frame_id, odometry.child_frame_id];
-        Ok(vec![pose(odometry.header.stamp, frames, of_vehicle.position, &of_vehicle.orientation)])
-    } else if type_name == plain_type_name(TfMessage::SCHEMA_NAME) {
-        let transforms = TfMessage::decode(message).map_err(|error| Class::Read.because(py, &error))?.transforms;
-        let of_transform = |of: crosscut_messages::TransformStamped| {
-            let frames = [of.header.frame_id, of.child_frame_id];
-            pose(of.header.stamp, frames, of.transform.translation, &of.transform.rotation)
-        };
-        Ok(transforms.into_iter().map(of_transform).collect())
-    } else {
-        Err(PyValueError::new_err(format!(
-            "{message_type} has no poses: nav_msgs/msg/Odometry and tf2_msgs/msg/TFMessage do"
-        )))
+/// The latest poses of a robot by its odometry.
+#[pyclass(frozen, module = "crosscut._native")]
+#[derive(Default)]
+pub(crate) struct Odometry {
+    poses: Mutex<Poses>,
+}
+
+impl Odometry {
+    fn poses(&self) -> MutexGuard<'_, Poses> {
+        self.poses.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl Odometry {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the pose in a message of ROS 2 (CDR): a `nav_msgs/msg/Odometry`, or a `tf2_msgs/msg/TFMessage` with the transform
+    /// below frame `odom`.
+    fn add(&self, py: Python<'_>, message: &[u8], message_type: &str) -> PyResult<()> {
+        if !Poses::reads(message_type) {
+            let known = "nav_msgs/msg/Odometry and tf2_msgs/msg/TFMessage do";
+            return Err(PyValueError::new_err(format!("{message_type} has no poses: {known}")));
+        }
+        let mut poses = self.poses();
+        poses.push_message(message_type, message).map_err(|error| Class::Read.because(py, &error))?;
+        if let Some(last_ns) = poses.last_ns().filter(|_| poses.len() > MOST_POSES) {
+            poses.forget_before(last_ns.saturating_sub(KEPT_NS));
+        }
+        Ok(())
+    }
+
+    /// Whether there are poses up to the end of the scan.
+    fn reaches(&self, scan: &Scan) -> bool {
+        scan.span_ns().is_none_or(|[_, end_ns]| self.poses().last_ns().is_some_and(|last_ns| last_ns >= end_ns))
+    }
+
+    /// The scan with the poses around it, and x, y and yaw of the vehicle in the middle of it. Scans are asked for in order.
+    fn beside(&self, scan: &Scan) -> (Scan, Option<(f64, f64, f64)>) {
+        let mut poses = self.poses();
+        if let Some([start_ns, _]) = scan.span_ns() {
+            poses.forget_before(start_ns);
+        }
+        let (scan, pose) = scan.beside(&poses);
+        (scan, pose.map(|pose| (pose.translation.x, pose.translation.y, pose.rotation.angle())))
     }
 }

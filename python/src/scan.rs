@@ -1,8 +1,9 @@
 //! One scan: as a driver gives it, or as a recording shows it.
 
-use crosscut_messages::{Cloud, LaserScan, ScanDecoder, ScanMessage};
-use crosscut_pipeline::Sensor;
+use crosscut_ingest::{Live, Odometry, Sensor};
+use crosscut_messages::{LaserScan, ScanDecoder, ScanMessage};
 use crosscut_stage::{Frame, Notes, Point, Revolution};
+use nalgebra::Isometry2;
 use numpy::IntoPyArray;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -19,10 +20,8 @@ pub(crate) struct Scan {
 }
 
 enum Content {
-    /// A message, which the sensor of an engine makes a revolution.
-    Message { scan: LaserScan, stamp_ns: u64 },
-    /// A message with points, which the sensor of an engine turns and selects.
-    Cloud { cloud: Cloud, stamp_ns: u64 },
+    /// A message, which the sensor of an engine makes a revolution, and the poses of the vehicle around it.
+    Message { message: ScanMessage, stamp_ns: u64, odometry: Odometry },
     /// A revolution, with what ingest noted of it.
     Revolution(Revolution, Notes),
 }
@@ -32,16 +31,40 @@ impl Scan {
         Self { seq: Some(revolution.seq), content: Content::Revolution(revolution, notes) }
     }
 
-    /// Writes the revolution into `frame`, with its notes; `seq` numbers a scan that has no number.
-    pub(crate) fn write(&self, sensor: &Sensor, seq: u64, frame: &mut Frame) {
+    fn of_message(message: ScanMessage, stamp_ns: u64, seq: Option<u64>) -> Self {
+        Self { seq, content: Content::Message { message, stamp_ns, odometry: Odometry::default() } }
+    }
+
+    /// When it was taken, from and to, if it is a message.
+    pub(crate) fn span_ns(&self) -> Option<[u64; 2]> {
+        match &self.content {
+            Content::Message { message, .. } => Some(Live::span_ns(message)),
+            Content::Revolution(..) => None,
+        }
+    }
+
+    /// The scan with these poses of the vehicle, and the pose in the middle of it.
+    pub(crate) fn beside(&self, odometry: &Odometry) -> (Self, Option<Isometry2<f64>>) {
+        let (content, pose) = match &self.content {
+            Content::Message { message, stamp_ns, .. } => {
+                let (message, stamp_ns, odometry) = (message.clone(), *stamp_ns, odometry.clone());
+                let pose = Live::pose(&message, &odometry);
+                (Content::Message { message, stamp_ns, odometry }, pose)
+            }
+            Content::Revolution(revolution, notes) => {
+                (Content::Revolution(revolution.clone(), notes.clone()), revolution.odometry)
+            }
+        };
+        (Self { seq: self.seq, content }, pose)
+    }
+
+    /// Writes the revolution into `frame`, with its notes; `live` knows the scans before, `seq` numbers a scan that has no
+    /// number.
+    pub(crate) fn write(&self, live: &mut Live, sensor: &Sensor, seq: u64, frame: &mut Frame) {
         frame.notes.clear();
         match &self.content {
-            Content::Message { scan, stamp_ns } => {
-                sensor.revolution(scan, &mut frame.revolution, &mut frame.notes);
-                frame.revolution.stamp_ns = *stamp_ns;
-            }
-            Content::Cloud { cloud, stamp_ns } => {
-                sensor.cloud(cloud, &mut frame.revolution, &mut frame.notes);
+            Content::Message { message, stamp_ns, odometry } => {
+                live.show(message, odometry, sensor, &mut frame.revolution, &mut frame.notes);
                 frame.revolution.stamp_ns = *stamp_ns;
             }
             Content::Revolution(revolution, notes) => {
@@ -55,10 +78,10 @@ impl Scan {
     /// The ranges and the geometry of the message, untouched; `None` for a cloud.
     fn wire(&self) -> Option<(&[f32], [f32; 4])> {
         match &self.content {
-            Content::Message { scan, .. } => {
+            Content::Message { message: ScanMessage::Scan(scan), .. } => {
                 Some((&scan.ranges, [scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max]))
             }
-            Content::Cloud { .. } => None,
+            Content::Message { message: ScanMessage::Cloud(_), .. } => None,
             Content::Revolution(revolution, _) => {
                 revolution.sweep.as_ref().map(|sweep| (&sweep.ranges_m[..], sweep.wire_geometry))
             }
@@ -92,7 +115,7 @@ impl Scan {
             ..LaserScan::default()
         };
         scan.header.frame_id = frame_id;
-        Ok(Self { seq, content: Content::Message { scan, stamp_ns } })
+        Ok(Self::of_message(ScanMessage::Scan(scan), stamp_ns, seq))
     }
 
     #[staticmethod]
@@ -127,11 +150,7 @@ impl Scan {
         let mut decoded = ScanMessage::default();
         decoder.decode_into(message, &mut decoded).map_err(|error| Class::Read.because(py, &error))?;
         let stamp_ns = decoded.header().stamp.to_ns().unwrap_or(0);
-        let content = match decoded {
-            ScanMessage::Scan(scan) => Content::Message { scan, stamp_ns },
-            ScanMessage::Cloud(cloud) => Content::Cloud { cloud, stamp_ns },
-        };
-        Ok(Self { seq, content })
+        Ok(Self::of_message(decoded, stamp_ns, seq))
     }
 
     #[getter]
@@ -142,7 +161,7 @@ impl Scan {
     #[getter]
     fn stamp_ns(&self) -> u64 {
         match &self.content {
-            Content::Message { stamp_ns, .. } | Content::Cloud { stamp_ns, .. } => *stamp_ns,
+            Content::Message { stamp_ns, .. } => *stamp_ns,
             Content::Revolution(revolution, _) => revolution.stamp_ns,
         }
     }
@@ -150,8 +169,7 @@ impl Scan {
     #[getter]
     fn frame_id(&self) -> &str {
         match &self.content {
-            Content::Message { scan, .. } => &scan.header.frame_id,
-            Content::Cloud { cloud, .. } => &cloud.header.frame_id,
+            Content::Message { message, .. } => &message.header().frame_id,
             Content::Revolution(revolution, _) => &revolution.frame_id,
         }
     }
@@ -184,14 +202,14 @@ impl Scan {
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut frame = Frame::default();
-        self.write(&Sensor::default(), 0, &mut frame);
+        self.write(&mut Live::default(), &Sensor::default(), 0, &mut frame);
         arrays::points(py, &frame.revolution.points_m)
     }
 
     #[getter]
     fn notes(&self) -> Vec<String> {
         match &self.content {
-            Content::Message { .. } | Content::Cloud { .. } => Vec::new(),
+            Content::Message { .. } => Vec::new(),
             Content::Revolution(_, notes) => notes.iter().map(str::to_owned).collect(),
         }
     }
@@ -200,9 +218,11 @@ impl Scan {
         let seq = self.seq.map(|seq| format!("seq={seq}, ")).unwrap_or_default();
         let content = match (self.wire(), &self.content) {
             (Some((ranges_m, _)), _) => format!("beams={}", ranges_m.len()),
-            (None, Content::Cloud { cloud, .. }) => format!("points={}", cloud.points_m.len()),
+            (None, Content::Message { message: ScanMessage::Cloud(cloud), .. }) => {
+                format!("points={}", cloud.points_m.len())
+            }
             (None, Content::Revolution(cloud, _)) => format!("points={}", cloud.len()),
-            (None, Content::Message { .. }) => unreachable!("a message has ranges"),
+            (None, Content::Message { .. }) => unreachable!("a scan has ranges"),
         };
         format!("Scan({seq}{content}, stamp_ns={})", self.stamp_ns())
     }

@@ -15,8 +15,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import free_port, in_wheel
+
+import crosscut
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 NODES = ("source", "affinity", "spectral", "kmeans", "report")
@@ -248,11 +251,52 @@ def test_the_embedding_of_scikit_learn_takes_the_place_of_a_stage(tee: Path, tmp
         assert a["labels"] == b["labels"], a["seq"]
 
 
+def test_a_recording_has_what_the_stages_made_of_each_frame(tee: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    recording = tmp_path / "flight.rrd"
+    flow = Flow(tmp_path, [tee], "--every", "20", "--record", str(recording))
+    finish(flow.run())
+    program = tmp_path / "program.jsonl"
+    subprocess.run([in_wheel(), "run", tee, "--results", program, "--every", "20", "--quiet"], check=True)
+    assert flow.results.read_bytes() == program.read_bytes()
+    engine = crosscut.Engine(keep=("W", "U"))
+    results = {result.seq: result for result in engine.process_many(crosscut.read(tee, every=20))}
+    made = {entity: tensors(recording, entity) for entity in ("/affinity/W", "/spectral/U", "/kmeans/labels")}
+    assert [list(of_frames) for of_frames in made.values()] == [list(results)] * 3
+    for seq, result in results.items():
+        assert np.array_equal(made["/affinity/W"][seq], result.W.toarray())
+        assert np.array_equal(made["/spectral/U"][seq], result.U)
+        assert made["/kmeans/labels"][seq].shape == (len(result.W.toarray()),)
+    entities = {chunk.entity_path for chunk in rerun_chunks(recording)}
+    assert {"/scan/points", "/spectral/eigenvalues", "/report/openings", "/report/place"} <= entities
+    assert not list(tmp_path.glob(".*.unfinished"))
+
+
+def rerun_chunks(recording: Path) -> Any:
+    from rerun.experimental import RrdReader
+
+    return RrdReader(recording).stream()
+
+
+def tensors(recording: Path, entity: str) -> dict[int, Any]:
+    """Those of an entity, by revolution."""
+    found = {}
+    for chunk in rerun_chunks(recording).filter(content=entity):
+        batch = chunk.to_record_batch()
+        for seq, cell in zip(batch.column("revolution").to_pylist(), batch.column("Tensor:data"), strict=True):
+            shape = cell.values.field("shape")[0].as_py()
+            found[seq] = cell.values.field("buffer")[0].value.values.to_numpy(zero_copy_only=False).reshape(shape)
+    return dict(sorted(found.items()))
+
+
 def test_what_cannot_be_read_ends_the_dataflow_with_its_reason(tee: Path, tmp_path: Path) -> None:
     (tmp_path / "text.mcap").write_text("no recording")
     run = Flow(tmp_path, [tmp_path / "text.mcap"]).run()
     said = run.communicate(timeout=60)[0]
     assert run.returncode != 0 and "text.mcap" in said
+    run = Flow(tmp_path, [tee], "--record", str(tmp_path / "absent" / "flight.rrd")).run()
+    said = run.communicate(timeout=60)[0]
+    assert run.returncode != 0 and "record: " in said, said
     assert "error: there is no node solver" in refused("--own", "solver=x")
     assert "x is not NAME=VALUE" in refused("--place", "x")
 

@@ -60,6 +60,31 @@ def test_stages_apart_give_the_bytes_of_the_program(program: str, recording: Pat
     assert lines == expected.stdout
 
 
+def test_frames_are_read_alike_in_whatever_form_they_arrive(tee: Path) -> None:
+    engine = crosscut.Engine()._native
+    scans = [scan for _, scan in zip(range(3), crosscut.read(tee))]
+    frames = _frames.after("affinity", engine, _frames.of_scans(engine, scans, 0))
+    arrays = _frames._fields(frames)
+    stamps = arrays["stamp_ns"].buffers()[1]
+    forms = {
+        "of another process": sent(frames),
+        "a part of more": pa.concat_arrays([frames[:2], frames])[2:],
+        "sorted otherwise": _frames._struct(dict(reversed(arrays.items()))),
+        "with 64-bit starts": _frames._struct({**arrays, "ranges_m": arrays["ranges_m"].cast(pa.large_list(pa.float32()))}),
+        "with what is unknown": _frames._struct({"theirs": pa.array([1, 2, 3]), **arrays}),
+    }
+    for bits in (0xFF, 0x07):  # with those beyond the last row, as dora sends, and without
+        validity = pa.Array.from_buffers(pa.uint64(), 3, [pa.py_buffer(bytes([bits])), stamps])
+        forms[f"valid by {bits:#x}"] = _frames._struct({**arrays, "stamp_ns": validity})
+    for form, arrived in forms.items():
+        read = _frames._arrays(_frames.columns(arrived))
+        assert set(read) == set(arrays), form
+        for name, array in arrays.items():
+            assert read[name].equals(array), (form, name)
+    empty = _frames.columns(sent(frames[:0]))
+    assert all(array.equals(arrays[name][:0]) for name, array in _frames._arrays(empty).items())
+
+
 def test_a_cloud_and_a_scan_without_returns_travel_too() -> None:
     cloud = np.random.default_rng(1).uniform(-5.0, 5.0, (200, 3))
     scans = [crosscut.Scan.from_points(cloud), crosscut.Scan([np.inf] * 90, 0.0, 0.07), crosscut.Scan.from_points(cloud[:0])]

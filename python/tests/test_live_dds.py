@@ -189,6 +189,29 @@ def test_a_lossy_network_loses_no_scan_of_a_reliable_robot(
     assert len(check_answers(results, tee)) == answered > 100
 
 
+def test_scans_that_a_lossy_network_loses_are_missing_by_their_stamps(
+    tee: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = Robot(monkeypatch, LOSSY)
+    writer = robot.writer("/robot1/scan", LASER_SCAN, BEST_EFFORT)
+    scans = [idl_value(message) for of_type, message in recorded(tee) if of_type == LASER_SCAN]
+    results = tmp_path / "live.jsonl"
+    process = robot.answers("--results", results)
+    try:
+        wait_until(writer.get_matched_subscriptions)
+        for scan in scans:
+            writer.write(scan)
+            time.sleep(0.025)
+        time.sleep(2)  # what waits is answered
+    finally:
+        said = interrupted(process)[1]
+    missed, gaps = map(int, re.findall(r"answered, (\d+) missed, about (\d+) more by their stamps", said)[0])
+    stamps = [json.loads(line)["stamp_ns"] for line in results.read_text().splitlines()]
+    # The first intervals show what is usual.
+    lost = round((stamps[-1] - stamps[5]) / 1e8) + 1 - len(stamps[5:]) - missed
+    assert lost > 3 and abs(lost - gaps) <= 3, (lost, said)
+
+
 def test_commands_reach_the_base_over_dds(monkeypatch: pytest.MonkeyPatch) -> None:
     base = Robot(monkeypatch)
     heard = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist")

@@ -10,12 +10,13 @@ const GAP_NS: u64 = 1_000_000_000;
 const GAP_TIMES: u64 = 5;
 
 /// The scan before, once there was one.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Before {
     scan: Option<Previous>,
 }
 
 /// What the scan before said.
+#[derive(Debug)]
 struct Previous {
     stamp_ns: u64,
     /// From a stamp to the next, the last time that they differed and nothing was missing.

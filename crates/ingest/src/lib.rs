@@ -88,8 +88,8 @@
 //! sees the nearest return in it. What was joined, and what cannot be, is noted.
 //!
 //! To add another kind of recording: implement `Container` in a file of its own under `container/`, and give it a line
-//! in `container::open`. To read something live: pass [`LaserScan`](crosscut_messages::LaserScan)s through
-//! [`Sensor::revolution`], and implement [`Source`](crosscut_stage::Source).
+//! in `container::open`. Scans that arrive live become revolutions by [`Live`]; a [`Source`](crosscut_stage::Source) gives
+//! them to the pipeline.
 
 mod before;
 mod clock;
@@ -101,6 +101,7 @@ mod following;
 mod found;
 mod inputs;
 mod limits;
+mod live;
 mod loss;
 mod messages;
 mod metadata;
@@ -123,6 +124,7 @@ pub use error::IngestError;
 pub use following::Following;
 pub use found::Found;
 pub use inputs::{Parts, parts_in, recordings_in};
+pub use live::Live;
 pub use loss::{Damage, Loss, LossKind};
 pub use odometry::Odometry;
 pub use recording::{ReadOptions, Recording};

@@ -2,6 +2,8 @@
 
 use nalgebra::Isometry2;
 
+const NS_PER_S: f64 = 1e9;
+
 /// The poses of the vehicle at two times of a scan. Between and around them it moves evenly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
@@ -11,6 +13,18 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
+    /// During a scan with this stamp, whose first and last point were measured at `times_s`; `poses_at` knows the poses at
+    /// two times. The vehicle stands if the scan does not tell how long it takes, or the poses end before it.
+    pub(crate) fn during(
+        stamp_ns: u64,
+        times_s: [f64; 2],
+        mut poses_at: impl FnMut([u64; 2]) -> Option<[Isometry2<f64>; 2]>,
+    ) -> Option<Self> {
+        [times_s, [0.0; 2]]
+            .into_iter()
+            .find_map(|times_s| Some(Self { times_s, poses: poses_at(stamps_ns(stamp_ns, times_s))? }))
+    }
+
     fn at(&self, time_s: f64) -> Isometry2<f64> {
         let ([from_s, to_s], [from, to]) = (self.times_s, self.poses);
         let share = if to_s > from_s { (time_s - from_s) / (to_s - from_s) } else { 0.0 };
@@ -36,6 +50,11 @@ impl Motion {
     pub(crate) fn in_middle(&self, time_s: f64) -> Isometry2<f64> {
         self.middle().inv_mul(&self.at(time_s))
     }
+}
+
+/// The times that are `times_s` after a stamp.
+pub(crate) fn stamps_ns(stamp_ns: u64, times_s: [f64; 2]) -> [u64; 2] {
+    times_s.map(|time_s| stamp_ns.saturating_add_signed((time_s * NS_PER_S) as i64))
 }
 
 #[cfg(test)]

@@ -1,6 +1,14 @@
 //! Poses by odometry, interpolated to the time of a scan.
 
-use nalgebra::Isometry2;
+use crosscut_messages::{
+    CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
+};
+use nalgebra::{Isometry2, Vector2};
+
+use crate::ros;
+
+/// The frame in which odometry is kept (REP 105).
+const ODOMETRY_FRAME: &str = "odom";
 
 /// Between two odometry messages farther apart than this the pose is unknown.
 const MAX_GAP_NS: u64 = 500_000_000;
@@ -22,6 +30,20 @@ impl Odometry {
             self.poses.push((stamp_ns, pose));
         }
         is_later && is_finite
+    }
+
+    /// Whether messages of this type in CDR are `nav_msgs/Odometry` or transforms, which have poses.
+    pub fn reads(type_name: &str) -> bool {
+        ros::is_odometry(type_name, CDR_ENCODING) || ros::is_transforms(type_name, CDR_ENCODING)
+    }
+
+    /// Adds the pose in a message in CDR of a type that is [read](Self::reads), if it has one: returns whether it was taken.
+    ///
+    /// # Errors
+    /// When the message cannot be decoded.
+    pub fn push_message(&mut self, type_name: &str, data: &[u8]) -> Result<bool, DecodeError> {
+        let found = pose_in(ros::is_odometry(type_name, CDR_ENCODING), CDR_ENCODING, data)?;
+        Ok(found.is_some_and(|(stamp_ns, pose)| self.push(stamp_ns, pose)))
     }
 
     /// The stamp of the last pose.
@@ -58,6 +80,32 @@ impl Odometry {
         let after = self.poses.partition_point(|&(pose_ns, _)| pose_ns <= stamp_ns);
         self.poses.drain(..after.saturating_sub(1));
     }
+}
+
+/// Stamp and pose in a message of odometry, else of transforms, if it holds one.
+pub(crate) fn pose_in(
+    is_odometry: bool,
+    encoding: &str,
+    data: &[u8],
+) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
+    if is_odometry {
+        let odometry: OdometryMessage = ros::decode(encoding, data)?;
+        let pose = odometry.pose.pose;
+        let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
+        return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
+    }
+    let transforms: TfMessage = ros::decode(encoding, data)?;
+    let is_moving = |one: &&TransformStamped| ros::plain_frame(&one.header.frame_id) == ODOMETRY_FRAME;
+    let found = transforms.transforms.iter().find(is_moving);
+    Ok(found.map(|one| {
+        let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
+        (stamp_ns, planar(one.transform.translation, &one.transform.rotation))
+    }))
+}
+
+/// The pose in the plane.
+fn planar(position: Vector3, orientation: &Quaternion) -> Isometry2<f64> {
+    Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad())
 }
 
 #[cfg(test)]

@@ -2,17 +2,13 @@
 
 use std::collections::VecDeque;
 
-use crosscut_messages::{
-    DecodeError, ODOMETRY_TOPIC, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
-};
-use nalgebra::{Isometry2, Vector2};
+use crosscut_messages::ODOMETRY_TOPIC;
+use nalgebra::Isometry2;
 
 use crate::container::{self, Container, Contents, Message, TopicReader};
+use crate::odometry::pose_in;
 use crate::topics::topics_of;
-use crate::{CsvGeometry, Odometry, TopicInfo, ros};
-
-/// The frame in which odometry is kept (REP 105).
-const ODOMETRY_FRAME: &str = "odom";
+use crate::{CsvGeometry, Odometry, TopicInfo};
 
 /// Odometry recorded this long after a scan is not read for it: its stamps are of another clock.
 const AHEAD_NS: u64 = 2_000_000_000;
@@ -54,7 +50,7 @@ impl OdometryReader {
         while self.poses.last_ns().is_none_or(|read_ns| read_ns < last_ns) && self.poses.len() < MOST_AHEAD {
             let Some(message) = self.next_message() else { break };
             let log_time_ns = message.log_time_ns;
-            if let Ok(Some((pose_ns, pose))) = self.pose(&message) {
+            if let Ok(Some((pose_ns, pose))) = pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
                 self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
             }
             if let Some(reader) = &mut self.reader {
@@ -78,26 +74,4 @@ impl OdometryReader {
             self.reader = container::reopen(&contents, &self.csv).ok().map(|file| TopicReader::new(file, channels));
         }
     }
-
-    /// Stamp and pose of a message, if it holds one.
-    fn pose(&self, message: &Message) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
-        if self.topic.has_odometry() {
-            let odometry: OdometryMessage = ros::decode(&self.topic.encoding, &message.data)?;
-            let pose = odometry.pose.pose;
-            let stamp_ns = odometry.header.stamp.to_ns().unwrap_or(0);
-            return Ok(Some((stamp_ns, planar(pose.position, &pose.orientation))));
-        }
-        let transforms: TfMessage = ros::decode(&self.topic.encoding, &message.data)?;
-        let is_moving = |one: &&TransformStamped| ros::plain_frame(&one.header.frame_id) == ODOMETRY_FRAME;
-        let found = transforms.transforms.iter().find(is_moving);
-        Ok(found.map(|one| {
-            let stamp_ns = one.header.stamp.to_ns().unwrap_or(0);
-            (stamp_ns, planar(one.transform.translation, &one.transform.rotation))
-        }))
-    }
-}
-
-/// The pose in the plane.
-fn planar(position: Vector3, orientation: &Quaternion) -> Isometry2<f64> {
-    Isometry2::new(Vector2::new(position.x, position.y), orientation.yaw_rad())
 }

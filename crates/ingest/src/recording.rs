@@ -15,7 +15,7 @@ use crate::odometry_reader::OdometryReader;
 use crate::scanners::Scanners;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
-use crate::turns::{Turn, Turns};
+use crate::turns::{Turn, Turns, times_s};
 use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
@@ -321,15 +321,14 @@ impl Recording {
         out.odometry = motion.map(|motion| motion.middle());
     }
 
-    /// How the vehicle moves during a turn with this stamp, by odometry; it stands if the turn does not tell how long it
-    /// takes or odometry ends before.
+    /// How the vehicle moves during a turn with this stamp, by odometry.
     fn motion(&mut self, turn: &Turn, stamp_ns: u64) -> Option<Motion> {
         let odometry = self.odometry.as_mut()?;
-        let times_s = if self.sensor.deskews() { turn.times_s() } else { [0.0; 2] };
-        [times_s, [0.0; 2]].into_iter().find_map(|times_s| {
-            let stamps_ns = times_s.map(|time_s| stamp_ns.saturating_add_signed((time_s * NS_PER_S) as i64));
-            Some(Motion { times_s, poses: odometry.at(stamps_ns, turn.recorded_ns)? })
-        })
+        let times_s = match &turn.scan {
+            Ok(scan) if self.sensor.deskews() => times_s(scan, turn.beam_s),
+            _ => [0.0; 2],
+        };
+        Motion::during(stamp_ns, times_s, |stamps_ns| odometry.at(stamps_ns, turn.recorded_ns))
     }
 
     /// Notes a turn that was recorded before the one that was given last.

@@ -66,6 +66,11 @@ impl Turning {
     }
 }
 
+/// The time from one beam of `scan` to the next as it states it, s, 0 if it does not or that cannot be right.
+pub(crate) fn stated_beam_s(scan: &LaserScan) -> f64 {
+    beam_s(&Before::default(), scan).unwrap_or(0.0)
+}
+
 /// From the scan before to this one, s.
 fn period_s(before: &Before, scan: &LaserScan) -> Option<f64> {
     let period_ns = scan.header.stamp.to_ns()?.checked_sub(before.stamp.to_ns()?)?;

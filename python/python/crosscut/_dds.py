@@ -42,8 +42,9 @@ class Bus:
         self._threads: list[threading.Thread] = []
         self._writers: dict[str, DataWriter[Any]] = {}
 
-    def hear(self, topic: str, take: Callable[[bytes, str, int], None]) -> None:
-        """Gives ``take`` each message of a topic of ROS in CDR, its type, and 0: DDS does not tell what is missing."""
+    def hear(self, topic: str, take: Callable[[bytes, str, None], None]) -> None:
+        """Gives ``take`` each message of a topic of ROS in CDR, its type, and None: Cyclone DDS does not tell what is missing,
+        as it leaves the status SAMPLE_LOST at 0."""
         thread = threading.Thread(target=self._hear, args=(f"rt/{topic}", take), name=f"dds {topic}", daemon=True)
         self._threads.append(thread)
         thread.start()
@@ -72,7 +73,7 @@ class Bus:
         for thread in self._threads:
             thread.join()
 
-    def _hear(self, name: str, take: Callable[[bytes, str, int], None]) -> None:
+    def _hear(self, name: str, take: Callable[[bytes, str, None], None]) -> None:
         publications = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
         conditions = [ReadCondition(publications, ANY)]
         waiting = WaitSet(self._participant)
@@ -93,7 +94,7 @@ class Bus:
                 waiting.attach(conditions[1])
             for message in [] if reader is None else reader.take(AT_ONCE):
                 if message.sample_info.valid_data:
-                    take(message.cdr, message_type, 0)
+                    take(message.cdr, message_type, None)
 
     def _reader(self, publication: DcpsEndpoint) -> DataReader[Any] | None:
         """A reader of the bytes that a publisher sends, as reliable as it; None if its type is not known yet."""

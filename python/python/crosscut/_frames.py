@@ -1,12 +1,14 @@
 """Frames as Arrow: what the stages give each other when each runs in a process of its own.
 
 A message is a struct array, a row for each frame. Rows have the columns below that are known so far; a stage takes those that
-it reads, adds its own, and passes on all others, also such as it does not know. W ends at the spectral stage, U at kmeans.
+it reads, adds its own, and passes on all others, also such as it does not know. W ends at the spectral stage, U at kmeans; where
+the flight is recorded, both end there.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Collection, Iterator
+from typing import Any, TypeAlias
 
 import numpy as np
 import pyarrow as pa
@@ -75,19 +77,27 @@ def of_scans(engine: _native.Engine, scans: list[_native.Scan], first_seq: int) 
     return _struct(_arrays(engine.ingest(scans, first_seq)))
 
 
-def after(stage: str, engine: _native.Engine, frames: pa.StructArray) -> pa.StructArray:
-    """The frames after a stage. A stage that fails on a frame leaves that in its ``failed_step``."""
+def after(stage: str, engine: _native.Engine, frames: pa.StructArray, *, recorded: bool = False) -> pa.StructArray:
+    """The frames after a stage, with all columns if they are to be recorded. A stage that fails on a frame leaves that in its
+    ``failed_step``."""
     made = engine.run_step(stage, columns(frames))
-    kept = {name: array for name, array in _fields(frames).items() if name not in READ_LAST_BY[stage]}
-    return _struct({**kept, **_arrays(made)})
+    kept = frames if recorded else without(READ_LAST_BY[stage], frames)
+    return _struct({**_fields(kept), **_arrays(made)})
+
+
+def without(names: Collection[str], frames: pa.StructArray) -> pa.StructArray:
+    """The frames without these columns."""
+    return _struct({name: array for name, array in _fields(frames).items() if name not in names})
 
 
 def columns(frames: pa.StructArray) -> dict[str, Any]:
     """As the native half takes them: arrays of numpy; of lists and texts, the starts beside the values."""
     if not pa.types.is_struct(frames.type):
         raise ValueError(f"frames are a struct array, not {frames.type}")
-    arrays = _fields(frames)
-    return {name: _column(name, kind, arrays[name]) for name, kind in COLUMNS.items() if name in arrays}
+    try:
+        return _read(frames)
+    except _NotPlain:
+        return _read(_plain(frames))
 
 
 def _fields(frames: pa.StructArray) -> dict[str, pa.Array]:
@@ -114,20 +124,109 @@ def _array(kind: pa.DataType, column: Any) -> pa.Array:
     return pa.array(column)
 
 
-def _column(name: str, kind: pa.DataType, array: pa.Array) -> Any:
-    if array.null_count:
-        raise ValueError(f"frames: column {name} has nulls")
-    if array.type != kind:
-        try:
-            array = array.cast(kind)
-        except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
-            raise ValueError(f"frames: column {name} is {array.type}, not {kind}: {error}") from None
+# Frames are read by all of their buffers at once, with readers that are made once: array by array it takes three times as
+# long, which is a good part of a hop.
+
+Buffers: TypeAlias = "Iterator[pa.Buffer | None]"
+
+
+class _NotPlain(Exception):
+    """A column is unknown, of another type, or may have nulls, or the rows are a part of longer arrays."""
+
+
+_READERS_OF: list[tuple[pa.DataType, dict[str, Callable[[Buffers, int], Any]]]] = []
+"""The readers of each type of frames that has arrived: a few, as each stage has its own."""
+
+_ALL_VALID = pa.py_buffer(b"\xff" * 2**20)
+
+
+def _read(frames: pa.StructArray) -> dict[str, Any]:
+    kind = frames.type
+    readers = next((readers for known, readers in _READERS_OF if known == kind), None)
+    if readers is None:
+        fields = [kind.field(at) for at in range(kind.num_fields)]
+        if any(COLUMNS.get(field.name) != field.type for field in fields):
+            raise _NotPlain
+        readers = {field.name: _reader(field.type) for field in fields}
+        _READERS_OF.append((kind, readers))
+    if frames.offset:
+        raise _NotPlain
+    buffers, rows = iter(frames.buffers()), len(frames)
+    _skip_validity(buffers)
+    return {name: read(buffers, rows) for name, read in readers.items()}
+
+
+def _reader(kind: pa.DataType) -> Callable[[Buffers, int], Any]:
+    """What makes arrays of numpy of the buffers of a column with so many values."""
+
+    def read_text(buffers: Buffers, length: int) -> Any:
+        return _starts(buffers, length), _numbers(next(buffers), np.uint8)
+
+    def read_lists(buffers: Buffers, length: int) -> Any:
+        starts = _starts(buffers, length)
+        return starts, of_values(buffers, int(starts[-1]))
+
+    def read_entries(buffers: Buffers, length: int) -> Any:
+        _skip_validity(buffers)
+        return of_values(buffers, kind.list_size * length)
+
+    def read_bits(buffers: Buffers, length: int) -> Any:
+        _skip_validity(buffers)
+        bits = np.unpackbits(_numbers(next(buffers), np.uint8), bitorder="little")
+        return bits[:length].view(np.bool_)
+
+    def read_numbers(buffers: Buffers, length: int) -> Any:
+        _skip_validity(buffers)
+        return _numbers(next(buffers), of_numpy)[:length]
+
     if pa.types.is_string(kind):
-        _, starts, utf8 = array.buffers()
-        of_rows = np.frombuffer(starts, np.int32)[array.offset :][: len(array) + 1] if len(array) else np.zeros(1, np.int32)
-        return of_rows, np.frombuffer(utf8 or b"", np.uint8)
-    if pa.types.is_list(kind):
-        return array.offsets.to_numpy(), _column(name, kind.value_type, array.values)
-    if pa.types.is_fixed_size_list(kind):
-        return _column(name, kind.value_type, array.flatten())
-    return array.to_numpy(zero_copy_only=False)
+        return read_text
+    if pa.types.is_boolean(kind):
+        return read_bits
+    if pa.types.is_primitive(kind):
+        of_numpy = kind.to_pandas_dtype()
+        return read_numbers
+    of_values = _reader(kind.value_type)
+    return read_lists if pa.types.is_list(kind) else read_entries
+
+
+def _starts(buffers: Buffers, length: int) -> Any:
+    _skip_validity(buffers)
+    starts = _numbers(next(buffers), np.int32)
+    return starts[: length + 1] if len(starts) else np.zeros(1, np.int32)
+
+
+def _numbers(buffer: pa.Buffer | None, kind: Any) -> Any:
+    return np.frombuffer(buffer or b"", kind)
+
+
+def _skip_validity(buffers: Buffers) -> None:
+    validity = next(buffers)
+    if validity is not None and not validity.equals(_ALL_VALID.slice(0, validity.size)):
+        raise _NotPlain
+
+
+def _plain(frames: pa.StructArray) -> pa.StructArray:
+    """The known columns in arrays of their own, each of its type and without nulls."""
+    arrays = {}
+    for name, array in _fields(frames).items():
+        if (kind := COLUMNS.get(name)) is None:
+            continue
+        if array.type != kind:
+            try:
+                array = array.cast(kind)
+            except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
+                raise ValueError(f"frames: column {name} is {array.type}, not {kind}: {error}") from None
+        if _has_nulls(array):
+            raise ValueError(f"frames: column {name} has nulls")
+        arrays[name] = array
+    batch = pa.RecordBatch.from_struct_array(_struct(arrays))
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, batch.schema) as stream:
+        stream.write_batch(batch)
+    return pa.ipc.open_stream(sink.getvalue()).read_next_batch().to_struct_array()
+
+
+def _has_nulls(array: pa.Array) -> bool:
+    is_list = pa.types.is_list(array.type) or pa.types.is_fixed_size_list(array.type)
+    return array.null_count > 0 or (is_list and _has_nulls(array.flatten()))

@@ -39,8 +39,8 @@ class Bus:
         self._subscribers: list[Any] = []
         self._publishers: dict[str, _Publisher] = {}
 
-    def hear(self, topic: str, take: Callable[[bytes, str, int], None], message_type: str | None = None) -> None:
-        """Gives ``take`` each message of a topic of ROS, its type, and how many are missing before it.
+    def hear(self, topic: str, take: Callable[[bytes, str, int | None], None], message_type: str | None = None) -> None:
+        """Gives ``take`` each message of a topic of ROS, its type, and how many are missing before it; None if it has no number.
 
         With ``message_type``, ``topic`` is a key expression of plain messages of that type.
         """
@@ -90,11 +90,11 @@ class _Publisher:
         self._publisher.put(message, attachment=numbers + b"\x10" + self._id)
 
 
-def _skipped(attachment: Any, last: dict[bytes, int]) -> int:
-    """How many messages of the same publisher are missing before this one, by the numbers that rmw_zenoh attaches."""
+def _skipped(attachment: Any, last: dict[bytes, int]) -> int | None:
+    """How many messages of the same publisher are missing before this one, by the numbers that rmw_zenoh attaches, if it does."""
     attached = b"" if attachment is None else attachment.to_bytes()
     if len(attached) < 33:
-        return 0
+        return None
     number, publisher = int.from_bytes(attached[:8], "little", signed=True), attached[17:33]
     before = last.get(publisher)
     last[publisher] = number

@@ -4,7 +4,7 @@
 >>> flight = crosscut.FlightMap(crosscut.Engine(keep=("markers",)))
 >>> with crosscut.live.Robot("zenoh://robot.local:7447/scan", odometry="/odom") as robot:
 ...     for scan, pose in robot:
-...         result = flight.add(scan, pose)
+...         result = flight.add(scan)
 ...         robot.publish("crosscut/results", result)
 ...         robot.draw("crosscut/markers", result)
 
@@ -23,23 +23,23 @@ import json
 import math
 import os
 import signal
+import statistics
 import struct
 import sys
 import threading
 import time
 import warnings
-from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from ._engine import Engine
 from ._errors import Error, LossWarning, SettingsError
 from ._flight_map import FlightMap
-from ._native import Scan, poses_of_message
+from ._native import Odometry, Scan
 from ._results import Result
 
 XyYaw: TypeAlias = "tuple[float, float, float]"
@@ -50,25 +50,26 @@ AHEAD = 16
 SILENCE_S = 2.0
 """After so long without a scan, that is told."""
 
-POSE_WAIT_S = 0.1
-"""How long a scan waits for odometry that is as late as it is."""
+POSE_WAIT_S = 0.2
+"""How long a scan waits for the odometry up to its end, from when it arrives: one of 0.1 s may be sent as it begins."""
 
-MOST_POSE_GAP_NS = 500_000_000
-"""Poses that are farther apart in time are not interpolated."""
-
-ODOMETRY_FRAME = "odom"
-"""The parent frame of the transform that is odometry."""
+LEAST_INTERVALS = 5
+"""Fewer stamps do not show the usual interval."""
 
 
 class Robot:
-    """The scans that a robot sends, and their poses, one after the other until :meth:`close`.
+    """The scans that a robot sends, and their poses by odometry, one after the other until :meth:`close`.
+
+    A scan brings the odometry around it along: a flight or a navigator that it is added to corrects it for the motion of the
+    robot, and knows its pose. The pose beside it is that in the middle of the scan; None where odometry does not tell it.
 
     ``address``: "zenoh://HOST:PORT/TOPIC", the robot's Zenoh router (port 7447 if there is none) and the topic of its scans
     in the ROS domain ``domain``; or, with their ``message_type``, a key expression of plain messages in CDR.
     "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or "/tf".
 
-    ``missed`` counts the scans that did not arrive or were left out; ``clock_ns`` is how far this computer's clock is ahead
-    of the sensor's stamps, the way through the network included.
+    ``missed`` counts the scans that did not arrive, where their messages are numbered, or were left out; ``gaps`` counts those
+    that are missing by the usual interval of the stamps, where messages are not numbered, as over DDS. ``clock_ns`` is how far
+    this computer's clock is ahead of the sensor's stamps, the way through the network included.
     """
 
     def __init__(
@@ -79,25 +80,25 @@ class Robot:
         domain: int = 0,
         message_type: str | None = None,
     ) -> None:
-        self.missed = 0
+        self.missed = self.gaps = 0
         self.clock_ns: int | None = None
-        self._scans: deque[Scan] = deque()
-        self._poses = _Poses()
+        self._scans: deque[tuple[Scan, float]] = deque()  # and until when each waits for odometry
+        self._odometry = None if odometry is None else Odometry()
+        self._stamps = _Stamps()
         self._changed = threading.Condition()
         self._unreadable: str | None = None
         self._closed = False
         scheme, _, rest = address.partition("://")
         host, _, topic = rest.partition("/")
         self._bus = _bus(scheme, host, topic, domain, message_type)
-        self._poses.wanted = odometry is not None
         of_type = [] if message_type is None else [message_type]
         self._bus.hear(topic.strip("/"), partial(self._hear_scan, topic), *of_type)
         if odometry is not None:
-            self._bus.hear(odometry.strip("/"), partial(self._hear_poses, odometry))
+            self._bus.hear(odometry.strip("/"), partial(self._hear_odometry, odometry))
 
     def __iter__(self) -> Iterator[tuple[Scan, XyYaw | None]]:
-        while (scan := self._next()) is not None:
-            yield scan, self._pose_at(scan.stamp_ns)
+        while (taken := self._next()) is not None:
+            yield self._with_odometry(*taken)
 
     def publish(self, key: str, what: Result | FlightMap | dict[str, Any]) -> None:
         """Sends a result, a map or anything else that JSON can hold to all who subscribe to ``key``.
@@ -135,7 +136,7 @@ class Robot:
         self.close()
         self._bus.close()
 
-    def _next(self) -> Scan | None:
+    def _next(self) -> tuple[Scan, float] | None:
         silent_since = time.monotonic()
         with self._changed:
             while not self._scans and not self._closed:
@@ -146,13 +147,14 @@ class Robot:
                     warnings.warn(f"no scan for {SILENCE_S:.0f} s; {told}", LossWarning, stacklevel=3)
             return None if self._closed else self._scans.popleft()
 
-    def _pose_at(self, stamp_ns: int) -> XyYaw | None:
+    def _with_odometry(self, scan: Scan, until: float) -> tuple[Scan, XyYaw | None]:
+        if (odometry := self._odometry) is None:
+            return scan, None
         with self._changed:
-            if self._poses.wanted:
-                self._changed.wait_for(lambda: self._closed or self._poses.reach(stamp_ns), POSE_WAIT_S)
-            return self._poses.at(stamp_ns)
+            self._changed.wait_for(lambda: self._closed or odometry.reaches(scan), max(0.0, until - time.monotonic()))
+        return odometry.beside(scan)
 
-    def _hear_scan(self, topic: str, message: bytes, message_type: str, skipped: int) -> None:
+    def _hear_scan(self, topic: str, message: bytes, message_type: str, skipped: int | None) -> None:
         arrived_ns = time.time_ns()
         try:
             scan = Scan.from_message(message, message_type)
@@ -161,24 +163,25 @@ class Robot:
             return
         with self._changed:
             self.clock_ns = arrived_ns - scan.stamp_ns
-            self.missed += skipped
-            self._scans.append(scan)
+            missing = self._stamps.missing_before(scan.stamp_ns)
+            if skipped is None:
+                self.gaps += missing
+            else:
+                self.missed += skipped
+            self._scans.append((scan, time.monotonic() + POSE_WAIT_S))
             if len(self._scans) > AHEAD:
                 self._scans.popleft()
                 self.missed += 1
             self._changed.notify_all()
 
-    def _hear_poses(self, topic: str, message: bytes, message_type: str, _skipped: int) -> None:
+    def _hear_odometry(self, topic: str, message: bytes, message_type: str, _skipped: int | None) -> None:
+        assert self._odometry is not None
         try:
-            poses = poses_of_message(message, message_type)
+            self._odometry.add(message, message_type)
         except (Error, ValueError) as error:
             self._unreadable = f"what arrives on {topic} cannot be read: {error}"
             return
-        is_transform = "TFMessage" in message_type
         with self._changed:
-            for stamp_ns, parent, _, x_m, y_m, yaw_rad in poses:
-                if not is_transform or parent.lstrip("/") == ODOMETRY_FRAME:
-                    self._poses.add(_StampedPose(stamp_ns, x_m, y_m, yaw_rad))
             self._changed.notify_all()
 
 
@@ -201,44 +204,22 @@ def _bus(scheme: str, host: str, topic: str, domain: int, message_type: str | No
     raise SettingsError(f"a live robot is zenoh:// or ros2://, not {scheme}://")
 
 
-class _StampedPose(NamedTuple):
-    stamp_ns: int
-    x_m: float
-    y_m: float
-    yaw_rad: float
-
-
-class _Poses:
-    """The latest poses, by stamp."""
+class _Stamps:
+    """Of the last scans."""
 
     def __init__(self) -> None:
-        self.wanted = False
-        self._latest: deque[_StampedPose] = deque(maxlen=1000)
+        self._last_ns = 0
+        self._intervals_ns: deque[int] = deque(maxlen=25)
 
-    def add(self, pose: _StampedPose) -> None:
-        if not self._latest or pose.stamp_ns > self._latest[-1].stamp_ns:
-            self._latest.append(pose)
-
-    def reach(self, stamp_ns: int) -> bool:
-        return bool(self._latest) and self._latest[-1].stamp_ns >= stamp_ns
-
-    def at(self, stamp_ns: int) -> XyYaw | None:
-        """Between the two poses around it; None where they are not there or far apart."""
-        after = bisect_left(self._latest, stamp_ns, key=lambda pose: pose.stamp_ns)
-        if after == len(self._latest):
-            return None
-        upper = self._latest[after]
-        lower = self._latest[after - 1] if after > 0 else upper
-        if upper.stamp_ns == stamp_ns:
-            lower = upper
-        if upper.stamp_ns - lower.stamp_ns > MOST_POSE_GAP_NS or lower.stamp_ns > stamp_ns:
-            return None
-        span_ns = upper.stamp_ns - lower.stamp_ns
-        share = (stamp_ns - lower.stamp_ns) / span_ns if span_ns else 0.0
-        turned_rad = math.remainder(upper.yaw_rad - lower.yaw_rad, math.tau)
-        x_m = lower.x_m + share * (upper.x_m - lower.x_m)
-        y_m = lower.y_m + share * (upper.y_m - lower.y_m)
-        return x_m, y_m, lower.yaw_rad + share * turned_rad
+    def missing_before(self, stamp_ns: int) -> int:
+        """How many scans are missing between the last one and this, by their usual interval."""
+        last_ns, self._last_ns = self._last_ns, stamp_ns
+        if not 0 < last_ns < stamp_ns:
+            return 0
+        self._intervals_ns.append(stamp_ns - last_ns)
+        usual_ns = statistics.median_low(self._intervals_ns)
+        is_known = len(self._intervals_ns) >= LEAST_INTERVALS
+        return max(0, round((stamp_ns - last_ns) / usual_ns) - 1) if is_known else 0
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -276,8 +257,8 @@ def _answer(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> int:
         lines = None
         if args.results:
             lines = sys.stdout if args.results == "-" else opened.enter_context(open(args.results, "w"))
-        for scan, pose in robot:
-            result = flight.add(scan, pose)
+        for scan, _ in robot:
+            result = flight.add(scan)
             answered += 1
             if args.publish:
                 robot.publish(f"{args.publish}/results", result)
@@ -289,7 +270,8 @@ def _answer(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> int:
                 _write_map(robot, flight, args)
     _write_map(robot, flight, args)
     clock = "" if robot.clock_ns is None else f"; this clock is {robot.clock_ns / 1e9:.3f} s ahead of the stamps"
-    print(f"{answered} scans answered, {robot.missed} missed{clock}; {flight.summary()}", file=sys.stderr)
+    gaps = f", about {robot.gaps} more by their stamps" if robot.gaps else ""
+    print(f"{answered} scans answered, {robot.missed} missed{gaps}{clock}; {flight.summary()}", file=sys.stderr)
     return 3 if robot.missed else 0
 
 

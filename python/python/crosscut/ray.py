@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 RETRIES = 5
 """A task is started again this many times if its worker or node is lost."""
 
+
 class Killed(Error):
     """The program was killed on its node; the task is started again."""
 
@@ -212,20 +213,20 @@ def _process(flight: str, name: str, out: str, command: list[str], options: list
     part = Path(out) / f".{name}.{uuid.uuid4().hex}"
     part.mkdir()
     try:
-        results, flight_map = part / f"{name}.jsonl", part / f"{name}.map.json"
-        outputs: dict[str, tuple[list[StrPath], str]] = {
-            "run": (["--results", results, "--map", flight_map], f"{name}.*"),
-            "sweep": (["--out", part, "--jobs", "1", "--keep-mb", "0"], "rows/*.json"),
+        outputs: dict[str, list[StrPath]] = {
+            "run": ["--results", part / f"{name}.jsonl", "--map", part / f"{name}.map.json"],
+            "sweep": ["--out", part, "--jobs", "1", "--keep-mb", "0"],
         }
-        to, made = outputs[command[-1]]
-        said = subprocess.run([*command, flight, *to, *options, "--quiet"], capture_output=True, text=True)
+        command_line = [*command, flight, *outputs[command[-1]], *options, "--quiet"]
+        said = subprocess.run(command_line, capture_output=True, text=True)
         if said.returncode < 0:
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
-            if results.exists():
-                row |= _figures(results, flight_map)
-            for file in sorted(part.glob(made)):
+            answers = [*part.glob(f"{name}.jsonl"), *part.glob(f"{name}.map.json")]
+            if answers:
+                row |= _figures(*answers)
+            for file in [*answers, *part.glob("rows/*.json")]:
                 file.replace(Path(out) / file.relative_to(part))
         if said.returncode != DONE:
             row["error"] = str(failure(said.returncode, said.stderr))

@@ -86,18 +86,6 @@ impl Turn {
         }
     }
 
-    /// When its first and last point were measured, s after the stamp; both 0 if it does not say.
-    pub(crate) fn times_s(&self) -> [f64; 2] {
-        match &self.scan {
-            Ok(ScanMessage::Scan(scan)) => [0.0, self.beam_s * scan.ranges.len().saturating_sub(1) as f64],
-            Ok(ScanMessage::Cloud(cloud)) => {
-                let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
-                times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
-            }
-            Err(_) => [0.0; 2],
-        }
-    }
-
     /// The angle by which the sensor turned from one beam to the next, rad; 0 if that is not known or makes no
     /// difference.
     fn turned_rad_per_beam(&self, beams: usize, motion: Option<&Motion>, sensor: &Sensor) -> f64 {
@@ -106,6 +94,18 @@ impl Turn {
             sensor.own_angle_rad(motion.turned_rad()) / beams.saturating_sub(1) as f64
         });
         if rad_per_beam.abs() * beams as f64 >= LEAST_TURN_RAD { rad_per_beam } else { 0.0 }
+    }
+}
+
+/// When the first and last point of a scan were measured, s after the stamp, if its beams are `beam_s` apart; both 0 if
+/// that is not known.
+pub(crate) fn times_s(scan: &ScanMessage, beam_s: f64) -> [f64; 2] {
+    match scan {
+        ScanMessage::Scan(scan) => [0.0, beam_s * scan.ranges.len().saturating_sub(1) as f64],
+        ScanMessage::Cloud(cloud) => {
+            let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
+            times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
+        }
     }
 }
 
@@ -141,6 +141,17 @@ impl Turns {
         }
         if self.knows_parts && self.turns.len() >= LEARNED_TURNS {
             self.learn_blind(sensor);
+        }
+    }
+
+    /// Takes a copy of a scan that is shown at once, as long as blind sectors are to be learned.
+    pub(crate) fn look_at(&mut self, scan: &LaserScan, sensor: &Sensor) {
+        if !self.knows_blind {
+            self.turns.push_back(Turn { scan: Ok(ScanMessage::Scan(scan.clone())), ..Turn::new(0, 0) });
+            if self.turns.len() >= LEARNED_TURNS {
+                self.learn_blind(sensor);
+                self.turns.clear();
+            }
         }
     }
 

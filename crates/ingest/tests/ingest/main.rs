@@ -6,6 +6,7 @@ mod damaged;
 mod flight;
 mod formats;
 mod limits;
+mod live;
 mod messages;
 mod odometry;
 mod parts;

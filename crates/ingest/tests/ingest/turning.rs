@@ -21,7 +21,7 @@ fn wall_m(heading_rad: f64) -> f64 {
 }
 
 /// The vehicle turns at `rate_rad_s` in the middle of the room; its lidar turns anticlockwise or (-1) clockwise.
-fn scan(number: u64, rate_rad_s: f64, direction: f64) -> LaserScan {
+pub(crate) fn scan(number: u64, rate_rad_s: f64, direction: f64) -> LaserScan {
     let increment_rad = direction * TAU / BEAMS as f64;
     let beam_s = STEP_NS as f64 * 1e-9 / BEAMS as f64;
     let range_m = |beam: usize| {
@@ -63,7 +63,7 @@ fn last_of(mut records: Vec<Record>, settings: &[(&str, Value)]) -> (Revolution,
 }
 
 /// Odometry every 10 ms for a second, of a vehicle that drives and turns evenly.
-fn odometry(speed_m_s: f64, rate_rad_s: f64) -> impl Iterator<Item = Record> {
+pub(crate) fn odometry(speed_m_s: f64, rate_rad_s: f64) -> impl Iterator<Item = Record> {
     (0..100).map(move |i| {
         let stamp_ns = time_ns(0) + i * 10_000_000;
         let since_s = i as f64 * 0.01;

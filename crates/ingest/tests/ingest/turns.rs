@@ -105,7 +105,7 @@ fn times_select_revolutions_of_parts() {
 }
 
 /// A scan of 360 beams; `range_m` gives the range of each.
-fn turn(number: u64, range_m: impl Fn(usize) -> f32) -> Record {
+pub(crate) fn turn(number: u64, range_m: impl Fn(usize) -> f32) -> Record {
     let scan = LaserScan {
         header: Header { stamp: Time::from_ns(time_ns(number)), frame_id: "laser".to_owned() },
         angle_min: -PI,

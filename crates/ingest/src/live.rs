@@ -1,0 +1,86 @@
+//! Scans of a live robot, one after the other, to the revolutions that their recording gives.
+
+use crosscut_messages::ScanMessage;
+use crosscut_stage::{Notes, Revolution};
+use nalgebra::Isometry2;
+
+use crate::before::Before;
+use crate::motion::{Motion, stamps_ns};
+use crate::turning::{Turning, stated_beam_s};
+use crate::turns::{Turn, Turns, times_s};
+use crate::{Odometry, Sensor};
+
+/// What is known of a live robot by its scans so far.
+///
+/// A scan is shown at once, where a [`Recording`](crate::Recording) reads 100 scans before the first: blind sectors are known
+/// from the hundredth scan on, and messages that are parts of a turn are not joined.
+#[derive(Debug)]
+pub struct Live {
+    turns: Turns,
+    turning: Turning,
+    before: Before,
+}
+
+impl Default for Live {
+    fn default() -> Self {
+        Self { turns: Turns::new(true, true), turning: Turning::default(), before: Before::default() }
+    }
+}
+
+impl Live {
+    /// Writes the revolution that the next message shows into `out`, corrected for the motion of the vehicle, and the
+    /// vehicle's pose, by the poses in `odometry`. `notes` has what was corrected or left out.
+    ///
+    /// `out.seq` is 0: only who counts the messages knows it. `out.stamp_ns` is 0 if the message has no stamp.
+    pub fn show(
+        &mut self,
+        message: &ScanMessage,
+        odometry: &Odometry,
+        sensor: &Sensor,
+        out: &mut Revolution,
+        notes: &mut Notes,
+    ) {
+        let mut turn = Turn::new(0, 0);
+        if let ScanMessage::Scan(scan) = message {
+            if sensor.deskews() {
+                (turn.rad_per_beam, turn.beam_s) = self.turning.per_beam(scan);
+            }
+            if sensor.finds_blind_sectors() {
+                self.turns.look_at(scan, sensor);
+            }
+        }
+        let times_s = if sensor.deskews() { times_s(message, turn.beam_s) } else { [0.0; 2] };
+        let motion = motion(message, times_s, odometry);
+        self.turns.show(&turn, message, motion.as_ref(), sensor, out, notes);
+        out.odometry = motion.map(|motion| motion.middle());
+        if out.stamp_ns > 0 {
+            self.before.compare(out, notes);
+        }
+    }
+
+    /// When the first and the last point of a message were measured, as it states it, nanoseconds since the epoch.
+    pub fn span_ns(message: &ScanMessage) -> [u64; 2] {
+        stamps_ns(stamp_ns(message), stated_times_s(message))
+    }
+
+    /// The vehicle's pose in the middle of that time, or at the stamp if `odometry` does not reach so far.
+    pub fn pose(message: &ScanMessage, odometry: &Odometry) -> Option<Isometry2<f64>> {
+        motion(message, stated_times_s(message), odometry).map(|motion| motion.middle())
+    }
+}
+
+fn stated_times_s(message: &ScanMessage) -> [f64; 2] {
+    let beam_s = match message {
+        ScanMessage::Scan(scan) => stated_beam_s(scan),
+        ScanMessage::Cloud(_) => 0.0,
+    };
+    times_s(message, beam_s)
+}
+
+fn motion(message: &ScanMessage, times_s: [f64; 2], odometry: &Odometry) -> Option<Motion> {
+    Motion::during(stamp_ns(message), times_s, |[from_ns, to_ns]| Some([odometry.at(from_ns)?, odometry.at(to_ns)?]))
+}
+
+fn stamp_ns(message: &ScanMessage) -> u64 {
+    message.header().stamp.to_ns().unwrap_or(0)
+}
