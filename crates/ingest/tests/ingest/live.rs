@@ -21,7 +21,7 @@ fn recorded(mut records: Vec<Record>, settings: &[(&str, Value)]) -> Shown {
     records.sort_by_key(|record| record.log_time_ns);
     let folder = Folder::new();
     let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
-    let options = ReadOptions { odometry: true, ..ReadOptions::default() };
+    let options = ReadOptions::default();
     let mut recording = Recording::open(&[path], &options, sensor(settings)).expect("a recording");
     let mut shown = Vec::new();
     loop {
