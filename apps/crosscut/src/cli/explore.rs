@@ -39,7 +39,7 @@ pub(crate) struct ExploreArgs {
     /// second at any time.
     #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
     pub(crate) journal: Option<PathBuf>,
-    /// Go on with a mission that was killed, from its --journal: give the same mission, seed, planner and settings as then.
+    /// Resume a killed mission from its --journal: give the same mission, seed, planner and settings as then.
     #[arg(long, value_name = "FLIGHT.mcap", conflicts_with_all = ["all", "count"])]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
