@@ -125,6 +125,7 @@ fn a_killed_mission_is_resumed_from_its_journal() {
         (&["loops", "--seed", "3"][..], "its mission is tee, not loops"),
         (&["tee", "--seed", "4"][..], "its seed is 3, not 4"),
         (&["tee", "--seed", "3", "--planner", "depth_first"][..], "its planner is nearest_frontier, not depth_first"),
+        (&["tee", "--seed", "3", "--set", "flight.look_widths=1.6"][..], "its flight.look_widths is 1.5, not 1.6"),
         (&["tee", "--seed", "3", "--set", "vehicle.width_m=0.7"][..], "its vehicle.width_m is 0.6, not 0.7"),
     ] {
         let refused = resume(other, 2);

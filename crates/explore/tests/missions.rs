@@ -78,6 +78,22 @@ fn a_vehicle_that_cannot_brake_crashes_and_that_is_counted() {
 }
 
 #[test]
+fn contacts_before_an_interruption_count_after_it() {
+    let (registry, world) = (Registry::standard(), tee(1));
+    let config = Settings::new(Preset::Default).config(&registry).expect("the default settings");
+    let agility = Agility { acceleration_m_s2: 0.15, ..Agility::default() };
+    let setup = Setup { config: &config, registry: &registry, planner: planners()[1], agility, seed: 1, past: &[] };
+    let mut past = Vec::new();
+    let flown = fly(&world, &setup, &mut |moment| {
+        past.push((moment.scene)());
+        past.len() < 600
+    });
+    assert!(flown.crashes > 0, "{flown:?}");
+    let replayed = fly(&world, &Setup { past: &past, ..setup }, &mut |moment| moment.frame.revolution.seq < 599);
+    assert_eq!((replayed.crashes, replayed.revolutions), (flown.crashes, flown.revolutions));
+}
+
+#[test]
 fn a_vehicle_that_cannot_get_on_ends_its_mission() {
     let agility = Agility { speed_max_m_s: 0.01, ..Agility::default() };
     let flown = mission(&tee(1), "nearest_frontier", agility, 1, 5000);

@@ -131,8 +131,9 @@ mod tests {
         assert_eq!(truth.openings, [TruthOpening { bearing_rad: 0.5, width_m: 3.5 }]);
         assert_eq!((truth.walls, truth.islands, &truth.labels[..]), (1, 1, &[0, -1, 1, -2][..]));
         assert_eq!(truth.to_json(), text);
-        let flown = br#"{"walls":2,"islands":0,"openings":[],"labels":[],"pose":{"x_m":1.5,"y_m":0.0,"yaw_rad":-0.5},"here":{"kind":"dead_end","ways":1}}"#;
+        let flown = br#"{"walls":2,"islands":0,"openings":[],"labels":[],"pose":{"x_m":1.5,"y_m":0.0,"yaw_rad":-0.5},"here":{"kind":"dead_end","ways":1},"contact":true}"#;
         let truth = Truth::from_json(flown).expect("of the schema");
+        assert!(truth.contact);
         assert_eq!(truth.here, Some(TruthPlace { kind: TruthKind::DeadEnd, ways: 1 }));
         assert_eq!(truth.to_json(), flown);
     }

@@ -68,13 +68,12 @@ impl About {
     pub(super) fn past(&self, journal: &Path) -> anyhow::Result<Vec<Scene>> {
         let known = read_description(journal)?;
         let refuse = |why: String| Err(UsageError(format!("cannot resume {}: {why}", journal.display())).into());
-        for (name, value) in &self.values {
-            match known.get(name) {
-                Some(then) if then == value => {}
-                Some(then) => return refuse(format!("its {name} is {then}, not {value}")),
-                None => return refuse(format!("it does not state its {name}; only a journal (--journal) is resumed")),
-            }
+        if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains_key(name)) {
+            return refuse(format!("it does not state its {name}; only a journal (--journal) is resumed"));
         }
-        Ok(read_mcap(journal)?)
+        let is_other = self.values.iter().filter(|(name, value)| known[name] != *value);
+        let others: Vec<String> =
+            is_other.map(|(name, value)| format!("its {name} is {}, not {value}", known[name])).collect();
+        if others.is_empty() { Ok(read_mcap(journal)?) } else { refuse(others.join(", ")) }
     }
 }
