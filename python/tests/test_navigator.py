@@ -67,7 +67,7 @@ stepping.join()
 """
 
 
-def test_a_map_that_is_asked_for_during_a_step_does_not_deadlock() -> None:
+def test_a_map_asked_for_during_a_step_does_not_deadlock() -> None:
     run = subprocess.run([sys.executable, "-c", ASKED_MEANWHILE], capture_output=True, text=True, cwd=ROOT, timeout=60)
     assert sorted(run.stdout.splitlines()) == ["[]", "it answered"], run.stderr
 

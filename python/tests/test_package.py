@@ -28,7 +28,7 @@ def test_the_package_is_typed_and_of_one_version() -> None:
     assert f'version = "{crosscut.__version__}"' in (ROOT / "Cargo.toml").read_text()
 
 
-def test_the_native_half_is_as_it_is_declared(tmp_path: Path) -> None:
+def test_the_native_half_has_what_its_stub_declares(tmp_path: Path) -> None:
     (tmp_path / "allowed").write_text("crosscut\\._native\\.__all__\n")
     command = [sys.executable, "-m", "mypy.stubtest", "crosscut._native", "--allowlist", str(tmp_path / "allowed")]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)

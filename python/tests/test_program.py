@@ -55,7 +55,7 @@ def test_a_stage_that_is_not_there_is_wrong_usage(tee: Path, kind: str, text: st
     assert text in done.stderr
 
 
-def test_stages_are_found_in_files_of_settings_but_not_in_comments(tmp_path: Path) -> None:
+def test_stages_are_found_in_settings_but_not_in_their_comments(tmp_path: Path) -> None:
     settings = tmp_path / "settings.toml"
     settings.write_text(
         '[affinity]\n# kind = "python:gone.f"\nkind = "python:stages_of_ones_own.rbf" # "python:gone.g", it\'s "gone"\n'

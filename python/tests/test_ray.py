@@ -214,7 +214,7 @@ def test_what_a_lost_worker_leaves_is_removed_whatever_the_name(tee: Path, tmp_p
     assert not left.exists()
 
 
-def test_flights_are_computed_again_after_a_change_of_a_stage_or_a_part(
+def test_a_changed_stage_or_part_has_its_flight_computed_again(
     tee: Path, tmp_path: Path, program: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

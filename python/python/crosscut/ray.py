@@ -186,10 +186,10 @@ def _map(flights: list[Path], out: Path, command: list[str], options: list[str],
     """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``sweep``."""
     out.mkdir(parents=True, exist_ok=True)
     names = [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
-    code = {"version": __version__, "build": _named.build(options, shutil.which(command[0])), "command": command}
+    code = {"version": __version__, "build": _named.build(options, shutil.which(command[0])), "command": command, "options": options}
     work, done = [], []
     for flight, name in zip(flights, names, strict=True):
-        made_of = {**code, "options": options, "recording": _files(flight)}
+        made_of = {**code, "recording": _files(flight)}
         kept = _kept(out / f"{name}.done.json", made_of)
         if kept is None:
             work.append((str(flight), name, str(out), command, options, made_of))
@@ -221,7 +221,7 @@ def _files(flight: Path) -> list[list[Any]]:
 
 
 def _kept(path: Path, made_of: dict[str, Any]) -> dict[str, Any] | None:
-    """The row of an earlier run, unless it failed or its answers depend on something else; ``made_of`` is what they do."""
+    """The row of an earlier run, unless it failed or was made of something else than ``made_of``."""
     try:
         kept: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError):
