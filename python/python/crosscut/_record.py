@@ -1,6 +1,6 @@
 """Frames as a recording for the Rerun viewer; needs rerun-sdk.
 
-Entities are named as in the recordings of ``crosscut run --save``, but these are drawn by the program and hold more.
+Entities have the names that ``crosscut run --save`` gives them, whose recordings hold more.
 """
 
 from __future__ import annotations
