@@ -16,10 +16,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import mcap.reader
-import mcap.writer
 import pytest
-from conftest import ROOT, SHIPPED, in_wheel
+from conftest import ROOT, SHIPPED, in_wheel, write_scans
 
 import crosscut
 import crosscut.ray
@@ -166,22 +164,6 @@ crosscut.ray.run({str(tmp_path / "archive")!r}, {str(out)!r}, command=[{program!
     assert len(list(out.glob("*.jsonl"))) == len(list(out.glob("*.map.json"))) == 1000
     assert not list(out.glob(".*")), "nothing unfinished is left"
     cluster.remove_node(node)
-
-
-def write_scans(flight: Path, out: Path, numbers: range) -> None:
-    """Writes some of the scans of a flight."""
-    with flight.open("rb") as source, out.open("wb") as target:
-        writer = mcap.writer.Writer(target)
-        writer.start()
-        channel_id = None
-        for number, (schema, channel, message) in enumerate(mcap.reader.make_reader(source).iter_messages(topics=["/scan"])):
-            if channel_id is None:
-                assert schema is not None
-                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channel_id = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
-            if number in numbers:
-                writer.add_message(channel_id, message.log_time, message.data, message.publish_time)
-        writer.finish()
 
 
 def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: Path, program: str) -> None:

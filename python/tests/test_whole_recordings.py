@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import in_wheel
+from conftest import in_wheel, write_scans
 
 import crosscut
 from crosscut import _program
@@ -69,21 +69,35 @@ def test_a_parquet_that_the_program_wrote_is_kept(tee: Path, tmp_path: Path) -> 
     assert (out / "sweep.parquet").read_text() == "theirs\n"
 
 
-def test_an_interrupt_from_the_terminal_saves_what_was_made(tee: Path, tmp_path: Path) -> None:
-    results = tmp_path / "results.jsonl"
+def interrupted_run(flight: Path, folder: Path, handler: str) -> tuple[int, bytes, int, int]:
+    """Interrupts a run and its caller, as a terminal does. The caller's exit code and words, scans begun and scans saved."""
     script = (
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        f"import crosscut\ncrosscut.run({str(tee)!r}, results={str(results)!r}, kmeans='python:stages_of_ones_own.slower_rows')"
+        f"import signal; signal.signal(signal.SIGINT, {handler})\n"
+        f"import crosscut\ncrosscut.run({str(flight)!r}, results='results.jsonl', kmeans='python:stages_of_ones_own.slower_rows')"
     )
-    run = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, cwd=HERE, start_new_session=True)
-    while not any(path.stat().st_size > 0 for path in tmp_path.iterdir()):
-        assert run.poll() is None
+    caller = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, cwd=folder, start_new_session=True,
+                              env={**os.environ, "PYTHONPATH": str(HERE)})
+    begun = folder / "begun"
+    while not begun.exists() or begun.stat().st_size < 4:
+        assert caller.poll() is None
         time.sleep(0.05)
-    os.killpg(run.pid, signal.SIGINT)
-    assert b"KeyboardInterrupt" in run.communicate(timeout=60)[1]
-    saved = results.read_text().splitlines()
-    assert 0 < len(saved) < 150 and saved[-1].endswith("}")
-    assert [path.name for path in tmp_path.iterdir()] == ["results.jsonl"]
+    os.killpg(caller.pid, signal.SIGINT)
+    said = caller.communicate(timeout=60)[1]
+    assert {path.name for path in folder.iterdir()} == {"begun", "results.jsonl"}
+    return caller.returncode, said, begun.stat().st_size, len((folder / "results.jsonl").read_text().splitlines())
+
+
+def test_an_interrupt_from_the_terminal_saves_what_was_begun(tee: Path, tmp_path: Path) -> None:
+    _, said, begun, saved = interrupted_run(tee, tmp_path, "signal.default_int_handler")
+    assert b"KeyboardInterrupt" in said and begun == saved < 30
+
+
+def test_an_interrupt_that_the_caller_handles_ends_no_run(tee: Path, tmp_path: Path) -> None:
+    flight, folder = tmp_path / "few.mcap", tmp_path / "run"
+    write_scans(tee, flight, range(12))
+    folder.mkdir()
+    code, said, begun, saved = interrupted_run(flight, folder, "lambda *_: None")
+    assert (code, begun, saved) == (0, 12, 12), said
 
 
 def test_what_a_command_says_is_the_exception(tee: Path, tmp_path: Path) -> None:

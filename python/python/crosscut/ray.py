@@ -186,7 +186,8 @@ def _map(flights: list[Path], out: Path, command: list[str], options: list[str],
     """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``sweep``."""
     out.mkdir(parents=True, exist_ok=True)
     names = [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
-    code = {"version": __version__, "build": _named.build(options, shutil.which(command[0])), "command": command, "options": options}
+    build = _named.build(options, shutil.which(command[0]))
+    code = {"version": __version__, "build": build, "command": command, "options": options}
     work, done = [], []
     for flight, name in zip(flights, names, strict=True):
         made_of = {**code, "recording": _files(flight)}
