@@ -1,8 +1,11 @@
 //! Matrices and points as arrays of numpy and scipy, and back.
 
 use crosscut_stage::{Csr, Embedding, Point, Weights};
-use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1, PyArrayLike2, PyArrayMethods};
-use pyo3::exceptions::PyTypeError;
+use numpy::{
+    AllowTypeChange, IntoPyArray, PyArrayDescrMethods, PyArrayLike1, PyArrayLike2, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 /// Points as an (n, 3) array, metres.
@@ -56,6 +59,7 @@ impl Matrix {
     /// Reads an array, anything that numpy makes one of, or a sparse matrix of scipy.
     pub(crate) fn of(object: &Bound<'_, PyAny>) -> PyResult<Self> {
         if !object.hasattr("tocsr")? {
+            refuse_complex(object)?;
             let array: PyArrayLike2<'_, f64, AllowTypeChange> = object.extract().map_err(|_| not_a_matrix(object))?;
             let array = array.as_array();
             return Ok(Self::Dense { shape: [array.nrows(), array.ncols()], flat: array.iter().copied().collect() });
@@ -112,10 +116,42 @@ where
     T: numpy::Element + Copy,
     for<'a, 'py> PyArrayLike1<'py, T, AllowTypeChange>: FromPyObject<'a, 'py>,
 {
+    refuse_complex(object)?;
     let array: Result<PyArrayLike1<'_, T, AllowTypeChange>, _> = object.extract();
     let array =
         array.map_err(|_| PyTypeError::new_err(format!("{} is not an array of one dimension", kind(object))))?;
     Ok(array.as_array().iter().copied().collect())
+}
+
+/// The labels in a one-dimensional array, or in anything that numpy makes one of. A cast of numpy would round them.
+pub(crate) fn labels(object: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
+    if matches!(entries(object), Some(b'i' | b'u' | b'b')) {
+        return vector(object);
+    }
+    let values: Vec<f64> = vector(object)?;
+    let whole = |(at, value): (usize, f64)| {
+        let label = value as i64;
+        let is_whole = label as f64 == value;
+        is_whole
+            .then_some(label)
+            .ok_or_else(|| PyValueError::new_err(format!("labels[{at}] = {value} is no whole number")))
+    };
+    values.into_iter().enumerate().map(whole).collect()
+}
+
+/// A cast of numpy would drop imaginary parts.
+fn refuse_complex(object: &Bound<'_, PyAny>) -> PyResult<()> {
+    match entries(object) {
+        Some(b'c') => Err(PyTypeError::new_err(format!("{} has complex numbers, not real ones", kind(object)))),
+        _ => Ok(()),
+    }
+}
+
+/// What numpy makes the entries of an array: `f` floating point, `c` complex and so on; `None` for what is no array.
+fn entries(object: &Bound<'_, PyAny>) -> Option<u8> {
+    let made = || numpy::get_array_module(object.py())?.call_method1("asarray", (object,));
+    let array = if object.is_instance_of::<PyUntypedArray>() { object.clone() } else { made().ok()? };
+    Some(array.cast::<PyUntypedArray>().ok()?.dtype().kind())
 }
 
 fn not_a_matrix(object: &Bound<'_, PyAny>) -> PyErr {
@@ -123,7 +159,7 @@ fn not_a_matrix(object: &Bound<'_, PyAny>) -> PyErr {
 }
 
 /// Type and, of an array, shape, for messages.
-fn kind(object: &Bound<'_, PyAny>) -> String {
+pub(crate) fn kind(object: &Bound<'_, PyAny>) -> String {
     let shape = object.getattr("shape").map(|shape| format!(" of shape {shape}")).unwrap_or_default();
     let name = object.get_type().name().map(|name| name.to_string()).unwrap_or_default();
     format!("{name}{shape}")

@@ -67,7 +67,7 @@ impl Engine {
             Err(TryLockError::Poisoned(poisoned)) => Some(body(&mut poisoned.into_inner())),
             Err(TryLockError::WouldBlock) => None,
         });
-        done.ok_or_else(|| Class::Error.error(py, "this engine is at work already; give each thread one of its own"))
+        done.ok_or_else(|| Class::Error.error(py, "this engine is busy; use one engine per thread"))
     }
 
     /// The failure of a stage; the exception that a stage in Python raised is its cause. An interrupt stays one.

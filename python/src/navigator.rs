@@ -65,9 +65,12 @@ impl Navigator {
 
 #[pymethods]
 impl Navigator {
-    /// The map up to now; what the vehicle flies later is not added.
-    fn flight_map(&self) -> FlightMap {
-        let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
+    /// The map up to now; what the vehicle flies later is not added. Waits without the interpreter's lock for a step of another
+    /// thread, whose stage in Python may need it.
+    fn flight_map(&self, py: Python<'_>) -> FlightMap {
+        py.detach(|| {
+            let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
+            FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
+        })
     }
 }

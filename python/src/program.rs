@@ -9,12 +9,17 @@ use pyo3::prelude::*;
 use crate::stages;
 
 /// Runs the command in `args`, of which the first is the program's name, and returns its exit code. `stages` are callables
-/// by `python:module.name`; each is a further kind of every stage.
+/// by `python:module.name`; each is a further kind of every stage. `build` identifies the code of this package and of them.
 #[pyfunction]
-pub(crate) fn program(py: Python<'_>, args: Vec<OsString>, stages: BTreeMap<String, Bound<'_, PyAny>>) -> u8 {
+pub(crate) fn program(
+    py: Python<'_>,
+    args: Vec<OsString>,
+    stages: BTreeMap<String, Bound<'_, PyAny>>,
+    build: Option<String>,
+) -> u8 {
     let mut registry = Registry::standard();
     for (kind, function) in stages {
-        stages::add_named(&kind, &function, &mut registry);
+        stages::add_named(&kind, function, &mut registry);
     }
-    py.detach(|| crosscut::run(args, &registry))
+    py.detach(|| crosscut::run(args, &registry, build.as_deref()))
 }

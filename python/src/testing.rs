@@ -5,12 +5,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use pyo3::exceptions::PyAssertionError;
 use pyo3::prelude::*;
 
-use crate::stages::{AFFINITY, named};
+use crate::stages::{AFFINITY, Entry, named};
 
 /// Holds an affinity to what the rest of the program relies on.
 #[pyfunction]
 pub(crate) fn check_affinity(py: Python<'_>, function: Bound<'_, PyAny>) -> PyResult<()> {
-    let kind = named(AFFINITY, "affinity", function);
+    let entry = Entry::of(function);
+    let kind = named(AFFINITY, "affinity", &entry);
     let checked = py.detach(|| {
         // A failed check panics, many times while its input is made smaller.
         let hook = take_hook();

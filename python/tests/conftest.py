@@ -7,6 +7,8 @@ import socket
 import sysconfig
 from pathlib import Path
 
+import mcap.reader
+import mcap.writer
 import pytest
 from _pytest.mark import ParameterSet
 
@@ -48,3 +50,19 @@ def free_port() -> int:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]
         return port
+
+
+def write_scans(flight: Path, out: Path, numbers: range) -> None:
+    """Writes some of the scans of a flight."""
+    with flight.open("rb") as source, out.open("wb") as target:
+        writer = mcap.writer.Writer(target)
+        writer.start()
+        channel_id = None
+        for number, (schema, channel, message) in enumerate(mcap.reader.make_reader(source).iter_messages(topics=["/scan"])):
+            if channel_id is None:
+                assert schema is not None
+                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channel_id = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
+            if number in numbers:
+                writer.add_message(channel_id, message.log_time, message.data, message.publish_time)
+        writer.finish()

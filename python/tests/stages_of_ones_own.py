@@ -66,3 +66,11 @@ def slow_rows(u: Matrix, k: int) -> NDArray[np.int64]:
     """Takes a while."""
     time.sleep(0.03)
     return nearest_row(u, k)
+
+
+def slower_rows(u: Matrix, k: int) -> NDArray[np.int64]:
+    """Takes longer than an interrupted interpreter waits for its children; file ``begun`` has a byte for each call."""
+    with open("begun", "a") as begun:
+        begun.write(".")
+    time.sleep(0.6)
+    return nearest_row(u, k)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +43,33 @@ def test_the_map_is_a_copy_of_that_of_the_navigator(tee: Path) -> None:
     for scan in scans[100:]:
         navigator.step(scan)
     assert of_navigator.to_dict() == flight.to_dict()
+
+
+ASKED_MEANWHILE = """
+import threading, time, crosscut
+began = threading.Event()
+def slow(points):
+    began.set()
+    time.sleep(0.5)
+    raise ValueError("it answered")
+navigator = crosscut.Navigator(crosscut.Engine("paper", affinity=slow))
+scan = next(iter(crosscut.read("recordings/tee.mcap")))
+def step():
+    try:
+        navigator.step(scan)
+    except crosscut.StageError as error:
+        print(error.__cause__)
+stepping = threading.Thread(target=step)
+stepping.start()
+began.wait()
+print(navigator.flight_map().to_dict()["nodes"])
+stepping.join()
+"""
+
+
+def test_a_map_asked_for_during_a_step_does_not_deadlock() -> None:
+    run = subprocess.run([sys.executable, "-c", ASKED_MEANWHILE], capture_output=True, text=True, cwd=ROOT, timeout=60)
+    assert sorted(run.stdout.splitlines()) == ["[]", "it answered"], run.stderr
 
 
 def test_wrong_arguments_are_refused_and_a_failing_stage_is_named(tee: Path) -> None:

@@ -28,6 +28,13 @@ def test_the_package_is_typed_and_of_one_version() -> None:
     assert f'version = "{crosscut.__version__}"' in (ROOT / "Cargo.toml").read_text()
 
 
+def test_the_native_half_has_what_its_stub_declares(tmp_path: Path) -> None:
+    (tmp_path / "allowed").write_text("crosscut\\._native\\.__all__\n")
+    command = [sys.executable, "-m", "mypy.stubtest", "crosscut._native", "--allowlist", str(tmp_path / "allowed")]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
 def snippets(page: str) -> list[str]:
     return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
 

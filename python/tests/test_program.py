@@ -55,6 +55,29 @@ def test_a_stage_that_is_not_there_is_wrong_usage(tee: Path, kind: str, text: st
     assert text in done.stderr
 
 
+def test_stages_are_found_in_settings_but_not_in_their_comments(tmp_path: Path) -> None:
+    settings = tmp_path / "settings.toml"
+    settings.write_text(
+        '[affinity]\n# kind = "python:gone.f"\nkind = "python:stages_of_ones_own.rbf" # "python:gone.g", it\'s "gone"\n'
+    )
+    for option in (["--config", settings], [f"--config={settings}"]):
+        done = run("config", *option)
+        assert (done.returncode, done.stdout.count("python:stages_of_ones_own.rbf")) == (0, 2), done.stderr
+
+
+def test_a_sweep_computes_again_what_another_stage_computed(tee: Path, tmp_path: Path) -> None:
+    stage, table = tmp_path / "mine.py", tmp_path / "out" / "sweep.csv"
+    args = ["sweep", tee, "--grid", "affinity.kind=python:mine.w", "--preset", "paper", "--out", "out"]
+    texts = []
+    for w in ("numpy.ones((len(points), len(points)))", "numpy.ones((len(points), len(points)))", "numpy.eye(len(points))"):
+        stage.write_text(f"import numpy\ndef w(points):\n    return {w}\n")
+        done = run(*args, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        texts.append((table.read_text(), "1 of 1 are there from an earlier sweep" in done.stderr))
+    assert texts[1] == (texts[0][0], True)
+    assert texts[2][0] != texts[0][0] and not texts[2][1]
+
+
 def test_a_stage_that_raises_keeps_what_came_before(tee: Path) -> None:
     done = run("run", tee, "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.failing",
                "--set", "pipeline.workers=1", "--results", "-")

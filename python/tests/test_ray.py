@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -14,10 +16,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import mcap.reader
-import mcap.writer
 import pytest
-from conftest import ROOT, SHIPPED, in_wheel
+from conftest import ROOT, SHIPPED, in_wheel, write_scans
 
 import crosscut
 import crosscut.ray
@@ -166,22 +166,6 @@ crosscut.ray.run({str(tmp_path / "archive")!r}, {str(out)!r}, command=[{program!
     cluster.remove_node(node)
 
 
-def write_scans(flight: Path, out: Path, numbers: range) -> None:
-    """Writes some of the scans of a flight."""
-    with flight.open("rb") as source, out.open("wb") as target:
-        writer = mcap.writer.Writer(target)
-        writer.start()
-        channel_id = None
-        for number, (schema, channel, message) in enumerate(mcap.reader.make_reader(source).iter_messages(topics=["/scan"])):
-            if channel_id is None:
-                assert schema is not None
-                schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channel_id = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
-            if number in numbers:
-                writer.add_message(channel_id, message.log_time, message.data, message.publish_time)
-        writer.finish()
-
-
 def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: Path, program: str) -> None:
     out = tmp_path / "out"
     first = crosscut.ray.run(archive, out, command=[program])
@@ -193,6 +177,101 @@ def test_a_second_run_does_what_is_left(cluster: Any, archive: Path, tmp_path: P
     assert changed == {again}
     failed = (out / "failures.csv").read_text().splitlines()[1:]
     assert [Path(line.split(",")[0]).name for line in failed] == ["cut.mcap", "text.mcap"]
+
+
+def test_a_flight_whose_name_is_a_pattern_has_its_results(tee: Path, tmp_path: Path, program: str) -> None:
+    shutil.copy(tee, tmp_path / "run[1].mcap")
+    found = crosscut.ray.run_here(tmp_path, tmp_path / "out", command=[program]).to_pylist()
+    assert [(row["code"], row["revolutions"]) for row in found] == [(0, 141)]
+    assert len(list((tmp_path / "out").glob("*.jsonl"))) == len(list((tmp_path / "out").glob("*.map.json"))) == 1
+
+
+def test_what_a_lost_worker_leaves_is_removed_whatever_the_name(tee: Path, tmp_path: Path, program: str) -> None:
+    flight = shutil.copy(tee, tmp_path / "run[1].mcap")
+    crosscut.ray.run_here(flight, tmp_path / "out", command=[program])
+    (done,) = (tmp_path / "out").glob("*.done.json")
+    left = tmp_path / "out" / f".{done.name.removesuffix('.done.json')}.0123"
+    left.mkdir()
+    crosscut.ray.run_here(flight, tmp_path / "out", command=[program])
+    assert not left.exists()
+
+
+def test_a_changed_stage_or_part_has_its_flight_computed_again(
+    tee: Path, tmp_path: Path, program: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    flight = tmp_path / "flight"
+    flight.mkdir()
+    shutil.copy(tee, flight / "flight_0.mcap")
+    (flight / "metadata.yaml").write_text("rosbag2_bagfile_information:\n  relative_file_paths: [flight_0.mcap]\n")
+    stage = tmp_path / "mine.py"
+    stage.write_text("def labels(u, k):\n    return [0] * len(u)\n")
+
+    def stamp() -> int:
+        rows = crosscut.ray.run_here(flight, tmp_path / "out", command=[program], kmeans="python:mine.labels").to_pylist()
+        assert [row["code"] for row in rows] == [0], rows
+        (results,) = (tmp_path / "out").glob("*.jsonl")
+        return results.stat().st_mtime_ns
+
+    first = stamp()
+    assert stamp() == first, "nothing has changed"
+    stage.write_text("def labels(u, k):\n    return [0] * (len(u) - 1) + [1]\n")
+    second = stamp()
+    assert second > first
+    os.utime(flight / "flight_0.mcap", ns=(0, 0))
+    assert stamp() > second
+
+
+def test_each_flight_of_an_archive_is_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ["a.mcap", "b.mcap.zst", "c.PCD", "d.ply", "e.bag.active", "bag/metadata.yaml", "bag/bag_0.db3", "bag/bag_1.db3",
+             "deep/er/f.clf", "a.mcap.zst", "notes.txt", "settings.toml"]
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    found = crosscut.ray._flights([".", "a.mcap", tmp_path / "a.mcap", "bag/../a.mcap", "bag"])
+    expected = ["a.mcap", "b.mcap.zst", "bag", "c.PCD", "d.ply", "deep/er/f.clf", "e.bag.active"]
+    assert found == sorted(tmp_path / name for name in expected)
+
+
+def test_the_endings_of_flights_are_those_of_the_program() -> None:
+    source = (ROOT / "crates" / "ingest" / "src" / "inputs.rs").read_text()
+    of_program = [re.findall(r'"(\w+)"', re.findall(rf"const {name}: .*= \[(.*)\]", source)[0]) for name in ("KINDS", "AFTER_KIND")]
+    assert [f".{kind}" for kind in of_program[0]] == list(crosscut.ray.KINDS[:-2]), "and .log and .csv, which name no kind there"
+    assert [f".{ending}" for ending in of_program[1]] == list(crosscut.ray.AFTER_KIND)
+
+
+def test_an_error_of_a_task_is_its_reason(cluster: Any, tee: Path, tmp_path: Path) -> None:
+    (row,) = crosscut.ray.run(tee, tmp_path / "out", command=["/absent/crosscut"]).to_pylist()
+    assert row["code"] is None and "No such file or directory: '/absent/crosscut'" in row["error"]
+    killed = tmp_path / "killed.sh"
+    killed.write_text("#!/bin/sh\nkill -9 $$\n")
+    killed.chmod(0o755)
+    (row,) = crosscut.ray.run(tee, tmp_path / "out", command=[str(killed)]).to_pylist()
+    assert row["error"].startswith("its task was lost 6 times: ")
+
+
+def test_a_sweep_that_lost_something_says_so(tee: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("ray")
+    monkeypatch.setattr(crosscut.ray, "_on_ray", lambda address: crosscut.ray._one_by_one)
+    said = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", said)
+    lossy = tmp_path / "lossy.sh"
+    lossy.write_text(f'#!/bin/sh\n"{in_wheel()}" "$@"\necho "lost: a chunk" >&2\nexit 3\n')
+    lossy.chmod(0o755)
+    args = [str(tee), "--out", str(tmp_path / "out"), "--grid", "vehicle.width_m=0.6"]
+    assert crosscut.ray.main("sweep", args) == 0
+    monkeypatch.setattr(crosscut.ray, "COMMAND", (str(lossy),))
+    assert crosscut.ray.main("sweep", args) == 3
+    assert "warning: lost: a chunk\n1 rows: " in said.getvalue()
+
+
+def test_a_task_takes_one_processor(tee: Path, tmp_path: Path) -> None:
+    program = tmp_path / "program.sh"
+    program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/arguments\nexec "{in_wheel()}" "$@"\n')
+    program.chmod(0o755)
+    crosscut.ray.run_here(tee, tmp_path / "out", command=[str(program)])
+    assert "--set pipeline.workers=1 " in (tmp_path / "arguments").read_text()
 
 
 def test_the_command_line_says_what_failed(archive: Path, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import subprocess
+import types
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,14 @@ def test_count_and_engine_and_message_agree(tee: Path) -> None:
     assert counted.labels.dtype == np.int32 and len(counted.labels) == len(scan.ranges)
     with pytest.raises(dataclasses.FrozenInstanceError):
         counted.junctions = 4  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("names", [("sec", "nanosec"), ("secs", "nsecs")])
+def test_messages_of_both_versions_of_ros_have_their_stamp(names: tuple[str, str]) -> None:
+    stamp = types.SimpleNamespace(**dict(zip(names, (5, 7), strict=True)))
+    header = types.SimpleNamespace(stamp=stamp, frame_id="lidar")
+    message = types.SimpleNamespace(header=header, ranges=[2.0] * 90, angle_min=0.0, angle_increment=0.07)
+    assert crosscut.Engine().process(message).stamp_ns == 5_000_000_007
 
 
 def test_range_limits_are_those_of_the_sensor() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,6 +43,24 @@ def test_a_given_number_of_clusters_is_as_right_as_that_of_scikit_learn() -> Non
     mine = SpectralJunctions(sigma=40.0, n_clusters=2).fit_predict(points)
     theirs = SpectralClustering(2, gamma=40.0, random_state=1).fit_predict(points)
     assert adjusted_rand_score(mine, truth) == adjusted_rand_score(theirs, truth) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"n_clusters": -1}, "n_clusters is None or a whole number from 1 to n_samples=60, not -1"),
+        ({"n_clusters": 0}, "not 0"),
+        ({"n_clusters": 61}, "not 61"),
+        ({"n_clusters": 2.5}, "not 2.5"),
+        ({"n_clusters": True}, "not True"),
+        ({"sigma": 0.0}, "sigma is a number above 0, not 0.0"),
+        ({"sigma": float("nan")}, "not nan"),
+        ({"affinity": "precomputed"}, r"of shape \(n_samples, n_samples\), not \(60, 2\)"),
+    ],
+)
+def test_wrong_parameters_are_refused(settings: dict[str, Any], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        SpectralJunctions(**settings).fit(walls())
 
 
 def test_kinds_and_callables_are_affinities() -> None:

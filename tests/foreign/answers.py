@@ -45,6 +45,7 @@ def check(flights: Flights, verdicts: Verdicts):
         scenes = found["/crosscut/scene"]
         same = all(str(scene) == str(decoded) and known for scene, decoded, known in scenes)
         verdicts.that(same, f"{what}: drawings", f"{len(scenes)} read alike by Foxglove's schemas and by the file's own")
+        verdicts.that(len(scenes) == len(expected), f"{what}: number of drawings", f"{len(scenes)} for {len(expected)} lines")
         some = list(zip(scenes, expected, scans))[::EVERY]
         wrong = sum(not fits(scene, line, scan) for (scene, *_), line, scan in some)
         verdicts.that(wrong == 0, f"{what}: drawn walls and openings", f"{wrong} of {len(some)} differ from the line and the scan")

@@ -46,11 +46,12 @@ use crate::cli::{Cli, Command};
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    run(std::env::args_os(), registry).into()
+    run(std::env::args_os(), registry, None).into()
 }
 
-/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
-pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. `build` identifies
+/// the code that runs, where that is not in the executable file alone: `sweep` computes what another build has computed again.
+pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build: Option<&str>) -> u8 {
     let command = match Cli::try_parse_from(args) {
         Ok(cli) => cli.command,
         Err(refused) => {
@@ -70,7 +71,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
-        Command::Sweep(args) => commands::sweep::sweep(&args, registry),
+        Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),

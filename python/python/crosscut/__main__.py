@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-import os
-import re
 import signal
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-from . import _native
-
-_NAMED = re.compile(r"\bpython:([\w.]+)\.(\w+)")
+from . import _named, _native
 
 
 def main() -> int:
@@ -36,33 +30,18 @@ def main() -> int:
 
         return live.main(sys.argv[2:])
     stages: dict[str, Callable[..., Any]] = {}
-    for argument in sys.argv[1:]:
-        for module, name in _NAMED.findall(argument + _settings_in(argument)):
-            try:
-                stages[f"python:{module}.{name}"] = _find(module, name)
-            except Exception as error:
-                text = f"error: there is no stage python:{module}.{name}: {type(error).__name__}: {error}"
-                print(text, file=sys.stderr)
-                return 2
+    for module, name in _named.named(sys.argv[1:]):
+        try:
+            stages[f"python:{module}.{name}"] = _named.find(module, name)
+        except Exception as error:
+            text = f"error: there is no stage python:{module}.{name}: {type(error).__name__}: {error}"
+            print(text, file=sys.stderr)
+            return 2
+    build = _named.build(sys.argv[1:]) if sys.argv[1:2] == ["sweep"] else None
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
-    return _native.program(["crosscut", *sys.argv[1:]], stages)
-
-
-def _settings_in(argument: str) -> str:
-    """The text of the file of settings that an argument names, such as ``paper,FILE.toml``."""
-    paths = [Path(part) for part in argument.split(",") if part.endswith(".toml")]
-    return "".join(f"\n{path.read_text(errors='replace')}" for path in paths if path.is_file())
-
-
-def _find(module: str, name: str) -> Callable[..., Any]:
-    if os.getcwd() not in sys.path:
-        sys.path.insert(0, os.getcwd())
-    found = getattr(importlib.import_module(module), name)
-    if not callable(found):
-        raise TypeError("it is not callable")
-    return found
+    return _native.program(["crosscut", *sys.argv[1:]], stages, build)
 
 
 if __name__ == "__main__":

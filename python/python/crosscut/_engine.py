@@ -119,7 +119,7 @@ class Engine:
 
 
 class Recording:
-    """The scans of a recording, each once. At its end, a :class:`LossWarning` tells each part that could not be read."""
+    """The scans of a recording, each once. At its end, a :class:`LossWarning` reports each part that could not be read."""
 
     def __init__(self, native: _native.Recording) -> None:
         self._native = native
@@ -197,7 +197,7 @@ def read(
     """Iterates over the scans of a recording of any format: MCAP, ROS 1 bag, rosbag2, CARMEN log, CSV, PCD or PLY.
 
     Several paths, or a folder, are the parts of one flight. Several topics are the scanners of one vehicle. ``from_s`` and
-    ``to_s`` are seconds after the first scan. Where its sensor is mounted is told by section ``ingest``:
+    ``to_s`` are seconds after the first scan. Section ``ingest`` sets how the sensor is mounted:
     ``read("FLIGHT.bag", "/scan", ingest={"yaw_rad": 3.14})``.
     """
     engine = Engine(preset, settings=settings, **sections)
@@ -210,7 +210,9 @@ def as_scan(scan: Any) -> Scan:
         return scan
     if hasattr(scan, "ranges") and hasattr(scan, "angle_min"):
         stamp = getattr(getattr(scan, "header", None), "stamp", None)
-        seconds, ns = getattr(stamp, "sec", 0), getattr(stamp, "nanosec", 0)
+        # ROS 2, ROS 1
+        seconds = getattr(stamp, "sec", getattr(stamp, "secs", 0))
+        ns = getattr(stamp, "nanosec", getattr(stamp, "nsecs", 0))
         return Scan(
             np.asarray(scan.ranges, dtype=np.float32),
             scan.angle_min,

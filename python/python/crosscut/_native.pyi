@@ -1,14 +1,15 @@
-import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
 from ._results import Result
 
 __version__: str
 
+@final
 class Scan:
     """One scan, made of ranges, of points, or by :func:`crosscut.read`.
 
@@ -16,8 +17,8 @@ class Scan:
     ``range_min`` and ``range_max``: what the sensor measures, metres. ``stamp_ns``: nanoseconds since the epoch.
     """
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         ranges: ArrayLike,
         angle_min: float,
         angle_increment: float,
@@ -26,11 +27,11 @@ class Scan:
         range_max: float = ...,
         stamp_ns: int = 0,
         seq: int | None = None,
-        frame_id: str = "",
-    ) -> None: ...
+        frame_id: str = ...,
+    ) -> Self: ...
     @staticmethod
     def from_points(
-        points: ArrayLike, *, stamp_ns: int = 0, seq: int | None = None, frame_id: str = ""
+        points: ArrayLike, *, stamp_ns: int = 0, seq: int | None = None, frame_id: str = ...
     ) -> Scan:
         """A cloud of points, (n, 2) or (n, 3), metres; x forward, y left."""
 
@@ -71,6 +72,7 @@ class Scan:
     def notes(self) -> list[str]:
         """What was dropped, repaired or replaced when it was read."""
 
+@final
 class Recording:
     def __iter__(self) -> Recording: ...
     def __next__(self) -> Scan: ...
@@ -79,6 +81,7 @@ class Recording:
     @property
     def losses(self) -> list[str]: ...
 
+@final
 class FlightMap:
     @property
     def pose(self) -> tuple[float, float, float] | None: ...
@@ -86,17 +89,19 @@ class FlightMap:
     def json(self) -> str: ...
     def summary(self) -> str: ...
 
+@final
 class Navigator:
     def flight_map(self) -> FlightMap: ...
 
+@final
 class Engine:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         preset: str,
         settings: Sequence[str],
         stages: Sequence[Callable[..., Any] | None],
         keep: Sequence[str],
-    ) -> None: ...
+    ) -> Self: ...
     def process(self, scan: Scan, seq: int) -> Result: ...
     def process_batch(self, scans: Sequence[Scan], first_seq: int) -> tuple[list[Result], BaseException | None]: ...
     def flight_map(self) -> FlightMap: ...
@@ -116,11 +121,12 @@ class Engine:
     @property
     def config(self) -> str: ...
 
+@final
 class Odometry:
-    def __init__(self) -> None: ...
+    def __new__(cls) -> Self: ...
     def add(self, message: bytes, message_type: str) -> None: ...
     def reaches(self, scan: Scan) -> bool: ...
     def beside(self, scan: Scan) -> tuple[Scan, tuple[float, float, float] | None]: ...
 
-def program(args: Sequence[str | os.PathLike[str]], stages: Mapping[str, Callable[..., Any]]) -> int: ...
+def program(args: Sequence[str], stages: Mapping[str, Callable[..., Any]], build: str | None) -> int: ...
 def check_affinity(function: Callable[..., Any]) -> None: ...

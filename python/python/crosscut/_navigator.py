@@ -26,7 +26,7 @@ class Command:
 
     @property
     def done(self) -> bool:
-        """The mission is over; the vehicle is to stand."""
+        """The mission is over; the vehicle must stop."""
         return self.end is not None
 
 
@@ -55,10 +55,10 @@ class Navigator:
         self._navigator = self._engine.navigator(planner, (speed_max_m_s, turn_rate_max_rad_s))
 
     def step(self, scan: Any, pose: tuple[float, float, float] | None = None) -> Command:
-        """What the vehicle is to do after the next scan, some ten of which a second are to come.
+        """What the vehicle is to do after the next scan. The navigator expects about ten scans a second.
 
-        ``scan``: as for :meth:`Engine.process`; its ``stamp_ns`` is to be that of the sensor. ``pose``: where the vehicle was
-        by its odometry, x and y in metres and yaw in radians, in any fixed frame; without it, scans alone tell.
+        ``scan``: as for :meth:`Engine.process`; its ``stamp_ns`` must be that of the sensor. ``pose``: where the vehicle was
+        by its odometry, x and y in metres and yaw in radians, in any fixed frame; without it, the pose comes from the scans.
         """
         return Command(*self._engine.navigate(as_scan(scan), pose, self._navigator))
 

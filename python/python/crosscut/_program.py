@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import signal
 import subprocess
 import sys
+import uuid
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -75,7 +77,7 @@ def sweep(
     >>> sweep("flights/", {"affinity.sigma_per_m2": [0.5, 1.5], "preset": ["paper", "default"]}, out="sweep/")
 
     ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
-    kept, so that an interrupted one goes on. ``jobs`` flights are processed at a time (None: one for each processor).
+    kept, so that an interrupted one continues. ``jobs`` flights are processed at a time (None: one for each processor).
     """
     at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
     return swept(_paths(flights), Path(out), [*axes(grid), *configuration(preset, settings, sections), *at_a_time], COMMAND)
@@ -87,24 +89,70 @@ def axes(grid: Mapping[str, Sequence[object]]) -> list[str]:
 
 def swept(flights: Sequence[StrPath], out: Path, options: Sequence[str], command: Sequence[str]) -> pyarrow.Table:
     """Runs the sweep, but for what is in ``out`` already, and reads its table."""
-    import pyarrow.csv
     import pyarrow.parquet
 
+    parquet = out / "sweep.parquet"
+    before = _written(parquet)
     _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command)
-    table = pyarrow.csv.read_csv(out / "sweep.csv")
-    pyarrow.parquet.write_table(table, out / "sweep.parquet")  # the program of the wheel writes none
+    table = _table(out / "sweep.csv")
+    if _written(parquet) == before:  # the program in the wheel writes none
+        unfinished = out / f".{uuid.uuid4().hex}"
+        pyarrow.parquet.write_table(table, unfinished)
+        unfinished.replace(parquet)
     return table
+
+
+TEXTS = ("flight", "input_hash", "program")
+COUNTS = ("revolutions", "failed", "flips", "compared")
+FIGURES = ("mean_junctions", "mean_confidence", "sure", "right", "right_count", "sure_right", "auroc", "openings_missed",
+           "openings_false")
+"""Columns of a sweep, beside those of its grid."""
+
+
+def _table(path: Path) -> pyarrow.Table:
+    """The table of a sweep with the types that the program gives its Parquet: an axis has numbers if all its values are."""
+    import pyarrow as pa
+    import pyarrow.csv
+
+    with path.open(newline="", encoding="utf-8") as file:
+        names = next(csv.reader(file))
+    types = dict.fromkeys(names, pa.string()) | dict.fromkeys(COUNTS, pa.int64()) | dict.fromkeys(FIGURES, pa.float64())
+    options = pyarrow.csv.ConvertOptions(column_types=types, null_values=[""])
+    table = pyarrow.csv.read_csv(path, convert_options=options)
+    for place, name in enumerate(names):
+        if name not in TEXTS + COUNTS + FIGURES:
+            try:
+                table = table.set_column(place, name, table[name].cast(pa.float64()))
+            except pa.ArrowInvalid:
+                pass  # texts
+    return table
+
+
+def _written(path: Path) -> tuple[int, int] | None:
+    """What changes when a file is written."""
+    try:
+        stat = path.stat()
+    except FileNotFoundError:
+        return None
+    return stat.st_ino, stat.st_mtime_ns
 
 
 def _finish(arguments: Sequence[StrPath], command: Sequence[str] = COMMAND) -> None:
     """Runs a command to its end; what it says becomes an exception or warnings."""
-    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
-        try:
-            _, said = process.communicate()
-        except KeyboardInterrupt:
-            process.send_signal(signal.SIGINT)  # it saves what it has
-            process.wait()
-            raise
+    # In a session of its own, an interrupt from the terminal reaches it once, from here.
+    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+                          start_new_session=True) as process:
+        assert process.stderr is not None
+        said, interrupted = "", False
+        while process.returncode is None:
+            try:
+                said += process.stderr.read()
+                process.wait()
+            except KeyboardInterrupt:
+                process.send_signal(signal.SIGINT)  # it saves what it has; at the second one it quits at once
+                interrupted = True
+    if interrupted:
+        raise KeyboardInterrupt
     lines = said.splitlines()
     if process.returncode == SOMETHING_LOST:
         for line in lines:

@@ -203,7 +203,7 @@ def laplacian(w: Any, degrees: NDArray[np.float64]) -> Any:
 def results(path: str | os.PathLike[str]) -> pyarrow.Table:
     """A file that ``crosscut run --results`` wrote, one row a scan; needs pyarrow.
 
-    pandas, polars and DuckDB take the table as it is.
+    pandas, polars and DuckDB accept the table directly.
     """
     import pyarrow as pa
     from pyarrow import json

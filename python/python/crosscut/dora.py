@@ -67,7 +67,7 @@ def main() -> int:
 
 def _engine(args: argparse.Namespace) -> Engine:
     """The engine of these settings; ``STAGE.kind=python:module.name`` is a callable, which this node alone has."""
-    from .__main__ import _find
+    from ._named import find
 
     changes: list[str] = []
     stages: dict[str, Callable[..., Any]] = {}
@@ -76,7 +76,7 @@ def _engine(args: argparse.Namespace) -> Engine:
             stage, module, name = named.groups()
             if stage == args.node:
                 try:
-                    stages[stage] = _find(module, name)
+                    stages[stage] = find(module, name)
                 except (ImportError, AttributeError, TypeError) as error:
                     raise SettingsError(f"there is no stage python:{module}.{name}: {error}") from error
         else:

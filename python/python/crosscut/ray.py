@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import glob
 import hashlib
 import json
 import os
@@ -25,14 +26,15 @@ import subprocess
 import sys
 import time
 import uuid
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import __version__
+from . import __version__, _named
 from ._engine import Section
-from ._errors import Error
+from ._errors import Error, LossWarning
 from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, axes, configuration, failure, swept
 
 if TYPE_CHECKING:
@@ -46,8 +48,9 @@ class Killed(Error):
     """The program was killed on its node; the task is started again."""
 
 
-RECORDINGS = (".mcap", ".bag", ".db3", ".clf", ".log", ".csv")
-"""What is a flight in a folder of flights."""
+KINDS = (".mcap", ".db3", ".bag", ".clf", ".pcd", ".ply", ".log", ".csv")
+AFTER_KIND = (".zstd", ".zst", ".lz4", ".bz2", ".active")
+"""Endings of what is a flight in a folder of flights, and what may follow them, as in crates/ingest/src/inputs.rs."""
 
 
 def run(
@@ -62,8 +65,9 @@ def run(
 ) -> pyarrow.Table:
     """The answers and the map of each flight. Returns a table with a row for each flight, in the order of their paths.
 
-    ``flights``: recordings, or folders of them; each is a flight of its own. ``address``: the cluster; without one Ray takes
-    the one it is told of, or starts one on this machine. ``command``: the program, if nodes have another one than this package.
+    ``flights``: recordings, or folders of them; each is a flight of its own, and so is a folder with a ``metadata.yaml``.
+    ``address``: the cluster; without one, Ray uses the cluster in $RAY_ADDRESS, or starts one on this machine. ``command``: the
+    program, if nodes have another one than this package.
     A flight that fails has its reason in the table and does not end the others.
     """
     options = configuration(preset, settings, sections)
@@ -122,8 +126,10 @@ def _on_ray(address: str | None) -> Any:
             arguments = waiting.pop(finished)
             try:
                 yield ray.get(finished)
-            except (Killed, ray.exceptions.RayError) as error:
+            except ray.exceptions.RayError as error:
                 text = f"its task was lost {RETRIES + 1} times: {type(error).__name__}"
+                if isinstance(error, ray.exceptions.RayTaskError) and not isinstance(error, Killed):
+                    text = str(error.cause)  # it raised this at its only run
                 yield {"flight": arguments[0], "code": None, "error": text}
 
     return rows
@@ -138,14 +144,31 @@ def _flights(paths: StrPath | Iterable[StrPath]) -> list[Path]:
     """Each recording once, by its path."""
     given = [paths] if isinstance(paths, (str, os.PathLike)) else paths
     found: set[Path] = set()
-    for path in map(Path, given):
-        if path.is_dir() and not (path / "metadata.yaml").exists():
-            found.update(file for file in path.rglob("*") if file.suffix in RECORDINGS)
-        else:
-            found.add(path)
+    for path in map(Path, map(os.path.abspath, given)):
+        found.update(_flights_below(path) if path.is_dir() else [path])
     if not found:
         raise ValueError("there is no recording in what was given")
-    return sorted(path.absolute() for path in found)
+    return sorted(found)
+
+
+def _flights_below(folder: Path) -> Iterable[Path]:
+    for parent, folders, names in os.walk(folder):
+        if "metadata.yaml" in names:
+            folders.clear()
+            yield Path(parent)
+            continue
+        for name in names:
+            uncompressed = _uncompressed(name)
+            is_copy = uncompressed != name and uncompressed in names
+            if not is_copy and uncompressed.lower().endswith(KINDS):
+                yield Path(parent, name)
+
+
+def _uncompressed(name: str) -> str:
+    """The name of a recording before it was compressed, and when it was closed: ``FLIGHT.mcap`` of ``FLIGHT.mcap.zst``."""
+    while name.lower().endswith(AFTER_KIND):
+        name = name.rpartition(".")[0]
+    return name
 
 
 def _gather(flights: list[Path], out: Path, command: list[str], options: list[str], rows: Any) -> pyarrow.Table:
@@ -163,11 +186,14 @@ def _map(flights: list[Path], out: Path, command: list[str], options: list[str],
     """A row for each flight, in the order of their paths. ``command`` ends in ``run`` or ``sweep``."""
     out.mkdir(parents=True, exist_ok=True)
     names = [f"{flight.stem}-{hashlib.sha256(os.fsencode(flight)).hexdigest()[:10]}" for flight in flights]
+    build = _named.build(options, shutil.which(command[0]))
+    code = {"version": __version__, "build": build, "command": command, "options": options}
     work, done = [], []
     for flight, name in zip(flights, names, strict=True):
-        kept = _kept(out / f"{name}.done.json", _made_of(flight, command, options))
+        made_of = {**code, "recording": _files(flight)}
+        kept = _kept(out / f"{name}.done.json", made_of)
         if kept is None:
-            work.append((str(flight), name, str(out), command, options))
+            work.append((str(flight), name, str(out), command, options, made_of))
         else:
             done.append(kept)
     start, last_said_s = time.monotonic(), 0.0
@@ -181,23 +207,22 @@ def _map(flights: list[Path], out: Path, command: list[str], options: list[str],
     if work and sys.stderr.isatty():
         print(file=sys.stderr)
     for name in names:
-        for part in out.glob(f".{name}.*"):  # of a worker that was lost
+        for part in out.glob(f".{glob.escape(name)}.*"):  # of a worker that was lost
             shutil.rmtree(part, ignore_errors=True)
     return sorted(done, key=lambda row: str(row["flight"]))
 
 
-def _made_of(flight: Path, command: Sequence[str], options: Sequence[str]) -> dict[str, Any]:
-    """What the answers to a flight depend on."""
+def _files(flight: Path) -> list[list[Any]]:
+    """Name, size and time of each file of a flight; none if it cannot be read."""
     try:
-        stat = flight.stat()
-        recording = [stat.st_size, stat.st_mtime_ns]
+        files = sorted(flight.iterdir()) if flight.is_dir() else [flight]
+        return [[file.name, file.stat().st_size, file.stat().st_mtime_ns] for file in files]
     except OSError:
-        recording = []
-    return {"version": __version__, "command": list(command), "options": list(options), "recording": recording}
+        return []
 
 
 def _kept(path: Path, made_of: dict[str, Any]) -> dict[str, Any] | None:
-    """The row of an earlier run, unless it failed or was made of something else."""
+    """The row of an earlier run, unless it failed or was made of something else than ``made_of``."""
     try:
         kept: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError):
@@ -206,15 +231,17 @@ def _kept(path: Path, made_of: dict[str, Any]) -> dict[str, Any] | None:
     return row if kept.get("made_of") == made_of and row.get("code") in (DONE, SOMETHING_LOST) else None
 
 
-def _process(flight: str, name: str, out: str, command: list[str], options: list[str]) -> dict[str, Any]:
-    """Runs the program on one flight, in a worker of the cluster."""
-    made_of = _made_of(Path(flight), command, options)
+def _process(
+    flight: str, name: str, out: str, command: list[str], options: list[str], made_of: dict[str, Any]
+) -> dict[str, Any]:
+    """Runs the program on one flight, in a worker of the cluster and on one processor."""
     start = time.monotonic()
     part = Path(out) / f".{name}.{uuid.uuid4().hex}"
     part.mkdir()
     try:
+        results, map_file = part / f"{name}.jsonl", part / f"{name}.map.json"
         outputs: dict[str, list[StrPath]] = {
-            "run": ["--results", part / f"{name}.jsonl", "--map", part / f"{name}.map.json"],
+            "run": ["--results", results, "--map", map_file, "--set", "pipeline.workers=1"],
             "sweep": ["--out", part, "--jobs", "1", "--keep-mb", "0"],
         }
         command_line = [*command, flight, *outputs[command[-1]], *options, "--quiet"]
@@ -223,10 +250,9 @@ def _process(flight: str, name: str, out: str, command: list[str], options: list
             raise Killed(f"{flight}: the program was killed by signal {-said.returncode}")
         row: dict[str, Any] = {"flight": flight, "code": said.returncode, "error": None}
         if said.returncode in (DONE, SOMETHING_LOST):
-            answers = [*part.glob(f"{name}.jsonl"), *part.glob(f"{name}.map.json")]
-            if answers:
-                row |= _figures(*answers)
-            for file in [*answers, *part.glob("rows/*.json")]:
+            if command[-1] == "run":
+                row |= _figures(results, map_file)
+            for file in [results, map_file] if command[-1] == "run" else part.glob("rows/*.json"):
                 file.replace(Path(out) / file.relative_to(part))
         if said.returncode != DONE:
             row["error"] = str(failure(said.returncode, said.stderr))
@@ -308,9 +334,13 @@ def main(verb: str, arguments: Sequence[str]) -> int:
         options = configuration(args.preset, None, {}) + settings
         if verb == "sweep":
             options = [part for axis in args.grid for part in ("--grid", axis)] + options
-            table = _sweep(flights, out, list(COMMAND), options, rows)
+            with warnings.catch_warnings(record=True) as losses:
+                warnings.simplefilter("always", LossWarning)
+                table = _sweep(flights, out, list(COMMAND), options, rows)
+            for loss in losses:
+                print(f"warning: {loss.message}", file=sys.stderr)
             print(f"{len(table)} rows: {out / 'sweep.parquet'}", file=sys.stderr)
-            return DONE
+            return SOMETHING_LOST if losses else DONE
         table = _gather(flights, out, list(COMMAND), options, rows)
     except (ValueError, OSError, Error) as error:
         print(f"error: {error}", file=sys.stderr)

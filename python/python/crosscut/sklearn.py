@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -33,7 +34,7 @@ class SpectralJunctions(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     zero_tolerance : float
         Eigenvalues below count as zero.
     n_clusters : int or None
-        None counts them; a number takes as many eigenvectors, whatever their eigenvalues are.
+        None counts them; a number, up to n_samples, takes as many eigenvectors, whatever their eigenvalues are.
     kmeans : str or a callable ``kmeans(U, k) -> labels``
         How the rows of U are clustered: "kmeans++", the name of another kind, or a callable.
     settings : mapping or None
@@ -83,6 +84,7 @@ class SpectralJunctions(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     def fit(self, X: Any, y: Any = None) -> SpectralJunctions:  # noqa: N803
         """Clusters ``X`` (n_samples, n_features); ``y`` is not used."""
         X = validate_data(self, X, dtype=np.float64)  # noqa: N806
+        self._check(X)
         engine, points = self._engine(X)
         result = engine.process(points)
         self.labels_ = result.clusters
@@ -91,6 +93,15 @@ class SpectralJunctions(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.affinity_matrix_ = result.W
         self.embedding_ = result.U
         return self
+
+    def _check(self, X: NDArray[np.float64]) -> None:  # noqa: N803
+        k, n = self.n_clusters, len(X)
+        if k is not None and not (isinstance(k, numbers.Integral) and not isinstance(k, bool) and 1 <= k <= n):
+            raise ValueError(f"n_clusters is None or a whole number from 1 to n_samples={n}, not {k!r}")
+        if not (isinstance(self.sigma, numbers.Real) and 0.0 < self.sigma < np.inf):
+            raise ValueError(f"sigma is a number above 0, not {self.sigma!r}")
+        if self.affinity == "precomputed" and X.shape != (n, n):
+            raise ValueError(f"a precomputed X is W, of shape (n_samples, n_samples), not {X.shape}")
 
     def _engine(self, X: NDArray[np.float64]) -> tuple[Engine, Scan]:  # noqa: N803
         """An engine whose affinity knows ``X``, and points for it."""
@@ -119,6 +130,5 @@ class SpectralJunctions(ClusterMixin, BaseEstimator):  # type: ignore[misc]
 
     def _first_eigenvectors(self, w: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         w = w.toarray() if sparse.issparse(w) else w
-        k = min(self.n_clusters or 0, len(w))
         eigenvalues, vectors = linalg.eigh(laplacian(w, w.sum(axis=0)))
-        return eigenvalues, vectors[:, :k]
+        return eigenvalues, vectors[:, : self.n_clusters]

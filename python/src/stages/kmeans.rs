@@ -25,7 +25,7 @@ impl KmeansStage for PythonKmeans {
             Vec::new()
         } else {
             let u = &spectrum.u;
-            Callable::call(callable, |py| (arrays::embedding(py, u)?, k).into_pyobject(py), arrays::vector)?
+            Callable::call(callable, |py| (arrays::embedding(py, u)?, k).into_pyobject(py), arrays::labels)?
         };
         if labels.len() != n {
             return Err(Callable::refuse(callable, format!("{} labels for {n} returns", labels.len())));

@@ -22,11 +22,47 @@ use self::spectral::KIND as SPECTRAL;
 
 const CALLABLE: Word = Word::any("callable", "").doc("the callable, as the package numbers it or module.name");
 
-/// Callables by key.
+/// Callables by key. While it is locked, nothing of Python is made, called or dropped: an object that goes may own an engine,
+/// whose callables leave the table too.
 static TABLE: Mutex<BTreeMap<String, Callable>> = Mutex::new(BTreeMap::new());
 
 fn table() -> MutexGuard<'static, BTreeMap<String, Callable>> {
     TABLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The key of a callable, which is in the table until this is dropped.
+pub(crate) struct Entry {
+    key: String,
+}
+
+impl Entry {
+    /// Of a callable of no engine.
+    pub(crate) fn of(function: Bound<'_, PyAny>) -> Self {
+        Self::numbered(Callable::new(function, &Arc::default()))
+    }
+
+    /// Under a key that no other has.
+    fn numbered(callable: Callable) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self::new(NEXT.fetch_add(1, Ordering::Relaxed).to_string(), callable)
+    }
+
+    fn new(key: String, callable: Callable) -> Self {
+        let replaced = table().insert(key.clone(), callable);
+        drop(replaced);
+        Self { key }
+    }
+
+    pub(crate) fn key(&self) -> &str {
+        &self.key
+    }
+}
+
+impl Drop for Entry {
+    fn drop(&mut self) {
+        let removed = table().remove(&self.key);
+        drop(removed);
+    }
 }
 
 /// A callable, and the exception that it raised last.
@@ -53,7 +89,7 @@ impl Callable {
         table().get(&params.get(CALLABLE)).cloned()
     }
 
-    /// Calls it; `read` takes what it returned. An exception is kept, and the error names its type and text.
+    /// Calls it; `read` takes what it returned. An exception of either is kept, and the error names its type and text.
     fn call<T>(
         chosen: Option<&Self>,
         args: impl for<'py> FnOnce(Python<'py>) -> PyResult<Bound<'py, PyTuple>>,
@@ -61,10 +97,18 @@ impl Callable {
     ) -> Result<T, StageError> {
         let this = chosen.ok_or_else(|| StageError::Unsupported("there is no callable of this name".to_owned()))?;
         Python::attach(|py| {
-            let returned = args(py).and_then(|args| this.function.bind(py).call1(args));
-            returned.and_then(|returned| read(&returned)).map_err(|error| {
+            let keep = |error| {
+                let replaced = this.raised.lock().unwrap_or_else(PoisonError::into_inner).replace(error);
+                drop(replaced);
+            };
+            let returned = args(py).and_then(|args| this.function.bind(py).call1(args)).map_err(|error| {
                 let text = StageError::Unsupported(format!("{} raised {error}", this.name));
-                *this.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                keep(error);
+                text
+            })?;
+            read(&returned).map_err(|error| {
+                let text = Self::refuse(chosen, format_args!("what cannot be read: {}", error.value(py)));
+                keep(error);
                 text
             })
         })
@@ -79,15 +123,14 @@ impl Callable {
 /// The callables of one engine. They leave the table with it.
 #[derive(Default)]
 pub(crate) struct Callables {
-    /// Section of the configuration, and key.
-    chosen: Vec<(&'static str, String)>,
+    /// Section of the configuration, and callable.
+    chosen: Vec<(&'static str, Entry)>,
     raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 impl Callables {
     /// Those for the affinity, spectral and kmeans stage. Adds their kinds to `registry`.
     pub(crate) fn new(py: Python<'_>, stages: [Option<Py<PyAny>>; 3], registry: &mut Registry) -> PyResult<Self> {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
         let mut this = Self::default();
         for (section, function) in ["affinity", "spectral", "kmeans"].into_iter().zip(stages) {
             let Some(function) = function else { continue };
@@ -96,17 +139,16 @@ impl Callables {
                 "spectral" => registry.spectral.push(SPECTRAL),
                 _ => registry.kmeans.push(KMEANS),
             }
-            let key = NEXT.fetch_add(1, Ordering::Relaxed).to_string();
-            table().insert(key.clone(), Callable::new(function.into_bound(py), &this.raised));
-            this.chosen.push((section, key));
+            let callable = Callable::new(function.into_bound(py), &this.raised);
+            this.chosen.push((section, Entry::numbered(callable)));
         }
         Ok(this)
     }
 
     /// The settings that choose them.
     pub(crate) fn settings(&self) -> impl Iterator<Item = String> {
-        let setting = |(section, key): &(&str, String)| {
-            [format!("{section}.kind={PYTHON}"), format!("{section}.callable=\"{key}\"")]
+        let setting = |(section, entry): &(&str, Entry)| {
+            [format!("{section}.kind={PYTHON}"), format!("{section}.callable=\"{}\"", entry.key())]
         };
         self.chosen.iter().flat_map(setting)
     }
@@ -117,29 +159,23 @@ impl Callables {
     }
 }
 
-impl Drop for Callables {
-    fn drop(&mut self) {
-        let mut table = table();
-        self.chosen.iter().for_each(|(_, key)| drop(table.remove(key)));
-    }
-}
-
 /// The kind of a callable that was given as an object.
 const PYTHON: &str = "python";
 
 /// Adds `function` as a kind of this name to every stage, for the rest of the process.
-pub(crate) fn add_named(name: &str, function: &Bound<'_, PyAny>, registry: &mut Registry) {
-    registry.affinity.push(named(AFFINITY, name, function.clone()));
-    registry.spectral.push(named(SPECTRAL, name, function.clone()));
-    registry.kmeans.push(named(KMEANS, name, function.clone()));
+pub(crate) fn add_named(name: &str, function: Bound<'_, PyAny>, registry: &mut Registry) {
+    let entry = Entry::new(name.to_owned(), Callable::new(function, &Arc::default()));
+    registry.affinity.push(named(AFFINITY, name, &entry));
+    registry.spectral.push(named(SPECTRAL, name, &entry));
+    registry.kmeans.push(named(KMEANS, name, &entry));
+    std::mem::forget(entry);
 }
 
-/// The kind that calls `function`, under this name, for the rest of the process.
-pub(crate) fn named<S: StageKind + ?Sized>(mut kind: Kind<S>, name: &str, function: Bound<'_, PyAny>) -> Kind<S> {
-    let name: &'static str = Box::leak(name.to_owned().into_boxed_str());
-    table().insert(name.to_owned(), Callable::new(function, &Arc::default()));
-    let spec = ParamSpec { shape: Shape::Text { default: name }, ..CALLABLE.spec };
-    kind.name = name;
+/// The kind of this name that calls what is in the table.
+pub(crate) fn named<S: StageKind + ?Sized>(mut kind: Kind<S>, name: &str, entry: &Entry) -> Kind<S> {
+    let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
+    let spec = ParamSpec { shape: Shape::Text { default: leaked(entry.key()) }, ..CALLABLE.spec };
+    kind.name = leaked(name);
     kind.params = Box::leak(Box::new([spec]));
     kind
 }

@@ -1,6 +1,7 @@
 //! Eigenvalues and U by a callable: spectral(W) -> (eigenvalues, U).
 
 use crosscut_stage::{Affinity, Kind, Notes, SpectralStage, Spectrum, StageError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -50,7 +51,9 @@ impl SpectralStage for PythonSpectral {
 }
 
 fn read(returned: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Matrix)> {
-    let (eigenvalues, u): (Bound<'_, PyAny>, Bound<'_, PyAny>) = returned.extract()?;
+    let pair: PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>)> = returned.extract();
+    let (eigenvalues, u) = pair
+        .map_err(|_| PyTypeError::new_err(format!("{} is not a pair of eigenvalues and U", arrays::kind(returned))))?;
     Ok((arrays::vector(&eigenvalues)?, Matrix::of(&u)?))
 }
 

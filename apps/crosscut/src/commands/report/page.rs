@@ -32,8 +32,8 @@ pub(super) fn html(flown: &Flown) -> String {
         Some((
             "Summary",
             format!(
-                "<p>{revolutions} in {:.1} s of the recording. {}. Sure answers (confidence {SURE} or more): {}. Another count \
-                 than most of the {AROUND} before and after: {}.</p>\n{}",
+                "<p>{revolutions} in {:.1} s of the recording. {}. Sure answers (confidence {SURE} or more): {}. Count \
+                 differs from most of the {AROUND} revolutions before and after: {}.</p>\n{}",
                 course.duration_s(),
                 escaped(&map.summary()),
                 percent(sure as f64),

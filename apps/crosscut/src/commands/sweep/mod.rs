@@ -45,14 +45,14 @@ struct Task<'a> {
     points: Vec<(usize, String)>,
 }
 
-/// Runs every combination on every flight, except where that was done before.
-pub(crate) fn sweep(args: &SweepArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+/// Runs every combination on every flight, except where this build has done that before.
+pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) -> anyhow::Result<Outcome> {
     let grid = Grid::parse(&args.grid)?;
     let configs = grid.configs(&args.config, registry)?;
     let store = Store::open(args.out.join("rows"))?;
     let mut diagnostics = Diagnostics::default();
     let flights = flights(recordings_in(&args.input)?, &mut diagnostics);
-    let program = program();
+    let program = program(build);
     let kept = Arc::new(Kept::open(args.out.join("decompositions"), &program, args.keep_mb));
     let read = format!("{:?} {:?}", args.topic, args.read_as);
     let name_of = |flight: &Flight, config: &Config| {
@@ -94,9 +94,10 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry) -> anyhow::Result<Out
     Ok(diagnostics.outcome())
 }
 
-/// Version and contents of this program: another build may give other answers.
-fn program() -> String {
-    let build = std::env::current_exe().and_then(|path| hash_of_file(&path)).unwrap_or_default();
+/// Version and build of this program: another build may give other answers. Without `build`, its file identifies it.
+fn program(build: Option<&str>) -> String {
+    let of_file = || std::env::current_exe().and_then(|path| hash_of_file(&path)).unwrap_or_default();
+    let build = build.map_or_else(of_file, |build| hash(&[build]));
     format!("crosscut {} {build:.8}", env!("CARGO_PKG_VERSION"))
 }
 
