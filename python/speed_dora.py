@@ -1,7 +1,7 @@
 """Times frames through dora on this machine: `python/run dora`.
 
 Latency: frames leave one node at 40 Hz, with their send time; the next node takes them as arrays of numpy. Beside them, an array
-of as many bytes tells what dora alone takes. Throughput: frames of 60 returns, 64 in a message, from node to node with every
+of as many bytes shows what dora alone takes. Throughput: frames of 60 returns, 64 in a message, from node to node with every
 message acknowledged (`crosscut/_window.py`).
 """
 

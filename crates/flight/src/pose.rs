@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry2, Matrix3, Vector3};
 
-use crosscut_stage::{Notes, Number, ParamSpec, Params, Revolution, Word};
+use crosscut_stage::{Notes, Number, ParamSpec, Params, Revolution, Word, is_finite_pose};
 
 use crate::{Matched, Motion, ScanMatcher};
 
@@ -81,8 +81,7 @@ impl PoseTracker {
         if self.kind == PoseKind::None {
             return None;
         }
-        let is_finite = |pose: &Isometry2<f64>| pose.to_homogeneous().iter().all(|value| value.is_finite());
-        let odometry = revolution.odometry.filter(is_finite);
+        let odometry = revolution.odometry.filter(is_finite_pose);
         if odometry.is_none() && revolution.odometry.is_some() {
             notes.add("pose: the odometry is not finite");
         }

@@ -14,7 +14,7 @@ use faer::linalg::solvers::Solve as _;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 
-use crosscut_stage::wrap_angle_rad;
+use crosscut_stage::{is_finite_pose, wrap_angle_rad};
 
 /// A step smaller than this, in metres and radians, ends the iteration.
 const CONVERGED: f64 = 1e-9;
@@ -143,10 +143,9 @@ impl PoseGraph {
     }
 
     fn check(&self) -> Result<(), PoseGraphError> {
-        let is_finite = |pose: &Isometry2<f64>| pose.to_homogeneous().iter().all(|value| value.is_finite());
         let measured = self.edges.iter().map(|edge| &edge.measured);
         let is_known = |edge: &Edge| edge.information.iter().all(|value| value.is_finite());
-        if !self.poses.iter().chain(measured).all(is_finite) || !self.edges.iter().all(is_known) {
+        if !self.poses.iter().chain(measured).all(is_finite_pose) || !self.edges.iter().all(is_known) {
             return Err(PoseGraphError::NotFinite);
         }
         let poses = self.poses.len();

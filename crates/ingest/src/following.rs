@@ -57,10 +57,10 @@ impl Recording {
                     if !container.follow(following) {
                         return Err(IngestError::CannotFollow { path: path.to_owned() });
                     }
-                    // Without odometry: it is read from the file a second time, which would end where the file ends now.
                     match Self::of(vec![container], Vec::new(), options, sensor.clone()) {
                         Err(error) if is_unfinished => error,
-                        opened => return opened,
+                        // Odometry is read from the file a second time, which would end where the file ends now.
+                        opened => return opened.map(Self::without_odometry),
                     }
                 }
                 Err(error) => error,

@@ -3,6 +3,7 @@
 use crosscut_messages::{
     CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
 };
+use crosscut_stage::is_finite_pose;
 use nalgebra::{Isometry2, Vector2};
 
 use crate::ros;
@@ -25,11 +26,11 @@ impl Odometry {
     /// whether it was taken.
     pub fn push(&mut self, stamp_ns: u64, pose: Isometry2<f64>) -> bool {
         let is_later = self.poses.last().is_none_or(|&(last_ns, _)| stamp_ns > last_ns);
-        let is_finite = pose.to_homogeneous().iter().all(|value| value.is_finite());
-        if is_later && is_finite {
+        let is_taken = is_later && is_finite_pose(&pose);
+        if is_taken {
             self.poses.push((stamp_ns, pose));
         }
-        is_later && is_finite
+        is_taken
     }
 
     /// Whether messages of this type in CDR are `nav_msgs/Odometry` or transforms, which have poses.

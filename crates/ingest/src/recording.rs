@@ -95,21 +95,15 @@ impl Recording {
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
         let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
-        Ok(Self { scanners, ..Self::with_odometry(containers, losses, options, sensor)? })
+        Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
+    }
+
+    /// Revolutions have no pose.
+    pub(crate) fn without_odometry(self) -> Self {
+        Self { odometry: None, ..self }
     }
 
     /// One scanner of the vehicle.
-    pub(crate) fn with_odometry(
-        containers: Vec<Box<dyn Container>>,
-        losses: Vec<Loss>,
-        options: &ReadOptions,
-        sensor: Sensor,
-    ) -> Result<Self, IngestError> {
-        let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
-        Ok(Self { odometry, ..Self::of(containers, losses, options, sensor)? })
-    }
-
-    /// One scanner, without odometry.
     pub(crate) fn of(
         containers: Vec<Box<dyn Container>>,
         losses: Vec<Loss>,
@@ -130,10 +124,11 @@ impl Recording {
         if topic.messages == Some(0) {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
+        let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
         let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
         Ok(Self {
             messages: Messages::new(containers, &topic, decoder, losses),
-            odometry: None,
+            odometry,
             turns,
             options: options.clone(),
             sensor,

@@ -40,7 +40,7 @@ pub use notes::{Notes, counted};
 pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
 pub use params::{ParamError, ParamValue, Params, Value};
 pub use partition::Partition;
-pub use revolution::{Beam, Revolution, Sweep, View, unit, widest_run, wrap_angle_rad};
+pub use revolution::{Beam, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use storage::Storage;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};

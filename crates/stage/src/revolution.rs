@@ -208,6 +208,11 @@ pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
+/// Whether a pose has neither an infinite value nor one that is no number.
+pub fn is_finite_pose(pose: &Isometry2<f64>) -> bool {
+    pose.to_homogeneous().iter().all(|value| value.is_finite())
+}
+
 /// The unit vector of an angle; x is ahead, y left.
 pub fn unit(angle_rad: f64) -> Vector2<f64> {
     Vector2::new(angle_rad.cos(), angle_rad.sin())

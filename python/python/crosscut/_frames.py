@@ -157,7 +157,7 @@ def _read(frames: pa.StructArray) -> dict[str, Any]:
 
 
 def _reader(kind: pa.DataType) -> Callable[[Buffers, int], Any]:
-    """What makes arrays of numpy of the buffers of a column with so many values."""
+    """What makes arrays of numpy of the buffers of a column with this many values."""
 
     def read_text(buffers: Buffers, length: int) -> Any:
         return _starts(buffers, length), _numbers(next(buffers), np.uint8)

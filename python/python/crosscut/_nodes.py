@@ -185,5 +185,5 @@ def _own(about: dict[str, Any]) -> dict[str, Any]:
 
 
 def _quiet(recording: Recording) -> Iterator[Any]:
-    """The scans; what was lost is told by the last node."""
+    """The scans; the last node reports what was lost."""
     return iter(recording._native)

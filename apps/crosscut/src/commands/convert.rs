@@ -8,7 +8,8 @@ use crosscut_ingest::{CsvGeometry, ReadOptions, Sensor, recordings_in};
 use crosscut_pipeline::Registry;
 use crosscut_stage::counted;
 
-use crate::cli::{ConfigArgs, ConvertArgs};
+use crate::cli::ConfigArgs;
+use crate::cli::convert::ConvertArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::say::say;

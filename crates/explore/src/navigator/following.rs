@@ -60,7 +60,7 @@ impl Navigator {
         }
     }
 
-    /// The way of a place that goes on in the present course, not back.
+    /// The way of a place that continues the present course, not back.
     pub(super) fn way_ahead(&self, here: &Here, pose: &Isometry2<f64>) -> Option<Way> {
         let yaw_rad = pose.rotation.angle();
         let here_m = Point2::from(pose.translation.vector);

@@ -95,10 +95,9 @@ impl OpenVisit {
         line_points: impl FnOnce() -> Vec<LinePoint>,
     ) {
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
-        let independent =
-            self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
+        let views = self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
         if seen.node() == Some(self.kind) {
-            let sure = independent * sure(seen.confidence);
+            let sure = views * sure(seen.confidence);
             let is_same =
                 |sample: &&mut Sample| sample.ways.len() == seen.ways.len() && moved_m(sample.pose) < SAME_VIEW_M;
             match self.samples.iter_mut().rev().find(is_same) {

@@ -18,7 +18,7 @@ fn scenario(name: &str) -> &'static Scenario {
     scenarios().iter().find(|scenario| scenario.name == name).expect("there is one")
 }
 
-/// Follows a flight of the simulator. `edit` changes what a scene shows, `each` takes the scene and what came of it.
+/// Follows a flight of the simulator. `edit` changes a scene before it is processed, `each` takes the scene and its frame.
 fn follow(name: &str, seed: u64, revolutions: usize, edit: impl Fn(&mut Scene), mut each: impl FnMut(&Scene, &Frame)) {
     let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
     let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);

@@ -52,7 +52,7 @@ impl Scanners {
         };
         let open = |topic: &String| {
             let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
-            let recording = Recording::with_odometry(reopened()?, losses.to_vec(), &options, sensor.clone())?;
+            let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
             Ok(Scanner { recording, before: None, after: None, has_ended: false })
         };
         let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;

@@ -1,0 +1,41 @@
+//! The options of `crosscut convert`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use crosscut_messages::ScanType;
+
+use super::{mcap_path, scan_type};
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// Recordings or folders of them: the parts of one flight, in this order.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
+    #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    pub(crate) out: PathBuf,
+    /// Topic of the scans; may be omitted when there is only one.
+    #[arg(long)]
+    pub(crate) topic: Option<String>,
+    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
+    /// File of settings, of which those of the section csv and ingest.echo count.
+    #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
+    pub(crate) config: Option<PathBuf>,
+    /// Single setting that overrides the file: ingest.echo=VALUE or csv.KEY=VALUE. May be repeated.
+    #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion)]
+    pub(crate) set: Vec<String>,
+}
+
+fn setting_of_conversion(setting: &str) -> Result<String, &'static str> {
+    let key = setting.split('=').next().unwrap_or_default().trim();
+    if key.starts_with("csv.") || key == "ingest.echo" {
+        Ok(setting.to_owned())
+    } else {
+        Err("only csv.KEY and ingest.echo have an effect: scans are converted as they were recorded")
+    }
+}
