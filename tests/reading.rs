@@ -160,7 +160,7 @@ fn static_entities_are_exported_once_without_a_revolution() {
     let extent = text("extent.csv", "/layout/extent", &["--revolution", "16"]);
     assert!(extent.starts_with("revolution,stamp_ns,") && extent.lines().nth(1).is_some_and(|l| l.starts_with(",,0,")));
     get(&flight, "/config", &folder.path().join("config.npy"), &[]).expect_code(2);
-    get(&flight, "/config", &folder.path().join("config.parquet"), &[]).expect_code(0);
+    get(&flight, "/config", &folder.path().join("config.csv"), &[]).expect_code(0);
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub(crate) struct SweepArgs {
     /// Type of the messages on the topic, if the recording does not state it or uses another name.
     #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
     pub(crate) read_as: Option<ScanType>,
-    /// Folder for sweep.csv, sweep.parquet, times.csv and the pictures. What an earlier sweep into it has computed with the
+    /// Folder for sweep.csv, times.csv and the pictures. What an earlier sweep into it has computed with the
     /// same program, settings and recordings is kept, so the same command continues an interrupted sweep.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,

@@ -6,7 +6,6 @@ mod get;
 mod ls;
 mod npy;
 mod output;
-pub(super) mod parquet;
 mod selection;
 mod table;
 

@@ -1,4 +1,4 @@
-//! Values as files: NumPy arrays, CSV, Parquet, JSON lines, and texts.
+//! Values as files: NumPy arrays, CSV, JSON lines, and texts.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -8,7 +8,6 @@ use anyhow::{Context, bail};
 use crosscut_rrd::{Array, Numbers, Row, Value};
 
 use super::npy::NpyFile;
-use super::parquet::ParquetFile;
 use super::table;
 use crate::exit::UsageError;
 use crate::unfinished::Unfinished;
@@ -27,8 +26,6 @@ enum Format {
     Npy(NpyFile),
     /// One number or text a line, with revolution, stamp and indices before it; 0 columns before the first value.
     Csv { file: BufWriter<File>, columns: usize },
-    /// The table of a CSV file with types.
-    Parquet(Box<ParquetFile>),
     /// One object a revolution.
     JsonLines(BufWriter<File>),
     /// Texts, those of several revolutions under headings.
@@ -48,12 +45,11 @@ impl Output {
         let format = match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
             Some("csv") => Format::Csv { file: BufWriter::new(create()?), columns: 0 },
-            Some("parquet") => Format::Parquet(Box::new(ParquetFile::new(create()?))),
             Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
             Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
             _ => {
                 let text =
-                    format!("{}: --out takes a file that ends in .npy, .csv, .parquet, .jsonl or .md", path.display());
+                    format!("{}: --out takes a file that ends in .npy, .csv, .jsonl or .md", path.display());
                 return Err(UsageError(text).into());
             }
         };
@@ -77,7 +73,6 @@ impl Output {
         match self.format {
             Format::Npy(file) => file.finish()?,
             Format::Csv { mut file, .. } => file.flush()?,
-            Format::Parquet(file) => file.finish()?,
             Format::JsonLines(mut file) => file.flush()?,
             Format::Markdown { mut out, .. } => out.flush()?,
         }
@@ -90,7 +85,7 @@ impl Format {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
-                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv, .parquet or .jsonl"))),
+                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv or .jsonl"))),
             },
             Self::Csv { file, columns } => {
                 let rows = table::rows(revolution, stamp_ns, value)?;
@@ -103,7 +98,6 @@ impl Format {
                 }
                 Ok(table::write_csv(file, &rows)?)
             }
-            Self::Parquet(file) => file.add(&table::rows(revolution, stamp_ns, value)?),
             Self::JsonLines(file) => {
                 let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
                 Ok(writeln!(file, "{line}")?)
@@ -115,7 +109,7 @@ impl Format {
                     }
                     texts.iter().try_for_each(|text| Ok(writeln!(out, "{}\n", text.trim_end())?))
                 }
-                other => bail!(UsageError(format!("{other} is no text: take a file .npy, .csv, .parquet or .jsonl"))),
+                other => bail!(UsageError(format!("{other} is no text: take a file .npy, .csv or .jsonl"))),
             },
         }
     }

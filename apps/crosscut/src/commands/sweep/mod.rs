@@ -3,8 +3,6 @@
 mod decompositions;
 mod grid;
 mod output;
-#[cfg(feature = "rerun")]
-mod parquet;
 mod picture;
 mod store;
 mod tally;

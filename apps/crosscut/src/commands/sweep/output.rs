@@ -29,9 +29,6 @@ pub(super) const FIGURES: [&str; 13] = [
     "openings_missed",
     "openings_false",
 ];
-/// Those that count.
-#[cfg(feature = "rerun")]
-pub(super) const COUNTS: [&str; 4] = ["revolutions", "failed", "flips", "compared"];
 
 /// One combination on one flight.
 pub(super) struct Row<'a> {
@@ -62,8 +59,6 @@ pub(super) fn write(folder: &Path, program: &str, grid: &Grid, rows: &[Row<'_>])
     };
     file("sweep.csv", csv(program, grid, rows))?;
     file("times.csv", times(grid, rows))?;
-    #[cfg(feature = "rerun")]
-    super::parquet::write(&folder.join("sweep.parquet"), program, grid, rows)?;
     for place in 0..grid.keys.len() {
         let name = grid.keys[place].replace(['/', '\\'], "_");
         file(&format!("{name}.svg"), picture::svg(grid, place, rows))?;
