@@ -1,9 +1,9 @@
 //! The answer of a preset to a scene, as a panel of a figure.
 
 use crosscut_evaluate::Score;
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Engine, Registry};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
 use crosscut_stage::Frame;
 
