@@ -1,7 +1,8 @@
 //! The flight that a command reads.
 
+use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, Following, ReadOptions, Recording};
-use crosscut_pipeline::{Config, StopFlag};
+use crosscut_pipeline::StopFlag;
 use crosscut_sensor::Sensor;
 
 use crate::cli::FlightArgs;

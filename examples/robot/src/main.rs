@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::f32::consts::PI;
 
-use crosscut_pipeline::{Frame, LaserScan, Preset, Settings};
+use crosscut_detector::{Frame, LaserScan, Preset, Settings};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Once, at start: which stages to run, and how wide the vehicle is; `sensor_yaw_rad` and others say how the lidar is mounted.

@@ -1,7 +1,7 @@
 //! The answer of a preset to a scene, as a panel of a figure.
 
+use crosscut_detector::{Engine, Registry};
 use crosscut_evaluate::Score;
-use crosscut_pipeline::{Engine, Registry};
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;

@@ -1,8 +1,8 @@
 //! The figures and their captions. Rules select the scenes; none is picked by hand.
 
 use anyhow::Context;
+use crosscut_detector::Registry;
 use crosscut_messages::{Truth, TruthOpening};
-use crosscut_pipeline::Registry;
 use crosscut_simulator::{Scene, Split, Suite, scenarios, suites};
 use crosscut_stage::wrap_angle_rad;
 

@@ -8,7 +8,8 @@ mod tolerance;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_pipeline::{Config, Preset, Registry, StopFlag, ZERO_TOLERANCE};
+use crosscut_detector::{Config, Preset, Registry, ZERO_TOLERANCE};
+use crosscut_pipeline::StopFlag;
 use crosscut_simulator::suites;
 
 use crate::cli::PaperArgs;

@@ -5,8 +5,9 @@
 //! verdict holds at every such τ. This is exact: the counts are those of the preset `paper` with
 //! `spectral.zero_tolerance` set to τ.
 
+use crosscut_detector::Registry;
 use crosscut_evaluate::{Proportion, Score};
-use crosscut_pipeline::{Registry, StopFlag};
+use crosscut_pipeline::StopFlag;
 use crosscut_report::{Reporter, ResultsLine};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scene, Split, suites};
@@ -105,7 +106,7 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
-    use crosscut_pipeline::Engine;
+    use crosscut_detector::Engine;
 
     use super::*;
 

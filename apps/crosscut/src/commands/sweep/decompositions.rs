@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use byteorder::LittleEndian;
+use crosscut_detector::Frame;
 use crosscut_messages::CDR_ENCODING;
-use crosscut_pipeline::{Decompositions, Frame};
+use crosscut_pipeline::Decompositions;
 use crosscut_stage::{Embedding, Step, Weights};
 use mcap::records::{MessageHeader, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
