@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crosscut_explore::Moment;
+use crosscut_missions::Moment;
 use crosscut_pipeline::Config;
 use crosscut_simulator::World;
 

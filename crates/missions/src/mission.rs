@@ -6,16 +6,13 @@ use std::time::Instant;
 use nalgebra::Point2;
 
 use crosscut_flight::{Map, Mapper};
+use crosscut_navigate::{Command, End, Limits, Pilot, PlannerKind, Step};
 use crosscut_pipeline::{Config, Registry};
 use crosscut_simulator::pose::Pose;
-use crosscut_simulator::{Agility, Command, Driven, Scene, World};
+use crosscut_simulator::{Agility, Driven, Scene, World};
 use crosscut_stage::{Failure, Frame};
 
 use crate::judge::Judge;
-use crate::navigator::{End, Step};
-use crate::pilot::Pilot;
-use crate::planner::PlannerKind;
-use crate::steering::Limits;
 
 /// Contacts that are no farther apart than this are one crash, revolutions.
 const SAME_CRASH: u64 = 20;
@@ -130,7 +127,10 @@ pub fn fly(world: &World, setup: &Setup, watch: &mut dyn FnMut(&Moment) -> bool)
     let mut last_m: Option<Point2<f64>> = None;
     loop {
         let replayed = past.next();
-        let scene = replayed.map_or_else(|| Cow::Owned(driven.step(command)), |(scene, _)| Cow::Borrowed(scene));
+        let scene = replayed.map_or_else(
+            || Cow::Owned(driven.step(command.speed_m_s, command.turn_rate_rad_s)),
+            |(scene, _)| Cow::Borrowed(scene),
+        );
         let true_pose = replayed.map_or_else(|| driven.pose(), |(_, pose)| pose);
         judge.add(true_pose.position_m);
         flown.way_m +=

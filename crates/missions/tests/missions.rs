@@ -1,6 +1,7 @@
 //! Whole missions, small ones.
 
-use crosscut_explore::{Flown, Setup, fly, planners};
+use crosscut_missions::{Flown, Setup, fly};
+use crosscut_navigate::planners;
 use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families, read_mcap};
 

@@ -2,12 +2,11 @@
 
 use crosscut_flight::{Flight, Mapper};
 use crosscut_pipeline::{Config, Engine, Registry, Sensor};
-use crosscut_simulator::Command;
 use crosscut_stage::{Failure, Frame};
 
 use crate::navigator::{Navigator, Step};
 use crate::planner::PlannerKind;
-use crate::steering::Limits;
+use crate::{Command, Limits};
 
 /// The vehicle's first revolutions stand still, so that it has seen where it is.
 const STANDS: u64 = 3;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_simulator::Command;
+use crate::Command;
 
 /// How a mission ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,10 +2,10 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_simulator::Command;
 use crosscut_stage::wrap_angle_rad;
 
 use crate::surround::Field;
+use crate::{Command, Limits};
 
 /// The vehicle heads for the place this far along its way, m.
 const LOOK_AHEAD_M: f64 = 1.0;
@@ -30,17 +30,6 @@ const ROOMY_M: f64 = 0.7;
 
 /// With the least room it still flies at this speed, m/s.
 const CREEP_M_S: f64 = 0.35;
-
-/// What the vehicle is able to do, as far as the steering needs it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Largest speed ahead.
-    pub speed_max_m_s: f64,
-    /// Largest turn rate.
-    pub turn_rate_max_rad_s: f64,
-    /// The vehicle is a disc of this radius.
-    pub radius_m: f64,
-}
 
 impl Limits {
     /// How fast to turn towards what lies this far to the left.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_explore::{Known, KnownPlace, KnownWay, WayState, planners};
+use crosscut_navigate::{Known, KnownPlace, KnownWay, WayState, planners};
 use crosscut_stage::HereKind;
 use nalgebra::Point2;
 

@@ -11,14 +11,14 @@ use std::f64::consts::PI;
 use nalgebra::{Isometry2, Point2};
 
 use crosscut_flight::Mapper;
-use crosscut_simulator::Command;
 use crosscut_stage::{Frame, HereKind, wrap_angle_rad};
 
 use crate::chart::{Chart, WayEnd};
 use crate::planner::Planner;
-use crate::steering::{Limits, towards};
+use crate::steering::towards;
 use crate::surround::Surround;
 use crate::trail::Trail;
+use crate::{Command, Limits};
 
 pub use answer::{Decision, End, Step};
 

@@ -43,7 +43,7 @@ impl Navigator {
 mod tests {
     use super::*;
     use crate::planner::planners;
-    use crate::steering::Limits;
+    use crate::Limits;
     use crosscut_stage::{Point, Revolution};
     use nalgebra::Isometry2;
 
