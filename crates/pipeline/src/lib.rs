@@ -44,4 +44,4 @@ pub use settings::Settings;
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
 pub use summary::{Answers, End, StageTimes, Summary};
-pub use variants::{Decompositions, Variants, settings_of_step};
+pub use variants::{Variants, settings_of_step};

@@ -1,15 +1,12 @@
 //! The answer of a preset to a scene, as a panel of a figure.
 
 use crosscut_evaluate::Score;
+use crosscut_evaluate::panel::Panel;
 use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Engine, Registry};
+use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_simulator::Scene;
 use crosscut_stage::Frame;
-
-use crate::cli::ConfigArgs;
-use crate::config;
-use crate::figure::Panel;
 
 /// A preset that answers scenes.
 pub(crate) struct Answers {
@@ -18,10 +15,9 @@ pub(crate) struct Answers {
 }
 
 impl Answers {
-    pub(crate) fn of(preset: &str, registry: &Registry) -> anyhow::Result<Self> {
-        let args = ConfigArgs { preset: preset.to_owned(), config: None, set: Vec::new() };
-        let config = config::resolve(&args, registry)?;
-        Ok(Self { sensor: Sensor::new(config.params("ingest")), engine: Engine::new(&config, registry) })
+    pub(crate) fn of(preset: Preset) -> anyhow::Result<Self> {
+        let settings = Settings::new(preset);
+        Ok(Self { sensor: settings.sensor()?, engine: settings.engine()? })
     }
 
     /// Draws the answer, with the count above it.
