@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use crosscut_flight::check_live;
-use crosscut_ingest::Live;
+use crosscut_sensor::Live;
 use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crosscut_flight::Mapper;
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::Config;
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
 
 use crate::answers::AnswersFile;

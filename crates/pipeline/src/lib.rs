@@ -30,8 +30,8 @@ mod summary;
 mod variants;
 
 pub use crosscut_flight::Flight;
-pub use crosscut_ingest::Sensor;
 pub use crosscut_messages::LaserScan;
+pub use crosscut_sensor::Sensor;
 pub use crosscut_spectral::ZERO_TOLERANCE;
 pub use crosscut_stage as stage;
 pub use crosscut_stage::{Failure, Frame};

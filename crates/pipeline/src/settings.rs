@@ -1,8 +1,8 @@
 //! The settings of a program of one's own.
 
 use crosscut_flight::Flight;
-use crosscut_ingest::Sensor;
 use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_sensor::Sensor;
 use crosscut_stage::Value;
 
 use crate::{Config, ConfigError, Engine, Layer, Preset, Registry};

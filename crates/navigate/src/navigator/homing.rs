@@ -42,8 +42,8 @@ impl Navigator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planner::planners;
     use crate::Limits;
+    use crate::planner::planners;
     use crosscut_stage::{Point, Revolution};
     use nalgebra::Isometry2;
 

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_ingest::{ReadOptions, Recording};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::{Split, suites};
 use crosscut_stage::{Notes, Revolution, Source};
 

@@ -46,7 +46,7 @@ pub(super) struct Choice {
 pub(super) fn sections(registry: &Registry) -> [Section; 9] {
     let fixed = |name, params| Section { name, body: Body::Fixed(params) };
     [
-        fixed("ingest", crosscut_ingest::PARAMS),
+        fixed("ingest", crosscut_sensor::PARAMS),
         fixed("csv", crosscut_ingest::CSV_PARAMS),
         chosen(&registry.affinity),
         chosen(&registry.spectral),

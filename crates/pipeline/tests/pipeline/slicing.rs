@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crosscut_affinity::rbf;
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_ingest::{ReadOptions, Recording};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::{Split, suites};
 use crosscut_spectral::{faer_evd, slicing};
 use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, Source, SpectralStage, Spectrum};

@@ -10,8 +10,8 @@
 mod plot;
 
 use anyhow::Context;
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Engine, Preset, Settings};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::{Places, Rings, lidar::Lidar};
 use crosscut_stage::{Frame, Revolution};
 use plot::Curve;

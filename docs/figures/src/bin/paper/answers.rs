@@ -2,9 +2,9 @@
 
 use crosscut_evaluate::Score;
 use crosscut_evaluate::panel::Panel;
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
 use crosscut_stage::Frame;
 

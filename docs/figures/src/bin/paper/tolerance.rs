@@ -6,9 +6,9 @@
 //! `spectral.zero_tolerance` set to τ.
 
 use crosscut_evaluate::{Proportion, Score};
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_report::{Reporter, ResultsLine};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scene, Split, suites};
 use crosscut_stage::{AffinityStage, Frame, KmeansStage, SpectralStage};
 

@@ -11,9 +11,9 @@ use std::path::Path;
 
 use anyhow::Context;
 use crosscut_evaluate::{Evaluation, Score};
-use crosscut_ingest::Sensor;
 use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_simulator::lidar::Lidar;
 use crosscut_simulator::{Places, Scene};
 use crosscut_stage::Frame;

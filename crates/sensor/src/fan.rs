@@ -16,7 +16,7 @@ const SHORT_RAD: f64 = 5.0 * PI / 180.0;
 
 /// Bearings of the beams in the sensor's frame: beam i looks at `first + i * increment`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fan {
+pub(crate) struct Fan {
     first_rad: f64,
     /// Negative when the sensor turns clockwise.
     increment_rad: f64,
@@ -28,7 +28,7 @@ pub(super) struct Fan {
 
 impl Fan {
     /// The bearings of `scan`; `None`, with a note, if there are none to be had.
-    pub(super) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
+    pub(crate) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
         let beams = scan.ranges.len();
         let first_rad = f64::from(scan.angle_min);
         if beams == 0 {
@@ -55,7 +55,7 @@ impl Fan {
 
     /// The bearings in the frame of the middle beam, if the sensor turns by `rad_per_beam` from one beam to the next. A
     /// full turn stays one, also where it falls short of 360° by the angle that the sensor turned.
-    pub(super) fn turned(self, rad_per_beam: f64, beams: usize) -> Self {
+    pub(crate) fn turned(self, rad_per_beam: f64, beams: usize) -> Self {
         let increment_rad = self.increment_rad + rad_per_beam;
         let is_turned = rad_per_beam != 0.0 && increment_rad * self.increment_rad > 0.0;
         if !is_turned {
@@ -70,22 +70,22 @@ impl Fan {
         }
     }
 
-    pub(super) fn angle_rad(&self, beam: usize) -> f64 {
+    pub(crate) fn angle_rad(&self, beam: usize) -> f64 {
         self.first_rad + beam as f64 * self.increment_rad
     }
 
     /// How many beams there are before the one that would look again where the first one looks.
-    pub(super) fn beams_in_turn(&self) -> usize {
+    pub(crate) fn beams_in_turn(&self) -> usize {
         self.beams_in_turn
     }
 
-    pub(super) fn step_rad(&self) -> f64 {
+    pub(crate) fn step_rad(&self) -> f64 {
         self.increment_rad.abs()
     }
 
     /// How many beams are missing between the last one and the first: none where the gap is about one step. `None` if
     /// that is a limited view.
-    pub(super) fn missing(&self) -> Option<usize> {
+    pub(crate) fn missing(&self) -> Option<usize> {
         let steps = (TAU / self.step_rad() - self.beams_in_turn as f64).max(0.0).round();
         (self.beams_in_turn > 2 && steps * self.step_rad() <= self.short_rad).then_some(steps as usize)
     }

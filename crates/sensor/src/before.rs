@@ -9,9 +9,9 @@ const GAP_NS: u64 = 1_000_000_000;
 /// A stamp after a hole is later by more than this many times the usual interval as well.
 const GAP_TIMES: u64 = 5;
 
-/// The scan before, once there was one.
+/// Compares each scan with the one before it.
 #[derive(Debug, Default)]
-pub(crate) struct Before {
+pub struct Before {
     scan: Option<Previous>,
 }
 
@@ -26,7 +26,7 @@ struct Previous {
 
 impl Before {
     /// Notes what is odd about `revolution`, which is the scan before from now on.
-    pub(crate) fn compare(&mut self, revolution: &Revolution, notes: &mut Notes) {
+    pub fn compare(&mut self, revolution: &Revolution, notes: &mut Notes) {
         let Some(previous) = &mut self.scan else {
             let (stamp_ns, frame_id) = (revolution.stamp_ns, revolution.frame_id.clone());
             self.scan = Some(Previous { stamp_ns, usual_ns: None, frame_id });
@@ -58,6 +58,6 @@ impl Before {
 }
 
 /// The time from `earlier_ns` to `later_ns` in words.
-pub(crate) fn seconds(later_ns: u64, earlier_ns: u64) -> String {
+fn seconds(later_ns: u64, earlier_ns: u64) -> String {
     format!("{:.3} s", later_ns.saturating_sub(earlier_ns) as f64 / NS_PER_S)
 }

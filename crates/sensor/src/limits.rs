@@ -22,7 +22,7 @@ const FAR_M: f64 = 500.0;
 
 /// What one range says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Reading {
+pub(crate) enum Reading {
     /// A return at this range, metres.
     Return(f64),
     /// Nothing within range.
@@ -33,8 +33,8 @@ pub(super) enum Reading {
 
 /// How many beams each rule took out.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub(super) masked: usize,
+pub(crate) struct Tally {
+    pub(crate) masked: usize,
     zero: usize,
     negative: usize,
     too_near: usize,
@@ -49,7 +49,7 @@ pub(super) struct Tally {
 
 /// The limits of the sensor as the scan states them, and those of the configuration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(crate) struct Limits {
     wire_min_m: f64,
     /// Infinite if the scan states none.
     wire_max_m: f64,
@@ -60,7 +60,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub(super) fn new(scan: &LaserScan, min_m: f64, max_m: f64, notes: &mut Notes) -> Self {
+    pub(crate) fn new(scan: &LaserScan, min_m: f64, max_m: f64, notes: &mut Notes) -> Self {
         let mut wire_min_m = f64::from(scan.range_min);
         if !(0.0..f64::INFINITY).contains(&wire_min_m) {
             notes.add(format!("range_min {} m is no range: taken as 0", scan.range_min));
@@ -83,11 +83,11 @@ impl Limits {
     }
 
     /// A beam without a return saw free space up to here.
-    pub(super) fn range_max_m(&self) -> f64 {
+    pub(crate) fn range_max_m(&self) -> f64 {
         self.wire_max_m.min(self.max_m)
     }
 
-    pub(super) fn read(&self, range_m: f32, tally: &mut Tally) -> Reading {
+    pub(crate) fn read(&self, range_m: f32, tally: &mut Tally) -> Reading {
         let range_m = f64::from(range_m);
         let (count, reading) = if range_m.is_nan() || range_m == f64::INFINITY {
             return Reading::Nothing;
@@ -116,7 +116,7 @@ impl Limits {
         reading
     }
 
-    pub(super) fn note(&self, tally: &Tally, notes: &mut Notes) {
+    pub(crate) fn note(&self, tally: &Tally, notes: &mut Notes) {
         // As f32 again, in which the scan states them: 5.6, not 5.599999904632568.
         let (wire_min_m, wire_max_m) = (self.wire_min_m as f32, self.wire_max_m as f32);
         let mut note = |count: usize, what: String| {

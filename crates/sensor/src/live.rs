@@ -1,30 +1,25 @@
 //! Scans of a live robot, one after the other, to the revolutions that their recording gives.
 
-use crosscut_messages::ScanMessage;
+use crosscut_messages::{LaserScan, ScanMessage};
 use crosscut_stage::{Notes, Revolution};
 use nalgebra::Isometry2;
 
-use crate::before::Before;
-use crate::motion::{Motion, stamps_ns};
-use crate::turning::{Turning, stated_beam_s};
-use crate::turns::{Turn, Turns, times_s};
-use crate::{Odometry, Sensor};
+use crate::motion::stamps_ns;
+use crate::turning::stated_beam_s;
+use crate::{Before, LEARNED_SCANS, Motion, Odometry, Sensor, Turning, View, times_s};
 
 /// What is known of a live robot by its scans so far.
 ///
-/// A scan is shown at once, where a [`Recording`](crate::Recording) reads 100 scans before the first: blind sectors are known
-/// from the hundredth scan on, and messages that are parts of a turn are not joined.
-#[derive(Debug)]
+/// A scan is shown at once, where a recording's reader reads 100 scans before the first: blind sectors are known from the
+/// hundredth scan on, and messages that are parts of a turn are not joined.
+#[derive(Debug, Default)]
 pub struct Live {
-    turns: Turns,
+    view: View,
     turning: Turning,
     before: Before,
-}
-
-impl Default for Live {
-    fn default() -> Self {
-        Self { turns: Turns::new(true, true), turning: Turning::default(), before: Before::default() }
-    }
+    /// The first scans, as long as blind sectors are to be learned.
+    first: Vec<LaserScan>,
+    knows_blind: bool,
 }
 
 impl Live {
@@ -40,21 +35,34 @@ impl Live {
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
-        let mut turn = Turn::new(0, 0);
+        let (mut rad_per_beam, mut beam_s) = (0.0, 0.0);
         if let ScanMessage::Scan(scan) = message {
             if sensor.deskews() {
-                (turn.rad_per_beam, turn.beam_s) = self.turning.per_beam(scan);
+                (rad_per_beam, beam_s) = self.turning.per_beam(scan);
             }
             if sensor.finds_blind_sectors() {
-                self.turns.look_at(scan, sensor);
+                self.look_at(scan, sensor);
             }
         }
-        let times_s = if sensor.deskews() { times_s(message, turn.beam_s) } else { [0.0; 2] };
+        let times_s = if sensor.deskews() { times_s(message, beam_s) } else { [0.0; 2] };
         let motion = motion(message, times_s, odometry);
-        self.turns.show(&turn, message, motion.as_ref(), sensor, out, notes);
+        self.view.show(message, rad_per_beam, motion.as_ref(), sensor, out, notes);
+        self.view.hide(message, &[], out, notes);
         out.odometry = motion.map(|motion| motion.middle());
         if out.stamp_ns > 0 {
             self.before.compare(out, notes);
+        }
+    }
+
+    /// Takes a copy of a scan as long as blind sectors are to be learned.
+    fn look_at(&mut self, scan: &LaserScan, sensor: &Sensor) {
+        if self.knows_blind {
+            return;
+        }
+        self.first.push(scan.clone());
+        if self.first.len() >= LEARNED_SCANS {
+            self.view.learn_blind(&self.first.iter().collect::<Vec<_>>(), sensor);
+            (self.first, self.knows_blind) = (Vec::new(), true);
         }
     }
 

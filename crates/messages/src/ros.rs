@@ -1,17 +1,17 @@
-//! Messages of ROS that are no scans, of ROS 2 or of ROS 1.
+//! Messages of ROS that are no scans, in CDR as of ROS 2 or in the encoding of ROS 1.
 
-use crosscut_messages::{CDR_ENCODING, DecodeError, Message, Odometry, ROS1_ENCODING, TfMessage, plain_type_name};
+use crate::{CDR_ENCODING, DecodeError, Message, Odometry, ROS1_ENCODING, TfMessage, plain_type_name};
 
 /// The type of transforms before tf2.
 const OLD_TF_TYPE: &str = "tf/tfMessage";
 
 /// Whether this type in this encoding is odometry that can be read.
-pub(crate) fn is_odometry(type_name: &str, encoding: &str) -> bool {
+pub fn is_odometry(type_name: &str, encoding: &str) -> bool {
     is_ros(encoding) && plain_type_name(type_name) == plain_type_name(Odometry::SCHEMA_NAME)
 }
 
 /// Whether this type in this encoding is transforms that can be read.
-pub(crate) fn is_transforms(type_name: &str, encoding: &str) -> bool {
+pub fn is_transforms(type_name: &str, encoding: &str) -> bool {
     let type_name = plain_type_name(type_name);
     is_ros(encoding) && (type_name == OLD_TF_TYPE || type_name == plain_type_name(TfMessage::SCHEMA_NAME))
 }
@@ -21,7 +21,10 @@ fn is_ros(encoding: &str) -> bool {
 }
 
 /// Reads a message in the encoding of ROS 1, or in CDR.
-pub(crate) fn decode<M: Message>(encoding: &str, data: &[u8]) -> Result<M, DecodeError> {
+///
+/// # Errors
+/// When the bytes are no such message.
+pub fn decode<M: Message>(encoding: &str, data: &[u8]) -> Result<M, DecodeError> {
     let mut message = M::default();
     match encoding {
         ROS1_ENCODING => message.decode_ros1_into(data)?,
@@ -31,7 +34,7 @@ pub(crate) fn decode<M: Message>(encoding: &str, data: &[u8]) -> Result<M, Decod
 }
 
 /// The name of a frame without the slash that ROS 1 has in front.
-pub(crate) fn plain_frame(frame: &str) -> &str {
+pub fn plain_frame(frame: &str) -> &str {
     frame.trim_start_matches('/')
 }
 

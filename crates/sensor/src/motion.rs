@@ -1,12 +1,13 @@
 //! How the vehicle moves while its lidar takes a scan, by odometry.
 
+use crosscut_messages::ScanMessage;
 use nalgebra::Isometry2;
 
 const NS_PER_S: f64 = 1e9;
 
 /// The poses of the vehicle at two times of a scan. Between and around them it moves evenly.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub struct Motion {
     /// Seconds after the stamp of the scan.
     pub(crate) times_s: [f64; 2],
     pub(crate) poses: [Isometry2<f64>; 2],
@@ -15,7 +16,7 @@ pub(crate) struct Motion {
 impl Motion {
     /// During a scan with this stamp, whose first and last point were measured at `times_s`; `poses_at` knows the poses at
     /// two times. The vehicle stands if the scan does not tell how long it takes, or the poses end before it.
-    pub(crate) fn during(
+    pub fn during(
         stamp_ns: u64,
         times_s: [f64; 2],
         mut poses_at: impl FnMut([u64; 2]) -> Option<[Isometry2<f64>; 2]>,
@@ -32,7 +33,7 @@ impl Motion {
     }
 
     /// The pose in the middle of the scan.
-    pub(crate) fn middle(&self) -> Isometry2<f64> {
+    pub fn middle(&self) -> Isometry2<f64> {
         self.at(0.5 * (self.times_s[0] + self.times_s[1]))
     }
 
@@ -55,6 +56,18 @@ impl Motion {
 /// The times that are `times_s` after a stamp.
 pub(crate) fn stamps_ns(stamp_ns: u64, times_s: [f64; 2]) -> [u64; 2] {
     times_s.map(|time_s| stamp_ns.saturating_add_signed((time_s * NS_PER_S) as i64))
+}
+
+/// When the first and last point of a scan were measured, s after the stamp, if its beams are `beam_s` apart; both 0 if
+/// that is not known.
+pub fn times_s(scan: &ScanMessage, beam_s: f64) -> [f64; 2] {
+    match scan {
+        ScanMessage::Scan(scan) => [0.0, beam_s * scan.ranges.len().saturating_sub(1) as f64],
+        ScanMessage::Cloud(cloud) => {
+            let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
+            times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
+        }
+    }
 }
 
 #[cfg(test)]

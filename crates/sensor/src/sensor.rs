@@ -1,17 +1,13 @@
 //! One laser scan to one revolution: mounting, clean-up, and the rules for odd values.
 
-mod cloud;
-mod directions;
-mod fan;
-mod limits;
+use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Echo, LaserScan};
 use crosscut_stage::{Beam, Flag, Notes, Number, Pairs, ParamSpec, Params, Point, Revolution, Word, counted};
 
-pub(crate) use self::directions::Directions;
-use self::fan::Fan;
-use self::limits::{Limits, Reading, Tally};
-use std::f64::consts::{PI, TAU};
+use crate::directions::Directions;
+use crate::fan::Fan;
+use crate::limits::{Limits, Reading, Tally};
 
 /// How the sensor is turned.
 pub const YAW_RAD: Number = Number::new("yaw_rad", "rad", 0.0)
@@ -82,7 +78,7 @@ const ROUNDING_RAD: f64 = 1e-6;
 /// A lidar as it is mounted, with what is to be cleaned up.
 ///
 /// ```
-/// use crosscut_ingest::Sensor;
+/// use crosscut_sensor::Sensor;
 /// use crosscut_messages::LaserScan;
 /// use crosscut_stage::{Notes, Revolution};
 ///
@@ -101,12 +97,12 @@ const ROUNDING_RAD: f64 = 1e-6;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Sensor {
-    yaw_rad: f64,
-    upside_down: bool,
-    min_range_m: f64,
-    max_range_m: f64,
+    pub(crate) yaw_rad: f64,
+    pub(crate) upside_down: bool,
+    pub(crate) min_range_m: f64,
+    pub(crate) max_range_m: f64,
     masked_sectors_rad: Vec<[f64; 2]>,
-    rings: Vec<[f64; 2]>,
+    pub(crate) rings: Vec<[f64; 2]>,
     frame_id: String,
     odometry_topic: String,
     echo: Echo,
@@ -144,12 +140,12 @@ impl Sensor {
     }
 
     /// Whether sectors that never return anything are looked for in the first scans of a recording.
-    pub(crate) fn finds_blind_sectors(&self) -> bool {
+    pub fn finds_blind_sectors(&self) -> bool {
         self.finds_blind_sectors
     }
 
     /// Whether the turning of the vehicle during a scan is taken into account.
-    pub(crate) fn deskews(&self) -> bool {
+    pub fn deskews(&self) -> bool {
         self.deskews
     }
 
@@ -164,7 +160,7 @@ impl Sensor {
     }
 
     /// The topic of odometry that is asked for; empty if none is.
-    pub(crate) fn odometry_topic(&self) -> &str {
+    pub fn odometry_topic(&self) -> &str {
         &self.odometry_topic
     }
 
@@ -177,7 +173,8 @@ impl Sensor {
     }
 
     /// Writes the revolution that `scan` shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
-    /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the frame of its middle beam. `directions` are those of the scan before.
+    /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the
+    /// frame of its middle beam. `directions` are those of the scan before.
     pub(crate) fn turning_revolution(
         &self,
         scan: &LaserScan,
@@ -245,7 +242,7 @@ impl Sensor {
     }
 
     /// Turning a sensor over mirrors its bearings; then the yaw is added.
-    fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
+    pub(crate) fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
         self.yaw_rad + self.own_angle_rad(angle_rad)
     }
 
@@ -256,18 +253,18 @@ impl Sensor {
         if self.upside_down { Point::new(x, -y, -point_m.z) } else { Point::new(x, y, point_m.z) }
     }
 
-    fn takes_ring(&self, ring: u32) -> bool {
+    pub(crate) fn takes_ring(&self, ring: u32) -> bool {
         self.rings.iter().any(|&[from, to]| (from..=to).contains(&f64::from(ring)))
     }
 
-    fn masks(&self, bearing_rad: f64) -> bool {
+    pub(crate) fn masks(&self, bearing_rad: f64) -> bool {
         self.masked_sectors_rad.iter().any(|&[from, to]| {
             let span_rad = if from <= to { to - from } else { to - from + TAU };
             (bearing_rad - from + ROUNDING_RAD).rem_euclid(TAU) <= span_rad + 2.0 * ROUNDING_RAD
         })
     }
 
-    fn note_mounting(&self, notes: &mut Notes) {
+    pub(crate) fn note_mounting(&self, notes: &mut Notes) {
         if self.upside_down {
             notes.add("bearings mirrored: the sensor is mounted upside down");
         }

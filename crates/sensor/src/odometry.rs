@@ -1,12 +1,10 @@
 //! Poses by odometry, interpolated to the time of a scan.
 
 use crosscut_messages::{
-    CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3,
+    CDR_ENCODING, DecodeError, Odometry as OdometryMessage, Quaternion, TfMessage, TransformStamped, Vector3, ros,
 };
 use crosscut_stage::is_finite_pose;
 use nalgebra::{Isometry2, Vector2};
-
-use crate::ros;
 
 /// The frame in which odometry is kept (REP 105).
 const ODOMETRY_FRAME: &str = "odom";
@@ -84,11 +82,10 @@ impl Odometry {
 }
 
 /// Stamp and pose in a message of odometry, else of transforms, if it holds one.
-pub(crate) fn pose_in(
-    is_odometry: bool,
-    encoding: &str,
-    data: &[u8],
-) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
+///
+/// # Errors
+/// When the message cannot be decoded.
+pub fn pose_in(is_odometry: bool, encoding: &str, data: &[u8]) -> Result<Option<(u64, Isometry2<f64>)>, DecodeError> {
     if is_odometry {
         let odometry: OdometryMessage = ros::decode(encoding, data)?;
         let pose = odometry.pose.pose;

@@ -4,8 +4,7 @@ use crosscut_messages::Cloud;
 use crosscut_stage::{Notes, Point, Revolution, counted};
 use nalgebra::{Isometry2, Point2};
 
-use super::Sensor;
-use crate::motion::Motion;
+use crate::{Motion, Sensor};
 
 /// A vehicle that moves by less than this during a scan, m, and turns by less than the angle below, is taken to stand.
 const LEAST_WAY_M: f64 = 0.05;

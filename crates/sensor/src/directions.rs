@@ -3,29 +3,29 @@
 
 use crosscut_stage::wrap_angle_rad;
 
-use super::Sensor;
-use super::fan::Fan;
+use crate::Sensor;
+use crate::fan::Fan;
 
 /// Directions of the beams of one sensor in the body frame.
 #[derive(Debug, Default)]
 pub(crate) struct Directions {
     /// The fan and the number of beams that they belong to.
     of: Option<(Fan, usize)>,
-    pub(super) bearings_rad: Vec<f64>,
-    pub(super) beams: Vec<Direction>,
+    pub(crate) bearings_rad: Vec<f64>,
+    pub(crate) beams: Vec<Direction>,
 }
 
 /// Direction of one beam.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Direction {
-    pub(super) sin: f64,
-    pub(super) cos: f64,
-    pub(super) is_masked: bool,
+pub(crate) struct Direction {
+    pub(crate) sin: f64,
+    pub(crate) cos: f64,
+    pub(crate) is_masked: bool,
 }
 
 impl Directions {
     /// Makes them those of `fan` with this number of beams, as `sensor` is mounted.
-    pub(super) fn update(&mut self, sensor: &Sensor, fan: Fan, beams: usize) {
+    pub(crate) fn update(&mut self, sensor: &Sensor, fan: Fan, beams: usize) {
         if self.of.replace((fan, beams)) == Some((fan, beams)) {
             return;
         }

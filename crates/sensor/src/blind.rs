@@ -61,7 +61,7 @@ struct Seen {
 
 impl BlindSectors {
     /// Looks for them in the first scans of a recording; there are none if these differ in their beams.
-    pub(super) fn find(scans: &[&LaserScan], sensor: &Sensor) -> Self {
+    pub(crate) fn find(scans: &[&LaserScan], sensor: &Sensor) -> Self {
         let geometry_of = |scan: &LaserScan| (scan.angle_min, scan.angle_increment, scan.ranges.len());
         let Some(geometry) = scans.first().map(|scan| geometry_of(scan)) else { return Self::default() };
         if scans.len() < LEAST_SCANS || scans.iter().any(|scan| geometry_of(scan) != geometry) {

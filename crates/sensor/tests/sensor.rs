@@ -3,8 +3,8 @@
 use std::f32::consts::{PI as PI32, TAU as TAU32};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crosscut_ingest::{PARAMS, Sensor};
 use crosscut_messages::LaserScan;
+use crosscut_sensor::{PARAMS, Sensor};
 use crosscut_stage::{Beam, Notes, Params, Revolution, Sweep, Value};
 use proptest::prelude::{Just, Strategy, any, prop, prop_assert, prop_assert_eq, prop_oneof, proptest};
 

@@ -38,9 +38,9 @@ const LONGEST_SCAN_S: f64 = 10.0;
 
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
-/// The scan before.
+/// Compares each scan with the one before it.
 #[derive(Debug, Default)]
-pub(crate) struct Turning {
+pub struct Turning {
     before: Before,
 }
 
@@ -56,7 +56,7 @@ impl Turning {
     /// The angle by which the sensor turned from one beam of `scan` to the next, anticlockwise, rad, 0 if that is not
     /// known; and the time from one beam to the next, s, 0 if it is not stated or cannot be right. `scan` is the scan
     /// before from now on.
-    pub(crate) fn per_beam(&mut self, scan: &LaserScan) -> (f64, f64) {
+    pub fn per_beam(&mut self, scan: &LaserScan) -> (f64, f64) {
         let turned_rad = estimate(&self.before, scan).unwrap_or(0.0);
         let beam_s = beam_s(&self.before, scan).unwrap_or(0.0);
         self.before.stamp = scan.header.stamp;
