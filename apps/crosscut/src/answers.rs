@@ -15,7 +15,7 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions};
 
-use crate::figure::wall_rgb;
+use crosscut_evaluate::panel::wall_rgb;
 
 /// Topics of the answers.
 const RESULTS_TOPIC: &str = "/crosscut/results";

@@ -1,7 +1,7 @@
 //! Writes a flight of any length, for measuring throughput, memory and latency: the first minute of a simulated flight,
 //! repeated, with stamps that continue.
 //!
-//! `cargo run --release --no-default-features --example long_flight -- OUT.mcap REVOLUTIONS HZ`
+//! `cargo run --release -p crosscut-figures --bin long_flight -- OUT.mcap REVOLUTIONS HZ`
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Generator of a page of the docs: how often preset `default` is right in places from 1.2 m to 8 m wide, with 180 to
 //! 4096 beams, 5 to 100 m range and 180° to 360° of view, and how far its eigenvalues are from the zero tolerance.
 //!
-//! `cargo run --release -p crosscut --no-default-features --example robustness -- target/docs/robustness` writes a page and
+//! `cargo run --release -p crosscut-figures --bin robustness -- target/docs/robustness` writes a page and
 //! its figure.
 
 mod eigenvalues;

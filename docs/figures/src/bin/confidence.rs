@@ -4,16 +4,17 @@
 //! ```text
 //! tests/foreign/run places target/places/fit --count 100 --seed 101
 //! tests/foreign/run places target/places/effects-dev --count 20 --seed 113 --effects
-//! cargo run --release -p crosscut --no-default-features --example confidence -- target/docs/confidence.md \
-//!     target/places/fit target/places/effects-dev
+//! cargo run --release -p crosscut-figures --bin confidence -- target/docs/confidence.md target/places/fit \
+//!     target/places/effects-dev
 //! ```
 
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use crosscut_detector::{Engine, Preset, Settings};
-use crosscut_evaluate::tables::{self, Table};
+use crosscut_evaluate::tables;
 use crosscut_evaluate::{Score, Scoreboard};
+use crosscut_figures::markdown;
 use crosscut_ingest::{ReadOptions, Recording, Truths, recordings_in};
 use crosscut_messages::Truth;
 use crosscut_report::ResultsLine;
@@ -63,15 +64,9 @@ fn main() -> anyhow::Result<()> {
          for x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
-        page += &markdown(table);
+        page += &format!("\n## {}\n\n{}", table.title, markdown(table));
     }
     std::fs::write(&file, page).with_context(|| format!("cannot write {file}"))
-}
-
-fn markdown(table: &Table) -> String {
-    let row = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let rows: String = table.rows.iter().map(row).collect();
-    format!("\n## {}\n\n{}|{}\n{rows}", table.title, row(&table.header), "---|".repeat(table.header.len()))
 }
 
 /// Answers to the development scenes of every family, and to the scenes of recordings, which have truth.

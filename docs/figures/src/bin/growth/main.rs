@@ -1,6 +1,6 @@
 //! Generator of a figure of the docs: how the time of preset `default` grows with the number of points, in one thread.
 //!
-//! `cargo run --release --no-default-features --example growth [-- FIGURE.svg]`
+//! `cargo run --release -p crosscut-figures --bin growth [-- FIGURE.svg]`
 //!
 //! Places with 2, 3 and 4 branches 4 to 5 m wide, seen by a 2D lidar of more and more beams, as dense 2D clouds, and by
 //! a lidar of many rings. Of each size: the processor time of a revolution, from its points to its walls and openings;

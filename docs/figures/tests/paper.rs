@@ -1,12 +1,12 @@
-//! `crosscut paper`.
+//! The program `paper`.
 
 use std::path::Path;
+use std::process::Command;
 
-use crate::program::run;
-
-/// The files that the command writes, by name.
+/// The files that the program writes, by name.
 fn written(folder: &Path) -> Vec<(String, String)> {
-    run(["paper".as_ref(), "--scenes=2".as_ref(), "--out".as_ref(), folder.as_os_str()]).expect_code(0);
+    let ran = Command::new(env!("CARGO_BIN_EXE_paper")).arg(folder).arg("2").status();
+    assert!(ran.expect("the program starts").success());
     let entries = std::fs::read_dir(folder).expect("it was made").map(|entry| entry.expect("an entry"));
     let text = |path: &Path| std::fs::read_to_string(path).expect("text");
     let mut files: Vec<_> =

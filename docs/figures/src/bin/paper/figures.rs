@@ -1,13 +1,13 @@
 //! The figures and their captions. Rules select the scenes; none is picked by hand.
 
 use anyhow::Context;
-use crosscut_detector::Registry;
+use crosscut_detector::Preset;
+use crosscut_evaluate::panel::{Panel, sheet};
 use crosscut_messages::{Truth, TruthOpening};
 use crosscut_simulator::{Scene, Split, Suite, scenarios, suites};
 use crosscut_stage::wrap_angle_rad;
 
-use super::answers::{Answers, truth_panel};
-use crate::figure::{Panel, sheet};
+use crate::answers::{Answers, truth_panel};
 
 /// Openings of a plain place are at least this far apart, as in the suites.
 const APART_RAD: f64 = 54.0 * std::f64::consts::PI / 180.0;
@@ -33,23 +33,22 @@ impl Figure {
     }
 }
 
-pub(crate) fn figures(registry: &Registry) -> anyhow::Result<Vec<Figure>> {
+pub(crate) fn figures() -> anyhow::Result<Vec<Figure>> {
     Ok(vec![
-        random(registry)?,
+        random()?,
         places(
             "tunnel",
             &[2, 2, 3],
             "a tunnel of 3.5 m x 3 m: two places without a branch that leads on, and a junction",
-            registry,
         )?,
-        places("mine", &[3, 4], "a mine of 6 m x 4 m with wet walls: junctions of three and four walls", registry)?,
+        places("mine", &[3, 4], "a mine of 6 m x 4 m with wet walls: junctions of three and four walls")?,
         families()?,
     ])
 }
 
 /// Scenes without loss, a row per width, a column per number of branches.
-fn random(registry: &Registry) -> anyhow::Result<Figure> {
-    let mut answers = Answers::of("paper", registry)?;
+fn random() -> anyhow::Result<Figure> {
+    let mut answers = Answers::of(Preset::Paper)?;
     let scenes = ["clean6", "clean35", "narrow"].into_iter().map(|name| Ok(suite(name)?.scenes(Split::Dev).take(5)));
     let scenes: Vec<_> = scenes.collect::<anyhow::Result<_>>()?;
     let panels = scenes.into_iter().flatten().map(|scene| answers.panel(&scene)).collect::<anyhow::Result<_>>()?;
@@ -61,15 +60,15 @@ fn random(registry: &Registry) -> anyhow::Result<Figure> {
 }
 
 /// Places of a flight that show these numbers of walls: a row for the truth, and one for each preset.
-fn places(name: &'static str, walls: &[u32], what: &str, registry: &Registry) -> anyhow::Result<Figure> {
+fn places(name: &'static str, walls: &[u32], what: &str) -> anyhow::Result<Figure> {
     let scenario = scenarios().iter().find(|scenario| scenario.name == name);
     let fly = scenario.with_context(|| format!("no scenario {name}"))?.fly;
     let flights: Vec<Vec<Scene>> = FLIGHTS.map(|seed| fly(seed).collect()).collect();
     let scenes = amid_longest_runs(&flights, walls).with_context(|| format!("no such places in the flights {name}"))?;
     let title = |scene: &Scene| format!("truth: {}", scene.truth.walls);
     let mut panels: Vec<Panel> = scenes.iter().map(|scene| truth_panel(title(scene), scene)).collect();
-    for preset in ["paper", "default"] {
-        let mut answers = Answers::of(preset, registry)?;
+    for preset in [Preset::Paper, Preset::Default] {
+        let mut answers = Answers::of(preset)?;
         for scene in &scenes {
             panels.push(answers.panel(scene)?);
         }

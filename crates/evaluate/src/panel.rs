@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_evaluate::chart::{INK, page};
 use crosscut_messages::Truth;
 use crosscut_report::openings::LOOKOUT_M;
 use crosscut_stage::{Beam, Frame, Revolution};
 use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
+
+use crate::chart::{INK, page};
 
 /// Colours of walls (Okabe and Ito), in the order of recordings for the viewer; repeated when there are more walls.
 const WALLS_RGB: [[u8; 3]; 6] = [
@@ -32,7 +33,7 @@ const HEIGHT_M: f64 = 2.0 * HALF_M + TITLE_M + 1.0;
 const PIXELS_PER_M: f64 = 6.0;
 
 /// One scan in a square. The vehicle is in the middle and faces up.
-pub(crate) struct Panel {
+pub struct Panel {
     title: String,
     /// Positions of the returns, forward and left of the vehicle.
     returns_m: Vec<[f64; 2]>,
@@ -43,7 +44,7 @@ pub(crate) struct Panel {
 
 impl Panel {
     /// Shows the true walls and openings.
-    pub(crate) fn of_truth(title: String, revolution: &Revolution, truth: &Truth) -> Self {
+    pub fn of_truth(title: String, revolution: &Revolution, truth: &Truth) -> Self {
         let mut wall_of_return = vec![None; revolution.len()];
         let beams = revolution.sweep.iter().flat_map(|sweep| &sweep.beams);
         for (beam, &label) in beams.zip(&truth.labels) {
@@ -56,7 +57,7 @@ impl Panel {
     }
 
     /// Shows the walls and openings of a result.
-    pub(crate) fn of_answer(title: String, frame: &Frame) -> Self {
+    pub fn of_answer(title: String, frame: &Frame) -> Self {
         let openings = frame.junction.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m]).collect();
         let wall_of_return = frame.junction.wall_of_return.clone();
         Self { title, returns_m: positions(&frame.revolution), wall_of_return, openings }
@@ -126,7 +127,7 @@ impl Panel {
 }
 
 /// The colour of a wall.
-pub(crate) fn wall_rgb(number: u32) -> [u8; 3] {
+pub fn wall_rgb(number: u32) -> [u8; 3] {
     WALLS_RGB[number as usize % WALLS_RGB.len()]
 }
 
@@ -151,7 +152,7 @@ fn opening_mark([bearing_rad, width_m]: [f64; 2]) -> Group {
 }
 
 /// Arranges panels in rows of `columns`.
-pub(crate) fn sheet(panels: &[Panel], columns: usize) -> String {
+pub fn sheet(panels: &[Panel], columns: usize) -> String {
     let (width_m, height_m) = (columns as f64 * WIDTH_M, panels.len().div_ceil(columns) as f64 * HEIGHT_M);
     let mut document = page(width_m, height_m, 0.7 * TITLE_M)
         .set("width", width_m * PIXELS_PER_M)

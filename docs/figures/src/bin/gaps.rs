@@ -2,7 +2,7 @@
 //! `docs/fit_odds.py`. `docs/make odds` runs both.
 //!
 //! ```text
-//! cargo run --release -p crosscut --no-default-features --example gaps -- target/docs/gaps.csv RECORDING...
+//! cargo run --release -p crosscut-figures --bin gaps -- target/docs/gaps.csv RECORDING...
 //! ```
 
 use std::f64::consts::TAU;

@@ -5,17 +5,12 @@
 //! verdict holds at every such τ. This is exact: the counts are those of the preset `paper` with
 //! `spectral.zero_tolerance` set to τ.
 
-use crosscut_detector::Registry;
+use crosscut_detector::{Preset, Registry, Settings};
 use crosscut_evaluate::{Proportion, Score};
-use crosscut_pipeline::StopFlag;
 use crosscut_report::{Reporter, ResultsLine};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scene, Split, suites};
 use crosscut_stage::{AffinityStage, Frame, KmeansStage, SpectralStage};
-use indicatif::ProgressBar;
-
-use crate::cli::ConfigArgs;
-use crate::config;
 
 /// The tolerances are the powers of ten with these exponents.
 pub(crate) const EXPONENTS: [i32; 16] = [-16, -15, -14, -13, -12, -11, -10, -9, -8, -7, -6, -5, -4, -3, -2, -1];
@@ -28,33 +23,23 @@ pub(crate) struct ToleranceShares {
     pub(crate) right: [Proportion; EXPONENTS.len()],
 }
 
-/// Counts the first `scenes` development scenes of every family, on which the tolerance of the preset was chosen. `None`
-/// if `stop` is set before the last.
-pub(crate) fn families(
-    scenes: usize,
-    registry: &Registry,
-    stop: &StopFlag,
-    bar: &ProgressBar,
-) -> anyhow::Result<Option<Vec<ToleranceShares>>> {
+/// Counts the first `scenes` development scenes of every family, on which the tolerance of the preset was chosen.
+pub(crate) fn families(scenes: usize, registry: &Registry) -> anyhow::Result<Vec<ToleranceShares>> {
     let mut method = Method::new(registry)?;
     let nothing = [Proportion::default(); EXPONENTS.len()];
     let mut families = Vec::new();
     for suite in suites() {
         let mut family = ToleranceShares { name: suite.name, right_count: nothing, right: nothing };
         for scene in suite.scenes(Split::Dev).take(scenes) {
-            if stop.is_set() {
-                return Ok(None);
-            }
             let (right_counts, walls_right) = method.judge(&scene)?;
             for (at, &right_count) in right_counts.iter().enumerate() {
                 family.right_count[at].count(right_count);
                 family.right[at].count(right_count && walls_right);
             }
-            bar.inc(1);
         }
         families.push(family);
     }
-    Ok(Some(families))
+    Ok(families)
 }
 
 /// The preset `paper`, step by step.
@@ -71,8 +56,7 @@ impl Method {
     fn new(registry: &Registry) -> anyhow::Result<Self> {
         // The eigenvalues of an L whose W has ones on its diagonal are below 2: every one counts as zero, and U holds
         // all eigenvectors.
-        let set = vec!["spectral.zero_tolerance=2".to_owned()];
-        let config = config::resolve(&ConfigArgs { preset: "paper".to_owned(), config: None, set }, registry)?;
+        let config = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 2.0).config(registry)?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
             affinity: config.build(&registry.affinity),
@@ -106,8 +90,6 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
-    use crosscut_detector::Engine;
-
     use super::*;
 
     #[test]
@@ -119,14 +101,10 @@ mod tests {
             for scene in suite.scenes(Split::Dev).take(3) {
                 let (right_counts, walls_right) = method.judge(&scene).expect("it answers");
                 for (exponent, right_count) in EXPONENTS.into_iter().zip(right_counts).skip(2) {
-                    let set = vec![format!("spectral.zero_tolerance=1e{exponent}")];
-                    let args = ConfigArgs { preset: "paper".to_owned(), config: None, set };
-                    let config = config::resolve(&args, &registry).expect("allowed");
-                    let mut frame = Frame::default();
-                    let sensor = Sensor::new(config.params("ingest"));
-                    sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-                    Engine::new(&config, &registry).process(&mut frame).expect("it answers");
-                    let score = Score::of(&scene.truth, &ResultsLine::of(&frame)).expect("the same scan");
+                    let settings = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 10_f64.powi(exponent));
+                    let mut detector = settings.build().expect("allowed");
+                    detector.detect(&scene.scan).expect("it answers");
+                    let score = Score::of(&scene.truth, &ResultsLine::of(detector.frame())).expect("the same scan");
                     let verdict = (score.right_count(), score.right);
                     assert_eq!((right_count, right_count && walls_right), verdict, "{}, 1e{exponent}", suite.name);
                     *if score.right { &mut right } else { &mut wrong } += 1;

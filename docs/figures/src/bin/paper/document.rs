@@ -3,15 +3,16 @@
 use crosscut_evaluate::Proportion;
 use crosscut_evaluate::tables::Table;
 
-use super::figures::Figure;
-use super::tolerance::{EXPONENTS, ToleranceShares};
-use crate::typeset::markdown;
+use crosscut_figures::markdown;
+
+use crate::figures::Figure;
+use crate::tolerance::{EXPONENTS, ToleranceShares};
 
 const OPENING: &str = "\
 # The paper's evaluation, in our form
 
 Mansouri et al. show their method on simulated scans and on flights through two mines in Sweden, by figures only. Their
-data is not public. Here is the same kind of scans from the simulator, whose truth is known. `crosscut paper --out DIR`
+data is not public. Here is the same kind of scans from the simulator, whose truth is known. `docs/make paper`
 makes this page and its figures, the same bytes each time.
 ";
 
@@ -40,14 +41,17 @@ pub(crate) fn document(figures: &[Figure], families: &[ToleranceShares], toleran
     let rows: Vec<&ToleranceShares> = families.iter().chain([&all]).collect();
     let scenes = all.right[0].of;
     text += &format!("\n{TOLERANCE}\n");
-    text += &markdown(&[
+    let tables = [
         table(&rows, "right counts, % of the scenes, by tolerance; best of each row in bold", |family| {
             &family.right_count
         }),
         table(&rows, "right: count and walls, % of the scenes, by tolerance; best of each row in bold", |family| {
             &family.right
         }),
-    ]);
+    ];
+    for table in &tables {
+        text += &format!("**{}**\n\n{}\n", table.title, markdown(table));
+    }
     let best = (0..EXPONENTS.len()).rev().max_by_key(|&at| all.right[at].hits).unwrap_or(0);
     text += &format!(
         "The best single tolerance is 1e{}: right in {} of {scenes} scenes. Preset `paper` takes {tolerance_of_preset:e}.\n",

@@ -1,6 +1,6 @@
 //! The share of right counts of preset `default` in clouds, compared with 2D scans of the same places.
 //!
-//! `cargo run --release --no-default-features --example clouds [-- PLACES]`
+//! `cargo run --release -p crosscut-figures --bin clouds [-- PLACES]`
 //!
 //! Development places of every family, PLACES of each (50): the share with the true count in the 2D scan, in a cloud of
 //! one level ring of 4000 beams, and in one of 64 rings over 45° of 1500 beams. Walls stand upright and the lidar is
