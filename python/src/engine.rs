@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
 use crosscut_sensor::{Live, Sensor};
-use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use crosscut_detector::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
 use crosscut_report::ResultsLine;
 use crosscut_stage::Step;
 use nalgebra::{Isometry2, Vector2};

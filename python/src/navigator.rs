@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use crosscut_flight::check_live;
 use crosscut_sensor::Live;
 use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
-use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
+use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::PyValueError;

@@ -1,8 +1,9 @@
 //! The flight that a command reads.
 
+use crosscut_detector::Config;
 use crosscut_flight::check_live;
 use crosscut_ingest::{CsvGeometry, Following, ReadOptions, Recording};
-use crosscut_pipeline::{Config, StopFlag};
+use crosscut_pipeline::StopFlag;
 use crosscut_sensor::Sensor;
 
 use crate::cli::FlightArgs;

@@ -35,9 +35,9 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
+use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
-use crosscut_pipeline::Registry;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
 use crate::cli::RunArgs;

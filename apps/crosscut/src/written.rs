@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crosscut_detector::Config;
 use crosscut_flight::Mapper;
-use crosscut_pipeline::Config;
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;

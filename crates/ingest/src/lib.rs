@@ -69,8 +69,9 @@ mod topics;
 mod truths;
 mod turns;
 
-pub use container::{CSV_PARAMS, CsvGeometry, KeptStandardInput};
+pub use container::KeptStandardInput;
 pub use convert::{ConvertError, Converted, convert};
+pub use crosscut_sensor::{CSV_PARAMS, CsvGeometry};
 pub use describe::{Description, ScanDescription, TopicDescription, describe};
 pub use error::IngestError;
 pub use following::Following;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crosscut_detector::Config;
 use crosscut_navigate::PlannerKind;
-use crosscut_pipeline::Config;
 use crosscut_simulator::{RecordingError, Scene, SceneRecorder, World, read_description, read_mcap};
 
 use crate::Moment;

@@ -1,8 +1,8 @@
 //! Whole missions, small ones.
 
+use crosscut_detector::{Preset, Registry, Settings};
 use crosscut_missions::{Flown, Setup, fly};
 use crosscut_navigate::planners;
-use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families, read_mcap};
 
 fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {

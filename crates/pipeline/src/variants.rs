@@ -1,10 +1,8 @@
 //! Several configurations on one revolution.
 
+use crosscut_detector::{Config, Engine, Registry, Worker};
 use crosscut_spectral::{ZERO_TOLERANCE, recount};
 use crosscut_stage::{Eigenvalues, Frame, Step, Value};
-
-use crate::engine::Worker;
-use crate::{Config, Engine, Registry};
 
 /// The sections whose settings a step depends on, beside those of the steps before it.
 fn sections_of(step: Step) -> &'static [&'static str] {
@@ -81,7 +79,7 @@ impl Variants {
                 Some(_) => &config.with("spectral", ZERO_TOLERANCE.spec.name, Value::Number(ALL_ARE_ZEROS)),
                 None => config,
             };
-            let Engine { weigh, decompose, cluster, report } = Engine::new(widest, registry);
+            let [weigh, decompose, cluster, report] = Engine::new(widest, registry).into();
             let settings = |step| settings_of_step(widest, step);
             let weighs = branch(&mut branches, settings(Step::Affinity), || Run::Stage(weigh));
             let decomposes = branch(&mut weighs.next, settings(Step::Spectral), || Run::Stage(decompose));
@@ -143,7 +141,7 @@ mod tests {
     use crosscut_stage::Point;
 
     use super::*;
-    use crate::{Layer, Preset};
+    use crosscut_detector::{Layer, Preset};
 
     fn config(registry: &Registry, settings: &[&str]) -> Config {
         let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();

@@ -5,10 +5,10 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_detector::Registry;
 use crosscut_ingest::{
     CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
-use crosscut_pipeline::Registry;
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 

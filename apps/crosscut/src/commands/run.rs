@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use crosscut_detector::Registry;
 use crosscut_ingest::{Recording, recordings_in};
-use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::{Failure, FailureCause, Frame, Step, counted};
 
 use crate::cli::RunArgs;

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_affinity::passage::{self, MEASURES, measured_gaps};
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::Score;
 use crosscut_ingest::{ReadOptions, Recording, Truths, recordings_in};
 use crosscut_messages::Truth;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::{ResultsLine, odds};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Split, suites};

@@ -11,10 +11,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry, nearest_and_all};
 use crosscut_flight::check_live;
 use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
 use crosscut_navigate::{PlannerKind, planners};
-use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
+use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
 use serde_json::Value;

@@ -8,10 +8,11 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::Mapper;
 use crosscut_ingest::{Recording, Truths, recordings_in};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::Frame;
 
 use self::course::Course;

@@ -12,8 +12,9 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
 use anyhow::Context;
+use crosscut_detector::{Config, Frame, Registry};
 use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Truths, recordings_in};
-use crosscut_pipeline::{Config, Frame, Registry, StopFlag, Variants, settings_of_step};
+use crosscut_pipeline::{StopFlag, Variants, settings_of_step};
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Source as _, Step};
 use indicatif::ProgressBar;

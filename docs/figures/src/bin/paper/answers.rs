@@ -1,8 +1,8 @@
 //! The answer of a preset to a scene, as a panel of a figure.
 
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::Score;
 use crosscut_evaluate::panel::Panel;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;

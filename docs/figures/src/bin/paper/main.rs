@@ -11,7 +11,7 @@ mod tolerance;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crosscut_pipeline::{Config, Preset, Registry, ZERO_TOLERANCE};
+use crosscut_detector::{Config, Preset, Registry, ZERO_TOLERANCE};
 use crosscut_simulator::SCENES;
 
 fn main() -> anyhow::Result<()> {

@@ -5,8 +5,8 @@
 //! verdict holds at every such τ. This is exact: the counts are those of the preset `paper` with
 //! `spectral.zero_tolerance` set to τ.
 
+use crosscut_detector::{Preset, Registry, Settings};
 use crosscut_evaluate::{Proportion, Score};
-use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_report::{Reporter, ResultsLine};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scene, Split, suites};
@@ -90,6 +90,8 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
+    use crosscut_detector::Engine;
+
     use super::*;
 
     #[test]

@@ -47,7 +47,7 @@ pub(super) fn sections(registry: &Registry) -> [Section; 9] {
     let fixed = |name, params| Section { name, body: Body::Fixed(params) };
     [
         fixed("ingest", crosscut_sensor::PARAMS),
-        fixed("csv", crosscut_ingest::CSV_PARAMS),
+        fixed("csv", crosscut_sensor::CSV_PARAMS),
         chosen(&registry.affinity),
         chosen(&registry.spectral),
         chosen(&registry.kmeans),

@@ -5,7 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use crosscut_report::Reporter;
-use crosscut_stage::{Failure, FailureCause, Frame, StageError, Step};
+use crosscut_stage::{
+    AffinityStage, Failure, FailureCause, Frame, KmeansStage, SpectralStage, StageError, Step, Storage,
+};
 
 use crate::memory::MemoryBudget;
 use crate::{Config, Registry};
@@ -14,7 +16,7 @@ use crate::{Config, Registry};
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use crosscut_pipeline::{Frame, Preset, Settings};
+/// use crosscut_detector::{Frame, Preset, Settings};
 /// use crosscut_stage::Point;
 ///
 /// let mut engine = Settings::new(Preset::Paper).engine()?;
@@ -30,10 +32,30 @@ use crate::{Config, Registry};
 /// # }
 /// ```
 pub struct Engine {
-    pub(crate) weigh: Worker,
-    pub(crate) decompose: Worker,
-    pub(crate) cluster: Worker,
-    pub(crate) report: Worker,
+    weigh: Worker,
+    decompose: Worker,
+    cluster: Worker,
+    report: Worker,
+}
+
+/// The stages that come in several kinds, and how the first stores W.
+pub(crate) struct Stages {
+    pub(crate) affinity: Box<dyn AffinityStage>,
+    pub(crate) storage: Storage,
+    pub(crate) spectral: Box<dyn SpectralStage>,
+    pub(crate) kmeans: Box<dyn KmeansStage>,
+}
+
+impl Stages {
+    /// Those that `config` chose.
+    pub(crate) fn chosen(config: &Config, registry: &Registry) -> Self {
+        Self {
+            affinity: config.build(&registry.affinity),
+            storage: config.kind(&registry.affinity).properties.storage,
+            spectral: config.build(&registry.spectral),
+            kmeans: config.build(&registry.kmeans),
+        }
+    }
 }
 
 impl Engine {
@@ -42,12 +64,14 @@ impl Engine {
         Self::for_many(config, registry, 1, 1)
     }
 
-    /// One of `workers` engines that share this many frames.
-    pub(crate) fn for_many(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
-        let budget = MemoryBudget::new(config, registry, frames, workers);
-        let mut affinity = config.build(&registry.affinity);
-        let mut spectral = config.build(&registry.spectral);
-        let mut kmeans = config.build(&registry.kmeans);
+    /// One of `workers` engines that share this many frames, and the memory that `config` allows.
+    pub fn for_many(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
+        Self::of(Stages::chosen(config, registry), config, frames, workers)
+    }
+
+    pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
+        let Stages { mut affinity, storage, mut spectral, mut kmeans } = stages;
+        let budget = MemoryBudget::new(config, storage, frames, workers);
         let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
         let budget_of_w = budget.clone();
         Self {
@@ -67,13 +91,14 @@ impl Engine {
         }
     }
 
-    /// Fills every part of `frame` after its revolution. Notes are added to those that are there: clear them before the
-    /// next revolution.
+    /// Fills every part of `frame` after its revolution, whatever they held before. What was noted of the revolution itself
+    /// stays.
     ///
     /// # Errors
     /// When a stage returns an error or panics; the same failure is left in `frame.failure`.
     pub fn process(&mut self, frame: &mut Frame) -> Result<(), Failure> {
         frame.failure = None;
+        frame.notes.begin_stages();
         // Line 1: the adjacency W_ij = exp(-σ ‖x_i - x_j‖²), equation (1).
         self.weigh.work(frame)?;
         // Lines 2 to 4: L = I - D^-1/2 W D^-1/2, equation (2); its eigenvalues ascending, equation (3); k zeros.
@@ -101,23 +126,40 @@ impl Engine {
     }
 }
 
+/// The steps of [`Engine::process`], in order, for threads of their own.
+impl From<Engine> for [Worker; 4] {
+    fn from(engine: Engine) -> Self {
+        let Engine { weigh, decompose, cluster, report } = engine;
+        [weigh, decompose, cluster, report]
+    }
+}
+
 /// Reads and writes the parts of a frame that belong to a stage.
 type Run = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
 
 /// A stage with the parts of a frame that it reads and writes.
-pub(crate) struct Worker {
-    pub(crate) step: Step,
+pub struct Worker {
+    step: Step,
     run: Box<Run>,
 }
 
 impl Worker {
-    pub(crate) fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
+    /// What `run` does, as the work of a step.
+    pub fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
         Self { step, run: Box::new(run) }
+    }
+
+    /// Which step it is.
+    pub fn step(&self) -> Step {
+        self.step
     }
 
     /// Runs the stage and times it. A failure, also a panic, is left in the frame. A frame that has failed before is not
     /// worked on.
-    pub(crate) fn work(&mut self, frame: &mut Frame) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// The failure in the frame.
+    pub fn work(&mut self, frame: &mut Frame) -> Result<(), Failure> {
         if let Some(failure) = &frame.failure {
             return Err(failure.clone());
         }
@@ -133,12 +175,13 @@ impl Worker {
     }
 }
 
-pub(crate) fn elapsed_ns(start: Instant) -> u64 {
+/// The time since `start`, nanoseconds.
+pub fn elapsed_ns(start: Instant) -> u64 {
     u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// The message of a caught panic.
-pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> String {
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
     let message = panic.downcast_ref::<&str>().map(ToString::to_string);
     message.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
 }

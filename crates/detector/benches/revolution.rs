@@ -1,13 +1,13 @@
 //! How long one revolution takes, step by step, in the calling thread, without input and output.
 //!
-//! `cargo bench -p crosscut-pipeline --bench revolution` takes the development scenes of every family; `... --
+//! `cargo bench -p crosscut-detector --bench revolution` takes the development scenes of every family; `... --
 //! [METHOD...] [FLIGHT.mcap...]` takes some of the methods, or recordings instead. One line per family or recording and
 //! method, columns parted by commas: medians over the revolutions, of each the least of several passes, as another
 //! program's turn only ever adds. The methods take turns, so that what else the machine does hits all of them alike.
 
 mod scans;
 
-use crosscut_pipeline::{Config, Engine, Layer, Preset, Registry};
+use crosscut_detector::{Config, Engine, Layer, Preset, Registry};
 use crosscut_stage::{Frame, Revolution, Step};
 use scans::{Fallible, Scans, median};
 
@@ -67,7 +67,6 @@ fn time(
         for (engine, least) in engines.iter_mut().zip(&mut least) {
             for (least, revolution) in least.iter_mut().zip(revolutions) {
                 frame.revolution.clone_from(revolution);
-                frame.notes.clear();
                 engine.process(&mut frame)?;
                 let times_ns = STEPS.map(|step| frame.timings.ns(step));
                 let row = times_ns.into_iter().chain([times_ns.iter().sum()]);

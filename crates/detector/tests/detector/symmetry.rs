@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_pipeline::Engine;
+use crosscut_detector::Engine;
 use crosscut_simulator::suites;
 use crosscut_stage::{Frame, Revolution};
 

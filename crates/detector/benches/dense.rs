@@ -1,6 +1,6 @@
 //! How much faster `slicing` is than faer's full decomposition, on the dense W of preset `paper`.
 //!
-//! `cargo bench -p crosscut-pipeline --bench dense` takes the development scenes of every family; `... --
+//! `cargo bench -p crosscut-detector --bench dense` takes the development scenes of every family; `... --
 //! FLIGHT.mcap...` recordings instead. One line per family or recording, columns parted by commas: medians over the
 //! revolutions, times of each the least of several passes. The solvers take turns at every revolution, so that what
 //! else the machine does hits all of them alike.

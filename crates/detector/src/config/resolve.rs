@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crosscut_stage::{Kind, ParamError, ParamSpec, Params, StageKind, Value};
+use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
 use super::layer::{Layer, Preset};
@@ -121,7 +121,7 @@ impl Config {
     ///
     /// # Panics
     /// When there is no such section or parameter, or it does not allow the value.
-    pub(crate) fn with(&self, section: &str, name: &str, value: Value) -> Self {
+    pub fn with(&self, section: &str, name: &str, value: Value) -> Self {
         let mut config = self.clone();
         let found = config.sections.iter_mut().find(|known| known.name == section);
         let set = found.map(|section| section.params.set(name, value));
@@ -273,10 +273,8 @@ impl Resolved {
         let place = place.ok_or_else(|| self.unknown_key(section, key, layer))?;
         let spec = &self.specs[place];
         let refused = |error| ConfigError::BadValue { layer: layer.name.clone(), section: self.name, error };
-        let value = from_toml(value).ok_or_else(|| {
-            let (name, value, expected) = (spec.name.to_owned(), value.to_string(), spec.expected());
-            refused(ParamError { name, value, expected })
-        })?;
+        let value =
+            from_toml(value).ok_or_else(|| refused(spec.refuse(ParamErrorKind::WrongType, value.to_string())))?;
         self.params.set(spec.name, value).map_err(refused)?;
         self.set_by[place] = SetBy::Layer(layer.name.clone());
         Ok(())

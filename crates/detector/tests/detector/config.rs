@@ -2,9 +2,26 @@
 
 use std::path::Path;
 
-use crate::stages::registry;
-use crosscut_pipeline::{Config, ConfigError, Layer, Preset, Registry};
-use crosscut_stage::Value;
+use crosscut_detector::{Config, ConfigError, Layer, Preset, Registry};
+use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Number, ParamErrorKind, Revolution, StageError, Value};
+
+const ERROR_AT_X: Number = Number::new("error_at_x", "", -1.0).from(-1.0).to(1e9);
+
+struct Failing;
+
+impl AffinityStage for Failing {
+    fn weigh(&mut self, _: &Revolution, _: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        Err(StageError::Unsupported("told to fail".to_owned()))
+    }
+}
+
+/// The standard registry, with an affinity that has a parameter of its own.
+fn registry() -> Registry {
+    let mut registry = Registry::standard();
+    let failing = Kind::affinity("failing", "fails", |_| Box::new(Failing)).params(&[ERROR_AT_X.spec]);
+    registry.affinity.insert(0, failing);
+    registry
+}
 
 fn resolve(file: &str, settings: &[&str]) -> Result<Config, ConfigError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
@@ -163,4 +180,18 @@ fn a_registry_with_no_kind_or_two_of_one_name_is_refused() {
     let mut none = Registry::standard();
     none.kmeans.clear();
     assert_eq!(resolve(&none), "the registry has no kind of kmeans: append one");
+}
+
+#[test]
+fn code_can_match_on_what_is_wrong_with_a_value() {
+    let kind = |setting: &str| match resolve("", &[setting]) {
+        Err(ConfigError::BadValue { error, .. }) => error.kind,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(kind("affinity.sigma_per_m2=-1"), ParamErrorKind::OutOfRange);
+    assert_eq!(kind("affinity.sigma_per_m2=wide"), ParamErrorKind::WrongType);
+    assert_eq!(kind("affinity.sigma_per_m2=1979-05-27"), ParamErrorKind::WrongType, "a date is no value of ours");
+    let mut params = resolve("", &[]).expect("the preset").params("affinity").clone();
+    let unknown = params.set("sigma", 1.0).expect_err("there is no such parameter");
+    assert_eq!(unknown.kind, ParamErrorKind::NotFound);
 }

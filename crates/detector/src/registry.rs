@@ -7,7 +7,7 @@ use crosscut_stage::{AffinityStage, Kind, KmeansStage, SpectralStage};
 /// Append a stage of your own under a new name, and it is chosen by this name like any other:
 ///
 /// ```
-/// use crosscut_pipeline::Registry;
+/// use crosscut_detector::Registry;
 /// use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Revolution, StageError, Storage};
 ///
 /// struct Alone;

@@ -1,5 +1,7 @@
 //! Why a configuration is refused, and the nearest right name.
 
+use std::path::PathBuf;
+
 use crosscut_stage::ParamError;
 
 /// Why a configuration is refused: what is wrong, in which layer, and the nearest right name.
@@ -13,6 +15,8 @@ pub enum ConfigError {
     KindTwice { section: &'static str, kind: &'static str },
     #[error("there is no preset {name:?}; {nearest}")]
     UnknownPreset { name: String, nearest: String },
+    #[error("cannot read {}: {why}", path.display())]
+    Unreadable { path: PathBuf, why: String },
     #[error("{layer}: this is not TOML: {message}")]
     Syntax { layer: String, message: String },
     #[error("{layer}: {setting:?} is not of the form section.key=value")]

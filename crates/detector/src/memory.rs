@@ -2,8 +2,8 @@
 
 use crosscut_stage::{Affinity, Params, SpectralStage, StageError, Storage};
 
+use crate::Config;
 use crate::config::MEMORY_MB;
-use crate::{Config, Registry};
 
 const MB: u64 = 1 << 20;
 
@@ -18,9 +18,8 @@ pub(crate) struct MemoryBudget {
 }
 
 impl MemoryBudget {
-    /// For this many frames in flight and workers.
-    pub(crate) fn new(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
-        let storage = config.kind(&registry.affinity).properties.storage;
+    /// For an affinity that stores W so, and this many frames in flight and workers.
+    pub(crate) fn new(config: &Config, storage: Storage, frames: usize, workers: usize) -> Self {
         Self {
             limit_mb: config.params("pipeline").get(MEMORY_MB) as u64,
             frames: frames as u64,

@@ -1,6 +1,6 @@
 //! The answers of the default method to simulated scans, for several vehicles.
 
-use crosscut_pipeline::{Config, Engine, Layer, Preset, Registry};
+use crosscut_detector::{Config, Engine, Layer, Preset, Registry};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Split, Suite, suites};
 use crosscut_stage::{Beam, Frame, Junction, Notes, Place, Revolution, Sweep};
