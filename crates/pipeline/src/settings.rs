@@ -27,8 +27,8 @@ use crate::{Config, ConfigError, Engine, Layer, Preset, Registry};
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     preset: Preset,
-    /// Each `section.name=value`.
-    changes: Vec<String>,
+    /// By `section.name`.
+    changes: Vec<(String, Value)>,
 }
 
 impl Settings {
@@ -59,7 +59,7 @@ impl Settings {
 
     /// Any other setting, `section.name`, as `crosscut config` lists them. What is set later wins.
     pub fn set(mut self, setting: &str, value: impl Into<Value>) -> Self {
-        self.changes.push(format!("{setting}={}", value.into()));
+        self.changes.push((setting.to_owned(), value.into()));
         self
     }
 
@@ -68,7 +68,7 @@ impl Settings {
     /// # Errors
     /// The first setting that there is not, or whose value is not allowed.
     pub fn config(&self, registry: &Registry) -> Result<Config, ConfigError> {
-        Config::resolve(registry, &[self.preset.into(), Layer::settings("settings", &self.changes)?])
+        Config::resolve(registry, &[self.preset.into(), Layer::values("settings", &self.changes)?])
     }
 
     /// The method, of the stages that ship.
