@@ -15,7 +15,7 @@ pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Ou
     Ok(Outcome::Done)
 }
 
-/// Resolves the layers preset < file < single settings; the settings of each option are named by it.
+/// Resolves the layers preset < file < single settings; messages name the option of the settings.
 pub(crate) fn resolve(
     preset: &str,
     file: Option<&Path>,
