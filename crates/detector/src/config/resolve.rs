@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
-use crosscut_stage::{Kind, ParamError, ParamErrorKind, ParamSpec, Params, StageKind, Value};
+use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
 use super::layer::{Layer, Preset};

@@ -8,7 +8,6 @@ use std::io::Write as _;
 
 use anyhow::Context;
 use crosscut_detector::Registry;
-use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::Mapper;
 use crosscut_ingest::Truths;

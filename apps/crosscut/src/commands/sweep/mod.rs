@@ -13,8 +13,9 @@ use std::thread::{self, Builder};
 
 use anyhow::Context;
 use crosscut_detector::{Config, Frame, Registry};
+use crosscut_evaluate::{Variants, settings_of_step};
 use crosscut_ingest::Truths;
-use crosscut_pipeline::{StopFlag, Variants, settings_of_step};
+use crosscut_pipeline::StopFlag;
 use crosscut_stage::Step;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
