@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
-use crosscut_sensor::{Live, Sensor};
 use crosscut_detector::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Step;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::{PyException, PyValueError};
@@ -50,7 +50,7 @@ impl Work {
 
     /// What a flight added to the scan before.
     fn forget_flight(&mut self) {
-        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
+        self.frame.extra.clear();
     }
 
     fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {

@@ -2,10 +2,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crosscut_flight::{Flight, Mapper, check_live};
-use crosscut_sensor::{Live, Sensor};
 use crosscut_detector::Config;
+use crosscut_flight::{Flight, FlightAnswer, Mapper, check_live};
 use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;
 use pyo3::prelude::*;
@@ -57,7 +57,7 @@ impl FlightMap {
         let mut state = self.state();
         state.flight.add(frame);
         state.mapper.add(frame);
-        state.pose = frame.pose;
+        state.pose = FlightAnswer::of(frame).pose;
     }
 }
 

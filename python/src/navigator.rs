@@ -2,11 +2,11 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_flight::check_live;
-use crosscut_sensor::Live;
-use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
+use crosscut_flight::{FlightAnswer, check_live};
+use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_sensor::Live;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -70,7 +70,7 @@ impl Navigator {
     fn flight_map(&self, py: Python<'_>) -> FlightMap {
         py.detach(|| {
             let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
-            FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
+            FlightMap::of(pilot.flight(), pilot.mapper(), FlightAnswer::of(pilot.frame()).pose)
         })
     }
 }

@@ -15,7 +15,7 @@
 
 mod affinity;
 mod embedding;
-mod flight;
+mod extra;
 mod frame;
 mod invariance;
 mod junction;
@@ -31,7 +31,7 @@ mod traits;
 
 pub use affinity::{Affinity, Csr, Verdict, Weights};
 pub use embedding::Embedding;
-pub use flight::{Here, HereKind, Steady, SteadyOpening, Way};
+pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall};
