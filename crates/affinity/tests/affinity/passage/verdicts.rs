@@ -38,7 +38,8 @@ fn verdicts_say_where_walls_end_and_where_they_go_on_over_a_gap() {
         stage.affinity(&revolution, &mut affinity, &mut Notes::default()).expect("a scan");
         let ways: Vec<_> = affinity.verdicts.iter().filter(|verdict| verdict.is_way).collect();
         assert_eq!(ways.len(), 3, "ahead, behind and into the branch, in a used buffer too: {:?}", affinity.verdicts);
-        assert!(ways.iter().all(|way| way.room_ratio > 1.0), "{ways:?}");
+        // The room of an opening is at least 1.05 by definition; here all of them are wider than that.
+        assert!(ways.iter().all(|way| way.room_ratio > 1.2), "{ways:?}");
         let closed: Vec<_> = affinity.verdicts.iter().filter(|verdict| !verdict.is_way).collect();
         assert!(!closed.is_empty() && closed.iter().all(|gap| gap.room_ratio < 1.0), "{closed:?}");
     }
