@@ -73,7 +73,7 @@ impl Gaps {
         *scene += 1;
         let revolution = &frame.revolution;
         for (verdict, measures) in measured_gaps(revolution, params)? {
-            let Some(is_way) = odds::has_opening(&verdict, revolution, &frame.junction) else { continue };
+            let Some(is_way) = odds::has_opening(&verdict, &frame.junction) else { continue };
             let truth = is_truly_way(&verdict, revolution, truth).map_or("", |is_way| if is_way { "1" } else { "0" });
             write!(out, "{set},{family},{scene},{right},{},{truth}", u8::from(is_way))?;
             for measure in measures.unwrap_or([f64::NAN; MEASURES.len()]) {

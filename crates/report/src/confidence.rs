@@ -15,11 +15,10 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crosscut_scan::Position;
 use crosscut_stage::{Junction, Opening, Revolution, Verdict, wrap_angle_rad};
 
 use crate::odds;
-use crate::openings::{clearance_m, depth_m, sides};
+use crate::openings::Edge;
 use crate::outline::Outline;
 
 /// Clearances are limited to these multiples of the vehicle's width.
@@ -96,7 +95,7 @@ impl Grounds {
             return None;
         }
         let mut grounds = Self {
-            odds: odds::of_answer(verdicts, revolution, answer),
+            odds: odds::of_answer(verdicts, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             narrowest_to_widest: narrowest_to_widest(answer),
@@ -105,16 +104,16 @@ impl Grounds {
             margin_decades,
         };
         // No opening within a wall is narrower than the vehicle.
-        for sides in sides(outline, vehicle_width_m) {
-            let edge_m = sides.edge_m();
+        for edge in Edge::all(outline, vehicle_width_m) {
             // An edge between two walls counts although it may be too narrow for an opening.
-            if is_at_opening(edge_m, &answer.openings) || (sides.are_two_walls() && sides.is_known()) {
-                grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
-            } else if !sides.are_two_walls() {
-                let clearance_m = clearance_m(&sides);
+            let is_opening = is_at_opening(edge.returns(), &answer.openings);
+            if is_opening || (edge.is_between_walls() && edge.is_known()) {
+                grounds.least_at_openings_m = grounds.least_at_openings_m.min(edge.clearance_m());
+            } else if !edge.is_between_walls() {
+                let clearance_m = edge.clearance_m();
                 if clearance_m > grounds.most_within_walls_m {
                     let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
-                    let room_m = clearance_m.min(depth_m(returns_m, edge_m, vehicle_width_m));
+                    let room_m = clearance_m.min(edge.depth_m(returns_m, vehicle_width_m));
                     grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
                 }
             }
@@ -135,7 +134,7 @@ impl Grounds {
 }
 
 fn narrowest_to_widest(answer: &Junction) -> f64 {
-    let widths_m = || answer.openings.iter().filter(|opening| !opening.cut_by_view).map(|opening| opening.width_m);
+    let widths_m = || answer.openings.iter().filter(|opening| !opening.is_cut_by_view()).map(|opening| opening.width_m);
     let widest_m = widths_m().fold(0.0, f64::max);
     if widest_m > 0.0 { widths_m().fold(widest_m, f64::min) / widest_m } else { 1.0 }
 }
@@ -178,18 +177,16 @@ pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
     let [mut beams, mut spacings] = [0, 0];
     for [from, to] in outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to)) {
         let apart = ring.beams_from(from, to);
-        if apart == 1 || !is_at_opening([from, to].map(|at| ring.position_m(at)), openings) {
+        if apart == 1 || !is_at_opening([from, to].map(|at| ring.returns[at].number), openings) {
             (beams, spacings) = (beams + apart, spacings + 1);
         }
     }
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
 }
 
-/// Whether an edge is that of an opening, or part of it: a stray return inside an opening splits its edge. The first
-/// part begins where the opening begins, the last ends where it ends.
-pub(crate) fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
-    let mut edges_m = openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
-    edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
+/// Whether the edge between two returns is an opening, or part of one.
+fn is_at_opening(returns: [u32; 2], openings: &[Opening]) -> bool {
+    openings.iter().any(|opening| opening.shares_end_with(returns))
 }
 
 /// What remains of the share of right answers when returns are this far apart: 1 up to [`COARSE_RAD`], half at 60
@@ -228,10 +225,10 @@ mod tests {
             bearing_rad: deg.to_radians(),
             width_m: 3.0,
             walls: [0, 1],
+            returns: [Some(0), Some(1)],
             evidence: crosscut_stage::Evidence::NoReturn,
             edge_m: [crosscut_stage::Point::origin(); 2],
             p: None,
-            cut_by_view: false,
         };
         let apart_deg = |bearings_deg: &[f64]| {
             let openings = bearings_deg.iter().map(opening).collect();

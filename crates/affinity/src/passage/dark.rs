@@ -1,6 +1,8 @@
 //! Gaps in which nothing is seen: a way on, a door, or lost beams.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
+
+use crosscut_scan::lies_across;
 
 use super::gap::Gap;
 
@@ -10,9 +12,6 @@ const DARK_BEAMS: u32 = 4;
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// A return is about at the end of the sensor's range if it lies beyond this share of it.
 const FAR_SHARE: f64 = 0.8;
-/// Beams came back with nothing because there is nothing, if they are more than this many times those that are lost in
-/// a row where a wall clearly goes on.
-const LOST_TIMES: u32 = 2;
 
 /// A dark gap is a way on if the wall turns by at least this.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
@@ -34,20 +33,15 @@ const PATCH_SHARE: f64 = 0.78;
 /// A blank way on is at least this share of the place's size from end to end: no corner hides in it.
 const BLANK_SHARE: f64 = 0.9;
 
-/// A dark gap is a door where several beams in a row are lost at no more places than this. The door is such a place
-/// itself if the wall clearly goes on behind it.
-const LOSSY_PLACES: u32 = 1;
 /// A door is at least this many times as wide as the vehicle.
 const DOOR_TIMES: f64 = 1.75;
-/// A door lies across the line of sight: the sine of the angle between the two is more than this.
-const ACROSS: f64 = FRAC_1_SQRT_2;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
-/// apart.
+/// apart. The door is itself a place where beams are lost if the wall clearly goes on behind it.
 pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
-    let is_door = !gap.turns_back() && gap.site.lost.places <= LOSSY_PLACES && gap.is_door();
+    let is_door = !gap.turns_back() && !gap.site.lost.are_anywhere() && gap.is_door();
     if is_door { gap.chord_m() / (DOOR_TIMES * gap.site.passage_m()) } else { 0.0 }
 }
 
@@ -99,16 +93,17 @@ impl Gap<'_> {
     /// not be wider than this one for that.
     fn is_door(&self) -> bool {
         let ring = &self.site.scan.ring;
-        let middle_m = ring.position_m(self.ends[0]) + 0.5 * self.chord;
-        let is_across = self.chord.perp(&middle_m).abs() > ACROSS * self.chord_m() * middle_m.norm();
         let behind_m = self.dark_rad() * ring.range_max_m;
         let is_empty = self.is_dark && !self.is_shaded;
-        is_empty && is_across && !self.is_far(self.near_m) && behind_m < BEHIND_DOOR_SHARE * self.site.scan.size_m
+        is_empty
+            && lies_across(ring, self.ends)
+            && !self.is_far(self.near_m)
+            && behind_m < BEHIND_DOOR_SHARE * self.site.scan.size_m
     }
 
     /// Whether more beams came back with nothing than lost beams explain.
     fn is_not_lost(&self) -> bool {
-        self.dark_beams > LOST_TIMES * self.site.lost.in_a_row
+        !self.site.lost.explain(self.dark_beams)
     }
 
     fn is_far(&self, range_m: f64) -> bool {

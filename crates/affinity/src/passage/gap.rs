@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crosscut_scan::{Directions, End, Position, direction, turn_rad};
+use crosscut_scan::{Clearance, Directions, End, Position, direction, turn_rad};
 
 use super::site::Site;
 
@@ -71,10 +71,8 @@ pub(super) struct Gap<'p> {
     /// From the first end to the second.
     pub(super) chord: Position,
     pub(super) turns: Turns,
-    /// The distance of the nearer end from the line of the farther wall. It is small at a bump, and at a corner of
-    /// which only the returns are missing; at a branch it is the width of the branch.
+    /// The two lengths of its [`Clearance`].
     pub(super) clear_m: f64,
-    /// How far behind the line of the nearer wall the farther one begins; negative in front of it.
     pub(super) depth_m: f64,
     /// How many beams into it came back with nothing.
     pub(super) dark_beams: u32,
@@ -124,10 +122,7 @@ impl<'p> Gap<'p> {
         let [p_m, q_m] = ends.map(|end| ring.range_m(end));
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
-        // How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
-        let [second_left_m, first_left_m] = [directions[0].perp(&chord), directions[1].perp(&-chord)];
-        let (clear_m, depth_m) =
-            if first_is_nearer { (first_left_m.abs(), -second_left_m) } else { (second_left_m.abs(), -first_left_m) };
+        let Clearance { clear_m, depth_m } = Clearance::at(chord, directions, first_is_nearer);
         let mut gap = Self {
             site,
             pieces,

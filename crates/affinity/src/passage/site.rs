@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crosscut_scan::{Directions, Lengths, Pieces, Scan};
+use crosscut_scan::{Directions, Lengths, LostBeams, Pieces, Scan};
 
 use super::gap::Gap;
 use super::verdict::Without;
@@ -12,9 +12,6 @@ const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
 /// Where a wall clearly goes on, neither end is off the line of the other piece by more than this share of the place's
 /// size.
 const GOES_ON_OFF_SHARE: f64 = 0.3;
-
-/// Beams lost in a row over less than this angle show nothing: a dense lidar loses a few anywhere.
-const LOST_RAD: f64 = PI / 180.0;
 
 /// The parameters of these names.
 #[derive(Clone, Copy, Debug)]
@@ -26,20 +23,12 @@ pub(super) struct Thresholds {
     pub(super) without: Without,
 }
 
-/// Beams that come back with nothing where a wall clearly goes on.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LostBeams {
-    /// The most in a row.
-    pub(super) in_a_row: u32,
-    /// At how many places there are several in a row.
-    pub(super) places: u32,
-}
-
 /// A scan, and what all its gaps are judged by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Site<'s> {
     pub(super) scan: &'s Scan,
     pub(super) thresholds: Thresholds,
+    /// Where a wall clearly goes on.
     pub(super) lost: LostBeams,
 }
 
@@ -52,20 +41,15 @@ impl<'s> Site<'s> {
 
     fn lost_beams(&self, pieces: &Pieces, directions: &mut Directions) -> LostBeams {
         let (ring, mut lost) = (&self.scan.ring, LostBeams::default());
-        let mut count = |beams: u32| {
-            lost.in_a_row = lost.in_a_row.max(beams);
-            let is_wide = f64::from(beams) * self.scan.ring.step_rad >= LOST_RAD;
-            lost.places += u32::from(beams > 1 && is_wide);
-        };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
-            count(ring.dark_between(pair[0], pair[1]));
+            lost.count(ring, ring.dark_between(pair[0], pair[1]));
         }
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
         for at in 0..gaps {
             let (a, b) = (&pieces[at], &pieces[pieces.next(at)]);
             let beams = ring.dark_between(a[a.len() - 1], b[0]);
             if beams > 0 && self.clearly_goes_on(a, b, directions) {
-                count(beams);
+                lost.count(ring, beams);
             }
         }
         lost
