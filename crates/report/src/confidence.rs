@@ -103,19 +103,27 @@ impl Grounds {
             islands: answer.walls.iter().any(|wall| wall.island),
             margin_decades,
         };
+        for opening in &answer.openings {
+            let [Some(from), Some(to)] = opening.returns.map(|number| outline.place_of(number?)) else { continue };
+            let clearance_m = Edge::between(outline, [from, to]).clearance_m();
+            grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m);
+        }
         // No opening within a wall is narrower than the vehicle.
-        for edge in Edge::all(outline, vehicle_width_m) {
-            // An edge between two walls counts although it may be too narrow for an opening.
-            let is_opening = is_at_opening(edge.returns(), &answer.openings);
-            if is_opening || (edge.is_between_walls() && edge.is_known()) {
-                grounds.least_at_openings_m = grounds.least_at_openings_m.min(edge.clearance_m());
-            } else if !edge.is_between_walls() {
-                let clearance_m = edge.clearance_m();
-                if clearance_m > grounds.most_within_walls_m {
-                    let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
-                    let room_m = clearance_m.min(edge.depth_m(returns_m, vehicle_width_m));
-                    grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
+        let others =
+            Edge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
+        for edge in others {
+            if edge.is_between_walls() {
+                // It counts although it may be too narrow for an opening.
+                if edge.is_known() {
+                    grounds.least_at_openings_m = grounds.least_at_openings_m.min(edge.clearance_m());
                 }
+                continue;
+            }
+            let clearance_m = edge.clearance_m();
+            if clearance_m > grounds.most_within_walls_m {
+                let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
+                let room_m = clearance_m.min(edge.depth_m(returns_m, vehicle_width_m));
+                grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
             }
         }
         Some(grounds)
