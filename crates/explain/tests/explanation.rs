@@ -218,7 +218,8 @@ fn a_changed_count_and_a_new_low_margin_are_reported_once() {
 #[test]
 fn verdicts_closest_to_the_threshold_come_first() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
-    let verdict = |returns, is_way, room_ratio| Verdict { returns, is_way, room_ratio, reason: "width", p: Some(0.25) };
+    let verdict =
+        |returns, is_opening, room_ratio| Verdict { returns, is_opening, room_ratio, reason: "width", p: Some(0.25) };
     frame.affinity.verdicts =
         vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");

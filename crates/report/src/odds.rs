@@ -16,8 +16,8 @@ pub(crate) fn of_answer(verdicts: &[Verdict], answer: &Junction) -> f64 {
         return 0.5;
     }
     let right = |verdict: &Verdict| {
-        let (p, is_way) = (verdict.p?, has_opening(verdict, answer)?);
-        Some(if is_way { p } else { 1.0 - p })
+        let (p, is_opening) = (verdict.p?, has_opening(verdict, answer)?);
+        Some(if is_opening { p } else { 1.0 - p })
     };
     verdicts.iter().filter_map(right).product()
 }

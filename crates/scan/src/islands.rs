@@ -150,7 +150,7 @@ impl Search<'_> {
             let outer = self.beside(at, end).next();
             outer.is_none_or(|outer| ring.range_m(outer) >= WELL_BEHIND * ring.range_m(end.at(&self.pieces[at], 0)))
         };
-        let rough_m = self.roughness.off_m;
+        let rough_m = self.roughness.sd_m;
         let near_m = if ends.into_iter().all(stands_well_before) {
             LEG_OFF_M + LEG_BUMPS * rough_m
         } else {

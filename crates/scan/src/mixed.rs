@@ -3,7 +3,7 @@
 //! A beam has a width. If one part of it meets the edge and the other part what is behind, many lidars report a range
 //! in between ("mixed pixels"; Tuley, Vandapel and Hebert 2005, "Analysis and Removal of Artifacts in 3-D LADAR Data").
 //! One mixed return looks like a single return of a wall. So a return is taken for mixed only where it makes a
-//! difference: beside a pillar, which it would join to what is behind; and, by affinity `passage`, in a way on, which
+//! difference: beside a pillar, which it would join to what is behind; and, by affinity `passage`, in an opening, which
 //! it would close.
 
 use crate::Lengths;

@@ -35,32 +35,32 @@ impl Gap<'_> {
     fn goes_on_along(&self, onward: Position) -> bool {
         let turned_rad =
             if self.first_is_nearer { turn_rad(onward, self.chord) } else { turn_rad(self.chord, -onward) };
-        let end_m = self.site.scan.ring.position_m(self.near_and_far_end()[0]);
+        let end_m = self.context.scan.ring.position_m(self.near_and_far_end()[0]);
         let seen_at_rad = turn_rad(onward, end_m).abs();
-        (-BEHIND_LINE_SHARE * seen_at_rad..self.site.thresholds.straight_rad).contains(&turned_rad)
+        (-BEHIND_LINE_SHARE * seen_at_rad..self.context.thresholds.straight_rad).contains(&turned_rad)
             && self.is_in_reach()
     }
 
     /// Whether the farther wall begins about where the next beam would meet the nearer one. Past the inner wall of a
     /// bend, along whose line it looks, a beam meets the outer one much farther away.
     fn is_in_reach(&self) -> bool {
-        self.chord_m() <= (REACH_TIMES * self.next_m()).min(REACH_SHARE * self.site.scan.size_m)
+        self.chord_m() <= (REACH_TIMES * self.next_m()).min(REACH_SHARE * self.context.scan.size_m)
     }
 
     /// How far from the nearer end the farther one would be if the nearer wall went on with the same spacing.
     pub(super) fn next_m(&self) -> f64 {
-        let (ring, (near, end)) = (&self.site.scan.ring, self.nearer());
+        let (ring, (near, end)) = (&self.context.scan.ring, self.nearer());
         let (last, before) = (end.at(near, 0), end.at(near, REACH_RETURNS.min(near.len() - 1)));
         ring.spacing_m(last, before) * ring.beams_from(self.ends[0], self.ends[1]) as f64
     }
 
     /// The direction in which the nearer wall runs towards its end over [`LONG_M`]; `None` if it is not straight there.
     fn long_line(&self) -> Option<Position> {
-        let (ring, (near, end)) = (&self.site.scan.ring, self.nearer());
+        let (ring, (near, end)) = (&self.context.scan.ring, self.nearer());
         let from_end_m = |k: usize| ring.position_m(end.at(near, k)) - ring.position_m(end.at(near, 0));
         let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
         let onward = -from_end_m(far).normalize();
-        let most_off_m = LONG_BUMPS * self.site.scan.roughness.off_m;
+        let most_off_m = LONG_BUMPS * self.context.scan.roughness.sd_m;
         (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= most_off_m).then_some(onward)
     }
 }

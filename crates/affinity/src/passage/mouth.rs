@@ -26,41 +26,41 @@ const SLIT_RETURNS: u32 = 2;
 /// How much room there is where the farther wall is seen deep behind the nearer one, through a mouth or a doorway. It
 /// is another wall, however straight it goes on, unless the wall turns back by more than a right angle.
 pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> f64 {
-    let (site, deep_m) = (gap.site, gap.room_m());
-    let goes_on = (-FRAC_PI_2..site.thresholds.straight_rad).contains(&gap.turns.whole_rad);
-    if gap.is_shaded || !goes_on || deep_m < site.passage_m() || gap.shows_other_side() {
+    let (context, deep_m) = (gap.context, gap.step_m());
+    let goes_on = (-FRAC_PI_2..context.thresholds.straight_rad).contains(&gap.turns.whole_rad);
+    if gap.is_shaded || !goes_on || deep_m < context.passage_m() || gap.shows_other_side() {
         return 0.0;
     }
     let bumps = if gap.turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
-    let room_ratio = deep_m / site.with_bumps_m(MOUTH_M, bumps);
+    let room_ratio = deep_m / context.with_bumps_m(MOUTH_M, bumps);
     if gap.turns.near_rad < -SLANT_RAD && room_ratio >= 1.0 && gap.fits_vehicle() {
         return room_ratio;
     }
     if gap.is_dark {
         return 0.0;
     }
-    gap.behind_doorway_m().map_or(0.0, |behind_m| behind_m / (BEHIND_DOORWAY_TIMES * site.passage_m()))
+    gap.behind_doorway_m().map_or(0.0, |behind_m| behind_m / (BEHIND_DOORWAY_TIMES * context.passage_m()))
 }
 
 impl Gap<'_> {
     /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one
     /// on, as far as a quarter turn.
     pub(super) fn fits_vehicle(&self) -> bool {
-        self.leave_room().all(|leaves_room| leaves_room)
+        self.fits_beyond().all(|fits| fits)
     }
 
     /// Whether it is a slit between two pieces of a wall, which no vehicle passes.
     pub(super) fn is_slit(&self) -> bool {
         let mut in_a_row = 0;
-        self.leave_room().any(|leaves_room| {
-            in_a_row = if leaves_room { 0 } else { in_a_row + 1 };
+        self.fits_beyond().any(|fits| {
+            in_a_row = if fits { 0 } else { in_a_row + 1 };
             in_a_row == SLIT_RETURNS
         })
     }
 
     /// For each return after the farther end, whether a vehicle fits between it and the nearer end.
-    fn leave_room(&self) -> impl Iterator<Item = bool> {
-        let (ring, ends, passage_m) = (&self.site.scan.ring, self.near_and_far_end(), self.site.passage_m());
+    fn fits_beyond(&self) -> impl Iterator<Item = bool> {
+        let (ring, ends, passage_m) = (&self.context.scan.ring, self.near_and_far_end(), self.context.passage_m());
         let onward = beyond(ring, ends, self.first_is_nearer, passage_m);
         onward.map(move |other| ring.are_apart(ends[0], other, passage_m))
     }
@@ -68,8 +68,8 @@ impl Gap<'_> {
     /// How far behind a doorway everything lies that is seen through it, metres; `None` if the nearer wall does not end
     /// at one.
     pub(super) fn behind_doorway_m(&self) -> Option<f64> {
-        let (ring, ends) = (&self.site.scan.ring, self.near_and_far_end());
-        let doorway = Doorway::beside(ring, ends, self.first_is_nearer, self.nearer_onward(), self.site.passage_m());
+        let (ring, ends) = (&self.context.scan.ring, self.near_and_far_end());
+        let doorway = Doorway::beside(ring, ends, self.first_is_nearer, self.nearer_onward(), self.context.passage_m());
         doorway.map(|doorway| doorway.behind_m)
     }
 }

@@ -106,7 +106,7 @@ pub fn find(
 /// The edges where the affinity found an opening. Where what is on the far side is no wall, as an island is, the edge
 /// reaches to the end of the next such gap.
 fn decided<'a>(verdicts: &[Verdict], outline: &'a Outline) -> impl Iterator<Item = Edge<'a>> {
-    let openings = || verdicts.iter().filter(|verdict| verdict.is_way).map(|verdict| verdict.returns);
+    let openings = || verdicts.iter().filter(|verdict| verdict.is_opening).map(|verdict| verdict.returns);
     let starts = openings().filter_map(|[from, to]| Some((outline.place_of(from)?, to)));
     let edges = starts.filter_map(move |(from, mut to)| {
         for _ in verdicts {

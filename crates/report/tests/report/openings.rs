@@ -34,12 +34,12 @@ fn openings_with(
 }
 
 /// A verdict on the gap between the returns on both sides of a bearing.
-fn verdict(revolution: &Revolution, bearing_rad: f64, is_way: bool) -> Verdict {
+fn verdict(revolution: &Revolution, bearing_rad: f64, is_opening: bool) -> Verdict {
     let turn_rad = |i: u32| (revolution.bearing_rad(i as usize) - bearing_rad).rem_euclid(2.0 * PI);
     let returns = || 0..revolution.len() as u32;
     let by_turn = |a: &u32, b: &u32| turn_rad(*a).total_cmp(&turn_rad(*b));
     let (before, after) = (returns().max_by(by_turn).expect("a return"), returns().min_by(by_turn).expect("a return"));
-    Verdict { returns: [before, after], is_way, room_ratio: 2.0, p: None, reason: "width" }
+    Verdict { returns: [before, after], is_opening, room_ratio: 2.0, p: None, reason: "width" }
 }
 
 fn dead_end() -> Vec<(Segment, u32)> {
@@ -137,8 +137,8 @@ fn openings_are_the_verdicts_and_know_their_returns() {
         (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
     ];
     let scan = scan(&room, 720, |_| false);
-    let by = |is_way: bool| {
-        let verdict = verdict(&scan.0, 0.0, is_way);
+    let by = |is_opening: bool| {
+        let verdict = verdict(&scan.0, 0.0, is_opening);
         (openings_with(OpeningRule::BetweenWalls, &scan, &[verdict]), verdict)
     };
     let (open, verdict) = by(true);

@@ -25,9 +25,9 @@ proptest! {
             let across = bearing_rad.cos().abs().max(bearing_rad.sin().abs());
             range_m(&walls, bearing_rad) + sigma_m * deviations[beam] / across
         });
-        let found_m = rough.roughness.off_m;
+        let found_m = rough.roughness.sd_m;
         prop_assert!((0.75..1.25).contains(&(found_m / sigma_m)), "{found_m} m instead of {sigma_m} m");
-        prop_assert!(rough.roughness.inexact_share.is_none(), "no returns are dense");
+        prop_assert!(rough.roughness.range_error.is_none(), "no returns are dense");
     }
 
     #[test]
@@ -38,9 +38,9 @@ proptest! {
         let inexact = scan_of(2 * BEAMS, |beam, bearing_rad| {
             range_m(&walls, bearing_rad) * (1.0 + share * deviations[beam])
         });
-        let found = inexact.roughness.inexact_share.expect("many returns are dense");
+        let found = inexact.roughness.range_error.expect("many returns are dense");
         prop_assert!((0.6..1.4).contains(&(found / share)), "{found} instead of {share}");
-        prop_assert!(inexact.roughness.off_m < 0.8 * 1.5 * share, "{} m", inexact.roughness.off_m);
+        prop_assert!(inexact.roughness.sd_m < 0.8 * 1.5 * share, "{} m", inexact.roughness.sd_m);
     }
 }
 
@@ -48,6 +48,6 @@ proptest! {
 fn flat_walls_are_not_rough() {
     let walls = room(3.0);
     let flat = scan_of(BEAMS, |_, bearing_rad| range_m(&walls, bearing_rad));
-    assert!(flat.roughness.off_m < 1e-6, "{}", flat.roughness.off_m);
+    assert!(flat.roughness.sd_m < 1e-6, "{}", flat.roughness.sd_m);
     assert!((flat.size_m - 3.3).abs() < 0.3, "the median range of a room of 3 m: {}", flat.size_m);
 }

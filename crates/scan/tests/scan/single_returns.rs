@@ -17,10 +17,10 @@ proptest! {
             if after % 12 == 0 { ranges_m.get(after / 12) } else { None }
         };
         let scan = scan_of(BEAMS, |beam, bearing_rad| dust(beam).copied().unwrap_or_else(|| range_m(&walls, bearing_rad)));
-        let in_air: Vec<usize> = (0..BEAMS).filter(|beam| !scan.pieces.returns().contains(beam)).collect();
+        let dust_returns: Vec<usize> = (0..BEAMS).filter(|beam| !scan.pieces.returns().contains(beam)).collect();
         let expected: Vec<usize> = (0..BEAMS).filter(|&beam| dust(beam).is_some()).collect();
-        prop_assert_eq!(scan.in_air, expected.len());
-        prop_assert_eq!(in_air, expected);
+        prop_assert_eq!(scan.dust_returns, expected.len());
+        prop_assert_eq!(dust_returns, expected);
     }
 
     #[test]
@@ -34,7 +34,7 @@ proptest! {
             let wall_m = range_m(&walls, bearing_rad);
             if pillar.contains(&beam) { 1.5 } else if beam == mixed { 1.5 + share * (wall_m - 1.5) } else { wall_m }
         });
-        prop_assert_eq!(scan.in_air, 1);
+        prop_assert_eq!(scan.dust_returns, 1);
         prop_assert_eq!(scan.islands.pieces.returns(), pillar.collect::<Vec<_>>());
     }
 
@@ -44,7 +44,7 @@ proptest! {
     ) {
         let is_part = |beam: usize| (beam + BEAMS - at) % BEAMS < width;
         let scan = scan_of(BEAMS, |beam, _| if is_part(beam) { range_m } else { 3.0 });
-        prop_assert_eq!(scan.of_vehicle + scan.in_air, width);
+        prop_assert_eq!(scan.self_returns + scan.dust_returns, width);
         prop_assert_eq!(scan.pieces.returns().len(), BEAMS - width);
     }
 
@@ -52,6 +52,6 @@ proptest! {
     fn a_wall_that_the_vehicle_touches_is_a_wall(distance_m in 0.1..0.29f64) {
         let wall = [[[distance_m, -8.0], [distance_m, 8.0]]];
         let scan = scan_of(720, |_, bearing_rad| range_m(&wall, bearing_rad));
-        prop_assert_eq!(scan.of_vehicle, 0, "{}", LENGTHS.passage_m);
+        prop_assert_eq!(scan.self_returns, 0, "{}", LENGTHS.passage_m);
     }
 }

@@ -1,11 +1,11 @@
-//! What the rules at a gap know of the whole scan.
+//! The scan that a gap is in, and the thresholds for its gaps.
 
 use std::f64::consts::PI;
 
 use crosscut_scan::{Directions, Lengths, LostBeams, Pieces, Scan};
 
 use super::gap::Gap;
-use super::verdict::Without;
+use super::verdict::DisabledRules;
 
 /// A wall clearly goes on across a gap where it turns by less than this.
 const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
@@ -20,19 +20,19 @@ pub(super) struct Thresholds {
     pub(super) straight_rad: f64,
     pub(super) way_rad: f64,
     pub(super) clear_share: f64,
-    pub(super) without: Without,
+    pub(super) disabled: DisabledRules,
 }
 
-/// A scan, and what all its gaps are judged by.
+/// A scan and the thresholds for its gaps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Site<'s> {
+pub(super) struct ScanContext<'s> {
     pub(super) scan: &'s Scan,
     pub(super) thresholds: Thresholds,
     /// Where a wall clearly goes on.
     pub(super) lost: LostBeams,
 }
 
-impl<'s> Site<'s> {
+impl<'s> ScanContext<'s> {
     /// Counts the lost beams within the pieces of the scan and between them.
     pub(super) fn new(scan: &'s Scan, thresholds: Thresholds, directions: &mut Directions) -> Self {
         let none_lost = Self { scan, thresholds, lost: LostBeams::default() };
@@ -75,6 +75,6 @@ impl<'s> Site<'s> {
     /// A length and a number of times the roughness of the walls: what bumps of smooth and of rough walls make
     /// together.
     pub(super) fn with_bumps_m(&self, length_m: f64, bumps: f64) -> f64 {
-        length_m + bumps * self.scan.roughness.off_m
+        length_m + bumps * self.scan.roughness.sd_m
     }
 }
