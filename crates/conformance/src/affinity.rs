@@ -1,4 +1,4 @@
-//! What is relied on in an affinity. Each function panics with what is wrong.
+//! The properties that the rest of the program relies on in an affinity. Each function panics and names the defect.
 
 use crosscut_stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, Weights, wrap_angle_rad,

@@ -3,7 +3,7 @@
 //! By the zero rule: 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the nearest
 //! eigenvalue. It shows how firmly this rule stands by its count.
 //!
-//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is wrong, so
+//! By the scene: an answer is wrong where one verdict between "the wall continues" and "a vehicle can pass" is wrong, so
 //! it is as sure as its verdicts are clear ([`Grounds`]):
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)

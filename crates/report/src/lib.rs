@@ -11,7 +11,7 @@
 //!   edge of the visible free space between two returns that follow each other around the sensor, through which the
 //!   vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
-//! - **Confidence** is that of the zero rule, 1 - 10^-margin, or that of the scene, a share of right answers fitted to
+//! - **Confidence** is taken from the zero rule, 1 - 10^-margin, or from the scene, a share of right answers fitted to
 //!   the odds of its gaps and to how clear the most doubtful ones are ([`confidence`], [`odds`]).
 //!
 //! [`ResultsLine`] is the one JSON object that a revolution becomes.

@@ -78,7 +78,7 @@ struct Basis {
 }
 
 impl Directions {
-    /// Forgets the directions of another revolution. From now on they are those of `ring`, over `stretch_m` of wall, or
+    /// Starts a new revolution: forgets all directions. The next ones are of `ring`, over `stretch_m` of wall, or
     /// more if the walls are rough.
     pub fn start(&mut self, ring: &Ring, roughness: &Roughness, stretch_m: f64) {
         self.stretch_m = stretch_m.max(ROUGHNESSES * (roughness.sd_m - ROUGH_M));

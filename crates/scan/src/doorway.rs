@@ -1,4 +1,4 @@
-//! Doorways: narrow gaps in a wall, through which what is behind is seen, or nothing.
+//! Doorways: narrow gaps in a wall, through which a farther wall is seen, or nothing.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 

@@ -110,7 +110,7 @@ impl Search<'_> {
         let piece = |step: usize| &self.pieces[(first + step) % n];
         let are_of_vehicle = || (0..together).flat_map(piece).all(|&i| ring.range_m(i) < self.lengths.passage_m);
         let [begins_view, ends_view] = [first == 0, first + together >= n].map(|is_last| is_last && !ring.full_turn);
-        // A piece at the end of the view may go on as a wall, unless it is nearer than a vehicle lets a wall come.
+        // A piece at the end of the view may continue as a wall, unless it is nearer than a vehicle lets a wall come.
         if n <= together || ((begins_view || ends_view) && !are_of_vehicle()) {
             return false;
         }

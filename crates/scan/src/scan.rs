@@ -18,7 +18,7 @@ const HALL_M: f64 = 4.5;
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
     /// Where two neighbouring returns are this far apart, a vehicle could pass, and the ring is cut. What is nearer to
-    /// the sensor than half of it is the vehicle itself, unless it goes on as a wall.
+    /// the sensor than half of it is the vehicle itself, unless it continues as a wall.
     pub passage_m: f64,
     /// Islands are shorter than this.
     pub island_m: f64,

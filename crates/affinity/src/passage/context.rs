@@ -7,9 +7,9 @@ use crosscut_scan::{Directions, Lengths, LostBeams, Pieces, Scan};
 use super::gap::Gap;
 use super::verdict::DisabledRules;
 
-/// A wall clearly goes on across a gap where it turns by less than this.
+/// A wall clearly continues across a gap where it turns by less than this.
 const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
-/// Where a wall clearly goes on, neither end is off the line of the other piece by more than this share of the place's
+/// Where a wall clearly continues, neither end is off the line of the other piece by more than this share of the place's
 /// size.
 const GOES_ON_OFF_SHARE: f64 = 0.3;
 
@@ -28,7 +28,7 @@ pub(super) struct Thresholds {
 pub(super) struct ScanContext<'s> {
     pub(super) scan: &'s Scan,
     pub(super) thresholds: Thresholds,
-    /// Where a wall clearly goes on.
+    /// Where a wall clearly continues.
     pub(super) lost: LostBeams,
 }
 
@@ -67,7 +67,7 @@ impl<'s> ScanContext<'s> {
         self.scan.ring.are_apart(p, q, self.thresholds.lengths.passage_m)
     }
 
-    /// The width of a passage, which is that of the vehicle.
+    /// The width of a passage: the width of the vehicle.
     pub(super) fn passage_m(&self) -> f64 {
         self.thresholds.lengths.passage_m
     }

@@ -39,7 +39,7 @@ const DOOR_TIMES: f64 = 1.75;
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
-/// apart. The door is itself a place where beams are lost if the wall clearly goes on behind it.
+/// apart. The door is itself a place where beams are lost if the wall clearly continues behind it.
 pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
     let is_door = !gap.turns_back() && !gap.context.lost.are_anywhere() && gap.is_door();
     if is_door { gap.chord_m() / (DOOR_TIMES * gap.context.passage_m()) } else { 0.0 }

@@ -1,4 +1,4 @@
-//! A gap between two pieces of wall: what is measured at it.
+//! The measurements at a gap between two pieces of wall.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +52,7 @@ pub(super) struct Turns {
     pub(super) whole_rad: f64,
 }
 
-/// A gap between two pieces that have directions there. The nearer wall is that of the end which is nearer to the
+/// A gap between two pieces that have directions there. The nearer wall is the one whose end is nearer to the
 /// sensor.
 #[derive(Clone, Copy)]
 pub(super) struct Gap<'p> {

@@ -1,4 +1,4 @@
-//! Whether a wall goes on across a gap, at which cost, or a vehicle can pass.
+//! Whether a wall continues across a gap, at which cost, or a vehicle can pass.
 
 use std::f64::consts::PI;
 
@@ -50,7 +50,7 @@ pub(super) struct Judge<'s> {
 pub(super) struct Joint<'p> {
     /// `None` where a vehicle could pass.
     pub(super) cost: Option<f64>,
-    /// The gap and what is decided at it; `None` if a piece has no direction.
+    /// The gap and the decision at it; `None` if a piece has no direction.
     judged: Option<(Gap<'p>, Decision)>,
 }
 
@@ -68,7 +68,7 @@ impl<'s> Judge<'s> {
         Self { context, directions }
     }
 
-    /// The cost at which a wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
+    /// The cost at which a wall continues from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
     /// where a vehicle could pass between them.
     #[inline]
     pub(super) fn cost(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
@@ -95,7 +95,7 @@ impl<'s> Judge<'s> {
         }
     }
 
-    /// The cost of joining two pieces of which one alone has a direction, or none.
+    /// The cost of joining two pieces if at most one of them has a direction.
     fn cost_of_small(&self, a: &[usize], b: &[usize], line: Option<Position>) -> Option<f64> {
         let ring = &self.context.scan.ring;
         let (p, q) = (a[a.len() - 1], b[0]);

@@ -1,15 +1,15 @@
-//! Whether the nearer wall of a gap goes on where the farther one begins, so that the gap hides nothing.
+//! Whether the nearer wall of a gap continues where the farther one begins, so that the gap hides nothing.
 
 use crosscut_scan::{Position, turn_rad};
 
 use super::gap::Gap;
 
 /// The farther wall begins behind the line of the nearer one by at most this share of the angle at which that line is
-/// seen: a beam that passes the end of a wall goes on behind its line at the whole angle.
+/// seen: a beam that passes the end of a wall continues behind its line at the whole angle.
 const BEHIND_LINE_SHARE: f64 = 0.3;
 /// The farther wall is no farther away than this many times the spacing of the nearer one.
 const REACH_TIMES: f64 = 2.5;
-/// The spacing of the nearer wall is that of its last return from the one this many returns before.
+/// The spacing of the nearer wall is the distance from its last return to the one this many returns before.
 const REACH_RETURNS: usize = 2;
 /// The farther wall is no farther away than this many times the place's size.
 const REACH_SHARE: f64 = 6.0;
@@ -30,7 +30,7 @@ impl Gap<'_> {
         self.holds_one_beam_at_most() && self.long_line().is_some_and(|onward| self.goes_on_along(onward))
     }
 
-    /// Whether the farther wall begins about where the nearer one would go on if it ran on in this direction: in front
+    /// Whether the farther wall begins about where the nearer one would continue if it ran on in this direction: in front
     /// of that line by less than `straight_deg`, or behind it by less than [`BEHIND_LINE_SHARE`].
     fn goes_on_along(&self, onward: Position) -> bool {
         let turned_rad =

@@ -24,7 +24,7 @@ const BEHIND_DOORWAY_TIMES: f64 = 2.0;
 const SLIT_RETURNS: u32 = 2;
 
 /// How much room there is where the farther wall is seen deep behind the nearer one, through a mouth or a doorway. It
-/// is another wall, however straight it goes on, unless the wall turns back by more than a right angle.
+/// is another wall, however straight it continues, unless the wall turns back by more than a right angle.
 pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> f64 {
     let (context, deep_m) = (gap.context, gap.step_m());
     let goes_on = (-FRAC_PI_2..context.thresholds.straight_rad).contains(&gap.turns.whole_rad);

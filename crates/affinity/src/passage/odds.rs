@@ -11,7 +11,7 @@ use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
 use super::verdict::Decision;
 
-/// What is measured at a gap, in the order of the terms.
+/// The names of the measurements at a gap, in the order of the terms.
 pub const MEASURES: [&str; 12] =
     ["room", "reach", "face", "dark", "chord", "lost", "bumps", "doorway", "near_far", "range", "span", "ratio"];
 

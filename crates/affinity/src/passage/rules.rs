@@ -52,7 +52,7 @@ impl Gap<'_> {
     }
 
     /// How wide an opening is at least, as a share of the place's size, where the wall turns like this; `None` where the
-    /// wall goes on whatever the width is.
+    /// wall continues whatever the width is.
     fn opening_share(&self) -> Option<f64> {
         if self.turns.whole_rad >= self.context.thresholds.way_rad {
             return Some(OPENING_SHARE);
@@ -78,15 +78,15 @@ pub(super) fn room_inside(gap: &Gap<'_>) -> f64 {
 }
 
 /// The face of a corner is seen, the far side of a side passage, along the wall that it leaves. Behind the corner that
-/// wall goes on as if it had only been hidden. Where nothing is seen, the width decides, if an opening there has one.
+/// wall continues as if it had only been hidden. Where nothing is seen, the width decides, if an opening there has one.
 pub(super) fn room_before_face(gap: &Gap<'_>) -> f64 {
     let room_ratio = gap.chord_m() / (FACE_SHARE * gap.context.scan.size_m);
     let may_show_face = gap.is_clear() || gap.opening_share().is_none();
     if room_ratio >= 1.0 && may_show_face && gap.turns_to_face() { room_ratio } else { 0.0 }
 }
 
-/// A vehicle fits between the nearer wall and a face that begins deep behind it, as that of no corner does, and no bump
-/// hides as much. The line of the farther wall shows little: it is that of the face, or of the wall behind it.
+/// A vehicle fits between the nearer wall and a face that begins deep behind it, deeper than the face of a corner, and no bump
+/// hides as much. The line of the farther wall shows little: it is the line of the face, or of the wall behind it.
 pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> f64 {
     let is_deep = gap.is_clear() && !gap.is_corner && gap.depth_m > BUMP_HIDES_M;
     let room_ratio = gap.chord_m() / gap.context.with_bumps_m(SIDE_TIMES * gap.context.passage_m(), PLAIN_BUMPS);

@@ -1,4 +1,4 @@
-//! The table of rules and vetoes, and what is decided at a gap by it.
+//! The table of rules and vetoes, and the decision at a gap.
 
 use super::gap::Gap;
 use super::{dark, mouth, rules};

@@ -29,7 +29,7 @@ pub(crate) struct WallEnd {
     pub(crate) is_clockwise: bool,
 }
 
-/// Two returns of walls, and what is between them anticlockwise.
+/// Two returns of walls, and the beams between them, anticlockwise.
 pub(crate) struct Edge<'a> {
     pub(super) outline: &'a Outline,
     pub(super) clockwise: WallEnd,
@@ -120,7 +120,7 @@ impl<'a> Edge<'a> {
         a != b
     }
 
-    /// Whether anything is known of what is in the edge.
+    /// Whether some beam into the edge is known.
     pub(crate) fn is_known(&self) -> bool {
         let mut between = self.between_beams().peekable();
         between.peek().is_none() || between.any(|beam| beam != Beam::Unknown)
@@ -332,7 +332,7 @@ fn nearest_on_m([from_m, to_m]: [Position; 2], point_m: Position) -> Position {
     if share.is_nan() { to_m } else { from_m + along * share }
 }
 
-/// The first point of a way of which the end is reached and the start is not.
+/// The first point that is reached on a way from a start that is not reached to an end that is.
 fn bisect(way: impl Fn(f64) -> Position, reached: impl Fn(Position) -> bool) -> Position {
     let (mut before, mut after) = (0.0, 1.0);
     for _ in 0..BISECTIONS {

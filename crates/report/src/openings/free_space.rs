@@ -1,4 +1,4 @@
-//! Openings by what is seen of the free space, for affinities that decide nothing at gaps.
+//! Openings by the visible free space, for affinities that decide nothing at gaps.
 
 use crosscut_scan::Position;
 use crosscut_stage::{Opening, Revolution};
@@ -51,7 +51,7 @@ fn overlap((one, one_m): &Mouth, (other, other_m): &Mouth) -> bool {
     (one_m - other_m).norm() < one.width_m.min(other.width_m) / 2.0
 }
 
-/// Joins the next edge anticlockwise of the same branch. The mouth is that of the longer edge.
+/// Joins the next edge anticlockwise of the same branch. The longer edge gives the mouth.
 fn join(mouth: &mut Mouth, next: Mouth) {
     let (clockwise, anticlockwise) = (&mouth.0, &next.0);
     let walls = [clockwise.walls[0], anticlockwise.walls[1]];

@@ -75,7 +75,7 @@ pub enum OpeningRule {
 }
 
 /// Writes the openings between the walls of `outline`, which is filled from `revolution`, by bearing ascending.
-/// `verdicts` are those of the affinity, if it gives any.
+/// `verdicts` come from the affinity, if it gives any.
 pub fn find(
     rule: OpeningRule,
     revolution: &Revolution,
@@ -103,8 +103,8 @@ pub fn find(
     out.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
 }
 
-/// The edges where the affinity found an opening. Where what is on the far side is no wall, as an island is, the edge
-/// reaches to the end of the next such gap.
+/// The edges where the affinity found an opening. Where an island, or another piece of no wall, is on the far side, the
+/// edge reaches to the end of the next such gap.
 fn decided<'a>(verdicts: &[Verdict], outline: &'a Outline) -> impl Iterator<Item = Edge<'a>> {
     let openings = || verdicts.iter().filter(|verdict| verdict.is_opening).map(|verdict| verdict.returns);
     let starts = openings().filter_map(|[from, to]| Some((outline.place_of(from)?, to)));

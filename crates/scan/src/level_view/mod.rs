@@ -50,7 +50,7 @@ pub struct LevelView {
     undealt: Vec<LevelReturn>,
     fan: Fan,
     usual: Usual,
-    /// The return that each beam sees; the first beam is that of the nearest level return.
+    /// The return that each beam sees; the first beam sees the nearest level return.
     met: Vec<Option<LevelReturn>>,
     /// What each beam saw, if it sees no return.
     blank: Vec<Beam>,
