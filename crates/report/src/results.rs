@@ -172,7 +172,7 @@ impl ResultsLine {
                     p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
-                    cut_by_view: o.cut_by_view,
+                    cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
             here: flown.here.as_ref().map(HereLine::of),

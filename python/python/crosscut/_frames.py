@@ -50,7 +50,7 @@ W: dict[str, pa.DataType] = {
 VERDICTS: dict[str, pa.DataType] = {
     # What was decided at the gaps between two returns, by kinds that decide there.
     "verdict_returns": pa.list_(pa.list_(pa.uint32(), 2)),
-    "verdict_is_way": pa.list_(pa.bool_()),
+    "verdict_is_opening": pa.list_(pa.bool_()),
     "verdict_room_ratio": _F64S,
     "verdict_p": _F64S,  # NaN where too little is seen
     "verdict_reason": pa.list_(pa.string()),
