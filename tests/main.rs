@@ -29,3 +29,4 @@ mod simulation;
 mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod writing;

@@ -42,6 +42,7 @@ fn options(args: &FlightArgs, config: &Config) -> ReadOptions {
         to_s: args.to,
         every: args.every,
         csv,
+        waiting_bytes: config.waiting_bytes(),
     }
 }
 

@@ -29,7 +29,6 @@ mod say;
 mod scoring;
 mod summary;
 mod typeset;
-mod unfinished;
 mod written;
 mod wrong;
 
@@ -59,6 +58,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
+    interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),

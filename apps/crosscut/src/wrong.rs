@@ -67,7 +67,7 @@ impl Wrong {
         let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
         for (extension, text) in [("svg", sheet(&self.panels, COLUMNS)), ("csv", list)] {
             let path = folder.join(format!("{name}.{extension}"));
-            std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            crosscut_outfile::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         Ok(())
     }

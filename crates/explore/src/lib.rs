@@ -23,6 +23,7 @@
 //! Between the places the vehicle flies over a grid of what the last scans saw to be free, along the middle between walls.
 
 mod chart;
+mod journal;
 mod judge;
 mod known;
 mod mission;
@@ -34,6 +35,7 @@ mod surround;
 mod trail;
 mod ways;
 
+pub use journal::{JournalError, read_journal};
 pub use known::{Known, KnownPlace, KnownWay, Route, WayState};
 pub use mission::{Flown, Moment, Setup, fly};
 pub use navigator::{Decision, End, Navigator, Step};

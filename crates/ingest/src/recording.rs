@@ -16,7 +16,7 @@ use crate::scanners::Scanners;
 use crate::topics::{scan_topic, topics_of};
 use crate::turning::Turning;
 use crate::turns::{Turn, Turns, times_s};
-use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, limits, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -37,6 +37,8 @@ pub struct ReadOptions {
     pub every: NonZero<u64>,
     /// Where the beams of a table of ranges look.
     pub csv: CsvGeometry,
+    /// Messages and scans that wait for others may take this much memory.
+    pub waiting_bytes: u64,
 }
 
 impl Default for ReadOptions {
@@ -49,6 +51,7 @@ impl Default for ReadOptions {
             to_s: None,
             every: NonZero::<u64>::MIN,
             csv: CsvGeometry::default(),
+            waiting_bytes: limits::WAITING_BYTES,
         }
     }
 }
@@ -105,11 +108,12 @@ impl Recording {
 
     /// One scanner of the vehicle.
     pub(crate) fn of(
-        containers: Vec<Box<dyn Container>>,
+        mut containers: Vec<Box<dyn Container>>,
         losses: Vec<Loss>,
         options: &ReadOptions,
         sensor: Sensor,
     ) -> Result<Self, IngestError> {
+        containers.iter_mut().for_each(|container| container.limit_waiting(options.waiting_bytes));
         let contents = || containers.iter().map(|container| container.contents());
         let topics = topics_of(contents());
         let damage = || {
@@ -125,9 +129,9 @@ impl Recording {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
         let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
-        let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
+        let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors()).limited(options.waiting_bytes);
         Ok(Self {
-            messages: Messages::new(containers, &topic, decoder, losses),
+            messages: Messages::new(containers, &topic, decoder, losses, options.waiting_bytes),
             odometry,
             turns,
             options: options.clone(),

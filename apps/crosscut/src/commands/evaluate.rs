@@ -8,6 +8,7 @@ use anyhow::Context;
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{ReadOptions, Truths, recordings_in};
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, Registry, StopFlag};
 use serde_json::json;
 
@@ -16,6 +17,7 @@ use crate::configurations::{self, Configuration};
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::say::say;
 use crate::scoring::{self, FlightTime, Scored};
 use crate::{outputs, progress, typeset};
@@ -168,8 +170,8 @@ fn interrupt(path: &Path, configuration: &str, diagnostics: &mut Diagnostics) {
 /// The output files, opened before the work begins.
 struct Outputs<'a> {
     args: &'a EvaluateArgs,
-    json: Option<Box<dyn Write + Send>>,
-    markdown: Option<Box<dyn Write + Send>>,
+    json: Option<Document>,
+    markdown: Option<Document>,
 }
 
 impl<'a> Outputs<'a> {
@@ -182,7 +184,7 @@ impl<'a> Outputs<'a> {
         if let Some(folder) = &args.draw_wrong {
             std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
-        let open = |path: &PathBuf| outputs::create(path, read);
+        let open = |path: &PathBuf| Document::create(path, read, Keep::ThroughKill);
         let (json, markdown) = (args.json.as_ref().map(open), args.markdown.as_ref().map(open));
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
@@ -195,11 +197,11 @@ impl<'a> Outputs<'a> {
         }
         if let Some(out) = &mut self.json {
             let settings: Vec<_> = columns.iter().map(|column| column.config.to_string()).collect();
-            out.write_all(json(scoreboard, &settings, problems).as_bytes()).context(failed)?;
+            out.write(&json(scoreboard, &settings, problems))?;
         }
         if let Some(out) = &mut self.markdown {
             let problems: String = problems.iter().map(|problem| format!("{problem}\n\n")).collect();
-            out.write_all((typeset::markdown(&shown) + &problems).as_bytes()).context(failed)?;
+            out.write(&(typeset::markdown(&shown) + &problems))?;
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {

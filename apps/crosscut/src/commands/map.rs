@@ -3,6 +3,7 @@
 use anyhow::Context;
 use crosscut_flight::Mapper;
 use crosscut_ingest::recordings_in;
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{Registry, StopFlag, StreamOptions, stream};
 use crosscut_stage::Frame;
 
@@ -10,14 +11,15 @@ use crate::cli::MapArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::say::say;
-use crate::{config, flight, maps, outputs, progress};
+use crate::{config, flight, maps, progress};
 
 /// Runs the flight and writes its map.
 pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let config = config::resolve(&args.config, registry)?;
     let read = recordings_in(&args.flight.input)?;
-    let mut out = outputs::create(&args.out, &read)?;
+    let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let mut recording = flight::open(&args.flight, &config)?;
@@ -34,8 +36,7 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     let summary = ran.context("a thread could not be started")?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.ended(&summary)?;
-    let cannot = || format!("cannot write {}", args.out.display());
-    out.write_all(maps::text(&args.out, &mapper).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+    out.write(&maps::text(&args.out, &mapper))?;
     let map = mapper.map();
     if !args.quiet {
         say(map.summary());

@@ -4,22 +4,21 @@ mod page;
 mod picture;
 mod reason;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use crosscut_evaluate::{AROUND, Flip, flips};
+use crosscut_outfile::Keep;
 use crosscut_report::confidence::Grounds;
 use crosscut_stage::Frame;
 
-use crate::outputs;
+use crate::outputs::Document;
 use reason::WallArc;
 
 /// The picture and the list of a flight, as files.
 pub(crate) struct OverTime {
     title: String,
-    picture: Box<dyn Write + Send>,
-    list: Box<dyn Write + Send>,
+    picture: Document,
+    list: Document,
     course: Course,
 }
 
@@ -48,7 +47,7 @@ impl OverTime {
     /// Opens both files. Neither may be one of those `read`.
     pub(crate) fn create(svg: &Path, read: &[PathBuf], vehicle_width_m: f64) -> anyhow::Result<Self> {
         let title = svg.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let [picture, list] = [svg, &list_beside(svg)].map(|path| outputs::create(path, read));
+        let [picture, list] = [svg, &list_beside(svg)].map(|path| Document::create(path, read, Keep::ThroughKill));
         Ok(Self { title, picture: picture?, list: list?, course: Course::new(vehicle_width_m) })
     }
 
@@ -66,8 +65,8 @@ impl OverTime {
         }
         let flips = self.course.flips();
         let (picture, list) = (picture::svg(&self.course, &flips), page::markdown(&self.title, &self.course, &flips));
-        self.picture.write_all(picture.as_bytes()).context("the picture of the flight over time")?;
-        self.list.write_all(list.as_bytes()).context("the list of the flight over time")
+        self.picture.write(&picture)?;
+        self.list.write(&list)
     }
 }
 

@@ -13,10 +13,10 @@ use crosscut_stage::{Beam, Notes, Revolution};
 
 use self::blind::BlindSectors;
 use self::segments::Joiner;
-use crate::Sensor;
 use crate::motion::Motion;
 use crate::sensor::Directions;
 use crate::turning::LEAST_TURN_RAD;
+use crate::{Sensor, limits};
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
@@ -60,6 +60,9 @@ pub(crate) struct Turns {
     blind: BlindSectors,
     directions: Directions,
     spare: Vec<ScanMessage>,
+    /// Of the ranges that wait, and how many may.
+    bytes: u64,
+    most_bytes: u64,
 }
 
 impl Turn {
@@ -121,7 +124,14 @@ impl Turns {
             blind: BlindSectors::default(),
             directions: Directions::default(),
             spare: Vec::new(),
+            bytes: 0,
+            most_bytes: limits::WAITING_BYTES,
         }
+    }
+
+    /// With less memory for the messages that wait: fewer have to do, where they are large.
+    pub(crate) fn limited(self, most_bytes: u64) -> Self {
+        Self { most_bytes, ..self }
     }
 
     /// How many messages usually make a turn.
@@ -131,15 +141,20 @@ impl Turns {
 
     /// Takes a message.
     pub(crate) fn push(&mut self, message: Turn, sensor: &Sensor) {
+        if !self.is_settled() {
+            let ranges = message.laser_scan().map_or(0, |scan| scan.ranges.len() + scan.intensities.len());
+            self.bytes += (size_of::<f32>() * ranges) as u64;
+        }
+        let is_full = self.bytes >= self.most_bytes;
         if self.knows_parts {
             self.take(message);
         } else {
             self.waiting.push(message);
-            if self.waiting.len() >= LEARNED_MESSAGES {
+            if self.waiting.len() >= LEARNED_MESSAGES || is_full {
                 self.learn_parts();
             }
         }
-        if self.knows_parts && self.turns.len() >= LEARNED_TURNS {
+        if self.knows_parts && (self.turns.len() >= LEARNED_TURNS || is_full) {
             self.learn_blind(sensor);
         }
     }

@@ -11,6 +11,7 @@ use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_ingest::{Recording, recordings_in};
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, counted};
@@ -21,7 +22,8 @@ use crate::configurations::{self, Configuration};
 use crate::diagnostics::{Diagnostics, NO_RETURN};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::{flight, outputs, progress, typeset};
+use crate::outputs::Document;
+use crate::{flight, progress, typeset};
 
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
@@ -53,7 +55,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     let mut recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(configurations::files(&args.with));
-    let mut json = args.json.as_ref().map(|path| outputs::create(path, &read)).transpose()?;
+    let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
 
@@ -66,7 +68,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     let failed = "the comparison cannot be written";
     if let Some(out) = &mut json {
         let document = shown::json(&configurations, &compared, diagnostics.problems());
-        out.write_all(document.as_bytes()).context(failed)?;
+        out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         // Configurations may begin with different scans (`ingest.frame_id`).

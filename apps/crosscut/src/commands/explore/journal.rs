@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use crosscut_explore::{Moment, PlannerKind};
+use crosscut_explore::{Moment, PlannerKind, read_journal};
+use crosscut_ingest::Stored;
 use crosscut_pipeline::Config;
-use crosscut_simulator::{RecordingError, Scene, SceneRecorder, World, read_description, read_mcap};
+use crosscut_simulator::{DESCRIPTION, RecordingError, Scene, SceneRecorder, World};
 
 use super::Job;
 use crate::exit::UsageError;
@@ -66,7 +67,7 @@ impl About {
 
     /// What was sensed in the mission of a journal, which must be this one.
     pub(super) fn past(&self, journal: &Path) -> anyhow::Result<Vec<Scene>> {
-        let known = read_description(journal)?;
+        let known = Stored::metadata(journal, DESCRIPTION)?;
         let refuse = |why: String| Err(UsageError(format!("cannot resume {}: {why}", journal.display())).into());
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains_key(name)) {
             return refuse(format!("it does not state its {name}; only a journal (--journal) is resumed"));
@@ -74,6 +75,6 @@ impl About {
         let is_other = self.values.iter().filter(|(name, value)| known[name] != *value);
         let others: Vec<String> =
             is_other.map(|(name, value)| format!("its {name} is {}, not {value}", known[name])).collect();
-        if others.is_empty() { Ok(read_mcap(journal)?) } else { refuse(others.join(", ")) }
+        if others.is_empty() { Ok(read_journal(journal)?) } else { refuse(others.join(", ")) }
     }
 }

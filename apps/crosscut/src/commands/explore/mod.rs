@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::Context;
 use crosscut_explore::{Flown, Moment, PlannerKind, Setup, fly, planners};
 use crosscut_flight::check_live;
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
 use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
@@ -26,6 +27,7 @@ use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::say::say;
 use crate::{outputs, progress};
 
@@ -41,7 +43,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
-    let mut json = args.json.as_deref().map(|path| outputs::create(path, &read)).transpose()?;
+    let mut json = args.json.as_deref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
@@ -55,13 +57,12 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     bar.finish_and_clear();
     let missions: Vec<(&Job, &Flown)> =
         jobs.iter().zip(&flown).filter_map(|(job, flown)| Some((job, flown.as_ref()?))).collect();
-    if let (Some(out), Some(path)) = (&mut json, &args.json) {
+    if let Some(out) = &mut json {
         let outcome = match &missions[..] {
             [(job, flown)] if jobs.len() == 1 => outcome::whole(job, flown),
             several => Value::Array(several.iter().map(|(job, flown)| outcome::figures(job, flown)).collect()),
         };
-        let written = writeln!(out, "{outcome}").and_then(|()| out.flush());
-        written.with_context(|| format!("cannot write {}", path.display()))?;
+        out.write(&format!("{outcome}\n"))?;
     }
     if !args.quiet {
         match &missions[..] {
@@ -158,7 +159,8 @@ impl Fleet<'_> {
                 saved.add(moment);
             }
         });
-        diagnostics.lost_all(journal.and_then(|journal| journal.finish().err()));
+        let lost = journal.and_then(|journal| journal.finish().err());
+        diagnostics.lost_all(lost.map(|error| format!("{:#}", anyhow::Error::from(error))));
         diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
         Ok(flown)
     }

@@ -42,5 +42,5 @@ pub(crate) fn paper(args: &PaperArgs, registry: &Registry) -> anyhow::Result<Out
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    crosscut_outfile::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

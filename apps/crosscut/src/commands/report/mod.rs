@@ -3,13 +3,13 @@
 mod page;
 mod places;
 
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::Mapper;
 use crosscut_ingest::{Recording, Truths, recordings_in};
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Frame;
@@ -19,10 +19,11 @@ use crate::cli::ReportArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::over_time::Course;
 use crate::say::say;
 use crate::scoring::{NotCompared, TruthQueue, WithTruth};
-use crate::{config, flight, outputs, progress};
+use crate::{config, flight, progress};
 
 /// What the page shows of a flight.
 struct Flown {
@@ -42,7 +43,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     let config = config::resolve(&args.config, registry)?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(args.config.config.clone());
-    let mut out = outputs::create(&args.out, &read)?;
+    let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
     let recording = flight::open(&args.flight, &config)?;
@@ -58,8 +59,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     if flown.summary.revolutions == 0 && matches!(flown.summary.end, End::Complete) {
         anyhow::bail!("no scan could be read");
     }
-    let cannot = || format!("cannot write {}", args.out.display());
-    out.write_all(page::html(&flown).as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+    out.write(&page::html(&flown))?;
     if !args.quiet {
         say(flown.mapper.map().summary());
     }

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::hash::Hasher as _;
+use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,7 +23,6 @@ use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
 use super::store::hash;
 use crate::diagnostics::Diagnostics;
-use crate::unfinished::unique;
 
 /// At most this many eigenvectors of a decomposition are stored; a zero tolerance that counts more zeros needs a new one.
 const MOST_COLUMNS: usize = 32;
@@ -275,4 +274,9 @@ fn hash_of(weights: &Weights) -> [u64; 2] {
     });
     let hash = hasher.finish128();
     [hash.h1, hash.h2]
+}
+
+/// A part of a name that no other thread or process takes, also on another computer.
+fn unique() -> String {
+    format!("{:016x}", RandomState::new().hash_one(()))
 }
