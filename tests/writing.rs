@@ -24,7 +24,7 @@ struct Output {
     command: &'static str,
     /// The output.
     out: &'static str,
-    /// The file of interest, where the output is a folder or has a companion.
+    /// The file of interest, where the output is a folder.
     file: &'static str,
     holds: Holds,
 }
@@ -54,8 +54,6 @@ const OUTPUTS: &[Output] = &[
     output("run FLIGHT --quiet --results @", "results.mcap", Holds::BeginningOrOld),
     output("run FLIGHT --quiet --map @", "map.json", Holds::JsonOrOld),
     output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::JsonOrOld),
-    output("run FLIGHT --quiet --over-time @", "time.svg", Holds::AllOrOld),
-    Output { command: "run FLIGHT --quiet --over-time @", out: "time.svg", file: "time.md", holds: Holds::AllOrOld },
     output("map FLIGHT --quiet --out @", "map.svg", Holds::AllOrOld),
     output("map FLIGHT --quiet --out @", "map.graphml", Holds::AllOrOld),
     output("report FLIGHT --quiet --out @", "page.html", Holds::EndOrOld("</html>\n")),
