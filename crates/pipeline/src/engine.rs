@@ -49,6 +49,10 @@ impl Engine {
         let mut spectral = config.build(&registry.spectral);
         let mut kmeans = config.build(&registry.kmeans);
         let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
+        let chosen = config.kind(&registry.affinity).name;
+        if !crosscut_affinity::KINDS.iter().any(|shipped| shipped.name == chosen) {
+            reporter = reporter.without_confidence();
+        }
         let budget_of_w = budget.clone();
         Self {
             weigh: Worker::new(Step::Affinity, move |f| {

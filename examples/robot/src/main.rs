@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let junction = &frame.junction;
-        println!("{} walls, {}, confidence {:.2}", junction.junctions, junction.place, junction.confidence);
+        let confidence = junction.confidence.unwrap_or(0.0); // an affinity of your own has none
+        println!("{} walls, {}, confidence {confidence:.2}", junction.junctions, junction.place);
         for opening in &junction.openings {
             let bearing_deg = opening.bearing_rad.to_degrees();
             println!("  an opening at {bearing_deg:.0}°, {:.1} m wide, {}", opening.width_m, opening.evidence);

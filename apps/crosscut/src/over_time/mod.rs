@@ -37,7 +37,7 @@ struct Moment {
     stamp_ns: u64,
     junctions: usize,
     margin: Option<f64>,
-    confidence: f64,
+    confidence: Option<f64>,
     /// `None` without walls or without beams.
     grounds: Option<Grounds>,
     walls: Vec<WallArc>,

@@ -36,13 +36,13 @@ pub(super) fn markdown(title: &str, flight: &Course, flips: &[Flip]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             page,
-            "| {} | {:.1} | {} | {} | {} | {:.2} | {} | {} | {} |",
+            "| {} | {:.1} | {} | {} | {} | {} | {} | {} | {} |",
             moment.seq,
             flight.seconds(moment),
             flip.junctions,
             flip.around,
             number(moment.margin, 1),
-            moment.confidence,
+            number(moment.confidence, 2),
             number(moment.grounds.map(|of| of.least_at_openings_m), 2),
             number(moment.grounds.map(|of| of.most_within_walls_m), 2),
             flight.reason(flip)
