@@ -33,16 +33,17 @@ def test_commands_follow_from_the_scans_alone_and_keep_to_the_limits(tee: Path) 
 
 
 def test_the_map_is_a_copy_of_that_of_the_navigator(tee: Path) -> None:
-    navigator, flight = crosscut.Navigator(), crosscut.FlightMap()
+    navigator, flight = crosscut.Navigator(), crosscut.Flight()
     scans = list(crosscut.read(tee))
     for scan in scans[:100]:
         navigator.step(scan)
-        flight.add(scan)
-    of_navigator = navigator.flight_map()
-    assert of_navigator.to_dict() == flight.to_dict() and of_navigator.pose == flight.pose
+        flight.process(scan)
+    of_navigator, of_flight = navigator.map, flight.map
+    assert of_navigator.to_dict() == of_flight.to_dict() and navigator.pose == flight.pose
     for scan in scans[100:]:
         navigator.step(scan)
-    assert of_navigator.to_dict() == flight.to_dict()
+        flight.process(scan)
+    assert of_navigator.to_dict() == of_flight.to_dict()
 
 
 ASKED_MEANWHILE = """
@@ -62,7 +63,7 @@ def step():
 stepping = threading.Thread(target=step)
 stepping.start()
 began.wait()
-print(navigator.flight_map().to_dict()["nodes"])
+print(navigator.map.to_dict()["nodes"])
 stepping.join()
 """
 
