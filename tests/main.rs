@@ -12,10 +12,8 @@ mod input;
 mod interruption;
 mod maps;
 mod messages;
-mod over_time;
 mod overwriting;
 mod pages;
-mod paper;
 mod program;
 #[cfg(feature = "rerun")]
 mod reading;

@@ -2,10 +2,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crosscut_detector::Config;
 use crosscut_flight::{Flight as Poses, Mapper, check_live};
-use crosscut_ingest::{Live, Sensor};
-use crosscut_pipeline::Config;
 use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;
 use pyo3::prelude::*;

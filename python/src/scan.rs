@@ -1,7 +1,7 @@
 //! One scan: as a driver gives it, or as a recording shows it.
 
-use crosscut_ingest::{Live, Odometry, Sensor};
 use crosscut_messages::{LaserScan, MOST_BEAMS, MOST_POINTS, ScanDecoder, ScanMessage};
+use crosscut_sensor::{Live, Odometry, Sensor};
 use crosscut_stage::{Frame, Notes, Point, Revolution};
 use nalgebra::Isometry2;
 use numpy::IntoPyArray;

@@ -47,7 +47,7 @@ def test_the_map_is_a_copy_of_that_of_the_navigator(tee: Path) -> None:
 
 
 ASKED_MEANWHILE = """
-import threading, time, crosscut
+import sys, threading, time, crosscut
 began = threading.Event()
 def slow(points):
     began.set()
@@ -59,11 +59,11 @@ def step():
     try:
         navigator.step(scan)
     except crosscut.StageError as error:
-        print(error.__cause__)
+        sys.stdout.write(f"{error.__cause__}\n")  # print() writes the end of the line by itself
 stepping = threading.Thread(target=step)
 stepping.start()
 began.wait()
-print(navigator.map.to_dict()["nodes"])
+sys.stdout.write(f"{navigator.map.to_dict()['nodes']}\n")
 stepping.join()
 """
 

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_ingest::{MAX_RANGE_M, MIN_RANGE_M};
-use crosscut_pipeline::{Config, Layer, Preset, Registry};
+use crosscut_detector::{Config, Layer, Preset, Registry};
+use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
 
 use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};

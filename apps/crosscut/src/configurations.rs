@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscut_pipeline::{Config, Preset, Registry};
+use crosscut_detector::{Config, Preset, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::config;

@@ -1,7 +1,10 @@
 //! The flight that a command reads.
 
-use crosscut_ingest::{CsvGeometry, Following, ReadOptions, Recording, Sensor};
-use crosscut_pipeline::{Config, StopFlag};
+use crosscut_detector::Config;
+use crosscut_flight::check_live;
+use crosscut_ingest::{CsvGeometry, Following, ReadOptions, Recording};
+use crosscut_pipeline::StopFlag;
+use crosscut_sensor::Sensor;
 
 use crate::cli::FlightArgs;
 use crate::exit::UsageError;
@@ -24,6 +27,7 @@ pub(crate) fn follow(args: &FlightArgs, config: &Config, stop: StopFlag) -> anyh
     if path.as_os_str() == "-" {
         return Err(UsageError("--follow reads a file; standard input is read up to its end anyway".to_owned()).into());
     }
+    check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let following = Following::until(move || stop.is_set());
     Ok(Recording::follow(path, &options(args, config), &sensor(config), &following)?)
 }

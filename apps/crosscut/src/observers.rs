@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
 use crate::cli::RunArgs;
@@ -29,8 +29,8 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_ingest::{UPSIDE_DOWN, YAW_RAD};
     use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
+    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
 
     let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {

@@ -6,13 +6,15 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::flights::{FlightFigures, FlightScore};
 use crosscut_evaluate::{Evaluation, Score};
 use crosscut_flight::Mapper;
-use crosscut_ingest::{ReadOptions, Recording, Sensor, Truths, truth_map};
+use crosscut_ingest::{ReadOptions, Recording, Truths, truth_map};
 use crosscut_messages::{Truth, TruthError, TruthMap};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, stream};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Frame, Notes, Revolution, Source, SourceError, counted};
 use indicatif::ProgressBar;
 

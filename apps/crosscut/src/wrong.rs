@@ -7,7 +7,7 @@ use crosscut_evaluate::Score;
 use crosscut_messages::Truth;
 use crosscut_stage::{Frame, counted};
 
-use crate::figure::{Panel, sheet};
+use crosscut_evaluate::panel::{Panel, sheet};
 
 /// The first scenes up to this number are drawn of one recording.
 const MOST_SCENES: usize = 8;

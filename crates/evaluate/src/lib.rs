@@ -90,6 +90,7 @@ pub mod flights;
 mod flips;
 pub mod maps;
 mod openings;
+pub mod panel;
 mod percentiles;
 mod proportion;
 mod score;

@@ -7,14 +7,14 @@ use std::path::PathBuf;
 use crosscut_messages::{
     CDR_ENCODING, DecodeError, Echo, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC,
     PointCloud2, ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME,
-    TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
+    TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage, ros,
 };
 use mcap::records::MessageHeader;
 
 use crate::container::{self, ChannelId, Contents, TopicReader};
 use crate::recording::open_all;
 use crate::topics::{scan_topic, topics_of};
-use crate::{IngestError, Loss, ReadOptions, TopicInfo, ros};
+use crate::{IngestError, Loss, ReadOptions, TopicInfo};
 
 /// Why a recording could not be converted.
 #[derive(Debug, thiserror::Error)]

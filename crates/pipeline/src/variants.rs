@@ -1,10 +1,8 @@
 //! Several configurations on one revolution.
 
+use crosscut_detector::{Config, Engine, Registry, Worker};
 use crosscut_spectral::{ZERO_TOLERANCE, recount};
 use crosscut_stage::{Eigenvalues, Frame, Step, Value};
-
-use crate::engine::Worker;
-use crate::{Config, Engine, Registry};
 
 /// The sections whose settings a step depends on, beside those of the steps before it.
 fn sections_of(step: Step) -> &'static [&'static str] {
@@ -28,18 +26,6 @@ pub fn settings_of_step(config: &Config, step: Step) -> String {
 /// A zero tolerance that no eigenvalue of a Laplacian exceeds: a decomposition by it has all eigenvectors.
 const ALL_ARE_ZEROS: f64 = 2.0;
 
-/// What a full solver found in the revolutions of a flight in an earlier run: all eigenvalues, and the eigenvectors of the
-/// smallest.
-pub trait Decompositions: Send {
-    /// Writes the decomposition of the W in `frame`, and the time that it took, into `frame`; k and the margin are set
-    /// afterwards. `false` if it is not known. Revolutions come in the order of the flight.
-    fn recall(&mut self, frame: &mut Frame) -> bool;
-
-    /// Keeps the decomposition in `frame` for later runs. It has been computed, also where it was recalled, because
-    /// more eigenvectors are needed.
-    fn keep(&mut self, frame: &Frame);
-}
-
 /// Runs the stages of several configurations on one revolution. Each stage runs once for all configurations that agree in
 /// its settings and in those of the stages before it: W is made once for all zero tolerances, and so is a full
 /// decomposition, of which each tolerance takes the eigenvectors of its zeros.
@@ -58,13 +44,7 @@ struct Branch {
 
 enum Run {
     Stage(Worker),
-    /// Finds all eigenvalues, or recalls them if their eigenvectors suffice for `largest`, the largest τ that follows.
-    Decompose {
-        worker: Worker,
-        largest: f64,
-        known: Box<dyn Decompositions>,
-    },
-    /// Counts the zeros of the decomposition, with a τ that is no larger than any before.
+    /// Counts the zeros of a full decomposition, with a τ that is no larger than any before.
     Recount(f64),
 }
 
@@ -83,13 +63,8 @@ fn recounted_tolerance(config: &Config, registry: &Registry) -> Option<f64> {
 }
 
 impl Variants {
-    /// The stages that `configs` chose. How scans are read is not theirs: they are to agree in that. `known` is asked for
-    /// the decompositions by each full solver, and is given the settings that these depend on.
-    pub fn new(
-        configs: &[&Config],
-        registry: &Registry,
-        mut known: impl FnMut(&str) -> Box<dyn Decompositions>,
-    ) -> Self {
+    /// The stages that `configs` chose. All configurations must share the ingest settings.
+    pub fn new(configs: &[&Config], registry: &Registry) -> Self {
         let mut falling: Vec<_> = configs
             .iter()
             .enumerate()
@@ -104,16 +79,10 @@ impl Variants {
                 Some(_) => &config.with("spectral", ZERO_TOLERANCE.spec.name, Value::Number(ALL_ARE_ZEROS)),
                 None => config,
             };
-            let Engine { weigh, decompose, cluster, report } = Engine::new(widest, registry);
+            let [weigh, decompose, cluster, report] = Engine::new(widest, registry).into();
             let settings = |step| settings_of_step(widest, step);
             let weighs = branch(&mut branches, settings(Step::Affinity), || Run::Stage(weigh));
-            let decomposes = branch(&mut weighs.next, settings(Step::Spectral), || match tolerance {
-                Some(largest) => {
-                    let before = [Step::Ingest, Step::Affinity, Step::Spectral].map(settings).concat();
-                    Run::Decompose { worker: decompose, largest, known: known(&before) }
-                }
-                None => Run::Stage(decompose),
-            });
+            let decomposes = branch(&mut weighs.next, settings(Step::Spectral), || Run::Stage(decompose));
             let mut level = &mut decomposes.next;
             if let Some(tolerance) = tolerance {
                 level = &mut branch(level, tolerance.to_string(), || Run::Recount(tolerance)).next;
@@ -152,8 +121,7 @@ fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize,
             Run::Stage(worker) => {
                 worker.work(frame).ok(); // a failure travels in the frame
             }
-            Run::Decompose { .. } | Run::Recount(_) if frame.failure.is_some() => {}
-            Run::Decompose { worker, largest, known } => decompose(worker, *largest, known.as_mut(), frame),
+            Run::Recount(_) if frame.failure.is_some() => {}
             Run::Recount(tolerance) => {
                 let is_enough = recount(&mut frame.spectrum, *tolerance);
                 assert!(is_enough, "the largest τ comes first");
@@ -165,56 +133,15 @@ fn walk(branches: &mut [Branch], frame: &mut Frame, each: &mut impl FnMut(usize,
     frame.failure = failure;
 }
 
-/// A decomposition on which the solver has something to note is not kept, as the notes would be lost.
-fn decompose(worker: &mut Worker, largest: f64, known: &mut dyn Decompositions, frame: &mut Frame) {
-    if known.recall(frame) && recount(&mut frame.spectrum, largest) {
-        return;
-    }
-    let notes = frame.notes.iter().len();
-    if worker.work(frame).is_ok() && frame.notes.iter().len() == notes {
-        known.keep(frame);
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
-    use std::sync::{Arc, Mutex};
 
-    use crosscut_stage::{Embedding, Point, Spectrum};
+    use crosscut_stage::Point;
 
     use super::*;
-    use crate::{Layer, Preset};
-
-    /// Those of one revolution, of which `columns` eigenvectors are kept, and how often they were asked for and given.
-    #[derive(Clone, Default)]
-    struct Memory {
-        columns: usize,
-        kept: Arc<Mutex<Option<Spectrum>>>,
-        recalled: Arc<AtomicUsize>,
-        computed: Arc<AtomicUsize>,
-    }
-
-    impl Decompositions for Memory {
-        fn recall(&mut self, frame: &mut Frame) -> bool {
-            let Some(kept) = self.kept.lock().expect("no panic").clone() else { return false };
-            self.recalled.fetch_add(1, Ordering::Relaxed);
-            frame.spectrum = kept;
-            true
-        }
-
-        fn keep(&mut self, frame: &Frame) {
-            self.computed.fetch_add(1, Ordering::Relaxed);
-            let mut spectrum = frame.spectrum.clone();
-            let Embedding::Dense(u) = &mut spectrum.u else { panic!("of a full decomposition") };
-            u.truncate(u.nrows(), self.columns.min(u.ncols()));
-            *self.kept.lock().expect("no panic") = Some(spectrum);
-        }
-    }
-
-    fn variants(configs: &[&Config], registry: &Registry) -> Variants {
-        Variants::new(configs, registry, |_| Box::new(Memory::default()))
-    }
+    use crosscut_detector::{Layer, Preset};
 
     fn config(registry: &Registry, settings: &[&str]) -> Config {
         let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
@@ -243,7 +170,7 @@ mod tests {
             &["affinity.kind=dbscan"],
         ];
         let configs: Vec<Config> = settings.iter().map(|settings| config(&registry, settings)).collect();
-        let mut variants = variants(&configs.iter().collect::<Vec<_>>(), &registry);
+        let mut variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
         for _ in 0..2 {
             let mut answers = vec![None; configs.len()];
             let mut shared = frame();
@@ -273,34 +200,11 @@ mod tests {
             with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-9"]),
             with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-3"]),
         ];
-        let variants = variants(&configs.iter().collect::<Vec<_>>(), &registry);
+        let variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
         assert_eq!(variants.branches.len(), 1, "one W");
         let spectral = &variants.branches[0].next;
         let counts: Vec<usize> = spectral.iter().map(|branch| branch.next.len()).collect();
         assert_eq!(counts, [2, 1, 1], "`slicing` finds no more eigenvectors than its tolerance asks for");
-    }
-
-    #[test]
-    fn a_decomposition_is_recalled_where_its_eigenvectors_suffice() {
-        let registry = Registry::standard();
-        let answers = |tolerance: &str, memory: &Memory| {
-            let config = config(&registry, &[&format!("spectral.zero_tolerance={tolerance}")]);
-            let mut variants = Variants::new(&[&config], &registry, |_| Box::new(memory.clone()));
-            let (mut frame, mut answer) = (frame(), None);
-            variants.process(&mut frame, &mut |_, frame| {
-                answer = Some((frame.spectrum.clone(), frame.partition.clone(), frame.junction.clone()));
-            });
-            let (spectrum, partition, junction) = answer.expect("given");
-            format!("{spectrum:?} {partition:?} {junction:?}")
-        };
-        let memory = Memory { columns: 4, ..Memory::default() };
-        let counts = || [&memory.computed, &memory.recalled].map(|count| count.load(Ordering::Relaxed));
-        answers("1e-3", &memory);
-        assert_eq!(counts(), [1, 0]);
-        for (tolerance, expected) in [("1e-9", [1, 1]), ("1e-2", [1, 2]), ("1.9", [2, 3])] {
-            assert_eq!(answers(tolerance, &memory), answers(tolerance, &Memory::default()), "{tolerance}");
-            assert_eq!(counts(), expected, "{tolerance}: four eigenvectors do not suffice where forty are zeros");
-        }
     }
 
     #[test]

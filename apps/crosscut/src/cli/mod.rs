@@ -52,8 +52,6 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Try every combination of some settings on a set of flights: tables and pictures, with accuracy where there is truth.
     Sweep(SweepArgs),
-    /// Repeat the paper's evaluation on simulated scenes: figures, and the share of right answers by zero tolerance.
-    Paper(PaperArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
@@ -82,19 +80,12 @@ pub(crate) struct RunArgs {
     /// Write the map of the flight: junctions, dead ends and the passages between them.
     #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]
     pub(crate) map: Option<PathBuf>,
-    /// Draw count, margin and confidence over time. FILE.md beside it lists the scans whose count differs from most of
-    /// their neighbours, with the difference.
-    #[arg(long, value_name = "FILE.svg", value_parser = PathBufValueParser::new().try_map(svg_path))]
-    pub(crate) over_time: Option<PathBuf>,
     /// Show no progress bar and no summary.
     #[arg(long)]
     pub(crate) quiet: bool,
     /// Read on at the end of an MCAP that is still being written, until its recorder closes it or Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
-    /// Let the steady answer, and with it the map, rest on the 10 scans after each as well (`flight.look_ahead`).
-    #[arg(long, conflicts_with = "follow")]
-    pub(crate) smooth: bool,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
@@ -299,19 +290,6 @@ pub(crate) struct CompareArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct PaperArgs {
-    /// Folder for paper.md and its figures.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// Number of scenes of each family in the table of tolerances.
-    #[arg(long, value_name = "N", default_value_t = crosscut_simulator::SCENES, value_parser = one_or_more)]
-    pub(crate) scenes: usize,
-    /// Show no progress bar.
-    #[arg(long)]
-    pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     /// Recordings of any format, or folders of them.
     #[arg(required = true)]
@@ -329,10 +307,6 @@ fn one_or_more(text: &str) -> Result<usize, String> {
 
 fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|s: &f64| s.is_finite() && *s >= 0.0).ok_or_else(|| "seconds, 0 or more".to_owned())
-}
-
-fn svg_path(path: PathBuf) -> Result<PathBuf, &'static str> {
-    if has_extension(&path, "svg") { Ok(path) } else { Err("the picture is an SVG file: FILE.svg") }
 }
 
 fn html_path(path: PathBuf) -> Result<PathBuf, &'static str> {

@@ -32,10 +32,6 @@ pub(crate) struct SweepArgs {
     /// Number of recordings that are processed at a time. [default: the number of processors]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
-    /// Room for the full decompositions (of preset paper, for one) in DIR/decompositions, MB, of which each takes about 0.1. A
-    /// later sweep into DIR with other zero tolerances, k-means or report settings does not compute them again. 0 keeps none.
-    #[arg(long, value_name = "MB", default_value_t = 2000)]
-    pub(crate) keep_mb: u64,
     /// Show no progress bar and no table.
     #[arg(long)]
     pub(crate) quiet: bool,

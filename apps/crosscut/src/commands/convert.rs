@@ -4,8 +4,9 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_ingest::{CsvGeometry, ReadOptions, Sensor, recordings_in};
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
+use crosscut_ingest::{CsvGeometry, ReadOptions, recordings_in};
+use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::ConfigArgs;

@@ -5,10 +5,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crosscut_detector::Registry;
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{ReadOptions, Truths, recordings_in};
-use crosscut_pipeline::{End, Registry, StopFlag};
+use crosscut_pipeline::{End, StopFlag};
 use serde_json::json;
 
 use crate::cli::EvaluateArgs;

@@ -5,10 +5,11 @@ use std::io::Write;
 
 use anyhow::Context;
 use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_detector::Registry;
 use crosscut_ingest::{
-    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, Sensor, TopicDescription, describe, parts_in,
+    CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
-use crosscut_pipeline::Registry;
+use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::InfoArgs;

@@ -1,9 +1,10 @@
 //! `crosscut map`: the junctions and dead ends of a flight and the passages between them, as a drawing or for other tools.
 
 use anyhow::Context;
+use crosscut_detector::Registry;
 use crosscut_flight::Mapper;
 use crosscut_ingest::recordings_in;
-use crosscut_pipeline::{Registry, StopFlag, StreamOptions, stream};
+use crosscut_pipeline::{StopFlag, StreamOptions, stream};
 use crosscut_stage::Frame;
 
 use crate::cli::MapArgs;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use crosscut_detector::Registry;
 use crosscut_ingest::{Recording, recordings_in};
-use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::{Failure, FailureCause, Frame, Step, counted};
 
 use crate::cli::RunArgs;
@@ -14,19 +15,14 @@ use crate::diagnostics::{Diagnostics, NO_RETURN};
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
 use crate::interrupt::stop_on_interrupt;
 use crate::observers::{self, Observers};
-use crate::over_time;
 use crate::say::say;
 use crate::written::Written;
 use crate::{config, flight, outputs, progress, summary};
 
-/// The later scans that the steady answer rests on with `--smooth`: more change hardly a scan.
-const SMOOTH_LOOK_AHEAD: usize = 10;
-
 /// Runs the flight. The results of a revolution are written before any observer sees it; in an MCAP they are on disk
 /// within a second of the flight.
 pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let smooth: &[String] = if args.smooth { &[format!("flight.look_ahead={SMOOTH_LOOK_AHEAD}")] } else { &[] };
-    let config = config::resolve_with(&args.config, "--smooth", smooth, registry)?;
+    let config = config::resolve(&args.config, registry)?;
     let mut read = recordings_in(&args.flight.input)?;
     read.extend(args.config.config.clone());
     refuse_overwriting(args, &read)?;
@@ -60,7 +56,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
         say(format_args!("\n{}", written.map_summary()));
     }
 
-    if let Err(error) = written.finish(recording.starts_at_s().unwrap_or(0.0), &mut diagnostics) {
+    if let Err(error) = written.finish(&mut diagnostics) {
         report_lost_results(&error, &summary, args, &mut diagnostics);
     }
     diagnostics.lost_all(recording.losses());
@@ -81,8 +77,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
 
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
-    let list = args.over_time.as_deref().map(over_time::list_beside);
-    let written = args.record.save.iter().chain(&args.results).chain(&args.over_time).chain(&list).chain(&args.map);
+    let written = args.record.save.iter().chain(&args.results).chain(&args.map);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
     outputs::refuse(&written, read)?;
     match &args.record.save {
@@ -138,7 +133,7 @@ fn report_lost_results(error: &io::Error, summary: &Summary, args: &RunArgs, dia
         return;
     }
     diagnostics.interrupt();
-    if args.record.save.is_some() || args.over_time.is_some() {
+    if args.record.save.is_some() {
         diagnostics.note(format_args!("the reader of the results closed the pipe; the run ended after {done}"));
     }
 }

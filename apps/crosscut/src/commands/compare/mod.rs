@@ -9,9 +9,10 @@ use std::thread::{Builder, ScopedJoinHandle};
 
 use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
+use crosscut_detector::Registry;
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_ingest::{Recording, recordings_in};
-use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, counted};
 use indicatif::ProgressBar;

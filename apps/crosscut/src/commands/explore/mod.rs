@@ -1,6 +1,5 @@
 //! `crosscut explore`: missions in closed loop through simulated mines.
 
-mod journal;
 mod outcome;
 #[cfg_attr(not(feature = "rerun"), path = "save_without_rerun.rs")]
 mod save;
@@ -12,14 +11,15 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Context;
-use crosscut_explore::{Flown, Moment, PlannerKind, Setup, fly, planners};
+use crosscut_detector::{Config, Registry, nearest_and_all};
 use crosscut_flight::check_live;
-use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
+use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
+use crosscut_navigate::{PlannerKind, planners};
+use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
 use serde_json::Value;
 
-use self::journal::{About, Journal};
 use self::save::Saved;
 use crate::cli::explore::ExploreArgs;
 use crate::config;
@@ -146,8 +146,9 @@ impl Fleet<'_> {
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Flown> {
         let world = job.world();
-        let about = About::new(job, &world, &self.planner, self.config);
-        let past = args.resume.as_deref().map(|path| about.past(path)).transpose()?.unwrap_or_default();
+        let about = About::new(&job.name, job.seed, &world, &self.planner, self.config);
+        let past =
+            args.resume.as_deref().map(|path| about.past(path)).transpose().map_err(refused)?.unwrap_or_default();
         let mut saved = Saved::open(args.save.as_deref(), &job.name, self.config, &world, diagnostics)?;
         let mut journal = args.journal.as_deref().map(|path| Journal::create(path, &about)).transpose()?;
         let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
@@ -204,6 +205,14 @@ impl Fleet<'_> {
             work();
         });
         flown.into_iter().map(|slot| slot.into_inner().expect("nobody panics while holding it")).collect()
+    }
+}
+
+/// A journal of another mission is a mistake of whoever named it.
+fn refused(error: ResumeError) -> anyhow::Error {
+    match error {
+        ResumeError::OtherMission { .. } => UsageError(error.to_string()).into(),
+        ResumeError::Unreadable(error) => error.into(),
     }
 }
 

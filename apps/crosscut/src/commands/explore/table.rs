@@ -1,7 +1,7 @@
 //! Many missions, a line for each family.
 
 use comfy_table::{CellAlignment, Table, presets};
-use crosscut_explore::Flown;
+use crosscut_missions::Flown;
 
 use super::Job;
 

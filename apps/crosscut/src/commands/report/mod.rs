@@ -1,5 +1,6 @@
 //! `crosscut report`: a flight as one HTML page that needs no other file and no network.
 
+mod course;
 mod page;
 mod places;
 
@@ -7,19 +8,19 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::Mapper;
 use crosscut_ingest::{Recording, Truths, recordings_in};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
-use crosscut_report::VEHICLE_WIDTH_M;
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_stage::Frame;
 
+use self::course::Course;
 use self::places::Places;
 use crate::cli::ReportArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::interrupt::stop_on_interrupt;
-use crate::over_time::Course;
 use crate::say::say;
 use crate::scoring::{NotCompared, TruthQueue, WithTruth};
 use crate::{config, flight, outputs, progress};
@@ -77,8 +78,7 @@ fn fly(
     quiet: bool,
 ) -> anyhow::Result<Flown> {
     let bar = progress::bar(recording.total_revolutions(), quiet);
-    let mut course = Course::new(config.params("vehicle").get(VEHICLE_WIDTH_M));
-    let (mut mapper, mut places) = (Mapper::default(), Places::default());
+    let (mut course, mut mapper, mut places) = (Course::default(), Mapper::default(), Places::default());
     let queue = TruthQueue::default();
     let (mut evaluation, mut not_compared) = (truths.is_some().then(Evaluation::default), NotCompared::default());
     let mut sink = |frame: &Frame| {
@@ -105,7 +105,6 @@ fn fly(
     };
     bar.finish_and_clear();
     let summary = ran.context("a thread could not be started")?;
-    course.start(recording.starts_at_s().unwrap_or(0.0));
     let lost = recording.losses().iter().map(ToString::to_string).chain(not_compared).collect();
     Ok(Flown { title, config, summary, course, mapper, places, evaluation, lost })
 }

@@ -33,7 +33,7 @@ pub(super) fn html(flown: &Flown) -> String {
             "Summary",
             format!(
                 "<p>{revolutions} in {:.1} s of the recording. {}. Sure answers (confidence {SURE} or more): {}. Count \
-                 differs from most of the {AROUND} revolutions before and after: {}.</p>\n{}",
+                 differs from most of the {AROUND} revolutions before and after: {flips} ({}).</p>\n{}",
                 course.duration_s(),
                 escaped(&map.summary()),
                 percent(sure as f64),

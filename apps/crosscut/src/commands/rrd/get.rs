@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Context;
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 

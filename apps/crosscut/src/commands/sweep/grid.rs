@@ -1,6 +1,6 @@
 //! The settings that are tried, and their combinations.
 
-use crosscut_pipeline::{Config, Registry};
+use crosscut_detector::{Config, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::config;

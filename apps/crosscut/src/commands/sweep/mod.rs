@@ -1,6 +1,5 @@
 //! `crosscut sweep`: every combination of some settings over a set of flights.
 
-mod decompositions;
 mod grid;
 mod output;
 mod picture;
@@ -9,17 +8,18 @@ mod tally;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
 use anyhow::Context;
-use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Sensor, Truths, recordings_in};
-use crosscut_pipeline::{Config, Frame, Registry, StopFlag, Variants, settings_of_step};
+use crosscut_detector::{Config, Frame, Registry};
+use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Truths, recordings_in};
+use crosscut_pipeline::{StopFlag, Variants, settings_of_step};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Source as _, Step};
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
-use self::decompositions::Kept;
 use self::grid::Grid;
 use self::store::{Store, hash, hash_of_file};
 use self::tally::Tally;
@@ -51,7 +51,6 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     let mut diagnostics = Diagnostics::default();
     let flights = flights(recordings_in(&args.input)?, &mut diagnostics);
     let program = program(build);
-    let kept = Arc::new(Kept::open(args.out.join("decompositions"), &program, args.keep_mb));
     let read = format!("{:?} {:?}", args.topic, args.read_as);
     let name_of = |flight: &Flight, config: &Config| {
         let settings: String = config.settings().map(|(key, value)| format!("{key}={value}\n")).collect();
@@ -66,9 +65,8 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     }
     let stop = StopFlag::default();
     stop_on_interrupt(stop.clone())?;
-    let sweep = Sweep { args, configs: &configs, registry, store: &store, kept: &kept, read: &read, stop: &stop };
+    let sweep = Sweep { args, configs: &configs, registry, store: &store, stop: &stop };
     sweep.run(&tasks, &mut diagnostics)?;
-    kept.report(&mut diagnostics);
 
     let mut rows = Vec::new();
     for (flight, names) in flights.iter().zip(&names) {
@@ -83,7 +81,6 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     output::write(&args.out, &program, &grid, &rows)?;
     if !args.quiet {
         output::show(&grid, &rows)?;
-        kept.summary().iter().for_each(say);
     }
     if stop.is_set() {
         let left = all - rows.len();
@@ -138,9 +135,6 @@ struct Sweep<'a> {
     configs: &'a [Config],
     registry: &'a Registry,
     store: &'a Store,
-    kept: &'a Arc<Kept>,
-    /// How the scans are found in a recording.
-    read: &'a str,
     stop: &'a StopFlag,
 }
 
@@ -190,8 +184,7 @@ impl Sweep<'_> {
         let mut recording = self.open(task)?;
         let mut truths = Truths::open(&task.flight.path).ok();
         let configs: Vec<&Config> = task.points.iter().map(|(place, _)| &self.configs[*place]).collect();
-        let known = |settings: &str| Box::new(self.kept.of(&[&task.flight.hash, self.read, settings])) as _;
-        let mut variants = Variants::new(&configs, self.registry, known);
+        let mut variants = Variants::new(&configs, self.registry);
         let mut tallies: Vec<Tally> = configs.iter().map(|_| Tally::default()).collect();
         let mut frame = Frame::default();
         while recording.next(&mut frame.revolution, &mut frame.notes)? {
