@@ -59,11 +59,11 @@ def step():
     try:
         navigator.step(scan)
     except crosscut.StageError as error:
-        sys.stdout.write(f"{error.__cause__}\n")  # print() writes the end of the line by itself
+        sys.stdout.write(f"{error.__cause__}\\n")  # print() writes the end of the line by itself
 stepping = threading.Thread(target=step)
 stepping.start()
 began.wait()
-sys.stdout.write(f"{navigator.map.to_dict()['nodes']}\n")
+sys.stdout.write(f"{navigator.map.to_dict()["nodes"]}\\n")
 stepping.join()
 """
 
