@@ -33,13 +33,13 @@ impl Wrong {
         }
         let Frame { revolution, spectrum, junction, .. } = frame;
         self.rows.push(format!(
-            "{},{},{},{},{},{:.3},{}",
+            "{},{},{},{},{},{},{}",
             revolution.seq,
             revolution.stamp_ns,
             score.true_walls,
             junction.junctions,
             spectrum.k,
-            junction.confidence,
+            junction.confidence.map(|confidence| format!("{confidence:.3}")).unwrap_or_default(),
             junction.place
         ));
         if self.panels.len() >= 2 * MOST_SCENES {
