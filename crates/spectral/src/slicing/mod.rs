@@ -4,8 +4,6 @@ mod connected;
 mod envelope;
 mod krylov;
 mod normalised;
-mod tall;
-mod tridiagonal;
 
 use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, StageError, Weights};
 use faer::Mat;
@@ -13,7 +11,7 @@ use faer::Mat;
 use crate::decomposition::Decomposition;
 use crate::embedding::sign_of_largest;
 use crate::laplacian::dense_bytes;
-use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 use connected::Unseen;
 use envelope::Envelope;
 use krylov::{Krylov, Lowest};
@@ -37,7 +35,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert: the paper's, faster",
     |params| {
         Box::new(Slicing {
-            rule: ZeroRule::of(params),
+            tolerance: params.get(ZERO_TOLERANCE),
             eigenvalues: params.get(EIGENVALUES),
             envelope: Envelope::default(),
             krylov: Krylov::default(),
@@ -63,7 +61,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
 /// within 100·n·ε of τ.
 struct Slicing {
-    rule: ZeroRule,
+    tolerance: f64,
     eigenvalues: usize,
     envelope: Envelope,
     krylov: Krylov,
@@ -94,8 +92,8 @@ impl Slicing {
         unseen: &mut Unseen,
         notes: &mut Notes,
     ) -> Result<Part, StageError> {
-        let Self { envelope, krylov, full, .. } = self;
-        let ZeroRule::Tolerance(tolerance) = self.rule;
+        let Self { tolerance, envelope, krylov, full, .. } = self;
+        let tolerance = *tolerance;
         let factorised = envelope.factorise(l, first, unseen, tolerance);
         if !factorised {
             l.check_finite()?;
@@ -174,7 +172,7 @@ impl Slicing {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         out.eigenvalues.clear();
         out.eigenvalues.extend(all.iter().map(|(eigenvalue, ..)| eigenvalue));
-        self.rule.count(out, n);
+        count_zeros(out, n, self.tolerance);
         // Every part gave these; a larger one may be missing in some part.
         out.eigenvalues.truncate(self.eigenvalues.max(out.k + 1));
         let u = out.u.make_dense(n, out.k);
