@@ -5,7 +5,7 @@ use std::hint::black_box;
 use crosscut_stage::StageError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::evd::{ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::prelude::ReborrowMut;
 use faer::traits::pulp::Arch;
 use faer::{Mat, MatMut, MatRef, Par, Spec};
@@ -27,23 +27,15 @@ pub(crate) fn without_negligible(matrix: MatRef<'_, f64>) -> Mat<f64> {
 pub(crate) struct Decomposition {
     eigenvectors: Mat<f64>,
     scratch: MemBuffer,
-    params: Spec<SelfAdjointEvdParams, f64>,
 }
 
 impl Default for Decomposition {
     fn default() -> Self {
-        Self { eigenvectors: Mat::new(), scratch: MemBuffer::new(StackReq::empty()), params: Spec::default() }
+        Self { eigenvectors: Mat::new(), scratch: MemBuffer::new(StackReq::empty()) }
     }
 }
 
 impl Decomposition {
-    /// For matrices of fewer than 128 rows, which are divided down to this number of rows.
-    pub(crate) fn dividing_to(rows: usize) -> Self {
-        let mut of_small = Self::default();
-        of_small.params.recursion_threshold = rows;
-        of_small
-    }
-
     /// Writes the n eigenvalues of a symmetric matrix, ascending, and keeps its eigenvectors.
     ///
     /// # Errors
@@ -51,7 +43,7 @@ impl Decomposition {
     pub(crate) fn decompose(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
         let n = matrix.nrows();
         self.eigenvectors.resize_with(n, n, |_, _| 0.0);
-        evd(matrix, eigenvalues, Some(self.eigenvectors.as_mut()), &mut self.scratch, self.params)
+        evd(matrix, eigenvalues, Some(self.eigenvectors.as_mut()), &mut self.scratch)
     }
 
     /// Writes the n eigenvalues of a symmetric matrix, ascending, without its eigenvectors.
@@ -59,7 +51,7 @@ impl Decomposition {
     /// # Errors
     /// When it does not converge, or to NaN.
     pub(crate) fn values(&mut self, matrix: MatRef<'_, f64>, eigenvalues: &mut Vec<f64>) -> Result<(), StageError> {
-        evd(matrix, eigenvalues, None, &mut self.scratch, self.params)
+        evd(matrix, eigenvalues, None, &mut self.scratch)
     }
 
     /// The unit eigenvector of the eigenvalue at `j`.
@@ -70,7 +62,7 @@ impl Decomposition {
     /// Bytes that a decomposition of n rows takes beside its input.
     pub(crate) fn memory_bytes(n: usize) -> u64 {
         // faer adds without looking for overflow; what 2^28 returns would need is more than any machine has.
-        let scratch_bytes = if n == 0 { 0 } else { scratch_of(n.min(1 << 28), Spec::default()).unaligned_bytes_required() as u64 };
+        let scratch_bytes = if n == 0 { 0 } else { scratch_of(n.min(1 << 28)).unaligned_bytes_required() as u64 };
         dense_bytes(n).saturating_add(scratch_bytes)
     }
 }
@@ -82,7 +74,6 @@ fn evd(
     eigenvalues: &mut Vec<f64>,
     mut eigenvectors: Option<MatMut<'_, f64>>,
     scratch: &mut MemBuffer,
-    params: Spec<SelfAdjointEvdParams, f64>,
 ) -> Result<(), StageError> {
     let n = matrix.nrows();
     eigenvalues.clear();
@@ -90,11 +81,11 @@ fn evd(
     if n == 0 {
         return Ok(());
     }
-    make_room(scratch, scratch_of(n, params));
+    make_room(scratch, scratch_of(n));
     let mut converges = |matrix: MatRef<'_, f64>| {
         let (out, stack) = (DiagMut::from_slice_mut(eigenvalues), MemStack::new(scratch));
         let eigenvectors = eigenvectors.as_mut().map(MatMut::rb_mut);
-        let done = self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, params);
+        let done = self_adjoint_evd(matrix, out, eigenvectors, Par::Seq, stack, Spec::default());
         done.is_ok() && eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite())
     };
     let converged = converges(matrix) || converges(without_negligible(matrix).as_ref());
@@ -118,6 +109,6 @@ pub(crate) fn make_room(scratch: &mut MemBuffer, needed: StackReq) {
 }
 
 /// Working memory of one decomposition, n > 0.
-fn scratch_of(n: usize, params: Spec<SelfAdjointEvdParams, f64>) -> StackReq {
-    self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, params)
+fn scratch_of(n: usize) -> StackReq {
+    self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Spec::default())
 }

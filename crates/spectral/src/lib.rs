@@ -56,5 +56,4 @@ pub use laplacian::Laplacian;
 pub use zeros::{ZERO_TOLERANCE, recount};
 
 /// The solvers that crosscut ships, in the order in which messages list them; the first is the default.
-pub const KINDS: &[Kind<dyn SpectralStage>] =
-    &[faer_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];
+pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];

@@ -57,8 +57,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// Of the eigenvalues that are asked for, a block first computes its share of the trace of D^-1/2 W D^-1/2, and all of them
 /// only if it may have more.
 ///
-/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10, or to 1e-8
-/// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
+/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-12. k is that of a full decomposition unless an eigenvalue is
 /// within 100·n·ε of τ.
 struct Slicing {
     tolerance: f64,
