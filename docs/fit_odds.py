@@ -2,7 +2,7 @@
 which falls. Writes the table of the terms to stdout, for `crates/affinity/src/passage/terms.rs`, and to stderr how many
 gaps are on the wrong side of p = 1/2, beside those that the rules decide wrongly. `docs/make odds` runs it.
 
-    docs/fit_odds.py GAPS.csv        as the example `gaps` writes them
+    docs/fit_odds.py GAPS.csv        as the program `gaps` writes them
 """
 
 import csv

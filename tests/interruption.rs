@@ -104,17 +104,6 @@ fn an_interrupted_simulation_leaves_readable_files() {
 
 #[test]
 #[cfg(unix)]
-fn interrupting_paper_leaves_figures_and_no_page() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let last = folder.path().join("families.svg");
-    let said = interrupted(&["paper", "--out", folder.path().to_str().expect("UTF-8")], &last).stderr;
-    assert!(said.contains("paper.md is not written"), "{said}");
-    assert!(std::fs::read_to_string(last).expect("a figure").ends_with("</svg>\n"));
-    assert!(!folder.path().join("paper.md").exists());
-}
-
-#[test]
-#[cfg(unix)]
 fn a_killed_flight_leaves_its_results() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (mut child, results) = start(folder.path());

@@ -6,16 +6,15 @@ mod evaluation;
 mod exploring;
 mod figures;
 mod flight;
+mod flying;
 mod following;
 mod headline;
 mod input;
 mod interruption;
 mod maps;
 mod messages;
-mod over_time;
 mod overwriting;
 mod pages;
-mod paper;
 mod program;
 #[cfg(feature = "rerun")]
 mod reading;

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
-use crosscut_ingest::{Live, Sensor};
-use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use crosscut_sensor::{Live, Sensor};
+use crosscut_detector::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
 use crosscut_report::ResultsLine;
 use crosscut_stage::Step;
 use nalgebra::{Isometry2, Vector2};

@@ -3,8 +3,8 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crosscut_flight::{Flight, Mapper, check_live};
-use crosscut_ingest::{Live, Sensor};
-use crosscut_pipeline::Config;
+use crosscut_sensor::{Live, Sensor};
+use crosscut_detector::Config;
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::Frame;
 use nalgebra::Isometry2;

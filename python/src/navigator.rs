@@ -2,10 +2,10 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_explore::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_flight::check_live;
-use crosscut_ingest::Live;
-use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
+use crosscut_sensor::Live;
+use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
+use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;
 use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::PyValueError;
@@ -59,7 +59,7 @@ impl Navigator {
         })?;
         let Step { command, doing, decision, end, .. } = step;
         let why = decision.map(|decision| decision.why);
-        Ok((command.speed_m_s, command.turn_rate_rad_s, doing, why, end.map(crosscut_explore::End::name)))
+        Ok((command.speed_m_s, command.turn_rate_rad_s, doing, why, end.map(crosscut_navigate::End::name)))
     }
 }
 

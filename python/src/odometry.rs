@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crosscut_ingest::Odometry as Poses;
+use crosscut_sensor::Odometry as Poses;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 

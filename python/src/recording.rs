@@ -4,9 +4,10 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_ingest::{CsvGeometry, ReadOptions, Recording as Ingest, Sensor};
+use crosscut_ingest::{CsvGeometry, ReadOptions, Recording as Ingest};
+use crosscut_sensor::Sensor;
 use crosscut_messages::ScanType;
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
 use crosscut_stage::{Notes, Revolution, Source};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,6 +1,6 @@
 //! One scan: as a driver gives it, or as a recording shows it.
 
-use crosscut_ingest::{Live, Odometry, Sensor};
+use crosscut_sensor::{Live, Odometry, Sensor};
 use crosscut_messages::{LaserScan, ScanDecoder, ScanMessage};
 use crosscut_stage::{Frame, Notes, Point, Revolution};
 use nalgebra::Isometry2;

@@ -59,5 +59,5 @@ def test_a_given_pose_is_the_odometry() -> None:
 def test_a_setting_that_looks_ahead_is_refused() -> None:
     engine = crosscut.Engine(flight={"look_ahead": 5})
     for on_the_way in (crosscut.FlightMap, crosscut.Navigator):
-        with pytest.raises(crosscut.SettingsError, match="crosscut run --smooth"):
+        with pytest.raises(crosscut.SettingsError, match="flight.look_ahead is for recordings"):
             on_the_way(engine)

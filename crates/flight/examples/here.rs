@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::fmt::Write as _;
 
+use crosscut_detector::{Preset, Settings};
 use crosscut_flight::{Flight, PARAMS};
-use crosscut_ingest::Sensor;
-use crosscut_pipeline::{Preset, Settings};
+use crosscut_sensor::Sensor;
 use crosscut_simulator::scenarios;
 use crosscut_stage::{Frame, HereKind, Params};
 

@@ -10,7 +10,7 @@ use crate::steady::Steadier;
 pub const LOOK_AHEAD: Count = Count::new("look_ahead", "revolutions", 0)
     .from(0)
     .to(1000)
-    .doc("of a recording, the steady answer rests on this many later scans, too, as `--smooth` does; 0: as on a robot");
+    .doc("of a recording, the steady answer rests on this many later scans, too; 10 are enough; 0: as on a robot");
 
 /// Section `flight` of the configuration.
 pub const PARAMS: &[ParamSpec] = &{
@@ -21,7 +21,7 @@ pub const PARAMS: &[ParamSpec] = &{
 
 /// A setting needs scans that are not there yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("flight.look_ahead is for recordings (`crosscut run --smooth`): a scan that was just taken has none after it")]
+#[error("flight.look_ahead is for recordings: a scan that was just taken has none after it")]
 pub struct LooksAhead;
 
 /// Refuses settings that only the flight of a recording can keep to.

@@ -4,13 +4,14 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use crosscut_messages::{ScanDecoder, ScanMessage};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Sweep, counted};
 
 use crate::clock::Clock;
 use crate::container::{self, Contents, TopicReader};
 use crate::topics::topics_of;
 use crate::turns::{Turn, Turns};
-use crate::{IngestError, Loss, LossKind, ReadOptions, Sensor, TopicInfo};
+use crate::{IngestError, Loss, LossKind, ReadOptions, TopicInfo};
 
 const NS_PER_S: f64 = 1e9;
 

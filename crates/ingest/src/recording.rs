@@ -5,18 +5,16 @@ use std::num::NonZero;
 use std::path::PathBuf;
 
 use crosscut_messages::ScanType;
+use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
-use crate::before::{Before, seconds};
 use crate::container::{self, Container};
 use crate::messages::Messages;
-use crate::motion::Motion;
 use crate::odometry_reader::OdometryReader;
 use crate::scanners::Scanners;
 use crate::topics::{scan_topic, topics_of};
-use crate::turning::Turning;
-use crate::turns::{Turn, Turns, times_s};
-use crate::{CsvGeometry, IngestError, Loss, Parts, Sensor, TopicInfo, parts_in};
+use crate::turns::{Turn, Turns};
+use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -331,7 +329,8 @@ impl Recording {
         let clock = self.messages.clock();
         if log_time_ns < self.last_log_time_ns && clock.believes(log_time_ns) && clock.believes(self.last_log_time_ns) {
             self.reordered += 1;
-            notes.add(format!("recorded {} before the scan before it", seconds(self.last_log_time_ns, log_time_ns)));
+            let back_s = (self.last_log_time_ns - log_time_ns) as f64 / NS_PER_S;
+            notes.add(format!("recorded {back_s:.3} s before the scan before it"));
         }
         self.last_log_time_ns = log_time_ns;
         self.starts_at_s.get_or_insert(self.since_first_s);

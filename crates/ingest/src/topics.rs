@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crosscut_messages::{ScanDecoder, ScanType};
+use crosscut_messages::{ScanDecoder, ScanType, ros};
 use crosscut_stage::counted;
 
+use crate::IngestError;
 use crate::container::{ChannelId, Contents, Topic};
-use crate::{IngestError, ros};
 
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -49,6 +49,7 @@ mod message;
 mod multi_echo;
 mod odometry;
 mod point_cloud2;
+pub mod ros;
 mod scan_decoder;
 mod scene;
 pub mod schema;

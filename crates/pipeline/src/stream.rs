@@ -11,15 +11,14 @@ use std::thread::{Builder, Scope};
 use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
+use crosscut_detector::{Config, Engine, Registry, Worker, elapsed_ns, panic_text};
 use crosscut_flight::{Flight, LOOK_AHEAD};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
-use crate::engine::{Engine, Worker, elapsed_ns, panic_text};
 use crate::pace::Pace;
 use crate::stop::StopFlag;
 use crate::summary::{End, Summary};
-use crate::{Config, Registry};
 
 /// Where results go: called once per revolution, in order, on the report thread.
 pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
@@ -66,7 +65,7 @@ pub fn stream(
     std::thread::scope(|scope| {
         let (mut to_lanes, mut from_lanes, mut last) = (Vec::new(), Vec::new(), None);
         for lane in 0..workers {
-            let Engine { weigh, decompose, cluster, report } = Engine::for_many(config, registry, frames, workers);
+            let [weigh, decompose, cluster, report] = Engine::for_many(config, registry, frames, workers).into();
             let (to_lane, mut flow) = bounded(1);
             for worker in [weigh, decompose, cluster] {
                 flow = spawn_worker(scope, worker, lane, flow)?;
@@ -117,7 +116,7 @@ fn spawn_worker<'scope>(
     frames: Receiver<Arrived>,
 ) -> io::Result<Receiver<Arrived>> {
     let (out, worked) = bounded(1);
-    Builder::new().name(format!("{}-{lane}", worker.step)).spawn_scoped(scope, move || {
+    Builder::new().name(format!("{}-{lane}", worker.step())).spawn_scoped(scope, move || {
         for mut arrived in frames {
             worker.work(&mut arrived.frame).ok(); // a failure travels in its frame
             if out.send(arrived).is_err() {
@@ -324,7 +323,7 @@ mod tests {
     use crosscut_stage::{Here, HereKind, Point, Way};
 
     use super::*;
-    use crate::Preset;
+    use crosscut_detector::Preset;
 
     #[test]
     fn observers_see_the_frame_whose_steady_answer_panics() {
@@ -335,8 +334,9 @@ mod tests {
         let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
         frame.here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
         let (observers, seen) = bounded(1);
+        let [_, _, _, report] = Engine::new(&config, &registry).into();
         let mut collect = Collect {
-            report: Engine::new(&config, &registry).report,
+            report,
             flight: Some(Flight::new(config.params("flight"), 0.6)),
             look_ahead: 0,
             waiting: VecDeque::from([Arrived { frame, due: Instant::now() }]),

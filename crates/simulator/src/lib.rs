@@ -73,7 +73,7 @@ pub mod vehicle;
 mod world;
 
 pub use cloud::{Cloud, Rings};
-pub use driven::{Agility, Command, Driven};
+pub use driven::{Agility, Driven};
 pub use junction::Places;
 pub use mine::Mine;
 pub use plan::{Plan, PlanError};

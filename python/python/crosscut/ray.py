@@ -242,7 +242,7 @@ def _process(
         results, map_file = part / f"{name}.jsonl", part / f"{name}.map.json"
         outputs: dict[str, list[StrPath]] = {
             "run": ["--results", results, "--map", map_file, "--set", "pipeline.workers=1"],
-            "sweep": ["--out", part, "--jobs", "1", "--keep-mb", "0"],
+            "sweep": ["--out", part, "--jobs", "1"],
         }
         command_line = [*command, flight, *outputs[command[-1]], *options, "--quiet"]
         said = subprocess.run(command_line, capture_output=True, text=True)

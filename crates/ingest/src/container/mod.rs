@@ -32,10 +32,9 @@ use self::rosbag2::Rosbag2;
 use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
-use crate::{Following, Found, IngestError, Loss, LossKind};
+use crate::{CsvGeometry, Following, Found, IngestError, Loss, LossKind};
 
 pub use self::spool::KeptStandardInput;
-pub use self::table::{CSV_PARAMS, CsvGeometry};
 
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;

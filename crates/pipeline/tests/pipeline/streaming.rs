@@ -3,7 +3,8 @@
 use std::io;
 
 use crate::stages::{Count, STAGES, config, registry, run};
-use crosscut_pipeline::{Config, End, Engine, StopFlag, StreamOptions, stream};
+use crosscut_detector::{Config, Engine};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, stream};
 use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
 
 fn settings(workers: usize, in_flight: usize, more: &str) -> Config {

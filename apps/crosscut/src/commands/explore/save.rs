@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crosscut_explore::Moment;
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
+use crosscut_missions::Moment;
 use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError};
 use crosscut_simulator::World;
 use nalgebra::{Isometry2, Point2};

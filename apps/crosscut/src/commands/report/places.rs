@@ -6,8 +6,8 @@ use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, line, page, text};
 use crosscut_flight::Map;
 use crosscut_stage::{Frame, Here, HereKind, Steady, counted};
 
-use crate::figure::{Panel, sheet};
 use crate::typeset::escaped;
+use crosscut_evaluate::panel::{Panel, sheet};
 
 /// At most this many places are shown.
 const MOST_PLACES: usize = 60;
