@@ -9,8 +9,8 @@
 //!
 //! | kind | method | λ | for |
 //! |---|---|---|---|
-//! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
-//! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper, faster |
+//! | `faer` | full decomposition, one thread, working memory kept | all n | the reference, and all eigenvalues |
+//! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper |
 //! | `blocks` | weak edges set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
 //! | `components` | weak edges left out, union-find, no decomposition | the k zeros, exact | the baselines, and what the spectrum adds |
 //!

@@ -32,7 +32,7 @@ const EIGENVALUES: Count = Count::new("eigenvalues", "", 1)
 /// The fast solver of dense graphs.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "slicing",
-    "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert: the paper's, faster",
+    "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert, as in the paper",
     |params| {
         Box::new(Slicing {
             tolerance: params.get(ZERO_TOLERANCE),
@@ -51,14 +51,17 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// 2. D^1/2 (L_B - τI) D^1/2 = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of
 ///    inertia). So k is known before any eigenvector.
 /// 3. Block Krylov spaces of (L_B - τI)⁻¹ from random columns give the lowest eigenvalues and their eigenvectors, until
-///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
-///    decomposed in full, with a note.
+///    all residuals are small. They must agree with the count; a block in which they do not, as where τ is near rounding, or
+///    in which a pivot is 0, is decomposed in full, with a note.
+///
+/// A block of few returns for the eigenvalues that are wanted of it, as where it has many zeros, is decomposed in full: that is
+/// faster.
 ///
 /// Of the eigenvalues that are asked for, a block first computes its share of the trace of D^-1/2 W D^-1/2, and all of them
 /// only if it may have more.
 ///
-/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-12. k is that of a full decomposition unless an eigenvalue is
-/// within 100·n·ε of τ.
+/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-12. k is that
+/// of a full decomposition unless an eigenvalue is within 100·n·ε of τ.
 struct Slicing {
     tolerance: f64,
     eigenvalues: usize,

@@ -239,7 +239,7 @@ fn a_tolerance_below_rounding_or_above_2_is_refused() {
 }
 
 #[test]
-fn memory_grows_with_n_and_is_never_too_large_to_say() {
+fn claimed_memory_grows_with_n_without_overflow() {
     for kind in KINDS {
         let bytes: Vec<u64> = [0, 1, 300, 3000, 1 << 32, usize::MAX / 2].map(|n| build(kind).memory_bytes(n, n)).into();
         assert!(bytes.is_sorted(), "{}: {bytes:?}", kind.name);
