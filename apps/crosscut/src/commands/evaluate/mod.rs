@@ -57,7 +57,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
         for (place, column) in columns.iter().enumerate() {
             let whose = format!("{}, in {}", column.name, path.display());
             if stop.is_set() {
-                diagnostics.interrupted(format_args!("at {whose}: the figures cover what was compared before that"));
+                diagnostics.interrupted(format_args!("at {whose}; what is written covers what came before"));
                 break 'all;
             }
             let scored = scoring::score(path, &args.input, &column.config, &how)?;

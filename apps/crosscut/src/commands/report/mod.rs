@@ -52,7 +52,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     let input = &args.input.recordings.input;
     let truths = if let [only] = &input[..] { Truths::open(only).ok() } else { None };
     let has_truth = truths.is_some();
-    let mut flight = Flight::open(input, &args.input, &config)?.with(truths);
+    let mut flight = Flight::open(input, &args.input, &config)?.with_truths(truths);
     let bar = progress::bar(flight.total_revolutions(), args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: true };
     let mut shown = Shown::default();
