@@ -6,6 +6,7 @@ mod evaluation;
 mod exploring;
 mod figures;
 mod flight;
+mod flying;
 mod following;
 mod headline;
 mod input;
@@ -27,3 +28,4 @@ mod simulation;
 mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod writing;

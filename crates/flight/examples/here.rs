@@ -58,8 +58,8 @@ fn draw(frame: &Frame) -> Result<String, Box<dyn Error>> {
         "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{look:.1}\" fill=\"#0072B2\" fill-opacity=\"0.08\" stroke=\"#0072B2\" stroke-dasharray=\"5 4\"/>"
     )?;
     for (index, opening) in frame.junction.openings.iter().enumerate() {
-        let is_way = here.ways.iter().any(|way| way.opening == Some(index));
-        let color = if is_way { "#D55E00" } else { "#999" };
+        let is_opening = here.ways.iter().any(|way| way.opening == Some(index));
+        let color = if is_opening { "#D55E00" } else { "#999" };
         let [from, to] = opening.edge_m.map(|end| pixel(end.x, end.y));
         let (label_x, label_y) = along(opening.bearing_rad, 16.0);
         writeln!(

@@ -121,7 +121,7 @@ impl Places {
             other.as_ref().is_some_and(|other| (other.0, other.1.len()) == (kind, ways.len()))
         };
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
-        let confidence = junction.confidence * alike as f64 / LOOKS.len() as f64;
+        let confidence = junction.confidence.unwrap_or(0.0) * alike as f64 / LOOKS.len() as f64;
         Some(Here { kind, look_m, ways, confidence })
     }
 }

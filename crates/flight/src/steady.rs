@@ -83,7 +83,7 @@ impl Answers {
         let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
         let junction = &frame.junction;
         let since = now.since(before.count.replace(now));
-        let count = Answered { answer: junction.junctions, confidence: junction.confidence, since };
+        let count = Answered { answer: junction.junctions, confidence: junction.confidence.unwrap_or(0.0), since };
         let place = flown.here.as_ref().map(|here| {
             let since = now.since(before.place.replace(now));
             Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since }

@@ -2,9 +2,9 @@
 
 use crosscut_detector::{Preset, Registry, Settings};
 use crosscut_flight::FlightAnswer;
-use crosscut_missions::{Flown, Setup, fly};
+use crosscut_missions::{Flown, Setup, fly, read_journal};
 use crosscut_navigate::planners;
-use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families, read_mcap};
+use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families};
 
 fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {
     mission_with(Preset::Default, world, planner, agility, seed, most_revolutions)
@@ -137,7 +137,7 @@ fn a_resumed_mission_knows_all_that_it_knew() {
         known.len() < 200
     });
     recorder.finish().expect("written");
-    let past = read_mcap(path.path()).expect("read");
+    let past = read_journal(path.path()).expect("read");
     assert_eq!(past.len(), 200);
 
     let mut again = Vec::new();

@@ -30,8 +30,8 @@ pub struct ResultsLine {
     /// Decades by which the zero tolerance could be moved before `k` changes; null if no eigenvalue is known but exact
     /// zeros, as from `components`, or at n = 0.
     pub margin: Option<f64>,
-    /// 0 to 1.
-    pub confidence: f64,
+    /// 0 to 1; null where nothing was calibrated for the affinity.
+    pub confidence: Option<f64>,
     /// `closed`, `dead_end`, `corridor`, `bend`, `tee`, `cross`, `junction_5`..., `partial_view`.
     pub place: String,
     /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`], so with as many zeros the next is not there.
@@ -172,7 +172,7 @@ impl ResultsLine {
                     p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
-                    cut_by_view: o.cut_by_view,
+                    cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
             here: flown.here.as_ref().map(HereLine::of),
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(
             String::from_utf8(out).expect("text"),
             concat!(
-                r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":0.0,"#,
+                r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":null,"#,
                 r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"here":null,"steady":null,"pose":null,"labels":[],"notes":[]}"#,
                 "\n"
             )

@@ -21,7 +21,7 @@ pub struct Frame {
     pub extra: Extra,
     /// What was dropped, repaired or fallen back to on the way.
     pub notes: Notes,
-    /// How long each step took, measured by the worker around it.
+    /// The time of each step, measured by the worker around it.
     pub timings: Timings,
     /// Set when a step failed; the parts after it are then not of this revolution.
     pub failure: Option<Failure>,

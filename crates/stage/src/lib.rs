@@ -14,6 +14,7 @@
 //! registry. The report that follows them is fixed.
 
 mod affinity;
+mod disjoint_sets;
 mod embedding;
 mod extra;
 mod frame;
@@ -30,6 +31,7 @@ mod storage;
 mod traits;
 
 pub use affinity::{Affinity, Csr, Verdict, Weights};
+pub use disjoint_sets::DisjointSets;
 pub use embedding::Embedding;
 pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};

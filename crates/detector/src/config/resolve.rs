@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
 use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
@@ -69,7 +70,15 @@ impl Config {
         let sections = sections.iter().map(|section| resolve_section(section, layers));
         let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
         config.follow();
+        config.refuse_no_return()?;
         Ok(config)
+    }
+
+    /// Refuses ranges of the sensor between which no return lies.
+    fn refuse_no_return(&self) -> Result<(), ConfigError> {
+        let ingest = self.params("ingest");
+        let (nearest_m, farthest_m) = (ingest.get(MIN_RANGE_M), ingest.get(MAX_RANGE_M));
+        if nearest_m < farthest_m { Ok(()) } else { Err(ConfigError::NoReturnLeft { nearest_m, farthest_m }) }
     }
 
     /// Gives parameters that are not set themselves the values of those that they follow.
@@ -241,6 +250,9 @@ fn defaults(section: &Section) -> Resolved {
     Resolved::new(section.name, kind, specs, SetBy::Default)
 }
 
+/// A kind that begins so is a callable of Python: `python:module.name`.
+const CODE: &str = "python:";
+
 impl Resolved {
     fn new(name: &'static str, kind: Option<Choice>, specs: &'static [ParamSpec], kind_set_by: SetBy) -> Self {
         Self {
@@ -259,7 +271,11 @@ impl Resolved {
             layer: layer.name.clone(),
             section: self.name,
             kind: wanted.to_string(),
-            nearest: nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>()),
+            nearest: if name.starts_with(CODE) {
+                format!("code runs if the command line names it (--set {}.kind={name})", self.name)
+            } else {
+                nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>())
+            },
         })?;
         match &mut self.kind {
             Some(kind) if kind.name == choice.name => kind.set_by = SetBy::Layer(layer.name.clone()),
