@@ -15,22 +15,24 @@ use crate::say::say;
 /// Work in progress that is not finished so long after a signal is given up: a reader may have stopped reading our output.
 const GRACE: Duration = Duration::from_secs(10);
 
-/// Makes Ctrl-C set `stop`, so that work in progress is finished. A second Ctrl-C quits at once.
-pub(crate) fn stop_on_interrupt(stop: StopFlag) -> anyhow::Result<()> {
-    let requested = AtomicBool::new(false);
+/// A flag that Ctrl-C sets, so that work in progress is finished. A second Ctrl-C quits at once.
+pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
+    let (stop, requested) = (StopFlag::default(), AtomicBool::new(false));
+    let set = stop.clone();
     ctrlc::set_handler(move || {
         if requested.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
         say("stopping after the scans in progress (press Ctrl-C again to quit at once, without them)");
-        stop.set();
+        set.set();
         let quit = || {
             std::thread::sleep(GRACE);
             std::process::exit(i32::from(INTERRUPTED));
         };
         Builder::new().name("grace".to_owned()).spawn(quit).ok(); // without it, a second Ctrl-C is needed
     })
-    .context("cannot listen for Ctrl-C")
+    .context("cannot listen for Ctrl-C")?;
+    Ok(stop)
 }
 
 /// Makes Ctrl-C end the program without the file, which is not finished.
