@@ -53,8 +53,8 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     let input = &args.input.recordings.input;
     let flights = configurations.iter().map(|of| Flight::open(input, &args.input, &of.config));
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
-    let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let stop = stop_on_interrupt()?;
+    let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
 
     let bar = progress::bar(flights[0].total_revolutions(), args.quiet);
     let compared = side_by_side(&configurations, flights, registry, &stop, &bar)?;

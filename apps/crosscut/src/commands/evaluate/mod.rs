@@ -45,8 +45,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
-    let mut outputs = Outputs::open(args, &read)?;
     let stop = stop_on_interrupt()?;
+    let mut outputs = Outputs::open(args, &read)?;
 
     let bar = progress::bar(revolutions, args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: false };

@@ -5,12 +5,10 @@ mod outcome;
 mod save;
 mod table;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::Context;
 use crosscut_detector::{Config, Registry, nearest_and_all};
 use crosscut_flight::check_live;
 use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
@@ -42,8 +40,8 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
-    let mut json = args.json.as_deref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let stop = stop_on_interrupt()?;
+    let mut json = args.json.as_deref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
     let bar = progress::bar(None, args.quiet);
     let mut diagnostics = Diagnostics::default();

@@ -47,8 +47,8 @@ impl Shown {
 pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let config = args.config.resolve(registry)?;
     let read = files_read(&args.input, args.config.config.clone())?;
-    let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let stop = stop_on_interrupt()?;
+    let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let input = &args.input.recordings.input;
     let truths = if let [only] = &input[..] { Truths::open(only).ok() } else { None };
     let has_truth = truths.is_some();
