@@ -75,7 +75,8 @@ impl Gaps {
         let revolution = &frame.revolution;
         for (verdict, measures) in measured_gaps(revolution, params)? {
             let Some(is_opening) = odds::has_opening(&verdict, &frame.junction) else { continue };
-            let truth = is_truly_opening(&verdict, revolution, truth).map_or("", |is_opening| if is_opening { "1" } else { "0" });
+            let truth = is_truly_opening(&verdict, revolution, truth)
+                .map_or("", |is_opening| if is_opening { "1" } else { "0" });
             write!(out, "{set},{family},{scene},{right},{},{truth}", u8::from(is_opening))?;
             for measure in measures.unwrap_or([f64::NAN; MEASURES.len()]) {
                 write!(out, ",{measure:.4}")?;
