@@ -171,7 +171,7 @@ impl Ingest<'_> {
         let start = Instant::now();
         frame.notes.clear();
         frame.failure = None;
-        frame.timings.set_latency_ns(None);
+        frame.timings.latency_ns = None;
         let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
             Ok(Ok(more)) => {
                 frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
@@ -222,7 +222,7 @@ impl Collect<'_> {
             }
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
             frame.extra.clear();
-            frame.timings.set_flight_ns(None);
+            frame.timings.flight_ns = None;
             if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));
             }
@@ -246,7 +246,7 @@ impl Collect<'_> {
         self.write(&frame).map_err(End::ResultsLost)?;
         // A recorded scan is read before it is due, a live one after.
         let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
-        frame.timings.set_latency_ns(Some(latency_ns));
+        frame.timings.latency_ns = Some(latency_ns);
         summary.add(&frame);
         self.observers.send(frame).ok(); // they only end when this does
         Ok(())
@@ -271,8 +271,8 @@ impl Collect<'_> {
         let Some(flight) = &mut self.flight else { return Ok(()) };
         let (start, waiting) = (Instant::now(), &self.waiting);
         let flown = catch_unwind(AssertUnwindSafe(|| add(flight, frame, waiting)));
-        let before_ns = frame.timings.flight_ns().unwrap_or(0);
-        frame.timings.set_flight_ns(Some(before_ns.saturating_add(elapsed_ns(start))));
+        let before_ns = frame.timings.flight_ns.unwrap_or(0);
+        frame.timings.flight_ns = Some(before_ns.saturating_add(elapsed_ns(start)));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
             frame.failure.insert(Failure { step: Step::Report, seq: frame.revolution.seq, cause }).clone()

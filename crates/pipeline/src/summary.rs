@@ -77,8 +77,8 @@ impl StageTimes {
         for step in Step::ALL {
             self.steps[step as usize].add(frame.timings.ns(step));
         }
-        frame.timings.flight_ns().into_iter().for_each(|ns| self.flight.add(ns));
-        frame.timings.latency_ns().into_iter().for_each(|ns| self.latency.add(ns));
+        frame.timings.flight_ns.into_iter().for_each(|ns| self.flight.add(ns));
+        frame.timings.latency_ns.into_iter().for_each(|ns| self.latency.add(ns));
     }
 }
 

@@ -86,8 +86,10 @@ impl fmt::Display for Step {
 pub struct Timings {
     /// Of each step, in the order of [`Step::ALL`].
     steps_ns: [u64; Step::ALL.len()],
-    flight_ns: Option<u64>,
-    latency_ns: Option<u64>,
+    /// Of the flight; `None` without one.
+    pub flight_ns: Option<u64>,
+    /// From the arrival of the scan to its written results; `None` before that.
+    pub latency_ns: Option<u64>,
 }
 
 impl Timings {
@@ -99,26 +101,6 @@ impl Timings {
     /// The time of a step.
     pub fn ns(&self, step: Step) -> u64 {
         self.steps_ns[step as usize]
-    }
-
-    /// Sets the time that the flight took.
-    pub fn set_flight_ns(&mut self, ns: Option<u64>) {
-        self.flight_ns = ns;
-    }
-
-    /// The time that the flight took; `None` without a flight.
-    pub fn flight_ns(&self) -> Option<u64> {
-        self.flight_ns
-    }
-
-    /// Sets the latency, or that there is none.
-    pub fn set_latency_ns(&mut self, ns: Option<u64>) {
-        self.latency_ns = ns;
-    }
-
-    /// Time from the arrival of the scan to its written results; `None` before that.
-    pub fn latency_ns(&self) -> Option<u64> {
-        self.latency_ns
     }
 }
 

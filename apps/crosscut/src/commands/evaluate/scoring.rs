@@ -85,7 +85,7 @@ impl Followed {
         let start = Instant::now();
         self.mapper.add(frame);
         let map_ns = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        self.time.revolutions_ns.push(map_ns.saturating_add(frame.timings.flight_ns().unwrap_or(0)));
+        self.time.revolutions_ns.push(map_ns.saturating_add(frame.timings.flight_ns.unwrap_or(0)));
         self.score.add(frame, truth);
     }
 
