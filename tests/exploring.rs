@@ -62,10 +62,14 @@ fn missions_and_planners_are_listed_and_unknown_ones_refused() {
 
 #[test]
 fn several_missions_are_a_table() {
-    let (json, said) = outcome(&["tee", "--seed", "1", "--count", "2"]);
-    let value: Value = serde_json::from_str(&json).expect("a list");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let json = folder.path().join("missions.json");
+    let args = ["explore", "tee", "--seed", "1", "--count", "2", "--json"].map(std::ffi::OsStr::new);
+    let ran = run(args.into_iter().chain([json.as_os_str()])).expect_code(0);
+    let value: Value = serde_json::from_slice(&std::fs::read(&json).expect("written")).expect("a list");
     assert_eq!(value.as_array().map(Vec::len), Some(2));
-    assert!(said.contains("success %") && said.contains("tee"), "{said}");
+    assert!(ran.stdout.contains("success %") && ran.stdout.contains("tee"), "{}", ran.stdout);
+    assert_eq!(ran.stderr, "");
 }
 
 #[test]

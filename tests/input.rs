@@ -110,7 +110,7 @@ fn a_run_says_what_was_noted_of_its_scans() {
     scans[2].ranges[..7].fill(0.0);
     let flight = file(folder.path(), "zeros.mcap", &bytes(&scans, &Writing::default()));
     let ran = run(["run".as_ref(), flight.as_os_str()]).expect_code(0);
-    assert!(ran.stderr.contains("2  180 beams of range 0 read as no return"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("2  180 beams of range 0 read as no return"), "{}", ran.stdout);
 }
 
 fn refused(name: &str, content: &[u8]) -> Ran {

@@ -6,6 +6,7 @@ mod evaluation;
 mod exploring;
 mod figures;
 mod flight;
+mod flying;
 mod following;
 mod headline;
 mod input;

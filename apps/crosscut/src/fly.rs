@@ -8,13 +8,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Score;
 use crosscut_flight::check_live;
-use crosscut_ingest::{Following, Recording, Sensor, Truths, recordings_in};
+use crosscut_ingest::{Following, Recording, Truths, recordings_in};
 use crosscut_messages::{Truth, TruthError};
-use crosscut_detector::{Config, Registry};
 use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Failure, FailureCause, Frame, Notes, Observer, Revolution, Source, SourceError, Step, counted};
 use indicatif::ProgressBar;
 
@@ -78,11 +79,7 @@ impl Flight {
     }
 
     /// Reads the next revolution and its truth; `None` at the end.
-    pub(crate) fn next(
-        &mut self,
-        out: &mut Revolution,
-        notes: &mut Notes,
-    ) -> Result<Option<TruthAt>, SourceError> {
+    pub(crate) fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<Option<TruthAt>, SourceError> {
         let more = self.recording.next(out, notes)?;
         let at_ns = self.recording.last_log_time_ns();
         Ok(more.then(|| self.truths.as_mut().map_or(Ok(None), |truths| truths.at(at_ns))))
@@ -96,7 +93,7 @@ impl Flight {
     }
 
     /// The scans of the inputs that were passed over, and what is odd about their times.
-    fn left_out(&self) -> Vec<String> {
+    pub(crate) fn left_out(&self) -> Vec<String> {
         let recording = &self.recording;
         let mut notes = Vec::new();
         if recording.of_other_frames() > 0 {

@@ -21,7 +21,6 @@ mod settings;
 
 pub use crosscut_messages::LaserScan;
 pub use crosscut_sensor::Sensor;
-pub use crosscut_spectral::ZERO_TOLERANCE;
 pub use crosscut_stage as stage;
 pub use crosscut_stage::{Failure, Frame, Junction};
 

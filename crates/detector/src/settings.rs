@@ -12,8 +12,8 @@ use crate::{Config, ConfigError, Detector, Engine, Layer, Preset, Registry};
 pub struct Settings {
     preset: Preset,
     files: Vec<PathBuf>,
-    /// Each `section.name=value`.
-    changes: Vec<String>,
+    /// By `section.name`.
+    changes: Vec<(String, Value)>,
     affinity: Option<Box<dyn AffinityStage>>,
     spectral: Option<Box<dyn SpectralStage>>,
     kmeans: Option<Box<dyn KmeansStage>>,
@@ -78,7 +78,7 @@ impl Settings {
 
     /// Any other setting, `section.name`, as `crosscut config` lists them. What is set later wins.
     pub fn set(mut self, setting: &str, value: impl Into<Value>) -> Self {
-        self.changes.push(format!("{setting}={}", value.into()));
+        self.changes.push((setting.to_owned(), value.into()));
         self
     }
 
@@ -93,7 +93,7 @@ impl Settings {
         };
         let mut layers = vec![self.preset.into()];
         layers.extend(self.files.iter().map(read).collect::<Result<Vec<_>, _>>()?);
-        layers.push(Layer::settings("settings", &self.changes)?);
+        layers.push(Layer::values("settings", &self.changes)?);
         Config::resolve(registry, &layers)
     }
 

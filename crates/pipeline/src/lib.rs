@@ -16,10 +16,8 @@ mod quantiles;
 mod stop;
 mod stream;
 mod summary;
-mod variants;
 
 pub use note_counts::{NoteCount, NoteCounts};
 pub use stop::StopFlag;
 pub use stream::{ResultsSink, StreamOptions, stream};
 pub use summary::{Answers, End, StageTimes, Summary};
-pub use variants::{Variants, settings_of_step};

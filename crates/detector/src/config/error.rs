@@ -31,6 +31,10 @@ pub enum ConfigError {
     UnknownKey { layer: String, section: String, key: String, nearest: String },
     #[error("{layer}: {section}.{error}")]
     BadValue { layer: String, section: &'static str, error: ParamError },
+    #[error(
+        "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}), so no return would be left"
+    )]
+    NoReturnLeft { nearest_m: f64, farthest_m: f64 },
 }
 
 /// Asks "did you mean ...?" if one of the known names is near, else lists all of them.

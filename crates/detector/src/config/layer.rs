@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crosscut_stage::Value as Setting;
 use toml::{Table, Value};
 
 use super::error::{ConfigError, nearest};
@@ -87,16 +88,34 @@ impl Layer {
     /// # Errors
     /// When a setting is not of this form.
     pub fn settings(name: &str, settings: &[String]) -> Result<Self, ConfigError> {
-        let mut table = Table::new();
+        let mut layer = Self { name: name.to_owned(), table: Table::new() };
         for setting in settings {
             let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
             let (path, value) = setting.split_once('=').ok_or_else(malformed)?;
-            let (section, key) = path.trim().split_once('.').ok_or_else(malformed)?;
-            let section = table.entry(section).or_insert_with(|| Value::Table(Table::new()));
-            let section = section.as_table_mut().ok_or_else(malformed)?;
-            section.insert(key.to_owned(), value_or_word(value.trim()));
+            layer.insert(path.trim(), value_or_word(value.trim())).ok_or_else(malformed)?;
         }
-        Ok(Self { name: name.to_owned(), table })
+        Ok(layer)
+    }
+
+    /// Values of settings, each named `section.key`. Messages call the layer by its `name`.
+    ///
+    /// # Errors
+    /// When a name is not of this form.
+    pub fn values(name: &str, values: &[(String, Setting)]) -> Result<Self, ConfigError> {
+        let mut layer = Self { name: name.to_owned(), table: Table::new() };
+        for (setting, value) in values {
+            let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
+            layer.insert(setting, to_toml(value)).ok_or_else(malformed)?;
+        }
+        Ok(layer)
+    }
+
+    /// Sets `section.key`; `None` if `path` is not of this form.
+    fn insert(&mut self, path: &str, value: Value) -> Option<()> {
+        let (section, key) = path.split_once('.')?;
+        let section = self.table.entry(section).or_insert_with(|| Value::Table(Table::new()));
+        section.as_table_mut()?.insert(key.to_owned(), value);
+        Some(())
     }
 
     fn parse(name: String, text: &str) -> Result<Self, ConfigError> {
@@ -110,4 +129,17 @@ impl Layer {
 fn value_or_word(text: &str) -> Value {
     let parsed = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
     parsed.unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+fn to_toml(setting: &Setting) -> Value {
+    match setting {
+        Setting::Flag(flag) => Value::Boolean(*flag),
+        Setting::Integer(i) => Value::Integer(*i),
+        Setting::Number(x) => Value::Float(*x),
+        Setting::Text(text) => Value::String(text.clone()),
+        Setting::Names(names) => names.iter().cloned().map(Value::String).collect::<Vec<_>>().into(),
+        Setting::Pairs(pairs) => {
+            pairs.iter().map(|pair| pair.map(Value::Float).to_vec().into()).collect::<Vec<Value>>().into()
+        }
+    }
 }

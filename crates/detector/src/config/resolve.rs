@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
 use crosscut_stage::{Kind, ParamErrorKind, ParamSpec, Params, StageKind, Value};
 
 use super::error::{ConfigError, nearest, nearest_and_all};
@@ -69,7 +70,15 @@ impl Config {
         let sections = sections.iter().map(|section| resolve_section(section, layers));
         let mut config = Self { sections: sections.collect::<Result<_, _>>()? };
         config.follow();
+        config.refuse_no_return()?;
         Ok(config)
+    }
+
+    /// Refuses ranges of the sensor between which no return lies.
+    fn refuse_no_return(&self) -> Result<(), ConfigError> {
+        let ingest = self.params("ingest");
+        let (nearest_m, farthest_m) = (ingest.get(MIN_RANGE_M), ingest.get(MAX_RANGE_M));
+        if nearest_m < farthest_m { Ok(()) } else { Err(ConfigError::NoReturnLeft { nearest_m, farthest_m }) }
     }
 
     /// Gives parameters that are not set themselves the values of those that they follow.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crosscut_detector::{Config, ConfigError, Layer, Preset, Registry};
+use crosscut_detector::{Config, ConfigError, Layer, Preset, Registry, Settings};
 use crosscut_stage::{Affinity, AffinityStage, Kind, Notes, Number, ParamErrorKind, Revolution, StageError, Value};
 
 const ERROR_AT_X: Number = Number::new("error_at_x", "", -1.0).from(-1.0).to(1e9);
@@ -194,4 +194,28 @@ fn code_can_match_on_what_is_wrong_with_a_value() {
     let mut params = resolve("", &[]).expect("the preset").params("affinity").clone();
     let unknown = params.set("sigma", 1.0).expect_err("there is no such parameter");
     assert_eq!(unknown.kind, ParamErrorKind::NotFound);
+}
+
+#[test]
+fn typed_settings_arrive_as_they_are() {
+    let text = "a \"b\" = [1], \u{7}\u{e9}";
+    let settings = Settings::new(Preset::Paper)
+        .set("ingest.frame_id", text)
+        .set("ingest.yaw_rad", 0.1 + 0.2)
+        .set("ingest.upside_down", true)
+        .set("kmeans.seed", 7_u32)
+        .set("ingest.masked_sectors_rad", Value::Pairs(vec![[0.1, 1.0 / 3.0]]));
+    let config = settings.config(&Registry::standard()).expect("allowed");
+    let value = |section: &str, name: &str| config.params(section).value(name).cloned();
+    assert_eq!(value("ingest", "frame_id"), Some(Value::Text(text.to_owned())));
+    assert_eq!(value("ingest", "yaw_rad"), Some(Value::Number(0.1 + 0.2)));
+    assert_eq!(value("ingest", "upside_down"), Some(Value::Flag(true)));
+    assert_eq!(value("kmeans", "seed"), Some(Value::Integer(7)));
+    assert_eq!(value("ingest", "masked_sectors_rad"), Some(Value::Pairs(vec![[0.1, 1.0 / 3.0]])));
+    let printed = config.to_string();
+    assert!(printed.contains("upside_down = true  # settings"), "where a value comes from: {printed}");
+    let refused = |settings: Settings| settings.config(&Registry::standard()).expect_err("refused").to_string();
+    assert!(refused(Settings::default().set("vehicle", 1.0)).contains("section.key=value"));
+    let nearest_m = Settings::default().set("ingest.min_range_m", 9.0).set("ingest.max_range_m", 9.0);
+    assert!(refused(nearest_m).contains("no return would be left"));
 }

@@ -22,11 +22,10 @@ use serde_json::Value;
 
 use self::save::Saved;
 use crate::cli::explore::ExploreArgs;
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::say;
+use crate::say::{say, show};
 use crate::{outputs, progress};
 
 /// Flies missions, or lists what there is.
@@ -34,7 +33,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    let config = config::resolve(&args.config, registry)?;
+    let config = args.config.resolve(registry)?;
     check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
@@ -42,8 +41,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
     let mut json = args.json.as_deref().map(|path| outputs::create(path, &read)).transpose()?;
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let stop = stop_on_interrupt()?;
     let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
     let bar = progress::bar(None, args.quiet);
     let mut diagnostics = Diagnostics::default();
@@ -66,7 +64,8 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if !args.quiet {
         match &missions[..] {
             [(_, flown)] if jobs.len() == 1 => say(outcome::words(flown)),
-            several => say(table::table(several)),
+            several if args.json.as_deref() != Some(Path::new("-")) => show(table::table(several))?,
+            _ => {}
         }
     }
     if let Some((job, failure)) = missions.iter().find_map(|(job, flown)| Some((job, flown.failure.as_ref()?))) {
@@ -238,6 +237,6 @@ fn list() -> anyhow::Result<Outcome> {
     for planner in planners() {
         text += &format!("  {:<18}{}\n", planner.name, planner.doc);
     }
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    show(text)?;
     Ok(Outcome::Done)
 }

@@ -1,8 +1,6 @@
 //! What is counted of one configuration on one flight.
 
 use crosscut_evaluate::{Evaluation, Score, flips};
-use crosscut_messages::Truth;
-use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, SURE, Step};
 use serde_json::{Value, json};
 
@@ -20,8 +18,8 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Adds the answer to a revolution, compared with its truth if there is one.
-    pub(super) fn add(&mut self, frame: &Frame, truth: Option<&Truth>) {
+    /// Adds the answer to a revolution, with its score if there is a truth.
+    pub(super) fn add(&mut self, frame: &Frame, score: Option<&Score>) {
         if frame.failure.is_some() {
             self.failed += 1;
             return;
@@ -34,8 +32,8 @@ impl Tally {
         for (step, times_ns) in Step::ALL.into_iter().zip(&mut self.times_ns) {
             times_ns.push(frame.timings.ns(step));
         }
-        if let Some(Ok(score)) = truth.map(|truth| Score::of(truth, &ResultsLine::of(frame))) {
-            self.evaluation.add(&score);
+        if let Some(score) = score {
+            self.evaluation.add(score);
         }
     }
 

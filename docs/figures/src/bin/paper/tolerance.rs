@@ -90,8 +90,6 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
-    use crosscut_detector::Engine;
-
     use super::*;
 
     #[test]
@@ -104,11 +102,9 @@ mod tests {
                 let (right_counts, walls_right) = method.judge(&scene).expect("it answers");
                 for (exponent, right_count) in EXPONENTS.into_iter().zip(right_counts).skip(2) {
                     let settings = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 10_f64.powi(exponent));
-                    let mut frame = Frame::default();
-                    let sensor = settings.sensor().expect("allowed");
-                    sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-                    settings.engine().expect("allowed").process(&mut frame).expect("it answers");
-                    let score = Score::of(&scene.truth, &ResultsLine::of(&frame)).expect("the same scan");
+                    let mut detector = settings.build().expect("allowed");
+                    detector.detect(&scene.scan).expect("it answers");
+                    let score = Score::of(&scene.truth, &ResultsLine::of(detector.frame())).expect("the same scan");
                     let verdict = (score.right_count(), score.right);
                     assert_eq!((right_count, right_count && walls_right), verdict, "{}, 1e{exponent}", suite.name);
                     *if score.right { &mut right } else { &mut wrong } += 1;

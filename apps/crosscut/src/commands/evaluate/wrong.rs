@@ -1,6 +1,6 @@
 //! Wrong answers: a list of all, and drawings of the first, each beside the truth.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_evaluate::Score;
@@ -19,7 +19,7 @@ const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place
 
 /// The scenes of one recording that one configuration answers wrong.
 #[derive(Default)]
-pub(crate) struct Wrong {
+pub(super) struct Wrong {
     panels: Vec<Panel>,
     /// One row of [`COLUMN_NAMES`] for each scene.
     rows: Vec<String>,
@@ -27,7 +27,7 @@ pub(crate) struct Wrong {
 
 impl Wrong {
     /// Adds a scene if its answer is wrong.
-    pub(crate) fn take(&mut self, frame: &Frame, truth: &Truth, score: &Score) {
+    pub(super) fn take(&mut self, frame: &Frame, truth: &Truth, score: &Score) {
         if score.right {
             return;
         }
@@ -53,22 +53,26 @@ impl Wrong {
     }
 
     /// Number of wrong answers.
-    pub(crate) fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.rows.len()
     }
 
     /// Writes `FAMILY-CONFIGURATION.svg` with the first wrong answers and `.csv` with all of them into the folder;
     /// nothing if there are none.
-    pub(crate) fn write(&self, folder: &Path, family: &str, configuration: &str) -> anyhow::Result<()> {
+    pub(super) fn write(&self, folder: &Path, family: &str, configuration: &str) -> anyhow::Result<()> {
         if self.rows.is_empty() {
             return Ok(());
         }
-        let name = format!("{family}-{}", configuration.replace(['/', '\\'], "_"));
         let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
-        for (extension, text) in [("svg", sheet(&self.panels, COLUMNS)), ("csv", list)] {
-            let path = folder.join(format!("{name}.{extension}"));
+        for (path, text) in paths(folder, family, configuration).into_iter().zip([sheet(&self.panels, COLUMNS), list]) {
             std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         Ok(())
     }
+}
+
+/// The drawing and the list of a recording and a configuration.
+pub(super) fn paths(folder: &Path, family: &str, configuration: &str) -> [PathBuf; 2] {
+    let name = format!("{family}-{}", configuration.replace(['/', '\\'], "_"));
+    ["svg", "csv"].map(|extension| folder.join(format!("{name}.{extension}")))
 }

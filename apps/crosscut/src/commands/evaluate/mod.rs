@@ -1,5 +1,8 @@
 //! `crosscut evaluate`: compares configurations with the truth in recordings.
 
+mod scoring;
+mod wrong;
+
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,47 +11,56 @@ use anyhow::Context;
 use crosscut_detector::Registry;
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
-use crosscut_ingest::{ReadOptions, Truths, recordings_in};
-use crosscut_pipeline::{End, StopFlag};
+use crosscut_ingest::{Truths, recordings_in};
 use serde_json::json;
 
 use crate::cli::EvaluateArgs;
 use crate::configurations::{self, Configuration};
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
+use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::say;
-use crate::scoring::{self, FlightTime, Scored};
+use crate::say::{say, show};
 use crate::{outputs, progress, typeset};
+
+use self::scoring::FlightTime;
 
 /// Runs every configuration on every recording and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let default = ["default".to_owned()];
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, registry)?;
-    let input = recordings_in(&args.input)?;
+    let read = files_read(&args.input, configurations::files(with))?;
+    let input = recordings_in(&args.input.recordings.input)?;
     refuse_equal("families", input.iter().map(|path| family_of(path)))?;
     refuse_equal("configurations", columns.iter().map(|column| column.name.clone()))?;
-    let read: Vec<_> = input.iter().cloned().chain(configurations::files(with)).collect();
+    if let Some(folder) = &args.draw_wrong {
+        for (family, column) in
+            input.iter().flat_map(|path| columns.iter().map(move |column| (family_of(path), column)))
+        {
+            wrong::paths(folder, &family, &column.name).iter().try_for_each(|path| outputs::refuse(&[path], &read))?;
+        }
+    }
     let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
     let mut outputs = Outputs::open(args, &read)?;
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let stop = stop_on_interrupt()?;
 
     let bar = progress::bar(revolutions, args.quiet);
+    let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: false };
     let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
-    let (options, mut wrong, mut time) = (read_options(args), 0, FlightTime::default());
+    let (mut wrong, mut time) = (0, FlightTime::default());
     'all: for path in &recordings {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
+            let whose = format!("{}, in {}", column.name, path.display());
             if stop.is_set() {
-                interrupt(path, &column.name, &mut diagnostics);
+                diagnostics.interrupted(format_args!("at {whose}: the figures cover what was compared before that"));
                 break 'all;
             }
-            let scored = scoring::score(path, &options, &column.config, registry, &stop, &bar)?;
-            bar.suspend(|| report(path, &column.name, &scored, &mut diagnostics));
+            let scored = scoring::score(path, &args.input, &column.config, &how)?;
+            bar.suspend(|| scored.report(&whose, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
             if let Some((figures, taken)) = scored.flight {
                 scoreboard.add_flight(&family, place, &figures);
@@ -71,10 +83,6 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     }
     outputs.write(&scoreboard, &columns, diagnostics.problems())?;
     Ok(diagnostics.outcome())
-}
-
-fn read_options(args: &EvaluateArgs) -> ReadOptions {
-    ReadOptions { topic: args.topic.clone(), read_as: args.read_as, ..ReadOptions::default() }
 }
 
 /// The name of a recording's family.
@@ -101,10 +109,10 @@ fn with_truth(
     columns: &[Configuration],
     diagnostics: &mut Diagnostics,
 ) -> anyhow::Result<(Vec<PathBuf>, Option<u64>)> {
-    let options = read_options(args);
-    let messages_in = |path: &Path| {
+    let messages_in = |path: &PathBuf| {
         Truths::open(path)?;
-        anyhow::Ok(scoring::open(path, &options, &columns[0].config)?.total_revolutions())
+        let flight = Flight::open(std::slice::from_ref(path), &args.input, &columns[0].config);
+        anyhow::Ok(flight?.total_revolutions())
     };
     let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), Vec::new());
     for path in recordings {
@@ -137,33 +145,6 @@ fn note_changed_scans(columns: &[Configuration], diagnostics: &mut Diagnostics) 
             diagnostics.note(format_args!("{name} sets {changed}; the truth may not hold for scans read that way"));
         }
     }
-}
-
-/// Reports the losses of one configuration on one recording, and why it ended early.
-fn report(path: &Path, configuration: &str, scored: &Scored, diagnostics: &mut Diagnostics) {
-    diagnostics.lost_all(&scored.losses);
-    let compared = scored.evaluation.revolutions();
-    let file = path.display();
-    match &scored.end {
-        End::Failed(failure) => diagnostics
-            .error(format_args!("{configuration}: {failure}; the {compared} revolutions before it count, in {file}")),
-        End::Complete if compared == 0 => {
-            diagnostics.error(format_args!("no scan could be compared with its truth, in {file}"));
-        }
-        // No file is written here, so this is a defect of the scoring. It must not pass for a shorter flight.
-        End::ResultsLost(error) => diagnostics.error(format_args!(
-            "{configuration}: a result cannot be scored: {error}; the {compared} revolutions before it count, in {file}"
-        )),
-        End::Interrupted => interrupt(path, configuration, diagnostics),
-        End::Complete => {}
-    }
-}
-
-/// Reports where the evaluation stopped. Every configuration was compared on the same revolutions before that.
-fn interrupt(path: &Path, configuration: &str, diagnostics: &mut Diagnostics) {
-    let file = path.display();
-    diagnostics
-        .interrupted(format_args!("at {configuration}, in {file}: the figures cover what was compared before that"));
 }
 
 /// The output files, opened before the work begins.
@@ -204,7 +185,7 @@ impl<'a> Outputs<'a> {
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {
-            std::io::stdout().write_all(typeset::text(&shown).as_bytes()).context(failed)?;
+            show(typeset::text(&shown))?;
         }
         Ok(())
     }
@@ -238,36 +219,4 @@ fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> St
         "problems": problems,
     });
     format!("{document:#}\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn outcome_of(end: End) -> (Outcome, Vec<String>) {
-        let mut diagnostics = Diagnostics::default();
-        let scored = Scored {
-            evaluation: Evaluation::default(),
-            flight: None,
-            wrong: Default::default(),
-            end,
-            losses: Vec::new(),
-        };
-        report(Path::new("tee.mcap"), "paper", &scored, &mut diagnostics);
-        (diagnostics.outcome(), diagnostics.problems().to_vec())
-    }
-
-    #[test]
-    fn a_result_that_cannot_be_scored_fails_the_evaluation() {
-        let (outcome, problems) = outcome_of(End::ResultsLost(std::io::Error::other("it panicked: no wall 3")));
-        assert_eq!(outcome, Outcome::Failed);
-        assert!(problems[0].contains("paper") && problems[0].contains("no wall 3"), "{problems:?}");
-    }
-
-    #[test]
-    fn an_interrupted_evaluation_states_where_it_stopped() {
-        let (outcome, problems) = outcome_of(End::Interrupted);
-        assert_eq!(outcome, Outcome::Interrupted);
-        assert!(problems[0].contains("paper") && problems[0].contains("tee.mcap"), "{problems:?}");
-    }
 }
