@@ -50,7 +50,7 @@ impl Work {
 
     /// What a flight added to the scan before.
     fn forget_flight(&mut self) {
-        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
+        self.frame.extra.clear();
     }
 
     fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {

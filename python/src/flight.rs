@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crosscut_detector::Config;
-use crosscut_flight::{Flight as Poses, Mapper, check_live};
+use crosscut_flight::{Flight as Poses, FlightAnswer, Mapper, check_live};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Frame;
@@ -53,7 +53,7 @@ impl Flight {
         let mut state = self.state();
         state.poses.add(frame);
         state.mapper.add(frame);
-        state.pose = frame.pose;
+        state.pose = FlightAnswer::of(frame).pose;
     }
 }
 

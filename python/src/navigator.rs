@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
-use crosscut_flight::check_live;
+use crosscut_flight::{FlightAnswer, check_live};
 use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
 use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_sensor::Live;
@@ -74,6 +74,9 @@ impl Navigator {
     /// x and y in metres and yaw in radians at the last step, in the frame of the start.
     #[getter]
     fn pose(&self, py: Python<'_>) -> Option<(f64, f64, f64)> {
-        py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).0.frame().pose.as_ref().map(xy_yaw))
+        py.detach(|| {
+            let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
+            FlightAnswer::of(pilot.frame()).pose.as_ref().map(xy_yaw)
+        })
     }
 }

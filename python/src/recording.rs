@@ -52,6 +52,7 @@ impl Recording {
             to_s: wanted.to_s,
             every: NonZero::new(wanted.every.0).ok_or_else(|| PyValueError::new_err("every is 1 or more"))?,
             csv: CsvGeometry::new(config.params("csv")),
+            waiting_bytes: config.waiting_bytes(),
         };
         let sensor = Sensor::new(config.params("ingest"));
         let opened = py.detach(|| Ingest::open(&wanted.paths, &options, sensor));

@@ -22,12 +22,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crosscut_stage::{
+    Beam, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, widest_run, wrap_angle_rad,
+};
 use nalgebra::Isometry2;
 
-use crosscut_stage::{
-    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, Way, widest_run,
-    wrap_angle_rad,
-};
+use crate::{Here, HereKind, Way};
 
 const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
     .from(0.6)

@@ -8,7 +8,7 @@ use crosscut_stage::{
 
 use crate::openings::{self, OpeningRule};
 use crate::outline::Outline;
-use crate::{confidence, islands, odds, place, walls};
+use crate::{confidence, doorway, islands, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
@@ -126,10 +126,10 @@ impl Reporter {
         let (outline, vehicle_width_m) = (&mut self.outline, self.vehicle_width_m);
         outline.fill(revolution, sweep, &out.wall_of_return)?;
         islands::mark(revolution, self.island_m, vehicle_width_m, outline, out);
-        openings::find(self.openings, revolution, outline, vehicle_width_m, &mut out.openings);
+        openings::find(self.openings, revolution, verdicts, outline, vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
-        odds::set_of_openings(verdicts, revolution, out);
+        odds::set_of_openings(verdicts, out);
         out.confidence = if self.uncalibrated {
             notes.add("report: no confidence, as nothing was calibrated for an affinity of one's own");
             None
@@ -141,9 +141,9 @@ impl Reporter {
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            let doorway = openings::doorway(outline, vehicle_width_m);
+            let doorway = doorway::doorway(outline, vehicle_width_m);
             if let Some(gap) = &doorway {
-                let [from_m, to_m] = gap.edge_m();
+                let [from_m, to_m] = gap.ends_m();
                 notes.add(format!(
                     "report: nothing is seen in {:.1} m of a wall, a doorway or a dark surface: less confidence",
                     (to_m - from_m).norm()
@@ -191,6 +191,9 @@ impl Reporter {
         let done = self.look_around(view.seen(), sweep, &verdicts, spectrum, &mut seen, notes);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
+        }
+        for number in seen.openings.iter_mut().flat_map(|opening| &mut opening.returns).flatten() {
+            *number = view.numbers()[*number as usize];
         }
         (out.openings, out.junctions) = (seen.openings, seen.junctions);
         (out.place, out.confidence) = (seen.place, seen.confidence);

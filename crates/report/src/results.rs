@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use crosscut_stage::{Frame, Here};
+use crosscut_flight::{FlightAnswer, Here};
+use crosscut_stage::Frame;
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -145,7 +146,7 @@ impl HereLine {
 impl ResultsLine {
     /// The line of a finished frame.
     pub fn of(frame: &Frame) -> Self {
-        let (spectrum, junction) = (&frame.spectrum, &frame.junction);
+        let (spectrum, junction, flown) = (&frame.spectrum, &frame.junction, FlightAnswer::of(frame));
         Self {
             seq: frame.revolution.seq,
             stamp_ns: frame.revolution.stamp_ns,
@@ -171,11 +172,11 @@ impl ResultsLine {
                     p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
-                    cut_by_view: o.cut_by_view,
+                    cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
-            here: frame.here.as_ref().map(HereLine::of),
-            steady: frame.steady.as_ref().map(|steady| SteadyLine {
+            here: flown.here.as_ref().map(HereLine::of),
+            steady: flown.steady.as_ref().map(|steady| SteadyLine {
                 junctions: steady.junctions,
                 here: steady.here.as_ref().map(HereLine::of),
                 openings: steady
@@ -184,7 +185,7 @@ impl ResultsLine {
                     .map(|o| SteadyOpeningLine { track: o.track, bearing_rad: o.bearing_rad, width_m: o.width_m })
                     .collect(),
             }),
-            pose: frame.pose.map(|pose| PoseLine {
+            pose: flown.pose.map(|pose| PoseLine {
                 x_m: pose.translation.x,
                 y_m: pose.translation.y,
                 yaw_rad: pose.rotation.angle(),

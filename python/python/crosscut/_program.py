@@ -25,8 +25,8 @@ StrPath: TypeAlias = "str | os.PathLike[str]"
 DONE, FAILED, WRONG_USAGE, SOMETHING_LOST, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
-COMMAND = (sys.executable, "-m", "crosscut")
-"""The program in this environment."""
+COMMAND = (sys.executable, *(["-P"] if sys.version_info >= (3, 11) else []), "-m", "crosscut")
+"""The program in this environment. ``-P``: no module of the current folder, which may hold data, stands for an installed one."""
 
 
 def run(

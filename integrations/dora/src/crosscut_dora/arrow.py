@@ -43,7 +43,7 @@ PROGRESS: dict[str, pa.DataType] = {
 W: dict[str, pa.DataType] = {"w_row_start": _U64S, "w_column": _U32S, "w_value": _F64S}
 VERDICTS: dict[str, pa.DataType] = {
     "verdict_returns": pa.list_(pa.list_(pa.uint32(), 2)),
-    "verdict_is_way": pa.list_(pa.bool_()),
+    "verdict_is_opening": pa.list_(pa.bool_()),
     "verdict_room_ratio": _F64S,
     "verdict_p": _F64S,
     "verdict_reason": pa.list_(pa.string()),

@@ -65,7 +65,7 @@ impl Wrong {
         }
         let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
         for (path, text) in paths(folder, family, configuration).into_iter().zip([sheet(&self.panels, COLUMNS), list]) {
-            std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            crosscut_outfile::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         Ok(())
     }

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, line, page, text};
-use crosscut_flight::Map;
-use crosscut_stage::{Frame, Here, HereKind, Steady, counted};
+use crosscut_evaluate::panel::{Panel, sheet};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Steady};
+use crosscut_stage::{Frame, counted};
 
 use crate::typeset::escaped;
-use crosscut_evaluate::panel::{Panel, sheet};
 
 /// At most this many places are shown.
 const MOST_PLACES: usize = 60;
@@ -49,7 +49,7 @@ struct Scan {
 impl Places {
     /// Adds the next revolution of the flight.
     pub(super) fn take(&mut self, frame: &Frame) {
-        let Some(what) = frame.steady.as_ref().and_then(name) else {
+        let Some(what) = FlightAnswer::of(frame).steady.as_ref().and_then(name) else {
             self.is_open = false;
             return;
         };

@@ -10,8 +10,6 @@ use anyhow::Context;
 use serde_json::Value;
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
-use crate::unfinished::Unfinished;
-
 /// The folder with the files.
 pub(super) struct Store {
     folder: PathBuf,
@@ -31,7 +29,7 @@ impl Store {
     /// Keeps what was computed. A file is there as a whole or not at all.
     pub(super) fn put(&self, name: &str, row: &Value) -> anyhow::Result<()> {
         let path = self.path(name);
-        Unfinished::write(&path, format!("{row}\n")).with_context(|| format!("cannot write {}", path.display()))
+        crosscut_outfile::write(&path, format!("{row}\n")).with_context(|| format!("cannot write {}", path.display()))
     }
 
     fn path(&self, name: &str) -> PathBuf {
