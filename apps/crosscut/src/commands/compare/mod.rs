@@ -7,6 +7,7 @@ use std::iter::Peekable;
 use std::path::Path;
 use std::thread::{Builder, ScopedJoinHandle};
 
+use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_detector::Registry;
 use crosscut_evaluate::{Agreement, Differences};
