@@ -160,7 +160,7 @@ def uses(a: Any, b: Any, c: Any) -> list[Callable[[], Any]]:
 @pytest.mark.filterwarnings("ignore")
 def test_odd_arguments_raise_what_is_documented() -> None:
     chance = random.Random(int(os.environ.get("CROSSCUT_SEED", "1")))
-    for _ in range(int(os.environ.get("CROSSCUT_ODD_ARGUMENTS", "2000"))):
+    for _ in range(int(os.environ.get("CROSSCUT_ODD_ARGUMENTS", "600"))):
         a, b, c = (chance.choice(ODD) for _ in range(3))
         use = chance.choice(uses(a, b, c))
         try:

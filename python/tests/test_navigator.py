@@ -63,7 +63,7 @@ def step():
 stepping = threading.Thread(target=step)
 stepping.start()
 began.wait()
-sys.stdout.write(f"{navigator.map.to_dict()["nodes"]}\\n")
+sys.stdout.write(f"{navigator.map.to_dict()['nodes']}\\n")
 stepping.join()
 """
 

@@ -16,6 +16,7 @@ import pytest
 from conftest import in_wheel, recordings
 from crosscut.frames import STAGES, finish
 
+import crosscut_dora
 from crosscut_dora import arrow
 from crosscut_dora.window import Order, Window
 
@@ -191,3 +192,7 @@ def test_nothing_is_sent_again_where_nothing_is_lost() -> None:
         window.acknowledge(*way.popleft())
         window.repeat()
     assert window.resent == 0
+
+
+def test_the_package_is_of_the_version_of_crosscut() -> None:
+    assert crosscut_dora.__version__ == crosscut.__version__
