@@ -47,7 +47,7 @@ def evaluation(path: Path) -> dict:
 
 
 def mixture(path: Path) -> dict:
-    """The last table of the page that the example `robustness` writes, and how many cells the others have."""
+    """The last table of the page that the program `robustness` writes, and how many cells the others have."""
     cells = [cell for line in path.read_text().splitlines() if line.startswith("| ") for cell in line.strip("| ").split(" | ")[1:]]
     shares = [int(cell) for cell in cells if cell.isdigit()]
     row = next(line for line in path.read_text().splitlines() if re.fullmatch(r"\|( \d+\.\d \|){6}", line))
@@ -57,21 +57,21 @@ def mixture(path: Path) -> dict:
 
 
 def corridors(path: Path) -> dict:
-    """Of the first line of each list that `--over-time` wrote, and of the results beside what a person counted."""
+    """Of the summary of each report, and of the results beside what a person counted."""
     labels = list(csv.DictReader((path / "labels.csv").open()))
     counted = {page.stem: [json.loads(line)["junctions"] for line in page.open()] for page in path.glob("corridor_*.jsonl")}
     right = [counted[Path(label["file"]).stem][int(label["scan"])] == int(label["walls"]) for label in labels]
     figures: dict = {"labelled": len(right), "labelled_right": sum(right), "revolutions": {}, "differ": {}, "percent": {}}
-    for page in sorted(path.glob("corridor_*.md")):
+    for page in sorted(path.glob("corridor_*.html")):
         name = page.stem.removeprefix("corridor_")
-        differ, revolutions = map(int, re.search(r"(\d+) of (\d+) revolutions", page.read_text()).groups())
+        revolutions, differ = map(int, re.search(r"<p>(\d+) revolutions .*before and after: (\d+) ", page.read_text(), re.DOTALL).groups())
         figures["revolutions"][name], figures["differ"][name] = revolutions, differ
         figures["percent"][name] = round(100 * differ / revolutions, 1)
     return figures
 
 
 def tolerance(path: Path) -> dict:
-    """Right answers in all by tolerance: the last table of `crosscut paper`."""
+    """Right answers in all by tolerance: the last table of `paper.md`."""
     lines = [line for line in path.read_text().splitlines() if line.startswith("| ")]
     header = next(line for line in lines if line.startswith("| family"))
     last = [line for line in lines if line.startswith("| all")][-1]
@@ -142,25 +142,25 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         "What real lidars do",
         [
             "tests/foreign/run places target/places/effects --count 60 --seed 303 --effects",
-            "crosscut evaluate target/places/effects --with paper,spectral.kind=slicing --with default",
+            "crosscut evaluate target/places/effects --with paper --with default",
         ],
         "effects.json",
         evaluation,
     ),
     "mixture": (
         "Everything at once",
-        ["cargo run --release -p crosscut --no-default-features --example robustness -- target/docs/robustness"],
+        ["cargo run --release -p crosscut-figures --bin robustness -- target/docs/robustness"],
         "robustness/robustness.md",
         mixture,
     ),
-    "corridors": ("Real corridors", ["crosscut run FLIGHT.mcap --over-time FLIGHT.svg"], "corridors", corridors),
+    "corridors": ("Real corridors", ["crosscut report FLIGHT.mcap --out FLIGHT.html"], "corridors", corridors),
     "maps": (
         "Maps of flights",
         ["cargo run --release -p crosscut-flight --example maps -- loops lookalike close chambers pillars 201 10"],
         "maps.md",
         maps,
     ),
-    "tolerance": ("The paper's rule by tolerance", ["crosscut paper --out target/docs/paper"], "paper/paper.md", tolerance),
+    "tolerance": ("The paper's rule by tolerance", ["docs/make paper"], "paper/paper.md", tolerance),
     "speed": ("Speed beside scikit-learn", ["tests/foreign/run speed"], "speed.txt", speed),
     "recording": ("Recording", ["cargo bench --workspace --bench recording"], "recording.csv", recording),
 }

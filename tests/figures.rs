@@ -1,15 +1,10 @@
-//! The pages that people read: their figures are the published ones, their links lead somewhere, and they stay short.
+//! The pages that people read: their figures are the published ones, their links lead somewhere, their commands are those of CI.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::program::root;
-
-const README_LINES: usize = 120;
-const PAGE_LINES: usize = 200;
-/// Beside the page of results, which a command makes.
-const PAGES: usize = 12;
 
 /// Before a paragraph or a table, this comment names the published figures that must stand in it.
 const MARK: &str = "\n<!-- figures: ";
@@ -148,13 +143,29 @@ fn relative_links_lead_to_files_and_headings() {
 }
 
 #[test]
-fn readme_and_pages_stay_short() {
-    let lines = |path: &Path| read(path).lines().count();
-    assert!(lines(&root().join("README.md")) <= README_LINES);
-    for path in docs() {
-        assert!(lines(&path) < PAGE_LINES, "{}: {} lines", path.display(), lines(&path));
+fn the_first_command_of_the_readme_builds_no_rerun() {
+    let readme = read(&root().join("README.md"));
+    let first = readme.lines().find_map(|line| line.strip_prefix("$ cargo run ")).expect("a first command");
+    let (options, _) = first.split_once(" -- ").expect("arguments of the program");
+    let mut tree = std::process::Command::new(env!("CARGO"));
+    tree.args(["tree", "--locked", "--offline", "--prefix=none", "--edges=normal,build"]);
+    tree.args(options.split(' ').filter(|option| *option != "--release")).current_dir(root());
+    let out = tree.output().expect("cargo starts");
+    let packages = String::from_utf8(out.stdout).expect("UTF-8");
+    assert!(packages.contains("crosscut-spectral"), "{}", String::from_utf8_lossy(&out.stderr));
+    let of_rerun: Vec<_> = packages.lines().filter(|line| line.starts_with("re") && line.contains("_sdk")).collect();
+    assert!(of_rerun.is_empty(), "{of_rerun:?}");
+}
+
+#[test]
+fn ci_runs_the_commands_of_the_readme() {
+    let readme = read(&root().join("README.md"));
+    let ci = read(&root().join(".ci/run"));
+    for start in ["cargo test --release", "cargo run --release -- run"] {
+        let command = readme.lines().find(|line| line.starts_with(start)).expect(start);
+        let command = command.split("   ").next().unwrap_or(command).replace("--save tee.rrd", "--save target/tee.rrd");
+        assert!(ci.lines().any(|line| line.strip_prefix("step ") == Some(&command)), "{command}");
     }
-    assert!(docs().len() <= PAGES + 1, "{:?}", docs());
 }
 
 #[test]

@@ -91,6 +91,8 @@ fn what_cannot_be_followed_is_refused() {
     run(["run", "-", "--follow"]).expect_code(2);
     run(["run", "a.mcap", "b.mcap", "--follow"]).expect_code(2);
     run(["run", "a.mcap", "--follow", "--topic", "/front", "--topic", "/rear"]).expect_code(2);
+    let ahead = run(["run", "a.mcap", "--follow", "--set", "flight.look_ahead=10"]).expect_code(2).stderr;
+    assert!(ahead.contains("flight.look_ahead is for recordings"), "{ahead}");
     let empty = folder.path().join("empty.mcap");
     std::fs::write(&empty, tunnel(0, &Writing::default())).expect("writable");
     run(["run".as_ref(), empty.as_os_str(), "--follow".as_ref()]).expect_code(1);

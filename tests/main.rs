@@ -6,16 +6,15 @@ mod evaluation;
 mod exploring;
 mod figures;
 mod flight;
+mod flying;
 mod following;
 mod headline;
 mod input;
 mod interruption;
 mod maps;
 mod messages;
-mod over_time;
 mod overwriting;
 mod pages;
-mod paper;
 mod program;
 #[cfg(feature = "rerun")]
 mod reading;
@@ -29,3 +28,4 @@ mod simulation;
 mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod writing;

@@ -48,6 +48,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tests/foreign/run", description="Cross-checks crosscut with foreign tools.")
     parser.add_argument("checks", nargs="*", metavar="CHECK", help=f"which ones: {', '.join(CHECKS)}, page, browser; all but page and browser if none")
     parser.add_argument("--crosscut", type=Path, help="the program; target/release/crosscut if not given")
+    parser.add_argument("--work", default="work", help="folder in target/foreign for what is made; runs side by side need one each")
     parser.add_argument("--root", type=Path, required=True, help=argparse.SUPPRESS)
     args = parser.parse_args()
     known = CHECKS | ON_DEMAND
@@ -57,7 +58,7 @@ def main() -> int:
     if not binary.exists():
         parser.error(f"{binary} is not there: cargo build --release -p crosscut")
 
-    flights = Flights(args.root, Crosscut(binary), args.root / "target/foreign/work")
+    flights = Flights(args.root, Crosscut(binary), args.root / "target/foreign" / args.work)
     verdicts = Verdicts()
     if not flights.real():
         verdicts.skipped("real recordings", f"not in {flights.data}; shipped, simulated and made ones are checked")

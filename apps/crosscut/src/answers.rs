@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use crosscut_ingest::Sensor;
 use crosscut_messages::{
     CDR_ENCODING, Cloud, Endian, Header, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, POINTS_TOPIC,
     PROTOBUF_ENCODING, PointCloud2, SCAN_TOPIC, SCENE_SCHEMA_NAME, SCHEMA_ENCODING, Scene, SceneArrow, SceneLine,
     SceneText, Time,
 };
 use crosscut_report::{RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Frame, Point, counted};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{McapError, WriteOptions};
 
-use crate::figure::wall_rgb;
+use crosscut_evaluate::panel::wall_rgb;
 
 /// Topics of the answers.
 const RESULTS_TOPIC: &str = "/crosscut/results";

@@ -16,30 +16,25 @@ mod config;
 mod configurations;
 mod diagnostics;
 mod exit;
-mod figure;
-mod flight;
+mod fly;
 mod interrupt;
 mod map_file;
 mod maps;
 mod observers;
 mod outputs;
-mod over_time;
 mod progress;
 mod say;
-mod scoring;
 mod summary;
 mod typeset;
-mod unfinished;
 mod written;
-mod wrong;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
+use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
-use crosscut_pipeline::Registry;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
@@ -59,6 +54,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
+    interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),
@@ -67,7 +63,6 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
-        Command::Paper(args) => commands::paper::paper(&args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
 use crate::cli::RunArgs;
@@ -29,8 +29,8 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_ingest::{UPSIDE_DOWN, YAW_RAD};
     use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
+    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
 
     let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {
@@ -42,7 +42,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         view: args.view,
         serve: args.serve,
         live: run.rate.is_some(),
-        name: run.flight.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),

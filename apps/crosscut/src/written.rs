@@ -1,52 +1,41 @@
-//! What a run writes beside a recording: results, the picture over time, the map.
+//! What a run writes beside a recording: results and the map.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crosscut_detector::Config;
 use crosscut_flight::Mapper;
-use crosscut_ingest::Sensor;
-use crosscut_pipeline::Config;
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
 
 use crate::answers::AnswersFile;
-use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
+use crate::fly::Flown;
 use crate::map_file::MapFile;
 use crate::outputs;
-use crate::over_time::OverTime;
 
 /// The files that the report thread writes.
 pub(crate) struct Written {
     /// `None` as well once they cannot be written.
     results: Option<Results>,
-    over_time: Option<OverTime>,
     mapper: Mapper,
     map: Option<MapFile>,
-    returns: usize,
 }
 
 impl Written {
-    /// Opens the files. Without the picture over time or the map the run continues; without results it fails.
+    /// Opens the files. Without the map the run continues; without results it fails.
     pub(crate) fn open(
-        args: &RunArgs,
+        results: Option<&Path>,
+        map: Option<&Path>,
         config: &Config,
         read: &[PathBuf],
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Self> {
-        let results = args.results.as_ref().map(|path| Results::create(path, config, read)).transpose()?;
-        let vehicle_width_m = config.params("vehicle").get(crosscut_report::VEHICLE_WIDTH_M);
-        let over_time = args.over_time.as_ref().map(|svg| OverTime::create(svg, read, vehicle_width_m)).transpose();
-        diagnostics.lost_all(over_time.as_ref().err().map(|error| format!("{error:#}")));
-        let map = args.map.as_ref().map(|path| MapFile::create(path, read)).transpose();
+        let results = results.map(|path| Results::create(path, config, read)).transpose()?;
+        let map = map.map(|path| MapFile::create(path, read)).transpose();
         diagnostics.lost_all(map.as_ref().err().map(|error| format!("{error:#}")));
-        let map = map.unwrap_or_default();
-        Ok(Self { results, over_time: over_time.unwrap_or_default(), mapper: Mapper::default(), map, returns: 0 })
-    }
-
-    /// Returns of all revolutions so far.
-    pub(crate) fn returns(&self) -> usize {
-        self.returns
+        Ok(Self { results, mapper: Mapper::default(), map: map.unwrap_or_default() })
     }
 
     /// The map so far in a line.
@@ -55,11 +44,10 @@ impl Written {
     }
 
     pub(crate) fn is_nothing(&self) -> bool {
-        self.results.is_none() && self.over_time.is_none() && self.map.is_none()
+        self.results.is_none() && self.map.is_none()
     }
 
     pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
-        self.returns += frame.revolution.len();
         self.mapper.add(frame);
         if let Some(map) = &mut self.map {
             map.update(&self.mapper);
@@ -70,21 +58,19 @@ impl Written {
             self.results = None;
             return Err(error);
         }
-        if let Some(over_time) = &mut self.over_time {
-            over_time.take(frame);
-        }
         Ok(())
     }
 
-    /// Writes what is left of each file, whatever becomes of the others.
+    /// Writes what is left of each file, whatever becomes of the others; nothing if there was no revolution.
     ///
     /// # Errors
     /// When the results cannot be written.
-    pub(crate) fn finish(&mut self, starts_at_s: f64, diagnostics: &mut Diagnostics) -> io::Result<()> {
-        let map = self.map.as_mut().map(|map| map.finish(&self.mapper));
-        let over_time = self.over_time.as_mut().map(|over_time| over_time.write(starts_at_s));
-        let errors = [map, over_time].into_iter().flatten().filter_map(Result::err);
-        diagnostics.lost_all(errors.map(|error| format!("{error:#}")));
+    pub(crate) fn finish(&mut self, flown: &Flown, diagnostics: &mut Diagnostics) -> io::Result<()> {
+        if flown.is_empty() {
+            return Ok(());
+        }
+        let map = self.map.as_mut().and_then(|map| map.finish(&self.mapper).err());
+        diagnostics.lost_all(map.map(|error| format!("{error:#}")));
         self.results.as_mut().map_or(Ok(()), Results::finish)
     }
 }
@@ -97,7 +83,7 @@ enum Results {
 
 impl Results {
     fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
-        let out = outputs::create(path, read)?;
+        let out = outputs::grow(path, read)?;
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
             return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
         }

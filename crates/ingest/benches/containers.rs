@@ -11,8 +11,9 @@ use std::hint::black_box;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
+use crosscut_ingest::{ReadOptions, Recording};
 use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message, SCAN_TOPIC, SCHEMA_ENCODING, Time};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source as _};
 use mcap::records::MessageHeader;
 

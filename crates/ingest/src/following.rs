@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::{IngestError, Loss, LossKind, ReadOptions, Recording, Sensor, container};
+use crosscut_sensor::Sensor;
+
+use crate::{IngestError, Loss, LossKind, ReadOptions, Recording, container};
 
 /// Between two looks at a file that did not grow.
 const INTERVAL: Duration = Duration::from_millis(50);

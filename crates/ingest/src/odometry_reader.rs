@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use crosscut_messages::ODOMETRY_TOPIC;
+use crosscut_sensor::{Odometry, pose_in};
 use nalgebra::Isometry2;
 
 use crate::container::{self, Container, Contents, Message, TopicReader};
-use crate::odometry::pose_in;
 use crate::topics::topics_of;
-use crate::{CsvGeometry, Odometry, TopicInfo};
+use crate::{CsvGeometry, TopicInfo};
 
 /// Odometry recorded this long after a scan is not read for it: its stamps are of another clock.
 const AHEAD_NS: u64 = 2_000_000_000;

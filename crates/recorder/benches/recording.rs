@@ -8,9 +8,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_ingest::{ReadOptions, Recording, Sensor};
-use crosscut_pipeline::{Config, Engine, Preset, Registry};
+use crosscut_detector::{Config, Engine, Preset, Registry};
+use crosscut_ingest::{ReadOptions, Recording};
 use crosscut_recorder::{Detail, Recorder, RecorderOptions, Scope};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Frame, Observer as _, Source as _};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, ChunkBatcherConfig, LogMsg};

@@ -66,15 +66,6 @@ impl Default for Agility {
     }
 }
 
-/// What a vehicle is to do until the next command.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Command {
-    /// Speed ahead; below 0 astern.
-    pub speed_m_s: f64,
-    /// Turn rate, anticlockwise.
-    pub turn_rate_rad_s: f64,
-}
-
 /// A vehicle under command in a mine.
 #[derive(Clone, Debug)]
 pub struct Driven {
@@ -137,8 +128,9 @@ impl Driven {
         Some(driven)
     }
 
-    /// Obeys a command for the time of one sweep, and senses meanwhile. The scene has no [`truth`](Self::truth) yet.
-    pub fn step(&mut self, command: Command) -> Scene {
+    /// Obeys a command, a speed ahead (below 0 astern) and a turn rate anticlockwise, for the time of one sweep, and senses
+    /// meanwhile. The scene has no [`truth`](Self::truth) yet.
+    pub fn step(&mut self, speed_m_s: f64, turn_rate_rad_s: f64) -> Scene {
         let (start, stamp_ns) = (self.pose, self.stamp_ns);
         let state = OdometryState {
             position_m: self.odometry.translation.vector,
@@ -148,7 +140,7 @@ impl Driven {
         };
         self.is_in_contact = false;
         for _ in 0..STEPS_PER_SWEEP {
-            self.advance(command, self.lidar.sweep_s / STEPS_PER_SWEEP as f64);
+            self.advance([speed_m_s, turn_rate_rad_s], self.lidar.sweep_s / STEPS_PER_SWEEP as f64);
         }
         self.stamp_ns += self.sweep_ns();
         let motion = Motion { start, end: self.pose };
@@ -191,11 +183,11 @@ impl Driven {
         self.last.as_ref().map_or(0, |(motion, echoes, _)| self.mine.scenery(&self.lidar, motion, echoes).walls)
     }
 
-    fn advance(&mut self, command: Command, dt_s: f64) {
+    fn advance(&mut self, [speed_m_s, turn_rate_rad_s]: [f64; 2], dt_s: f64) {
         let Agility { astern_max_m_s, speed_max_m_s, turn_rate_max_rad_s, radius_m, .. } = self.agility;
         let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let wanted_m_s = finite(command.speed_m_s).clamp(-astern_max_m_s, speed_max_m_s);
-        let wanted_rad_s = finite(command.turn_rate_rad_s).clamp(-turn_rate_max_rad_s, turn_rate_max_rad_s);
+        let wanted_m_s = finite(speed_m_s).clamp(-astern_max_m_s, speed_max_m_s);
+        let wanted_rad_s = finite(turn_rate_rad_s).clamp(-turn_rate_max_rad_s, turn_rate_max_rad_s);
         let (most_m_s, most_rad_s) =
             (self.agility.acceleration_m_s2 * dt_s, self.agility.turn_acceleration_rad_s2 * dt_s);
         self.speed_m_s += (wanted_m_s - self.speed_m_s).clamp(-most_m_s, most_m_s);
@@ -236,7 +228,7 @@ mod tests {
         let agility = Agility { sideways_sd_m_s: 0.0, turn_sd_rad_s: 0.0, ..Agility::default() };
         let mut driven = driven(agility, 1);
         let before = driven.pose();
-        driven.step(Command { speed_m_s: 100.0, turn_rate_rad_s: f64::NAN });
+        driven.step(100.0, f64::NAN);
         let moved_m = (driven.pose().position_m - before.position_m).norm();
         assert!(moved_m <= 0.5 * 1.0 * 0.1 * 0.1 * 1.2, "{moved_m} m in a tenth of a second at 1 m/s²");
         assert_eq!(driven.pose().heading_rad, before.heading_rad, "a command that is no number is none");
@@ -247,7 +239,7 @@ mod tests {
         let mut driven = driven(Agility::default(), 1);
         let mut contacts = 0;
         for _ in 0..400 {
-            driven.step(Command { speed_m_s: 1.0, turn_rate_rad_s: 0.0 });
+            driven.step(1.0, 0.0);
             contacts += u32::from(driven.is_in_contact());
             let clear_m = driven.mine.surface().clearance_m(driven.pose().position_m, 5.0);
             assert!(clear_m >= 0.3 - 1e-9, "{clear_m} m from the rock");
@@ -259,8 +251,7 @@ mod tests {
     fn the_same_seed_gives_the_same_scans() {
         let scans = |seed| {
             let mut driven = driven(Agility::default(), seed);
-            let command = Command { speed_m_s: 1.0, turn_rate_rad_s: 0.1 };
-            (0..5).map(|_| driven.step(command).scan).collect::<Vec<_>>()
+            (0..5).map(|_| driven.step(1.0, 0.1).scan).collect::<Vec<_>>()
         };
         assert_eq!(scans(3), scans(3));
         assert_ne!(scans(3), scans(4));

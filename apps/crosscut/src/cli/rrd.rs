@@ -10,7 +10,7 @@ use super::{seconds, tolerance};
 pub(crate) enum RrdCommand {
     /// List the entities of the recordings in a file with their components, revolutions and sizes.
     Ls(RrdLsArgs),
-    /// Export the values of an entity: as NumPy array, CSV or JSON lines.
+    /// Export the values of an entity: as NumPy array, CSV or text.
     Get(RrdGetArgs),
     /// Compare two recordings row by row and name the first revolution and stage that differ. Exit codes as of diff(1):
     /// 0 equal, 1 different, 2 failed; and 3 if the readable rows of a damaged recording are equal.
@@ -55,7 +55,7 @@ pub(crate) struct RrdGetArgs {
     /// Recompute W, L, U and all that follows in full precision from the recorded ranges and configuration.
     #[arg(long)]
     pub(crate) exact: bool,
-    /// Output: .npy, .csv or .jsonl; for text also .md, or `-` for standard output.
+    /// Output: .npy or .csv; for text also .md, or `-` for standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

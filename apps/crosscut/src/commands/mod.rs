@@ -6,7 +6,6 @@ pub(crate) mod evaluate;
 pub(crate) mod explore;
 pub(crate) mod info;
 pub(crate) mod map;
-pub(crate) mod paper;
 pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;

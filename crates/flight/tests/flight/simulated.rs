@@ -1,7 +1,7 @@
 //! Poses on simulated flights, against the true ones.
 
 use crosscut_flight::{PoseTracker, Tracked};
-use crosscut_ingest::{PARAMS, Sensor};
+use crosscut_sensor::{PARAMS, Sensor};
 use crosscut_simulator::Scene;
 use crosscut_stage::{Notes, Params, Revolution, Value};
 use nalgebra::{Isometry2, Vector2};

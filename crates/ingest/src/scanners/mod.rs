@@ -6,12 +6,13 @@
 mod around;
 mod frames;
 
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
 use crate::container::{self, Container};
-use crate::{IngestError, Loss, ReadOptions, Recording, Sensor};
+use crate::{IngestError, Loss, ReadOptions, Recording};
 
 /// Scans of two scanners whose stamps are further apart than this are of different revolutions.
 const FARTHEST_NS: u64 = 100_000_000;

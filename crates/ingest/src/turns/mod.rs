@@ -3,25 +3,19 @@
 //! Both are learned from the first messages of a recording, which wait until enough of them are there. Most recordings
 //! have one message a turn and no blind sector; they pass unchanged. Clouds pass without waiting.
 
-mod blind;
 mod segments;
 
 use std::collections::VecDeque;
 
 use crosscut_messages::{DecodeError, LaserScan, ScanMessage};
-use crosscut_stage::{Beam, Notes, Revolution};
+use crosscut_sensor::{LEARNED_SCANS, Motion, Sensor, View};
+use crosscut_stage::{Notes, Revolution};
 
-use self::blind::BlindSectors;
 use self::segments::Joiner;
-use crate::Sensor;
-use crate::motion::Motion;
-use crate::sensor::Directions;
-use crate::turning::LEAST_TURN_RAD;
+use crate::limits;
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
-/// So many turns show which beams never return.
-const LEARNED_TURNS: usize = 100;
 
 /// One turn of the lidar, or one message before that is known.
 #[derive(Debug)]
@@ -57,9 +51,11 @@ pub(crate) struct Turns {
     joiner: Option<Joiner>,
     knows_parts: bool,
     knows_blind: bool,
-    blind: BlindSectors,
-    directions: Directions,
+    view: View,
     spare: Vec<ScanMessage>,
+    /// Of the ranges that wait, and how many may.
+    bytes: u64,
+    most_bytes: u64,
 }
 
 impl Turn {
@@ -85,28 +81,6 @@ impl Turn {
             _ => None,
         }
     }
-
-    /// The angle by which the sensor turned from one beam to the next, rad; 0 if that is not known or makes no
-    /// difference.
-    fn turned_rad_per_beam(&self, beams: usize, motion: Option<&Motion>, sensor: &Sensor) -> f64 {
-        let by_odometry = motion.filter(|motion| motion.times_s[0] < motion.times_s[1]);
-        let rad_per_beam = by_odometry.map_or(self.rad_per_beam, |motion| {
-            sensor.own_angle_rad(motion.turned_rad()) / beams.saturating_sub(1) as f64
-        });
-        if rad_per_beam.abs() * beams as f64 >= LEAST_TURN_RAD { rad_per_beam } else { 0.0 }
-    }
-}
-
-/// When the first and last point of a scan were measured, s after the stamp, if its beams are `beam_s` apart; both 0 if
-/// that is not known.
-pub(crate) fn times_s(scan: &ScanMessage, beam_s: f64) -> [f64; 2] {
-    match scan {
-        ScanMessage::Scan(scan) => [0.0, beam_s * scan.ranges.len().saturating_sub(1) as f64],
-        ScanMessage::Cloud(cloud) => {
-            let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
-            times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
-        }
-    }
 }
 
 impl Turns {
@@ -118,10 +92,16 @@ impl Turns {
             joiner: None,
             knows_parts: !are_scans,
             knows_blind: !are_scans || !finds_blind,
-            blind: BlindSectors::default(),
-            directions: Directions::default(),
+            view: View::default(),
             spare: Vec::new(),
+            bytes: 0,
+            most_bytes: limits::WAITING_BYTES,
         }
+    }
+
+    /// With less memory for the messages that wait: fewer have to do, where they are large.
+    pub(crate) fn limited(self, most_bytes: u64) -> Self {
+        Self { most_bytes, ..self }
     }
 
     /// How many messages usually make a turn.
@@ -131,27 +111,21 @@ impl Turns {
 
     /// Takes a message.
     pub(crate) fn push(&mut self, message: Turn, sensor: &Sensor) {
+        if !self.is_settled() {
+            let ranges = message.laser_scan().map_or(0, |scan| scan.ranges.len() + scan.intensities.len());
+            self.bytes += (size_of::<f32>() * ranges) as u64;
+        }
+        let is_full = self.bytes >= self.most_bytes;
         if self.knows_parts {
             self.take(message);
         } else {
             self.waiting.push(message);
-            if self.waiting.len() >= LEARNED_MESSAGES {
+            if self.waiting.len() >= LEARNED_MESSAGES || is_full {
                 self.learn_parts();
             }
         }
-        if self.knows_parts && self.turns.len() >= LEARNED_TURNS {
+        if self.knows_parts && (self.turns.len() >= LEARNED_SCANS || is_full) {
             self.learn_blind(sensor);
-        }
-    }
-
-    /// Takes a copy of a scan that is shown at once, as long as blind sectors are to be learned.
-    pub(crate) fn look_at(&mut self, scan: &LaserScan, sensor: &Sensor) {
-        if !self.knows_blind {
-            self.turns.push_back(Turn { scan: Ok(ScanMessage::Scan(scan.clone())), ..Turn::new(0, 0) });
-            if self.turns.len() >= LEARNED_TURNS {
-                self.learn_blind(sensor);
-                self.turns.clear();
-            }
         }
     }
 
@@ -185,19 +159,9 @@ impl Turns {
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
-        match scan {
-            ScanMessage::Scan(scan) => {
-                let rad_per_beam = turn.turned_rad_per_beam(scan.ranges.len(), motion, sensor);
-                sensor.turning_revolution(scan, rad_per_beam, &mut self.directions, out, notes);
-            }
-            ScanMessage::Cloud(cloud) => sensor.moving_cloud(cloud, motion, out, notes),
-        }
+        self.view.show(scan, turn.rad_per_beam, motion, sensor, out, notes);
         notes.extend(turn.notes.iter().cloned());
-        if let (Some(sweep), ScanMessage::Scan(scan)) = (&mut out.sweep, scan) {
-            let missing = sweep.beams.iter_mut().zip(&turn.missing).filter(|(_, is_missing)| **is_missing);
-            missing.for_each(|(beam, _)| *beam = Beam::Unknown);
-            self.blind.hide(scan, out, notes);
-        }
+        self.view.hide(scan, &turn.missing, out, notes);
     }
 
     /// A place for the next message.
@@ -237,6 +201,6 @@ impl Turns {
         // A turn without some of its messages shows nothing of the beams that are missing.
         let is_whole = |turn: &&Turn| !turn.missing.contains(&true);
         let scans: Vec<_> = self.turns.iter().filter(is_whole).filter_map(Turn::laser_scan).collect();
-        self.blind = BlindSectors::find(&scans, sensor);
+        self.view.learn_blind(&scans, sensor);
     }
 }

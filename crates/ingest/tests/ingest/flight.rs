@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use crosscut_ingest::{PARAMS, ReadOptions, Recording, Sensor};
+use crosscut_ingest::{ReadOptions, Recording};
 use crosscut_messages::{Endian, Header, LaserScan, Message, Time};
+use crosscut_sensor::{PARAMS, Sensor};
 use crosscut_stage::{Notes, Params, Revolution, Source, Value};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crosscut_ingest::{Live, Odometry, ReadOptions, Recording};
+use crosscut_ingest::{ReadOptions, Recording};
 use crosscut_messages::{Cloud, Endian, Header, LaserScan, PointCloud2, ScanDecoder, ScanMessage, Time};
+use crosscut_sensor::{Live, Odometry};
 use crosscut_stage::{Beam, Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Record, record_at, sensor, time_ns};

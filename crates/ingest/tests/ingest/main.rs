@@ -13,7 +13,6 @@ mod parts;
 mod real;
 mod recording;
 mod scanners;
-mod sensor;
 mod single_clouds;
 mod times;
 mod truths;

@@ -1,7 +1,8 @@
 //! Scans under other names, in other types, and without a name.
 
-use crosscut_ingest::{IngestError, ReadOptions, Recording, Sensor};
+use crosscut_ingest::{IngestError, ReadOptions, Recording};
 use crosscut_messages::{Cloud, Endian, LaserScan, Message, NumberType, PointCloud2, PointField, ScanType};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source, Value};
 
 use crate::flight::{Folder, Form, Record, START_NS, drain, plain_flight, record_at, scan, sensor};

@@ -2,7 +2,8 @@
 
 use std::io;
 
-use crosscut_pipeline::{Config, Layer, Registry, StreamOptions, Summary, stream};
+use crosscut_detector::{Config, Layer, Registry};
+use crosscut_pipeline::{StreamOptions, Summary, stream};
 use crosscut_stage::{
     Affinity, AffinityStage, Frame, Kind, KmeansStage, Notes, Number, ParamSpec, Partition, Point, Revolution, Source,
     SourceError, SpectralStage, Spectrum, StageError, Step,

@@ -1,6 +1,6 @@
 //! What became of a mission, for programs and for people.
 
-use crosscut_explore::Flown;
+use crosscut_missions::Flown;
 use crosscut_stage::counted;
 use serde_json::{Value, json};
 
@@ -54,7 +54,7 @@ pub(super) fn words(flown: &Flown) -> String {
         1 => "1 crash".to_owned(),
         several => format!("{several} crashes"),
     };
-    let why = match flown.end.map(crosscut_explore::End::name) {
+    let why = match flown.end.map(crosscut_navigate::End::name) {
         Some("stuck") => "; it could not get on",
         Some("gave_up") => "; it found nothing new for too long",
         None => "; it was stopped",

@@ -5,11 +5,11 @@ use std::iter::Peekable;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use crosscut_ingest::{Sensor, UPSIDE_DOWN};
+use crosscut_detector::{Config, Engine, Layer, Registry};
 use crosscut_messages::{Header, LaserScan, Time};
-use crosscut_pipeline::{Config, Engine, Layer, Registry};
 use crosscut_rrd::schema::{self, Entity};
 use crosscut_rrd::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
+use crosscut_sensor::{Sensor, UPSIDE_DOWN};
 use crosscut_spectral::Laplacian;
 use crosscut_stage::{Frame, wrap_angle_rad};
 

@@ -1,21 +1,20 @@
-//! Values as files: NumPy arrays, CSV, JSON lines, and texts.
+//! Values as files: NumPy arrays, CSV and texts.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{Stdout, Write};
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use crosscut_rrd::{Array, Numbers, Row, Value};
+use crosscut_outfile::{Keep, Whole};
+use crosscut_rrd::{Row, Value};
 
 use super::npy::NpyFile;
 use super::table;
 use crate::exit::UsageError;
-use crate::unfinished::Unfinished;
+use crate::interrupt;
 
 /// Where values are written: a file, which replaces an older one when it is finished, or standard output.
 pub(super) struct Output {
     format: Format,
-    file: Option<Unfinished>,
     /// How many values were written.
     pub(super) values: usize,
 }
@@ -25,35 +24,49 @@ enum Format {
     /// One array; of several revolutions along its first dimension.
     Npy(NpyFile),
     /// One number or text a line, with revolution, stamp and indices before it; 0 columns before the first value.
-    Csv { file: BufWriter<File>, columns: usize },
-    /// One object a revolution.
-    JsonLines(BufWriter<File>),
+    Csv { file: Whole, columns: usize },
     /// Texts, those of several revolutions under headings.
-    Markdown { out: Box<dyn Write>, one: bool },
+    Markdown { out: Texts, one: bool },
+}
+
+/// Where texts go.
+enum Texts {
+    File(Whole),
+    StandardOutput(Stdout),
+}
+
+impl Texts {
+    fn as_write(&mut self) -> &mut dyn Write {
+        match self {
+            Self::File(file) => file,
+            Self::StandardOutput(out) => out,
+        }
+    }
 }
 
 impl Output {
     /// Opens the file at `path`, or standard output for `-`. An array of `one` revolution has no dimension for revolutions.
     pub(super) fn create(path: &Path, one: bool) -> anyhow::Result<Self> {
         if path == Path::new("-") {
-            let format = Format::Markdown { out: Box::new(std::io::stdout()), one };
-            return Ok(Self { format, file: None, values: 0 });
+            let format = Format::Markdown { out: Texts::StandardOutput(std::io::stdout()), one };
+            return Ok(Self { format, values: 0 });
         }
-        let file = Unfinished::beside(path);
-        file.remove_on_interrupt()?;
-        let create = || file.create().with_context(|| format!("cannot write {}", path.display()));
+        let create = || {
+            let created = Whole::create(path, Keep::ThroughKill);
+            let file = created.with_context(|| format!("cannot write {}", path.display()))?;
+            interrupt::quit_without(&file)?;
+            Ok::<_, anyhow::Error>(file)
+        };
         let format = match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
-            Some("csv") => Format::Csv { file: BufWriter::new(create()?), columns: 0 },
-            Some("jsonl") => Format::JsonLines(BufWriter::new(create()?)),
-            Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
+            Some("csv") => Format::Csv { file: create()?, columns: 0 },
+            Some("md") => Format::Markdown { out: Texts::File(create()?), one },
             _ => {
-                let text =
-                    format!("{}: --out takes a file that ends in .npy, .csv, .jsonl or .md", path.display());
+                let text = format!("{}: --out takes a file that ends in .npy, .csv or .md", path.display());
                 return Err(UsageError(text).into());
             }
         };
-        Ok(Self { format, file: Some(file), values: 0 })
+        Ok(Self { format, values: 0 })
     }
 
     /// Adds the value of a revolution, or of the whole flight.
@@ -71,12 +84,10 @@ impl Output {
     /// Ends the file and gives it the name that was asked for.
     pub(super) fn finish(self) -> anyhow::Result<()> {
         match self.format {
-            Format::Npy(file) => file.finish()?,
-            Format::Csv { mut file, .. } => file.flush()?,
-            Format::JsonLines(mut file) => file.flush()?,
-            Format::Markdown { mut out, .. } => out.flush()?,
+            Format::Npy(file) => file.finish(),
+            Format::Csv { file, .. } | Format::Markdown { out: Texts::File(file), .. } => Ok(file.finish()?),
+            Format::Markdown { out: Texts::StandardOutput(mut out), .. } => Ok(out.flush()?),
         }
-        Ok(self.file.map_or(Ok(()), Unfinished::finish)?)
     }
 }
 
@@ -85,7 +96,7 @@ impl Format {
         match self {
             Self::Npy(file) => match value {
                 Value::Numbers(array) => file.add(array),
-                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv or .jsonl"))),
+                other => bail!(UsageError(format!("{other} is no array of numbers: take .csv"))),
             },
             Self::Csv { file, columns } => {
                 let rows = table::rows(revolution, stamp_ns, value)?;
@@ -94,63 +105,20 @@ impl Format {
                     *columns = rows.num_columns();
                 }
                 if rows.num_columns() != *columns {
-                    bail!(UsageError("its dimensions differ from those before: take .jsonl".to_owned()));
+                    bail!(UsageError("its dimensions differ from those before: take one with --revolution".to_owned()));
                 }
                 Ok(table::write_csv(file, &rows)?)
             }
-            Self::JsonLines(file) => {
-                let line = serde_json::json!({"revolution": revolution, "stamp_ns": stamp_ns, "value": json(value)});
-                Ok(writeln!(file, "{line}")?)
-            }
             Self::Markdown { out, one } => match value {
                 Value::Texts(texts) => {
+                    let out = out.as_write();
                     if let Some(revolution) = revolution.filter(|_| !*one) {
                         writeln!(out, "# Revolution {revolution}\n")?;
                     }
                     texts.iter().try_for_each(|text| Ok(writeln!(out, "{}\n", text.trim_end())?))
                 }
-                other => bail!(UsageError(format!("{other} is no text: take a file .npy, .csv or .jsonl"))),
+                other => bail!(UsageError(format!("{other} is no text: take a file .npy or .csv"))),
             },
         }
-    }
-}
-
-/// Nested lists; JSON has no infinity and no NaN, they become null.
-fn json(value: &Value) -> serde_json::Value {
-    match value {
-        Value::Numbers(array) => json_array(array),
-        Value::Lists(lists) => lists.iter().map(json_array).collect(),
-        Value::Texts(texts) => texts.clone().into(),
-        other => other.to_string().into(),
-    }
-}
-
-fn json_array(array: &Array) -> serde_json::Value {
-    let mut values: Vec<serde_json::Value> = match &array.numbers {
-        Numbers::F64(values) => values.iter().map(|&x| x.into()).collect(),
-        Numbers::F32(values) => values.iter().map(|&x| x.into()).collect(),
-        Numbers::I64(values) => values.iter().map(|&i| i.into()).collect(),
-    };
-    let Some((_, inner)) = array.shape.split_first() else {
-        return values.pop().unwrap_or_default();
-    };
-    for &size in inner.iter().rev() {
-        values = values.chunks(size.max(1)).map(|row| row.to_vec().into()).collect();
-    }
-    values.into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nested_lists_have_the_shape_of_the_array() {
-        let array = |shape: &[usize], numbers| Array { shape: shape.to_vec(), dims: vec![], numbers };
-        let json = |shape, numbers| json_array(&array(shape, numbers)).to_string();
-        assert_eq!(json(&[2, 3], Numbers::I64((0..6).collect())), "[[0,1,2],[3,4,5]]");
-        assert_eq!(json(&[0, 3], Numbers::I64(vec![])), "[]");
-        assert_eq!(json(&[], Numbers::F32(vec![0.5])), "0.5");
-        assert_eq!(json(&[2], Numbers::F64(vec![f64::INFINITY, 1e-16])), "[null,1e-16]");
     }
 }

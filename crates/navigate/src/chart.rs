@@ -1,0 +1,228 @@
+//! The flight's map with what the vehicle notes beside it: which ways it tried, and how it went from place to place.
+
+use std::cmp::Ordering;
+
+use nalgebra::{Isometry2, Point2};
+
+use crosscut_flight::{HereKind, Located, Node, NodeWay, Way};
+use crosscut_stage::{unit, wrap_angle_rad};
+
+use crate::known::{Known, KnownPlace, KnownWay, WayState};
+
+/// A note belongs to a way whose direction differs by no more than this.
+const SAME_WAY_RAD: f64 = 0.5;
+
+/// A way in view that is farther from all ways of the place on the map is one that the map misses.
+const OTHER_WAY_RAD: f64 = 0.6;
+
+/// A way is given up after this many attempts that did not lead into it.
+const MOST_TRIES: usize = 2;
+
+/// A link that the map does not have is taken to be longer by this, m, so that passages of the map go before.
+const LINK_EXTRA_M: f64 = 5.0;
+
+/// What the vehicle notes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Chart {
+    notes: Vec<(WayEnd, Noted)>,
+    links: Vec<Link>,
+}
+
+/// What was noted of a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Noted {
+    /// The vehicle got into it.
+    Taken,
+    /// An attempt did not lead into it.
+    Failed,
+    /// It is seen to end.
+    Ended,
+    /// It was chosen to fly home.
+    Homewards,
+}
+
+/// How the vehicle went from one place to the next.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    ends: [WayEnd; 2],
+    length_m: f64,
+}
+
+/// A way of a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WayEnd {
+    /// When a visit to the place began. Its number on the map changes where two places turn out to be one; the visit stays
+    /// one to it.
+    pub(crate) visited_ns: u64,
+    /// In the frame of the map.
+    pub(crate) bearing_rad: f64,
+}
+
+impl WayEnd {
+    /// A way of the place that the vehicle is in.
+    pub(crate) fn new(located: &Located, bearing_rad: f64) -> Self {
+        let visited_ns = located.map.nodes[located.node].visits.first().map_or(0, |visit| visit[0]);
+        Self { visited_ns, bearing_rad }
+    }
+
+    fn is_of(&self, node: &Node, bearing_rad: f64) -> bool {
+        self.is_at(node) && wrap_angle_rad(self.bearing_rad - bearing_rad).abs() < SAME_WAY_RAD
+    }
+
+    fn is_at(&self, node: &Node) -> bool {
+        node.visits.iter().any(|visit| visit[0] == self.visited_ns)
+    }
+}
+
+impl Chart {
+    /// Notes something of a way.
+    pub(crate) fn note(&mut self, way: WayEnd, noted: Noted) {
+        self.notes.push((way, noted));
+    }
+
+    /// Of these ways of the present place, the one that was chosen least often to fly home, and of several the one nearest
+    /// to a direction.
+    pub(crate) fn homewards(&mut self, located: &Located, ways_rad: &[f64], home_rad: f64) -> Option<usize> {
+        let node = &located.map.nodes[located.node];
+        let chosen = |bearing_rad: f64| self.count(node, bearing_rad, Noted::Homewards);
+        let off_rad = |bearing_rad: f64| wrap_angle_rad(bearing_rad - home_rad).abs();
+        let rank = |way: &usize| (chosen(ways_rad[*way]), off_rad(ways_rad[*way]));
+        let way = (0..ways_rad.len()).min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal))?;
+        self.note(WayEnd::new(located, ways_rad[way]), Noted::Homewards);
+        Some(way)
+    }
+
+    /// How often something was noted of a way of a place.
+    fn count(&self, node: &Node, bearing_rad: f64, noted: Noted) -> usize {
+        self.notes.iter().filter(|(way, of)| *of == noted && way.is_of(node, bearing_rad)).count()
+    }
+
+    /// Notes a flight from one way of a place to one of another place.
+    pub(crate) fn link(&mut self, from: WayEnd, to: WayEnd, length_m: f64) {
+        self.links.push(Link { ends: [from, to], length_m });
+    }
+
+    /// What a planner is to know. `in_view` are the ways of the present place in the frame of the map.
+    /// `trail_m`: where the vehicle was, on the map.
+    pub(crate) fn known(&self, located: &Located, trail_m: &[Point2<f64>], in_view: &[Way], heading_rad: f64) -> Known {
+        let nodes = located.map.nodes.iter().enumerate();
+        let mut places: Vec<KnownPlace> = nodes
+            .map(|(number, node)| KnownPlace {
+                kind: node.kind,
+                position_m: node.position_m,
+                ways: node.ways.iter().map(|way| self.way(located, trail_m, number, way)).collect(),
+            })
+            .collect();
+        let here = &mut places[located.node];
+        let known = here.ways.len();
+        for way in in_view.iter().filter(|_| here.kind == HereKind::Junction) {
+            let is_other = |known: &KnownWay| wrap_angle_rad(known.bearing_rad - way.bearing_rad).abs() > OTHER_WAY_RAD;
+            if here.ways[..known].iter().all(is_other) {
+                let unseen =
+                    NodeWay { bearing_rad: way.bearing_rad, width_m: way.width_m, taken: false, passage: None };
+                let state = self.state(&located.map.nodes[located.node], &unseen, trail_m);
+                here.ways.push(KnownWay { bearing_rad: way.bearing_rad, state, leads_to: None });
+            }
+        }
+        Known { places, here: located.node, heading_rad }
+    }
+
+    fn way(&self, located: &Located, trail_m: &[Point2<f64>], number: usize, way: &NodeWay) -> KnownWay {
+        let node = &located.map.nodes[number];
+        let passage = way.passage.map(|passage| &located.map.passages[passage]);
+        let by_map =
+            passage.map(|passage| (if passage.from == number { passage.to } else { passage.from }, passage.length_m));
+        let is_of_way = |end: &WayEnd| end.is_of(node, way.bearing_rad);
+        let mut by_links = self.links.iter().rev().filter_map(|link| {
+            let other = &link.ends[1 - link.ends.iter().position(is_of_way)?];
+            let to = located.map.nodes.iter().position(|node| other.is_at(node))?;
+            Some((to, link.length_m + LINK_EXTRA_M))
+        });
+        // A place may be passed unnoticed once. Where the way was found to lead elsewhere twice, the map is wrong.
+        let [last, before] = [by_links.next(), by_links.next()];
+        let is_wrong = |by_map: usize| {
+            let elsewhere = |link: Option<(usize, f64)>| link.map(|(to, _)| to).filter(|to| *to != by_map);
+            elsewhere(last).is_some() && elsewhere(last) == elsewhere(before)
+        };
+        KnownWay {
+            bearing_rad: way.bearing_rad,
+            state: self.state(node, way, trail_m),
+            leads_to: by_map.filter(|(to, _)| !is_wrong(*to)).or(last),
+        }
+    }
+
+    fn state(&self, node: &Node, way: &NodeWay, trail_m: &[Point2<f64>]) -> WayState {
+        let count = |noted: Noted| self.count(node, way.bearing_rad, noted);
+        if way.taken || count(Noted::Taken) > 0 || is_on_trail(node.position_m, way, trail_m) {
+            WayState::Taken
+        } else if count(Noted::Failed) >= MOST_TRIES {
+            WayState::Blocked
+        } else if count(Noted::Ended) > 0 {
+            WayState::Ended
+        } else {
+            WayState::New
+        }
+    }
+}
+
+/// Whether a trail leads through the mouth of a way and on: the place may be on the map twice.
+fn is_on_trail(place_m: Point2<f64>, way: &NodeWay, trail_m: &[Point2<f64>]) -> bool {
+    let along = unit(way.bearing_rad);
+    let mouth_m = (1.4 * way.width_m).clamp(1.5, 9.0);
+    let within_m = 0.3 * way.width_m.min(5.0) + 0.3;
+    let is_passed = |far_m: f64| {
+        let at_m = place_m + along * far_m;
+        trail_m.iter().any(|trail_m| (trail_m - at_m).norm() < within_m)
+    };
+    is_passed(mouth_m) && is_passed(mouth_m + 1.0) && is_passed(mouth_m + 2.0)
+}
+
+/// The ways of a place, turned from the body frame into that of the map.
+pub(crate) fn in_map(ways: &[Way], pose: &Isometry2<f64>, correction: &Isometry2<f64>) -> Vec<Way> {
+    let turn_rad = pose.rotation.angle() + correction.rotation.angle();
+    ways.iter().map(|way| Way { bearing_rad: wrap_angle_rad(way.bearing_rad + turn_rad), ..*way }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crosscut_flight::{Map, Passage};
+
+    /// Three junctions in a row; by the map the first leads to the second. The vehicle is in the first.
+    fn located() -> Located {
+        let way = |bearing_rad: f64| NodeWay { bearing_rad, width_m: 3.0, taken: true, passage: None };
+        let node = |number: u64| Node {
+            kind: HereKind::Junction,
+            position_m: Point2::new(20.0 * number as f64, 0.0),
+            ways: [0.0, 1.6, 3.1].map(way).to_vec(),
+            visits: vec![[number, number]],
+        };
+        let mut map = Map { nodes: (0..3).map(node).collect(), ..Map::default() };
+        let passage = Passage { from: 0, to: 1, length_m: 20.0, width_m: 3.0, stretch_ns: [0; 2], via_m: Vec::new() };
+        map.passages.push(passage);
+        (map.nodes[0].ways[0].passage, map.nodes[1].ways[2].passage) = (Some(0), Some(0));
+        Located { map, node: 0, correction: Isometry2::identity(), visits: Vec::new() }
+    }
+
+    #[test]
+    fn a_way_home_that_led_back_is_not_taken_again_before_the_others() {
+        let (located, mut chart) = (located(), Chart::default());
+        let mut taken = || chart.homewards(&located, &[0.0, 1.6, 3.1], 1.0);
+        assert_eq!([taken(), taken(), taken(), taken()], [Some(1), Some(0), Some(2), Some(1)]);
+    }
+
+    #[test]
+    fn a_way_that_led_elsewhere_twice_is_believed_before_the_map() {
+        let located = located();
+        let mut chart = Chart::default();
+        let end = |visited_ns, bearing_rad| WayEnd { visited_ns, bearing_rad };
+        let mut leads_to = |to: Option<u64>| {
+            to.into_iter().for_each(|to| chart.link(end(0, 0.1), end(to, 3.0), 30.0));
+            chart.known(&located, &[], &[], 0.0).places[0].ways[0].leads_to
+        };
+        assert_eq!(leads_to(None), Some((1, 20.0)), "by the map");
+        assert_eq!(leads_to(Some(2)), Some((1, 20.0)), "a place may have been passed unnoticed");
+        assert_eq!(leads_to(Some(2)), Some((2, 30.0 + LINK_EXTRA_M)), "the map is wrong");
+        assert_eq!(leads_to(Some(1)), Some((1, 20.0)), "the map is right again");
+    }
+}

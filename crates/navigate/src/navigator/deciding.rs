@@ -1,0 +1,165 @@
+//! At a place: what the planner is told, what it chooses, and what is noted.
+
+use std::f64::consts::PI;
+
+use crosscut_flight::{FlightAnswer, HereKind, Located};
+use crosscut_stage::{Beam, Frame, Revolution, unit, wrap_angle_rad};
+use nalgebra::{Isometry2, Point2};
+
+use super::answer::Decision;
+use super::{Doing, Left, Navigator};
+use crate::chart::{Noted, WayEnd, in_map};
+use crate::known::{Known, Route, WayState};
+use crate::planner::Choice;
+use crate::trail::way_back_m;
+
+/// If home is no farther, it need not be by one of the ways of the place, m.
+const STRAIGHT_HOME_M: f64 = 15.0;
+
+/// The direction of the way home is that of the place this far along it, m.
+const BACK_M: f64 = 8.0;
+
+/// A way without an opening whose end is nearer than this is not entered, m.
+const SEEN_TO_END_M: f64 = 6.0;
+
+/// Beams within this of the middle of such a way show its end.
+const END_WITHIN_RAD: f64 = 0.15;
+
+impl Navigator {
+    /// Asks the planner, and begins to leave.
+    pub(super) fn decide(
+        &mut self,
+        located: Option<Located>,
+        kind: HereKind,
+        frame: &Frame,
+        pose: &Isometry2<f64>,
+    ) -> Decision {
+        let steady = FlightAnswer::of(frame).steady_here();
+        let here_m = Point2::from(pose.translation.vector);
+        let look_m = steady.map_or(3.0, |here| here.look_m);
+        let (bearing_rad, place, why) = match &located {
+            Some(located) => {
+                self.correction = located.correction;
+                self.map_m = located.map.passages.iter().map(|passage| passage.length_m).sum();
+                let turn_rad = self.correction.rotation.angle();
+                let in_view = steady.map_or_else(Vec::new, |here| in_map(&here.ways, pose, &self.correction));
+                self.note_ends(located, frame, pose.rotation.angle() + turn_rad);
+                let trail_m = self.trail.placed_m(&located.visits);
+                let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
+                self.note_link(located, &known);
+                let known = self.chart.known(located, &trail_m, &in_view, self.course_rad + turn_rad);
+                let (way, bearing_rad, why) = self.choose(located, &known, &trail_m);
+                let way = way.and_then(|way| known.places[known.here].ways.get(way));
+                if way.is_some_and(|way| way.state == WayState::New) {
+                    self.last_new = self.now;
+                }
+                (bearing_rad - turn_rad, Some(WayEnd::new(located, bearing_rad)), why)
+            }
+            None if kind == HereKind::Junction => {
+                let on = steady.and_then(|here| self.way_ahead(here, pose));
+                let on_rad = on.map_or(self.course_rad, |way| way.bearing_rad + pose.rotation.angle());
+                (on_rad, None, "straight on: the map has no place here".to_owned())
+            }
+            None => {
+                let back_rad = self.back_rad(here_m, 2.5).unwrap_or(self.course_rad + PI);
+                (back_rad, None, "back: no way ahead".to_owned())
+            }
+        };
+        let bearing_rad = wrap_angle_rad(bearing_rad);
+        self.course_rad = bearing_rad;
+        self.is_armed = false;
+        let (at_m, way_m) = (here_m, self.way_m);
+        self.left = Some(Left { at_m, bearing_rad, look_m, kind, place, really_rad: None, way_m });
+        self.doing = Doing::Leave { began: self.now };
+        self.goal_m = here_m + unit(bearing_rad) * look_m.clamp(1.5, 4.0);
+        Decision { at_m, place: located.map(|located| located.node), bearing_rad, why }
+    }
+
+    /// The way to take, its direction in the frame of the map, and why.
+    fn choose(&mut self, located: &Located, known: &Known, trail_m: &[Point2<f64>]) -> (Option<usize>, f64, String) {
+        let ways = &known.places[known.here].ways;
+        let by = |choice: Choice| {
+            let bearing_rad = ways.get(choice.way).map_or(known.heading_rad + PI, |way| way.bearing_rad);
+            (Some(choice.way), bearing_rad, choice.why)
+        };
+        let first_m = *self.first_m.get_or_insert(known.places[known.here].position_m);
+        if let Some(choice) = self.planner.choose(known) {
+            self.goes_home = false;
+            return by(choice);
+        }
+        if !self.goes_home {
+            self.last_new = self.now; // the way home has its own limit
+        }
+        self.goes_home = true;
+        let off_m = |place: usize| (known.places[place].position_m - first_m).norm();
+        let first = (0..known.places.len()).min_by(|&a, &b| off_m(a).total_cmp(&off_m(b))).unwrap_or(0);
+        if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
+            return by(Choice { way, why: format!("home, {length_m:.0} m away") });
+        }
+        // From the first place on, and where the map knows no route, the vehicle flies back the way that it came. Where that
+        // led back to a place, it takes another way.
+        let way_m = way_back_m(trail_m);
+        let here_m = way_m.first().copied().unwrap_or_default();
+        let ahead_m = way_m.iter().find(|place_m| (*place_m - here_m).norm() > BACK_M).or(way_m.last());
+        let towards = ahead_m.map_or(-here_m.coords, |ahead_m| ahead_m - here_m);
+        let home_rad = towards.y.atan2(towards.x);
+        let left_m: f64 = way_m.windows(2).map(|step| (step[1] - step[0]).norm()).sum();
+        let mut ways_rad: Vec<f64> = ways.iter().map(|way| way.bearing_rad).collect();
+        if left_m < STRAIGHT_HOME_M {
+            ways_rad.push(home_rad); // home may lie beside the ways
+        }
+        match self.chart.homewards(located, &ways_rad, home_rad) {
+            Some(way) => (Some(way), ways_rad[way], format!("back the way that it came, home in {left_m:.0} m")),
+            None => (None, home_rad, "towards home".to_owned()),
+        }
+    }
+
+    /// Notes the ways that are seen to end near by.
+    fn note_ends(&mut self, located: &Located, frame: &Frame, yaw_rad: f64) {
+        let ways = FlightAnswer::of(frame).here.iter().flat_map(|here| &here.ways);
+        for way in ways.filter(|way| way.opening.is_none()) {
+            if is_seen_to_end(&frame.revolution, way.bearing_rad) {
+                let way = WayEnd::new(located, wrap_angle_rad(way.bearing_rad + yaw_rad));
+                self.chart.note(way, Noted::Ended);
+            }
+        }
+    }
+
+    /// Notes how the vehicle came from the place before.
+    fn note_link(&mut self, located: &Located, known: &Known) {
+        let Some(left) = self.left.take() else { return };
+        if let (Some(from), Some(bearing_rad)) = (left.place, left.really_rad)
+            && let Some(back) = known.way_back()
+        {
+            let to = WayEnd::new(located, known.places[known.here].ways[back].bearing_rad);
+            self.chart.link(WayEnd { bearing_rad, ..from }, to, self.way_m - left.way_m);
+        }
+    }
+
+    /// Notes whether the vehicle got into the way that it left a place by.
+    pub(super) fn note_try(&mut self, left: &Left, led_into: bool) {
+        if let Some(way) = left.place {
+            self.chart.note(way, if led_into { Noted::Taken } else { Noted::Failed });
+        }
+    }
+}
+
+/// Whether nearly every beam about a bearing returns from near by.
+fn is_seen_to_end(revolution: &Revolution, bearing_rad: f64) -> bool {
+    let Some(sweep) = revolution.as_sweep() else { return false };
+    let about = sweep.bearings_rad.iter().zip(&sweep.beams);
+    let about = about.filter(|(beam_rad, _)| wrap_angle_rad(**beam_rad - bearing_rad).abs() < END_WITHIN_RAD);
+    let (mut near, mut all) = (0, 0);
+    for (_, beam) in about {
+        let range_m = match beam {
+            Beam::Return(number) => revolution.range_m(*number as usize),
+            Beam::NoReturn | Beam::Unknown => f64::INFINITY,
+        };
+        if range_m.is_finite() && range_m > SEEN_TO_END_M {
+            return false;
+        }
+        all += 1;
+        near += u32::from(range_m.is_finite());
+    }
+    all > 0 && f64::from(near) > 0.8 * f64::from(all)
+}

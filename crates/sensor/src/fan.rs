@@ -1,0 +1,130 @@
+//! Where each beam of a scan looks.
+
+use std::f64::consts::{PI, TAU};
+
+use crosscut_messages::LaserScan;
+use crosscut_stage::Notes;
+
+/// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
+const LEAST_STEP_RAD: f64 = 1e-6;
+
+/// An `angle_min` beyond this is no angle, or one in degrees.
+const LARGEST_ANGLE_RAD: f64 = 2.0 * TAU;
+
+/// A turn that is no shorter than by this is full: a driver had room for as many beams as fit, or left some out.
+const SHORT_RAD: f64 = 5.0 * PI / 180.0;
+
+/// Bearings of the beams in the sensor's frame: beam i looks at `first + i * increment`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fan {
+    first_rad: f64,
+    /// Negative when the sensor turns clockwise.
+    increment_rad: f64,
+    /// The beams before the one that would look again where the first one looks.
+    beams_in_turn: usize,
+    /// A turn that is no shorter than by this is full.
+    short_rad: f64,
+}
+
+impl Fan {
+    /// The bearings of `scan`; `None`, with a note, if there are none to be had.
+    pub(crate) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
+        let beams = scan.ranges.len();
+        let first_rad = f64::from(scan.angle_min);
+        if beams == 0 {
+            notes.add("the scan has no beams");
+            return None;
+        }
+        let is_angle = first_rad.abs() <= LARGEST_ANGLE_RAD;
+        if !is_angle {
+            notes.add(format!("angle_min {} is no angle in rad: no beam has a bearing", scan.angle_min));
+            return None;
+        }
+        if beams == 1 {
+            return Some(Self { first_rad, increment_rad: TAU, beams_in_turn: 1, short_rad: SHORT_RAD });
+        }
+        let increment_rad = increment_rad(scan, notes)?;
+        let beams_in_turn = in_turn(increment_rad, beams);
+        match beams - beams_in_turn {
+            0 => {}
+            1 => notes.add("the last beam looks where the first one does: left out"),
+            more => notes.add(format!("{more} beams beyond a full turn left out")),
+        }
+        Some(Self { first_rad, increment_rad, beams_in_turn, short_rad: SHORT_RAD })
+    }
+
+    /// The bearings in the frame of the middle beam, if the sensor turns by `rad_per_beam` from one beam to the next. A
+    /// full turn stays one, also where it falls short of 360° by the angle that the sensor turned.
+    pub(crate) fn turned(self, rad_per_beam: f64, beams: usize) -> Self {
+        let increment_rad = self.increment_rad + rad_per_beam;
+        let is_turned = rad_per_beam != 0.0 && increment_rad * self.increment_rad > 0.0;
+        if !is_turned {
+            return self;
+        }
+        let fell_short_rad = if self.missing().is_some() { beams as f64 * rad_per_beam.abs() } else { 0.0 };
+        Self {
+            first_rad: self.first_rad - 0.5 * (beams - 1) as f64 * rad_per_beam,
+            increment_rad,
+            beams_in_turn: in_turn(increment_rad, self.beams_in_turn),
+            short_rad: SHORT_RAD + fell_short_rad,
+        }
+    }
+
+    pub(crate) fn angle_rad(&self, beam: usize) -> f64 {
+        self.first_rad + beam as f64 * self.increment_rad
+    }
+
+    /// How many beams there are before the one that would look again where the first one looks.
+    pub(crate) fn beams_in_turn(&self) -> usize {
+        self.beams_in_turn
+    }
+
+    pub(crate) fn step_rad(&self) -> f64 {
+        self.increment_rad.abs()
+    }
+
+    /// How many beams are missing between the last one and the first: none where the gap is about one step. `None` if
+    /// that is a limited view.
+    pub(crate) fn missing(&self) -> Option<usize> {
+        let steps = (TAU / self.step_rad() - self.beams_in_turn as f64).max(0.0).round();
+        (self.beams_in_turn > 2 && steps * self.step_rad() <= self.short_rad).then_some(steps as usize)
+    }
+}
+
+/// How many of `beams` are before the one that would look again where the first one looks. Half a step of room, since
+/// the increment is rounded to f32.
+fn in_turn(increment_rad: f64, beams: usize) -> usize {
+    beams.min((TAU / increment_rad.abs() - 0.5).ceil() as usize)
+}
+
+/// The increment as stated, else as it follows from the first and the last bearing; `None`, with a note, if neither
+/// makes sense. Needs two beams.
+fn increment_rad(scan: &LaserScan, notes: &mut Notes) -> Option<f64> {
+    let usable = |increment_rad: f64| (LEAST_STEP_RAD..=PI).contains(&increment_rad.abs());
+    let steps = (scan.ranges.len() - 1) as f64;
+    let span_rad = f64::from(scan.angle_max) - f64::from(scan.angle_min);
+    let stated_rad = f64::from(scan.angle_increment);
+    if usable(stated_rad) {
+        // Many drivers give the end one step past the last beam; that is no contradiction.
+        let fits = (steps * stated_rad - span_rad).abs() <= 1.5 * stated_rad.abs();
+        if !fits {
+            notes.add(format!(
+                "angle_max {} does not fit {} beams: bearings are those of angle_min and angle_increment",
+                scan.angle_max,
+                scan.ranges.len()
+            ));
+        }
+        return Some(stated_rad);
+    }
+    let derived_rad = span_rad / steps;
+    if usable(derived_rad) && span_rad.abs() <= TAU + derived_rad.abs() {
+        notes.add(format!("angle_increment {} replaced by (angle_max - angle_min) / steps", scan.angle_increment));
+        Some(derived_rad)
+    } else {
+        notes.add(format!(
+            "angle_increment {} and angle_max {} are unusable: no beam has a bearing",
+            scan.angle_increment, scan.angle_max
+        ));
+        None
+    }
+}

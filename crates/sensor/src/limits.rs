@@ -1,0 +1,164 @@
+//! What a range means.
+
+use crosscut_messages::LaserScan;
+use crosscut_stage::{Notes, counted};
+
+/// Ranges this near to `range_max` (a few units in the last place of an f32) are `range_max`: a driver that works in
+/// another unit does not hit the number that it states.
+const ROUNDING: f64 = 1e-6;
+
+/// So many beams hardly ever tell the very same range, the largest of the scan, but where nothing comes back: a driver's
+/// word for that, with a `range_max` that is larger still. Two of them are neighbours, or they are more than one place can
+/// have that looks the same all around...
+const CODE_BEAMS: usize = 3;
+const CODE_BEAMS_APART: usize = 5;
+/// ...unless ranges are so coarse that more than this share of all neighbours elsewhere are equal, or hardly any beam says
+/// anything else.
+const COARSE_SHARE: f64 = 0.05;
+const ELSEWHERE_SHARE: f64 = 0.1;
+
+/// No wall of a tunnel is so far away: ranges like this are of another unit.
+const FAR_M: f64 = 500.0;
+
+/// What one range says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reading {
+    /// A return at this range, metres.
+    Return(f64),
+    /// Nothing within range.
+    Nothing,
+    /// Nothing is known.
+    Unknown,
+}
+
+/// How many beams each rule took out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) masked: usize,
+    zero: usize,
+    negative: usize,
+    too_near: usize,
+    at_wire_max: usize,
+    code: usize,
+    below_wire_min: usize,
+    below_min: usize,
+    beyond_max: usize,
+    returns: usize,
+    far_returns: usize,
+}
+
+/// The limits of the sensor as the scan states them, and those of the configuration.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    wire_min_m: f64,
+    /// Infinite if the scan states none.
+    wire_max_m: f64,
+    /// The range by which the scan says that nothing came back, if there is one.
+    code_m: Option<f32>,
+    min_m: f64,
+    max_m: f64,
+}
+
+impl Limits {
+    pub(crate) fn new(scan: &LaserScan, min_m: f64, max_m: f64, notes: &mut Notes) -> Self {
+        let mut wire_min_m = f64::from(scan.range_min);
+        if !(0.0..f64::INFINITY).contains(&wire_min_m) {
+            notes.add(format!("range_min {} m is no range: taken as 0", scan.range_min));
+            wire_min_m = 0.0;
+        }
+        let mut wire_max_m = f64::from(scan.range_max);
+        let is_range = wire_max_m > 0.0;
+        if !is_range {
+            notes.add(format!("range_max {} m is no range: taken as no limit", scan.range_max));
+            wire_max_m = f64::INFINITY;
+        } else if wire_max_m <= wire_min_m {
+            notes.add(format!(
+                "range_max {} m is not above range_min {} m: both taken as no limit",
+                scan.range_max, scan.range_min
+            ));
+            (wire_min_m, wire_max_m) = (0.0, f64::INFINITY);
+        }
+        let code_m = code_m(&scan.ranges, (wire_max_m * (1.0 - ROUNDING)) as f32);
+        Self { wire_min_m, wire_max_m, code_m, min_m, max_m }
+    }
+
+    /// A beam without a return saw free space up to here.
+    pub(crate) fn range_max_m(&self) -> f64 {
+        self.wire_max_m.min(self.max_m)
+    }
+
+    pub(crate) fn read(&self, range_m: f32, tally: &mut Tally) -> Reading {
+        let range_m = f64::from(range_m);
+        let (count, reading) = if range_m.is_nan() || range_m == f64::INFINITY {
+            return Reading::Nothing;
+        } else if range_m == f64::NEG_INFINITY {
+            (&mut tally.too_near, Reading::Unknown)
+        } else if range_m == 0.0 {
+            (&mut tally.zero, Reading::Nothing)
+        } else if range_m < 0.0 {
+            (&mut tally.negative, Reading::Nothing)
+        } else if range_m >= self.wire_max_m * (1.0 - ROUNDING) {
+            (&mut tally.at_wire_max, Reading::Nothing)
+        } else if self.code_m.is_some_and(|code_m| range_m == f64::from(code_m)) {
+            (&mut tally.code, Reading::Nothing)
+        } else if range_m < self.wire_min_m {
+            (&mut tally.below_wire_min, Reading::Unknown)
+        } else if range_m < self.min_m {
+            (&mut tally.below_min, Reading::Unknown)
+        } else if range_m > self.max_m {
+            (&mut tally.beyond_max, Reading::Nothing)
+        } else {
+            tally.returns += 1;
+            tally.far_returns += usize::from(range_m > FAR_M);
+            return Reading::Return(range_m);
+        };
+        *count += 1;
+        reading
+    }
+
+    pub(crate) fn note(&self, tally: &Tally, notes: &mut Notes) {
+        // As f32 again, in which the scan states them: 5.6, not 5.599999904632568.
+        let (wire_min_m, wire_max_m) = (self.wire_min_m as f32, self.wire_max_m as f32);
+        let mut note = |count: usize, what: String| {
+            if count > 0 {
+                notes.add(format!("{} {what}", counted(count as u64, "beam")));
+            }
+        };
+        note(tally.masked, "in masked sectors left out".to_owned());
+        note(tally.zero, "of range 0 read as no return".to_owned());
+        note(tally.negative, "of negative range read as no return".to_owned());
+        note(tally.too_near, "of range -inf, too near to measure, left out".to_owned());
+        note(tally.at_wire_max, format!("at or beyond range_max {wire_max_m} m read as no return"));
+        if let Some(code_m) = self.code_m {
+            note(tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));
+        }
+        note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
+        note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
+        if 2 * tally.far_returns > tally.returns {
+            note(
+                tally.far_returns,
+                format!("farther than {FAR_M} m: ranges are read in metres; are these millimetres?"),
+            );
+        }
+        note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
+    }
+}
+
+/// The largest range below `limit_m`, if it stands for none.
+fn code_m(ranges_m: &[f32], limit_m: f32) -> Option<f32> {
+    let are_ranges = |&range_m: &f32| range_m > 0.0 && range_m < limit_m;
+    let largest_m = ranges_m.iter().copied().filter(are_ranges).reduce(f32::max)?;
+    let runs = ranges_m.chunk_by(|a, b| a == b).filter(|run| are_ranges(&run[0]));
+    let (mut largest, mut are_neighbours, mut elsewhere, mut equal) = (0, false, 0, 0);
+    for run in runs {
+        if run[0] == largest_m {
+            (largest, are_neighbours) = (largest + run.len(), are_neighbours || run.len() > 1);
+        } else {
+            (elsewhere, equal) = (elsewhere + run.len(), equal + run.len() - 1);
+        }
+    }
+    let is_code = largest >= if are_neighbours { CODE_BEAMS } else { CODE_BEAMS_APART };
+    let is_fine = equal as f64 <= COARSE_SHARE * elsewhere as f64;
+    let are_others = elsewhere as f64 >= ELSEWHERE_SHARE * ranges_m.len() as f64;
+    (is_code && is_fine && are_others).then_some(largest_m)
+}

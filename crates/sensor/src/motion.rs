@@ -1,0 +1,95 @@
+//! How the vehicle moves while its lidar takes a scan, by odometry.
+
+use crosscut_messages::ScanMessage;
+use nalgebra::Isometry2;
+
+const NS_PER_S: f64 = 1e9;
+
+/// The poses of the vehicle at two times of a scan. Between and around them it moves evenly.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Seconds after the stamp of the scan.
+    pub(crate) times_s: [f64; 2],
+    pub(crate) poses: [Isometry2<f64>; 2],
+}
+
+impl Motion {
+    /// During a scan with this stamp, whose first and last point were measured at `times_s`; `poses_at` knows the poses at
+    /// two times. The vehicle stands if the scan does not tell how long it takes, or the poses end before it.
+    pub fn during(
+        stamp_ns: u64,
+        times_s: [f64; 2],
+        mut poses_at: impl FnMut([u64; 2]) -> Option<[Isometry2<f64>; 2]>,
+    ) -> Option<Self> {
+        [times_s, [0.0; 2]]
+            .into_iter()
+            .find_map(|times_s| Some(Self { times_s, poses: poses_at(stamps_ns(stamp_ns, times_s))? }))
+    }
+
+    fn at(&self, time_s: f64) -> Isometry2<f64> {
+        let ([from_s, to_s], [from, to]) = (self.times_s, self.poses);
+        let share = if to_s > from_s { (time_s - from_s) / (to_s - from_s) } else { 0.0 };
+        from.lerp_slerp(&to, share)
+    }
+
+    /// The pose in the middle of the scan.
+    pub fn middle(&self) -> Isometry2<f64> {
+        self.at(0.5 * (self.times_s[0] + self.times_s[1]))
+    }
+
+    /// The angle by which the vehicle turns, anticlockwise, rad.
+    pub(crate) fn turned_rad(&self) -> f64 {
+        self.poses[0].rotation.angle_to(&self.poses[1].rotation)
+    }
+
+    /// The way from the first pose to the second, m.
+    pub(crate) fn way_m(&self) -> f64 {
+        (self.poses[1].translation.vector - self.poses[0].translation.vector).norm()
+    }
+
+    /// The pose at `time_s` in the frame of the middle of the scan.
+    pub(crate) fn in_middle(&self, time_s: f64) -> Isometry2<f64> {
+        self.middle().inv_mul(&self.at(time_s))
+    }
+}
+
+/// The times that are `times_s` after a stamp.
+pub(crate) fn stamps_ns(stamp_ns: u64, times_s: [f64; 2]) -> [u64; 2] {
+    times_s.map(|time_s| stamp_ns.saturating_add_signed((time_s * NS_PER_S) as i64))
+}
+
+/// When the first and last point of a scan were measured, s after the stamp, if its beams are `beam_s` apart; both 0 if
+/// that is not known.
+pub fn times_s(scan: &ScanMessage, beam_s: f64) -> [f64; 2] {
+    match scan {
+        ScanMessage::Scan(scan) => [0.0, beam_s * scan.ranges.len().saturating_sub(1) as f64],
+        ScanMessage::Cloud(cloud) => {
+            let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
+            times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::{Point2, Vector2};
+
+    use super::*;
+
+    #[test]
+    fn what_is_seen_on_the_way_lies_where_the_middle_sees_it() {
+        let poses = [Isometry2::identity(), Isometry2::new(Vector2::new(2.0, 0.0), FRAC_PI_2)];
+        let motion = Motion { times_s: [-0.1, 0.1], poses };
+        assert!((motion.turned_rad() - FRAC_PI_2).abs() < 1e-12 && (motion.way_m() - 2.0).abs() < 1e-12);
+        let place = Point2::new(5.0, 1.0);
+        let expected = motion.middle().inverse_transform_point(&place);
+        for time_s in [-0.1, -0.03, 0.0, 0.1] {
+            let seen = motion.at(time_s).inverse_transform_point(&place);
+            assert!((motion.in_middle(time_s) * seen - expected).norm() < 1e-12, "{time_s}");
+        }
+        let still = Motion { times_s: [0.0; 2], poses: [poses[1]; 2] };
+        assert_eq!((still.middle(), still.turned_rad()), (poses[1], 0.0));
+    }
+}
