@@ -40,7 +40,8 @@ def near_wall(rng):
 def one_wall_and_legs(rng):
     off_m = rng.uniform(0.6, 0.7)
     free = box(-FAR_M, -FAR_M, FAR_M, off_m)
-    posts = [cluster(rng, rng.uniform(-150, -30), rng.uniform(1, 2), rng.uniform(0.025, 0.075)) for _ in range(rng.integers(1, 3))]
+    legs = rng.integers(1, 3)
+    posts = [cluster(rng, rng.uniform(-150, -30), rng.uniform(1, 2), rng.uniform(0.025, 0.075)) for _ in range(legs)]
     return free, posts, full(360, rng.uniform(5, 8))
 
 
@@ -113,7 +114,8 @@ def step_back(rng):
 
 
 def seen_edge_on_bend(rng):
-    wide_m, ahead_m, turn_rad = rng.uniform(0.9, 1.8), rng.uniform(2, 8), rng.choice([-1, 1]) * np.radians(rng.uniform(50, 120))
+    wide_m, ahead_m = rng.uniform(0.9, 1.8), rng.uniform(2, 8)
+    turn_rad = rng.choice([-1, 1]) * np.radians(rng.uniform(50, 120))
     end = np.array([ahead_m, 0.0])
     beyond_m = rng.choice([FAR_M, rng.uniform(1.0, 2.0)])
     return strip((-FAR_M, 0), end, end + beyond_m * directions(turn_rad), width_m=wide_m), [], any_view(rng, rng.uniform(6, 15))

@@ -14,7 +14,7 @@ than to the middle. All that real lidars do is done to all of it at once: noise,
 patches, dust, mixed returns, legs of the vehicle, a limited view. What the definition leaves to a hair is left out
 (`passable`), and its share is printed.
 
-Usage: python tests/foreign/rock.py OUT_DIR [--count N] [--seed S] [KIND...]
+Usage: tests/foreign/run rock OUT_DIR [--count N] [--seed S] [KIND...]
 """
 
 import argparse
@@ -93,7 +93,8 @@ def swept(grid_m: np.ndarray, start, end, side_m: Callable[[np.ndarray], tuple[n
     line = start + at_m[:, None] * forward + bow_m * np.sin(np.pi * at_m / length_m)[:, None] * aside
     left_m, right_m = side_m(at_m)
     widest_m = max(left_m.max(), right_m.max())
-    near = np.flatnonzero((grid_m > line.min(axis=0) - widest_m - 3).all(axis=1) & (grid_m < line.max(axis=0) + widest_m + 3).all(axis=1))
+    low_m, high_m = line.min(axis=0) - widest_m - 3, line.max(axis=0) + widest_m + 3
+    near = np.flatnonzero(((grid_m > low_m) & (grid_m < high_m)).all(axis=1))
     off_m, nearest = cKDTree(line).query(grid_m[near])
     to = grid_m[near] - line[nearest]
     is_left = forward[0] * to[:, 1] - forward[1] * to[:, 0] > 0
@@ -108,7 +109,18 @@ def grid(size: int) -> np.ndarray:
     return np.stack(np.meshgrid(at_m, at_m), axis=-1).reshape(-1, 2)
 
 
-def carved(rng: np.random.Generator, widths_m, *, wander_m=0.0, step_m=0.0, every_m=(2, 4), rough_m=0.0, face_m=0.0, chambers=0.0, spacing_m=None) -> np.ndarray:
+def carved(
+    rng: np.random.Generator,
+    widths_m,
+    *,
+    wander_m=0.0,
+    step_m=0.0,
+    every_m=(2, 4),
+    rough_m=0.0,
+    face_m=0.0,
+    chambers=0.0,
+    spacing_m=None,
+) -> np.ndarray:
     size = int(WORLD_M / CARVED_M)
     grid_m = grid(size)
     place_m = grid_m
@@ -142,19 +154,26 @@ def carved(rng: np.random.Generator, widths_m, *, wander_m=0.0, step_m=0.0, ever
 
 
 def drifts(rng):
-    return carved(rng, (2, 6), step_m=rng.uniform(0.05, 0.35), rough_m=rng.uniform(0.02, 0.12), face_m=rng.choice([0, rng.uniform(0.1, 0.4)]), wander_m=rng.choice([0, 0.5]))
+    step_m, rough_m = rng.uniform(0.05, 0.35), rng.uniform(0.02, 0.12)
+    face_m, wander_m = rng.choice([0, rng.uniform(0.1, 0.4)]), rng.choice([0, 0.5])
+    return carved(rng, (2, 6), step_m=step_m, rough_m=rough_m, face_m=face_m, wander_m=wander_m)
 
 
 def caves(rng):
-    return carved(rng, (1, 9), wander_m=rng.uniform(0.6, 2.5), rough_m=rng.uniform(0.1, 0.6), face_m=rng.choice([0, rng.uniform(0.1, 0.6)]), chambers=0.25)
+    wander_m, rough_m = rng.uniform(0.6, 2.5), rng.uniform(0.1, 0.6)
+    face_m = rng.choice([0, rng.uniform(0.1, 0.6)])
+    return carved(rng, (1, 9), wander_m=wander_m, rough_m=rough_m, face_m=face_m, chambers=0.25)
 
 
 def narrow(rng):
-    return carved(rng, (0.8, 1.7), wander_m=rng.choice([0, rng.uniform(0.3, 1.5)]), rough_m=rng.uniform(0.02, 0.2), step_m=0.1, face_m=rng.choice([0, 0.15]), chambers=0.1)
+    wander_m, rough_m = rng.choice([0, rng.uniform(0.3, 1.5)]), rng.uniform(0.02, 0.2)
+    face_m = rng.choice([0, 0.15])
+    return carved(rng, (0.8, 1.7), wander_m=wander_m, rough_m=rough_m, step_m=0.1, face_m=face_m, chambers=0.1)
 
 
 def recess(rng):
-    return carved(rng, (2.5, 4), step_m=rng.uniform(0.1, 0.4), every_m=(1, rng.uniform(3, 7)), rough_m=rng.uniform(0.01, 0.08), spacing_m=rng.uniform(12, 18))
+    step_m, every_m, rough_m = rng.uniform(0.1, 0.4), (1, rng.uniform(3, 7)), rng.uniform(0.01, 0.08)
+    return carved(rng, (2.5, 4), step_m=step_m, every_m=every_m, rough_m=rough_m, spacing_m=rng.uniform(12, 18))
 
 
 def worn(rng):
