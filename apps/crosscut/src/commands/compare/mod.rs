@@ -10,7 +10,6 @@ use std::thread::{Builder, ScopedJoinHandle};
 use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_detector::Registry;
-use crosscut_detector::Registry;
 use crosscut_evaluate::{Agreement, Differences};
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;

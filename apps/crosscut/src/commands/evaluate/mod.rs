@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_detector::Registry;
-use crosscut_detector::Registry;
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{Truths, recordings_in};
