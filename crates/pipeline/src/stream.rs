@@ -171,7 +171,7 @@ impl Ingest<'_> {
         let start = Instant::now();
         frame.notes.clear();
         frame.failure = None;
-        frame.timings.set_latency_ns(None);
+        frame.timings.latency_ns = None;
         let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
             Ok(Ok(more)) => {
                 frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
@@ -221,8 +221,8 @@ impl Collect<'_> {
                 return Ok(Some(frame));
             }
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
-            (frame.pose, frame.here, frame.steady) = (None, None, None);
-            frame.timings.set_flight_ns(None);
+            frame.extra.clear();
+            frame.timings.flight_ns = None;
             if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));
             }
@@ -246,7 +246,7 @@ impl Collect<'_> {
         self.write(&frame).map_err(End::ResultsLost)?;
         // A recorded scan is read before it is due, a live one after.
         let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
-        frame.timings.set_latency_ns(Some(latency_ns));
+        frame.timings.latency_ns = Some(latency_ns);
         summary.add(&frame);
         self.observers.send(frame).ok(); // they only end when this does
         Ok(())
@@ -271,8 +271,8 @@ impl Collect<'_> {
         let Some(flight) = &mut self.flight else { return Ok(()) };
         let (start, waiting) = (Instant::now(), &self.waiting);
         let flown = catch_unwind(AssertUnwindSafe(|| add(flight, frame, waiting)));
-        let before_ns = frame.timings.flight_ns().unwrap_or(0);
-        frame.timings.set_flight_ns(Some(before_ns.saturating_add(elapsed_ns(start))));
+        let before_ns = frame.timings.flight_ns.unwrap_or(0);
+        frame.timings.flight_ns = Some(before_ns.saturating_add(elapsed_ns(start)));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
             frame.failure.insert(Failure { step: Step::Report, seq: frame.revolution.seq, cause }).clone()
@@ -320,10 +320,11 @@ fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stag
 
 #[cfg(test)]
 mod tests {
-    use crosscut_stage::{Here, HereKind, Point, Way};
+    use crosscut_detector::Preset;
+    use crosscut_flight::{FlightAnswer, Here, HereKind, Way};
+    use crosscut_stage::Point;
 
     use super::*;
-    use crosscut_detector::Preset;
 
     #[test]
     fn observers_see_the_frame_whose_steady_answer_panics() {
@@ -332,7 +333,8 @@ mod tests {
         let mut frame = Frame::default();
         frame.revolution.points_m.push(Point::origin());
         let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
-        frame.here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        FlightAnswer { here, ..FlightAnswer::default() }.put(&mut frame);
         let (observers, seen) = bounded(1);
         let [_, _, _, report] = Engine::new(&config, &registry).into();
         let mut collect = Collect {

@@ -16,7 +16,7 @@
 mod affinity;
 mod disjoint_sets;
 mod embedding;
-mod flight;
+mod extra;
 mod frame;
 mod invariance;
 mod junction;
@@ -33,7 +33,7 @@ mod traits;
 pub use affinity::{Affinity, Csr, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
 pub use embedding::Embedding;
-pub use flight::{Here, HereKind, Steady, SteadyOpening, Way};
+pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall};

@@ -44,7 +44,7 @@ impl Scored {
 
 /// Streams the recording through the stages of `config` and scores each result.
 pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How<'_>) -> anyhow::Result<Scored> {
-    let flight = Flight::open(std::slice::from_ref(path), args, config)?.with(Some(Truths::open(path)?));
+    let flight = Flight::open(std::slice::from_ref(path), args, config)?.with_truths(Some(Truths::open(path)?));
     let (mut evaluation, mut wrong) = (Evaluation::default(), Wrong::default());
     let mine = truth_map(path)?.transpose();
     let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));
@@ -85,7 +85,7 @@ impl Followed {
         let start = Instant::now();
         self.mapper.add(frame);
         let map_ns = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        self.time.revolutions_ns.push(map_ns.saturating_add(frame.timings.flight_ns().unwrap_or(0)));
+        self.time.revolutions_ns.push(map_ns.saturating_add(frame.timings.flight_ns.unwrap_or(0)));
         self.score.add(frame, truth);
     }
 

@@ -1,20 +1,17 @@
-//! What the rules at a gap know of the whole scan.
+//! The scan that a gap is in, and the thresholds for its gaps.
 
 use std::f64::consts::PI;
 
-use crosscut_scan::{Directions, Lengths, Pieces, Scan};
+use crosscut_scan::{Directions, Lengths, LostBeams, Pieces, Scan};
 
 use super::gap::Gap;
-use super::verdict::Without;
+use super::verdict::DisabledRules;
 
-/// A wall clearly goes on across a gap where it turns by less than this.
+/// A wall clearly continues across a gap where it turns by less than this.
 const GOES_ON_RAD: f64 = 30.0 * PI / 180.0;
-/// Where a wall clearly goes on, neither end is off the line of the other piece by more than this share of the place's
+/// Where a wall clearly continues, neither end is off the line of the other piece by more than this share of the place's
 /// size.
 const GOES_ON_OFF_SHARE: f64 = 0.3;
-
-/// Beams lost in a row over less than this angle show nothing: a dense lidar loses a few anywhere.
-const LOST_RAD: f64 = PI / 180.0;
 
 /// The parameters of these names.
 #[derive(Clone, Copy, Debug)]
@@ -23,27 +20,19 @@ pub(super) struct Thresholds {
     pub(super) straight_rad: f64,
     pub(super) way_rad: f64,
     pub(super) clear_share: f64,
-    pub(super) without: Without,
+    pub(super) disabled: DisabledRules,
 }
 
-/// Beams that come back with nothing where a wall clearly goes on.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LostBeams {
-    /// The most in a row.
-    pub(super) in_a_row: u32,
-    /// At how many places there are several in a row.
-    pub(super) places: u32,
-}
-
-/// A scan, and what all its gaps are judged by.
+/// A scan and the thresholds for its gaps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Site<'s> {
+pub(super) struct ScanContext<'s> {
     pub(super) scan: &'s Scan,
     pub(super) thresholds: Thresholds,
+    /// Where a wall clearly continues.
     pub(super) lost: LostBeams,
 }
 
-impl<'s> Site<'s> {
+impl<'s> ScanContext<'s> {
     /// Counts the lost beams within the pieces of the scan and between them.
     pub(super) fn new(scan: &'s Scan, thresholds: Thresholds, directions: &mut Directions) -> Self {
         let none_lost = Self { scan, thresholds, lost: LostBeams::default() };
@@ -52,20 +41,15 @@ impl<'s> Site<'s> {
 
     fn lost_beams(&self, pieces: &Pieces, directions: &mut Directions) -> LostBeams {
         let (ring, mut lost) = (&self.scan.ring, LostBeams::default());
-        let mut count = |beams: u32| {
-            lost.in_a_row = lost.in_a_row.max(beams);
-            let is_wide = f64::from(beams) * self.scan.ring.step_rad >= LOST_RAD;
-            lost.places += u32::from(beams > 1 && is_wide);
-        };
         for pair in pieces.iter().flat_map(|piece| piece.windows(2)) {
-            count(ring.dark_between(pair[0], pair[1]));
+            lost.count(ring, ring.dark_between(pair[0], pair[1]));
         }
         let gaps = if ring.full_turn { pieces.len() } else { pieces.len().saturating_sub(1) };
         for at in 0..gaps {
             let (a, b) = (&pieces[at], &pieces[pieces.next(at)]);
             let beams = ring.dark_between(a[a.len() - 1], b[0]);
             if beams > 0 && self.clearly_goes_on(a, b, directions) {
-                count(beams);
+                lost.count(ring, beams);
             }
         }
         lost
@@ -83,7 +67,7 @@ impl<'s> Site<'s> {
         self.scan.ring.are_apart(p, q, self.thresholds.lengths.passage_m)
     }
 
-    /// The width of a passage, which is that of the vehicle.
+    /// The width of a passage: the width of the vehicle.
     pub(super) fn passage_m(&self) -> f64 {
         self.thresholds.lengths.passage_m
     }
@@ -91,6 +75,6 @@ impl<'s> Site<'s> {
     /// A length and a number of times the roughness of the walls: what bumps of smooth and of rough walls make
     /// together.
     pub(super) fn with_bumps_m(&self, length_m: f64, bumps: f64) -> f64 {
-        length_m + bumps * self.scan.roughness.off_m
+        length_m + bumps * self.scan.roughness.sd_m
     }
 }
