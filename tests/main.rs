@@ -28,3 +28,4 @@ mod simulation;
 mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod writing;

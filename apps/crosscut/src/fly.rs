@@ -69,7 +69,7 @@ impl Flight {
     }
 
     /// This flight with the truth of its scans, which its recording holds.
-    pub(crate) fn with(self, truths: Option<Truths>) -> Self {
+    pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
         Self { truths, ..self }
     }
 
@@ -201,18 +201,17 @@ impl Judge {
         None
     }
 
-    /// How well the answer in the frame agrees with the truth.
-    pub(crate) fn score(&mut self, truth: &Truth, frame: &Frame) -> Option<Score> {
-        Score::of(truth, &ResultsLine::of(frame)).map_err(|error| self.cannot(error.to_string())).ok()
-    }
-
     fn judged(&mut self, truth: TruthAt, frame: &Frame) -> Option<Judged> {
         let truth = self.truth(truth, frame.revolution.seq)?;
-        let score = self.score(&truth, frame)?;
-        Some(Judged { truth, score })
+        match Score::of(&truth, &ResultsLine::of(frame)) {
+            Ok(score) => return Some(Judged { truth, score }),
+            Err(error) => self.cannot(error.to_string()),
+        }
+        None
     }
 
-    fn cannot(&mut self, reason: String) {
+    /// Counts a revolution whose answer cannot be compared with its truth.
+    pub(crate) fn cannot(&mut self, reason: String) {
         self.others.get_or_insert((0, reason)).0 += 1;
     }
 
@@ -278,10 +277,10 @@ impl Flown {
             }
             End::Failed(failure) => diagnostics.error(format_args!("{of}{failure}; before it: {done}")),
             End::ResultsLost(error) => report_lost_results(&of, error, &done, diagnostics),
-            End::Interrupted => diagnostics.interrupted(format_args!(
-                "{}: what is written covers the {done} before that",
-                whose.map_or_else(|| "by Ctrl-C".to_owned(), |whose| format!("at {whose}"))
-            )),
+            End::Interrupted => {
+                let at = whose.map_or_else(String::new, |whose| format!("at {whose}, "));
+                diagnostics.interrupted(format_args!("{at}after {done}; what is written covers what came before"));
+            }
             End::Complete if self.is_empty() => diagnostics.error(format_args!("{of}no scan could be read")),
             End::Complete => {}
         }

@@ -26,7 +26,6 @@ mod progress;
 mod say;
 mod summary;
 mod typeset;
-mod unfinished;
 mod written;
 
 use std::ffi::OsString;
@@ -55,6 +54,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
+    interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),

@@ -69,10 +69,15 @@ fn layout(table: &Table, preset: &str) -> comfy_table::Table {
     drawn
 }
 
-/// Whether a column has numbers: all that it says begins with one.
+/// Whether a column has numbers: every cell begins with one, but for those that have no value.
 fn is_number(table: &Table, place: usize) -> bool {
-    let mut said = table.rows.iter().filter_map(|cells| cells.get(place)).filter(|cell| *cell != "-").peekable();
+    let mut cells = table
+        .rows
+        .iter()
+        .filter_map(|cells| cells.get(place))
+        .filter(|cell| !["", "-", "?"].contains(&cell.as_str()))
+        .peekable();
     let begins_with_digit =
         |cell: &String| cell.trim_start_matches(['*', '+', '-', '[', '(']).starts_with(|c: char| c.is_ascii_digit());
-    said.peek().is_some() && said.all(begins_with_digit)
+    cells.peek().is_some() && cells.all(begins_with_digit)
 }

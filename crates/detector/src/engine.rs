@@ -38,10 +38,12 @@ pub struct Engine {
     report: Worker,
 }
 
-/// The stages that come in several kinds, and how the first stores W.
+/// The stages that come in several kinds, and what is known of the first.
 pub(crate) struct Stages {
     pub(crate) affinity: Box<dyn AffinityStage>,
     pub(crate) storage: Storage,
+    /// It is one of the program's own, for which confidences were calibrated.
+    pub(crate) is_calibrated: bool,
     pub(crate) spectral: Box<dyn SpectralStage>,
     pub(crate) kmeans: Box<dyn KmeansStage>,
 }
@@ -49,9 +51,11 @@ pub(crate) struct Stages {
 impl Stages {
     /// Those that `config` chose.
     pub(crate) fn chosen(config: &Config, registry: &Registry) -> Self {
+        let kind = config.kind(&registry.affinity);
         Self {
             affinity: config.build(&registry.affinity),
-            storage: config.kind(&registry.affinity).properties.storage,
+            storage: kind.properties.storage,
+            is_calibrated: crosscut_affinity::KINDS.iter().any(|shipped| shipped.name == kind.name),
             spectral: config.build(&registry.spectral),
             kmeans: config.build(&registry.kmeans),
         }
@@ -70,9 +74,12 @@ impl Engine {
     }
 
     pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
-        let Stages { mut affinity, storage, mut spectral, mut kmeans } = stages;
+        let Stages { mut affinity, storage, is_calibrated, mut spectral, mut kmeans } = stages;
         let budget = MemoryBudget::new(config, storage, frames, workers);
         let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
+        if !is_calibrated {
+            reporter = reporter.without_confidence();
+        }
         let budget_of_w = budget.clone();
         Self {
             weigh: Worker::new(Step::Affinity, move |f| {

@@ -7,6 +7,13 @@ use crate::config::MEMORY_MB;
 
 const MB: u64 = 1 << 20;
 
+impl Config {
+    /// How much memory messages may take that wait for others: those that are read ahead, and those of chunks that overlap.
+    pub fn waiting_bytes(&self) -> u64 {
+        (self.params("pipeline").get(MEMORY_MB) as u64).saturating_mul(MB / 4)
+    }
+}
+
 /// How much memory W and the solvers may take, and how many there are at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct MemoryBudget {

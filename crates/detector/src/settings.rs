@@ -120,7 +120,7 @@ impl Settings {
     fn engine_of(self, config: &Config, registry: &Registry) -> Engine {
         let mut stages = Stages::chosen(config, registry);
         if let Some(affinity) = self.affinity {
-            (stages.affinity, stages.storage) = (affinity, Storage::Dense);
+            (stages.affinity, stages.storage, stages.is_calibrated) = (affinity, Storage::Dense, false);
         }
         stages.spectral = self.spectral.unwrap_or(stages.spectral);
         stages.kmeans = self.kmeans.unwrap_or(stages.kmeans);

@@ -161,10 +161,10 @@ mod tests {
         let registry = Registry::standard();
         let settings: [&[&str]; 8] = [
             &[],
-            &["spectral.zero_tolerance=1e-3"],
-            &["spectral.zero_tolerance=0.7"],
-            &["spectral.zero_tolerance=1e-9", "kmeans.seed=7"],
-            &["spectral.kind=nalgebra", "spectral.zero_tolerance=0.9"],
+            &["spectral.kind=faer", "spectral.zero_tolerance=1e-3"],
+            &["spectral.kind=faer", "spectral.zero_tolerance=0.7"],
+            &["spectral.kind=faer", "spectral.zero_tolerance=1e-9", "kmeans.seed=7"],
+            &["spectral.zero_tolerance=0.9"],
             &["affinity.sigma_per_m2=0.001"],
             &["kmeans.seed=7"],
             &["affinity.kind=dbscan"],
@@ -195,10 +195,10 @@ mod tests {
         let registry = Registry::standard();
         let with = |settings: &[&str]| config(&registry, settings);
         let configs = [
+            with(&["spectral.kind=faer", "spectral.zero_tolerance=1e-9"]),
+            with(&["spectral.kind=faer", "spectral.zero_tolerance=1e-3"]),
             with(&["spectral.zero_tolerance=1e-9"]),
             with(&["spectral.zero_tolerance=1e-3"]),
-            with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-9"]),
-            with(&["spectral.kind=slicing", "spectral.zero_tolerance=1e-3"]),
         ];
         let variants = Variants::new(&configs.iter().collect::<Vec<_>>(), &registry);
         assert_eq!(variants.branches.len(), 1, "one W");

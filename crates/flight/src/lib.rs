@@ -14,6 +14,7 @@
 //!
 //! All of it is deterministic: the same revolutions give the same poses.
 
+mod answer;
 mod belief;
 mod evidence;
 mod flight;
@@ -28,6 +29,7 @@ mod scan_match;
 mod steady;
 mod surroundings;
 
+pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;

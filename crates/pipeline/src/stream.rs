@@ -221,7 +221,7 @@ impl Collect<'_> {
                 return Ok(Some(frame));
             }
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
-            (frame.pose, frame.here, frame.steady) = (None, None, None);
+            frame.extra.clear();
             frame.timings.flight_ns = None;
             if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));
@@ -320,10 +320,11 @@ fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stag
 
 #[cfg(test)]
 mod tests {
-    use crosscut_stage::{Here, HereKind, Point, Way};
+    use crosscut_detector::Preset;
+    use crosscut_flight::{FlightAnswer, Here, HereKind, Way};
+    use crosscut_stage::Point;
 
     use super::*;
-    use crosscut_detector::Preset;
 
     #[test]
     fn observers_see_the_frame_whose_steady_answer_panics() {
@@ -332,7 +333,8 @@ mod tests {
         let mut frame = Frame::default();
         frame.revolution.points_m.push(Point::origin());
         let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
-        frame.here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        FlightAnswer { here, ..FlightAnswer::default() }.put(&mut frame);
         let (observers, seen) = bounded(1);
         let [_, _, _, report] = Engine::new(&config, &registry).into();
         let mut collect = Collect {

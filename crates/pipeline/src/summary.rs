@@ -87,7 +87,7 @@ impl Summary {
         self.revolutions += 1;
         let answers = self.junctions.entry(frame.junction.junctions).or_default();
         answers.revolutions += 1;
-        answers.sure += u64::from(frame.junction.confidence >= SURE);
+        answers.sure += u64::from(frame.junction.confidence.is_some_and(|confidence| confidence >= SURE));
         self.noted += u64::from(!frame.notes.is_empty());
         self.notes.add(self.revolutions, &frame.notes);
         self.times.add(frame);

@@ -54,6 +54,8 @@ pub struct Reporter {
     island_m: f64,
     max_range_m: f64,
     confidence_of_scene: bool,
+    /// Nothing was calibrated for the affinity.
+    uncalibrated: bool,
     vehicle_width_m: f64,
     vehicle_height_m: f64,
     view: LevelView,
@@ -69,6 +71,7 @@ impl Reporter {
             island_m: report.get(ISLAND_M),
             max_range_m: report.get(MAX_RANGE_M),
             confidence_of_scene: report.get(CONFIDENCE) == "scene",
+            uncalibrated: false,
             vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
             vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
             view: LevelView::default(),
@@ -78,6 +81,12 @@ impl Reporter {
             },
             outline: Outline::default(),
         }
+    }
+
+    /// For the clusters of an affinity that no confidence was calibrated for: there is none, and a note says so.
+    pub fn without_confidence(mut self) -> Self {
+        self.uncalibrated = true;
+        self
     }
 
     /// Writes walls, openings, the name of the place and the confidence into `out`, whatever `out` held before.
@@ -121,7 +130,10 @@ impl Reporter {
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
         odds::set_of_openings(verdicts, out);
-        out.confidence = if self.confidence_of_scene {
+        out.confidence = if self.uncalibrated {
+            notes.add("report: no confidence, as nothing was calibrated for an affinity of one's own");
+            None
+        } else if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
@@ -138,7 +150,7 @@ impl Reporter {
                 ));
             }
             let margin_decades = spectrum.margin_decades;
-            confidence::of_scene(
+            Some(confidence::of_scene(
                 revolution,
                 verdicts,
                 outline,
@@ -146,9 +158,9 @@ impl Reporter {
                 vehicle_width_m,
                 margin_decades,
                 out,
-            )
+            ))
         } else {
-            confidence::of_margin(spectrum.margin_decades)
+            Some(confidence::of_margin(spectrum.margin_decades))
         };
         out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())

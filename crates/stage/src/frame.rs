@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::Isometry2;
-
-use crate::{Affinity, Beam, Here, Junction, Notes, Partition, Revolution, Spectrum, Steady};
+use crate::{Affinity, Beam, Extra, Junction, Notes, Partition, Revolution, Spectrum};
 
 /// All that is known of one revolution. It passes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
@@ -19,14 +17,8 @@ pub struct Frame {
     pub partition: Partition,
     /// Walls and openings, from the report stage.
     pub junction: Junction,
-    /// Where the revolution was taken, metres and radians in the frame of the flight's first pose, from the flight;
-    /// `None` where that is not known.
-    pub pose: Option<Isometry2<f64>>,
-    /// The place that the vehicle is in, from the flight; `None` for a cloud, where no wall is in view, and
-    /// for a limited view that has not seen enough around it.
-    pub here: Option<Here>,
-    /// The answer over the last revolutions, from the flight.
-    pub steady: Option<Steady>,
+    /// What later work adds, which sees more than this revolution.
+    pub extra: Extra,
     /// What was dropped, repaired or fallen back to on the way.
     pub notes: Notes,
     /// The time of each step, measured by the worker around it.

@@ -20,8 +20,8 @@ pub struct Junction {
     pub wall_of_return: Vec<Option<u32>>,
     /// What kind of place this is.
     pub place: Place,
-    /// Estimated probability that the answer is right, 0 to 1.
-    pub confidence: f64,
+    /// Estimated probability that the answer is right, 0 to 1; `None` where nothing was calibrated for the affinity.
+    pub confidence: Option<f64>,
 }
 
 /// The returns between two consecutive openings.

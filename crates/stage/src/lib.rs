@@ -14,8 +14,9 @@
 //! registry. The report that follows them is fixed.
 
 mod affinity;
+mod disjoint_sets;
 mod embedding;
-mod flight;
+mod extra;
 mod frame;
 mod invariance;
 mod junction;
@@ -30,8 +31,9 @@ mod storage;
 mod traits;
 
 pub use affinity::{Affinity, Csr, Verdict, Weights};
+pub use disjoint_sets::DisjointSets;
 pub use embedding::Embedding;
-pub use flight::{Here, HereKind, Steady, SteadyOpening, Way};
+pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall};

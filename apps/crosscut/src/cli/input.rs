@@ -52,6 +52,7 @@ impl InputArgs {
             to_s: self.to,
             every: self.every,
             csv: CsvGeometry::new(config.params("csv")),
+            waiting_bytes: config.waiting_bytes(),
         }
     }
 }

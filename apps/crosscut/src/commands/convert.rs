@@ -1,10 +1,10 @@
 //! `crosscut convert`: any recording as an MCAP that other tools read.
 
-use std::io::BufWriter;
 use std::path::Path;
 
 use anyhow::Context;
 use crosscut_detector::Registry;
+use crosscut_outfile::{Keep, Whole};
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
@@ -13,8 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::files_read;
 use crate::say::say;
-use crate::unfinished::Unfinished;
-use crate::{config, outputs};
+use crate::{config, interrupt, outputs};
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
 pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -29,12 +28,11 @@ pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result
     outputs::refuse(&[&args.out], &read)?;
     let options = args.input.read_options(&config);
     let echo = Sensor::new(config.params("ingest")).echo();
-    let unfinished = Unfinished::beside(&args.out);
-    unfinished.remove_on_interrupt()?;
     let cannot = || format!("cannot write {}", args.out.display());
-    let file = BufWriter::new(unfinished.create().with_context(cannot)?);
-    let converted = crosscut_ingest::convert(&args.input.recordings.input, &options, echo, file)?;
-    unfinished.finish().with_context(cannot)?;
+    let mut file = Whole::create(&args.out, Keep::ThroughKill).with_context(cannot)?;
+    interrupt::quit_without(&file)?;
+    let converted = crosscut_ingest::convert(&args.input.recordings.input, &options, echo, &mut file)?;
+    file.finish().with_context(cannot)?;
     let written = converted.messages.iter().map(|(topic, count)| format!("{} on {topic}", counted(*count, "message")));
     say(format_args!("{}: {}", args.out.display(), written.collect::<Vec<_>>().join(", ")));
     let mut diagnostics = Diagnostics::default();

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use comfy_table::{Cell, CellAlignment, Table, presets};
 use crosscut_detector::Registry;
+use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{
     CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
@@ -14,6 +14,7 @@ use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::say::show;
+use crate::typeset::plain;
 
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -108,21 +109,15 @@ fn size(bytes: u64) -> String {
 }
 
 fn topics(topics: &[TopicDescription]) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(["topic", "type", "encoding", "messages", "Hz"]);
-    for topic in topics {
-        let count = topic.info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
+    let row = |topic: &TopicDescription| {
+        let info = &topic.info;
+        let kind = if info.type_name.is_empty() { "(no schema)" } else { &info.type_name };
+        let count = info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
         let rate = topic.rate_hz.map_or_else(String::new, |rate| format!("{rate:.1}"));
-        let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-        table.add_row([
-            Cell::new(&topic.info.name),
-            Cell::new(if topic.info.type_name.is_empty() { "(no schema)" } else { &topic.info.type_name }),
-            Cell::new(&topic.info.encoding),
-            right(count),
-            right(rate),
-        ]);
-    }
-    table.trim_fmt()
+        vec![info.name.clone(), kind.to_owned(), info.encoding.clone(), count, rate]
+    };
+    let header = ["topic", "type", "encoding", "messages", "Hz"].map(str::to_owned).to_vec();
+    plain(&Table { title: String::new(), header, rows: topics.iter().map(row).collect() })
 }
 
 fn first_scan(topic: &str, scan: &ScanDescription) -> String {

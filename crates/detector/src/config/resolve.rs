@@ -250,6 +250,9 @@ fn defaults(section: &Section) -> Resolved {
     Resolved::new(section.name, kind, specs, SetBy::Default)
 }
 
+/// A kind that begins so is a callable of Python: `python:module.name`.
+const CODE: &str = "python:";
+
 impl Resolved {
     fn new(name: &'static str, kind: Option<Choice>, specs: &'static [ParamSpec], kind_set_by: SetBy) -> Self {
         Self {
@@ -268,7 +271,11 @@ impl Resolved {
             layer: layer.name.clone(),
             section: self.name,
             kind: wanted.to_string(),
-            nearest: nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>()),
+            nearest: if name.starts_with(CODE) {
+                format!("code runs if the command line names it (--set {}.kind={name})", self.name)
+            } else {
+                nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>())
+            },
         })?;
         match &mut self.kind {
             Some(kind) if kind.name == choice.name => kind.set_by = SetBy::Layer(layer.name.clone()),

@@ -183,20 +183,6 @@ fn a_registry_with_no_kind_or_two_of_one_name_is_refused() {
 }
 
 #[test]
-fn code_can_match_on_what_is_wrong_with_a_value() {
-    let kind = |setting: &str| match resolve("", &[setting]) {
-        Err(ConfigError::BadValue { error, .. }) => error.kind,
-        other => panic!("{other:?}"),
-    };
-    assert_eq!(kind("affinity.sigma_per_m2=-1"), ParamErrorKind::OutOfRange);
-    assert_eq!(kind("affinity.sigma_per_m2=wide"), ParamErrorKind::WrongType);
-    assert_eq!(kind("affinity.sigma_per_m2=1979-05-27"), ParamErrorKind::WrongType, "a date is no value of ours");
-    let mut params = resolve("", &[]).expect("the preset").params("affinity").clone();
-    let unknown = params.set("sigma", 1.0).expect_err("there is no such parameter");
-    assert_eq!(unknown.kind, ParamErrorKind::NotFound);
-}
-
-#[test]
 fn typed_settings_arrive_as_they_are() {
     let text = "a \"b\" = [1], \u{7}\u{e9}";
     let settings = Settings::new(Preset::Paper)
@@ -218,4 +204,18 @@ fn typed_settings_arrive_as_they_are() {
     assert!(refused(Settings::default().set("vehicle", 1.0)).contains("section.key=value"));
     let nearest_m = Settings::default().set("ingest.min_range_m", 9.0).set("ingest.max_range_m", 9.0);
     assert!(refused(nearest_m).contains("no return would be left"));
+}
+
+#[test]
+fn code_can_match_on_what_is_wrong_with_a_value() {
+    let kind = |setting: &str| match resolve("", &[setting]) {
+        Err(ConfigError::BadValue { error, .. }) => error.kind,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(kind("affinity.sigma_per_m2=-1"), ParamErrorKind::OutOfRange);
+    assert_eq!(kind("affinity.sigma_per_m2=wide"), ParamErrorKind::WrongType);
+    assert_eq!(kind("affinity.sigma_per_m2=1979-05-27"), ParamErrorKind::WrongType, "a date is no value of ours");
+    let mut params = resolve("", &[]).expect("the preset").params("affinity").clone();
+    let unknown = params.set("sigma", 1.0).expect_err("there is no such parameter");
+    assert_eq!(unknown.kind, ParamErrorKind::NotFound);
 }

@@ -57,6 +57,7 @@ fn notes_are_those_of_the_last_scan_alone() {
         let own = frame.notes.iter().filter(|note| *note == "each on its own").count();
         let of_scan = frame.notes.iter().filter(|note| note.contains("range 0")).count();
         assert_eq!((own, of_scan), (1, 1), "{:?}", frame.notes);
+        assert_eq!(frame.junction.confidence, None, "nothing was calibrated for it");
     }
 }
 

@@ -57,7 +57,7 @@ impl Comparison {
             let wanted = (eigenvalues as usize).max(found.k + 1).min(revolution.len());
             assert_eq!(found.eigenvalues.len(), wanted, "{name}");
             for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
-                let allowed = if j < all.k { rounding.min(1e-10) } else { 1e-10 };
+                let allowed = if j < all.k { rounding.min(1e-12) } else { 1e-12 };
                 assert!((ours - full).abs() <= allowed, "{name}: λ_{j} = {ours} is {full}");
             }
             if all.eigenvalues.iter().any(|lambda| (lambda - TOLERANCE).abs() <= rounding) {

@@ -45,7 +45,7 @@ fn answer(engine: &mut Engine, scan: &Revolution, order: &[usize], mirrored: boo
         k: frame.spectrum.k,
         junctions: junction.junctions,
         openings: junction.openings.len(),
-        confidence: (1e6 * junction.confidence).round() as u32,
+        confidence: (1e6 * junction.confidence.expect("a kind of the program")).round() as u32,
         walls: label_of_beam.into_iter().map(wall_of).collect(),
     }
 }

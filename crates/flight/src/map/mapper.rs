@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crosscut_stage::{Frame, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
-
-use crosscut_stage::{Frame, HereKind, wrap_angle_rad};
-
-use crate::line_points::line_points;
-use crate::{Edge, PoseGraph};
 
 use super::outline::Walls;
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use super::{Map, Passage};
+use crate::line_points::line_points;
+use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 
 /// A visit has ended once the vehicle has moved this far in a passage: the place may be in doubt in between. One to a
 /// dead end, only once it is certain by which side the vehicle leaves.
@@ -94,8 +92,8 @@ pub(super) struct Departure {
 impl Mapper {
     /// Takes the next frame, with its pose and its steady place. A frame without a pose is passed over.
     pub fn add(&mut self, frame: &Frame) {
-        let (Some(pose), Some(steady)) = (frame.pose, frame.steady.as_ref().and_then(|steady| steady.here.as_ref()))
-        else {
+        let flown = FlightAnswer::of(frame);
+        let (Some(pose), Some(steady)) = (flown.pose, flown.steady_here()) else {
             return;
         };
         let now_ns = frame.revolution.stamp_ns;
@@ -110,7 +108,7 @@ impl Mapper {
         if self.open.as_ref().is_some_and(has_ended) {
             self.end_visit(self.in_node_ns, Some(pose));
         }
-        let Some(seen) = &frame.here else { return };
+        let Some(seen) = &flown.here else { return };
         if let Some(node) = node {
             (self.in_node_ns, self.in_node_at_m) = (now_ns, self.way.way_m);
             let came_from = self.way.came_from();

@@ -285,6 +285,20 @@ fn the_engine_alone_does_the_same_steps_and_recovers_after_a_failure() {
 }
 
 #[test]
+fn an_affinity_that_nothing_was_calibrated_for_has_no_confidence() {
+    let answer = |kind: &str| {
+        let mut frame = Frame::default();
+        frame.revolution.points_m = vec![crosscut_stage::Point::origin()];
+        let mut engine = Engine::new(&config(&[&format!("affinity.kind={kind}")]), &registry());
+        engine.process(&mut frame).expect("nothing fails at x = 0");
+        (frame.junction.confidence, frame.notes.iter().any(|note| note.contains("nothing was calibrated")))
+    };
+    assert_eq!(answer("failing"), (None, true));
+    let (confidence, noted) = answer("rbf");
+    assert!(confidence.is_some() && !noted);
+}
+
+#[test]
 fn a_size_that_does_not_fit_is_refused_with_the_size_it_would_need() {
     let mut engine = Engine::new(&config(&["pipeline.memory_mb=1"]), &registry());
     let mut frame = Frame::default();

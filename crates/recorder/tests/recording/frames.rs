@@ -202,7 +202,7 @@ fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {
     let side = f64::atan2(8.0, near + h);
     out.junctions = 3;
     out.place = Place::Tee;
-    out.confidence = 0.97;
+    out.confidence = Some(0.97);
     out.wall_of_return = walls.iter().copied().map(Some).collect();
     out.openings = vec![
         opening(-side, [0, 1], [near, -h], [far, -h]),

@@ -73,7 +73,10 @@ fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
 
 fn grounds_of(scan: (Revolution, Vec<Option<u32>>)) -> (Grounds, f64) {
     let (revolution, junction) = answer(scan);
-    (Grounds::of(&revolution, &[], VEHICLE_WIDTH_M, None, &junction).expect("it has walls"), junction.confidence)
+    (
+        Grounds::of(&revolution, &[], VEHICLE_WIDTH_M, None, &junction).expect("it has walls"),
+        junction.confidence.expect("calibrated"),
+    )
 }
 
 /// A tunnel along x whose left wall opens between x = 1 and x = 1 + `mouth_m` into a pocket 4 m deep, all of one wall.
@@ -149,7 +152,7 @@ fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
             }
         }
         revolution.points_m = points_m;
-        answer((revolution, labels)).1.confidence
+        answer((revolution, labels)).1.confidence.expect("calibrated")
     };
     assert!(of_each(1) > 0.9 && of_each(3) > 0.9, "{} and {}", of_each(1), of_each(3));
     assert!(of_each(10) < 0.3, "{}", of_each(10));
@@ -214,7 +217,7 @@ fn of_tunnel(verdicts: &dyn Fn(&[Verdict]) -> Vec<Verdict>) -> (f64, Vec<Option<
     let (revolution, labels) = scan(&tunnel(), 360, |_| false);
     let verdicts = verdicts(&self::verdicts(&revolution, &labels));
     let (_, answer) = answer_by(&[], (revolution, labels), None, &verdicts);
-    (answer.confidence, answer.openings.iter().map(|opening| opening.p).collect())
+    (answer.confidence.expect("calibrated"), answer.openings.iter().map(|opening| opening.p).collect())
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod shown;
 
-use std::io::{self, Write};
+use std::io;
 use std::iter::Peekable;
 use std::path::Path;
 use std::thread::{Builder, ScopedJoinHandle};
@@ -11,6 +11,7 @@ use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_detector::Registry;
 use crosscut_evaluate::{Agreement, Differences};
+use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;
 use indicatif::ProgressBar;
@@ -21,8 +22,9 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, Flown, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::say::show;
-use crate::{outputs, progress, typeset};
+use crate::{progress, typeset};
 
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
@@ -52,8 +54,8 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     let input = &args.input.recordings.input;
     let flights = configurations.iter().map(|of| Flight::open(input, &args.input, &of.config));
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
-    let mut json = args.json.as_ref().map(|path| outputs::create(path, &read)).transpose()?;
     let stop = stop_on_interrupt()?;
+    let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
 
     let bar = progress::bar(flights[0].total_revolutions(), args.quiet);
     let compared = side_by_side(&configurations, flights, registry, &stop, &bar)?;
@@ -63,7 +65,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     report(&configurations, &compared, &mut diagnostics);
     if let Some(out) = &mut json {
         let document = shown::json(&configurations, &compared, diagnostics.problems());
-        out.write_all(document.as_bytes()).context("the comparison cannot be written")?;
+        out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         show(typeset::text(&shown::tables(&configurations, &compared, args.all)))?;

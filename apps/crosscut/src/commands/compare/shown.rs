@@ -121,7 +121,8 @@ fn stretches(
     }
     let row = |of: &&Stretch| {
         let [from_s, to_s] = of.stamp_ns.map(|stamp_ns| format!("{:.2}", since_start_s(stamp_ns)));
-        let [confidence, of_other] = of.confidence.map(|confidence| format!("{confidence:.2}"));
+        let [confidence, of_other] =
+            of.confidence.map(|of| of.map_or("-".to_owned(), |confidence| format!("{confidence:.2}")));
         let [walls, walls_of_other] = of.junctions.map(|walls| walls.to_string());
         let [from, to] = of.seq.map(|seq| seq.to_string());
         vec![from, to, from_s, to_s, walls, walls_of_other, confidence, of_other]

@@ -4,7 +4,6 @@ mod scoring;
 mod wrong;
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -12,6 +11,7 @@ use crosscut_detector::Registry;
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{Truths, recordings_in};
+use crosscut_outfile::Keep;
 use serde_json::json;
 
 use crate::cli::EvaluateArgs;
@@ -20,6 +20,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
 use crate::say::{say, show};
 use crate::{outputs, progress, typeset};
 
@@ -44,8 +45,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
-    let mut outputs = Outputs::open(args, &read)?;
     let stop = stop_on_interrupt()?;
+    let mut outputs = Outputs::open(args, &read)?;
 
     let bar = progress::bar(revolutions, args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: false };
@@ -56,7 +57,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
         for (place, column) in columns.iter().enumerate() {
             let whose = format!("{}, in {}", column.name, path.display());
             if stop.is_set() {
-                diagnostics.interrupted(format_args!("at {whose}: the figures cover what was compared before that"));
+                diagnostics.interrupted(format_args!("at {whose}; what is written covers what came before"));
                 break 'all;
             }
             let scored = scoring::score(path, &args.input, &column.config, &how)?;
@@ -150,8 +151,8 @@ fn note_changed_scans(columns: &[Configuration], diagnostics: &mut Diagnostics) 
 /// The output files, opened before the work begins.
 struct Outputs<'a> {
     args: &'a EvaluateArgs,
-    json: Option<Box<dyn Write + Send>>,
-    markdown: Option<Box<dyn Write + Send>>,
+    json: Option<Document>,
+    markdown: Option<Document>,
 }
 
 impl<'a> Outputs<'a> {
@@ -164,24 +165,23 @@ impl<'a> Outputs<'a> {
         if let Some(folder) = &args.draw_wrong {
             std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
-        let open = |path: &PathBuf| outputs::create(path, read);
+        let open = |path: &PathBuf| Document::create(path, read, Keep::ThroughKill);
         let (json, markdown) = (args.json.as_ref().map(open), args.markdown.as_ref().map(open));
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
 
     fn write(&mut self, scoreboard: &Scoreboard, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
-        let failed = "the figures cannot be written";
         let mut shown = tables::overview(scoreboard);
         if self.args.details {
             shown.extend(tables::details(scoreboard));
         }
         if let Some(out) = &mut self.json {
             let settings: Vec<_> = columns.iter().map(|column| column.config.to_string()).collect();
-            out.write_all(json(scoreboard, &settings, problems).as_bytes()).context(failed)?;
+            out.write(&json(scoreboard, &settings, problems))?;
         }
         if let Some(out) = &mut self.markdown {
             let problems: String = problems.iter().map(|problem| format!("{problem}\n\n")).collect();
-            out.write_all((typeset::markdown(&shown) + &problems).as_bytes()).context(failed)?;
+            out.write(&(typeset::markdown(&shown) + &problems))?;
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {

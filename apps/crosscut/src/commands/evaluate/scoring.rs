@@ -44,7 +44,7 @@ impl Scored {
 
 /// Streams the recording through the stages of `config` and scores each result.
 pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How<'_>) -> anyhow::Result<Scored> {
-    let flight = Flight::open(std::slice::from_ref(path), args, config)?.with(Some(Truths::open(path)?));
+    let flight = Flight::open(std::slice::from_ref(path), args, config)?.with_truths(Some(Truths::open(path)?));
     let (mut evaluation, mut wrong) = (Evaluation::default(), Wrong::default());
     let mine = truth_map(path)?.transpose();
     let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));

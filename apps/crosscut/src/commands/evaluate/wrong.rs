@@ -33,13 +33,13 @@ impl Wrong {
         }
         let Frame { revolution, spectrum, junction, .. } = frame;
         self.rows.push(format!(
-            "{},{},{},{},{},{:.3},{}",
+            "{},{},{},{},{},{},{}",
             revolution.seq,
             revolution.stamp_ns,
             score.true_walls,
             junction.junctions,
             spectrum.k,
-            junction.confidence,
+            junction.confidence.map(|confidence| format!("{confidence:.3}")).unwrap_or_default(),
             junction.place
         ));
         if self.panels.len() >= 2 * MOST_SCENES {
@@ -65,7 +65,7 @@ impl Wrong {
         }
         let list = format!("{COLUMN_NAMES}\n{}\n", self.rows.join("\n"));
         for (path, text) in paths(folder, family, configuration).into_iter().zip([sheet(&self.panels, COLUMNS), list]) {
-            std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            crosscut_outfile::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         Ok(())
     }

@@ -4,13 +4,11 @@ mod course;
 mod page;
 mod places;
 
-use std::io::Write as _;
-
-use anyhow::Context;
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::Mapper;
 use crosscut_ingest::Truths;
+use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
 
 use self::course::Course;
@@ -20,8 +18,9 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::fly::{Flight, How, Judged, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
+use crate::outputs::Document;
+use crate::progress;
 use crate::say::say;
-use crate::{outputs, progress};
 
 /// What the page shows of the revolutions of a flight.
 #[derive(Default)]
@@ -48,12 +47,12 @@ impl Shown {
 pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let config = args.config.resolve(registry)?;
     let read = files_read(&args.input, args.config.config.clone())?;
-    let mut out = outputs::create(&args.out, &read)?;
     let stop = stop_on_interrupt()?;
+    let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let input = &args.input.recordings.input;
     let truths = if let [only] = &input[..] { Truths::open(only).ok() } else { None };
     let has_truth = truths.is_some();
-    let mut flight = Flight::open(input, &args.input, &config)?.with(truths);
+    let mut flight = Flight::open(input, &args.input, &config)?.with_truths(truths);
     let bar = progress::bar(flight.total_revolutions(), args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: true };
     let mut shown = Shown::default();
@@ -66,8 +65,7 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
         let names = input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         let title = names.collect::<Vec<_>>().join(", ");
         let page = page::html(&title, &config, &flown, &shown, has_truth);
-        let cannot = || format!("cannot write {}", args.out.display());
-        out.write_all(page.as_bytes()).and_then(|()| out.flush()).with_context(cannot)?;
+        out.write(&page)?;
         if !args.quiet {
             say(shown.mapper.map().summary());
         }

@@ -13,9 +13,10 @@ use std::thread::{self, Builder};
 
 use anyhow::Context;
 use crosscut_detector::{Config, Frame, Registry};
-use crosscut_evaluate::{Variants, settings_of_step};
+use crosscut_evaluate::{Score, Variants, settings_of_step};
 use crosscut_ingest::Truths;
 use crosscut_pipeline::StopFlag;
+use crosscut_report::ResultsLine;
 use crosscut_stage::Step;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
@@ -183,7 +184,7 @@ impl Sweep<'_> {
     /// Runs the combinations of a task together, and keeps their results; none of them if it is interrupted or the flight
     /// cannot be read to its end.
     fn work(&self, task: &Task<'_>, bar: &ProgressBar) -> anyhow::Result<()> {
-        let mut flight = self.open(task)?.with(Truths::open(&task.flight.path).ok());
+        let mut flight = self.open(task)?.with_truths(Truths::open(&task.flight.path).ok());
         let configs: Vec<&Config> = task.points.iter().map(|(place, _)| &self.configs[*place]).collect();
         let mut variants = Variants::new(&configs, self.registry);
         let mut tallies: Vec<Tally> = configs.iter().map(|_| Tally::default()).collect();
@@ -193,11 +194,14 @@ impl Sweep<'_> {
                 return Ok(());
             }
             let truth = judge.truth(truth, frame.revolution.seq);
+            let mut refused = None;
             variants.process(&mut frame, &mut |place, frame| {
-                let is_answer = frame.failure.is_none();
-                let score = truth.as_ref().filter(|_| is_answer).and_then(|truth| judge.score(truth, frame));
-                tallies[place].add(frame, score.as_ref());
+                let truth = truth.as_ref().filter(|_| frame.failure.is_none());
+                let score = truth.map(|truth| Score::of(truth, &ResultsLine::of(frame)));
+                tallies[place].add(frame, score.as_ref().and_then(|score| score.as_ref().ok()));
+                refused = refused.take().or(score.and_then(Result::err));
             });
+            refused.into_iter().for_each(|error| judge.cannot(error.to_string()));
             frame.notes.clear();
             revolutions += 1;
             bar.inc(1);

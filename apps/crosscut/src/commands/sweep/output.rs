@@ -8,9 +8,8 @@ use crosscut_stage::Step;
 use serde_json::Value;
 
 use super::grid::Grid;
-use super::picture;
+use super::{picture, store};
 use crate::exit::UsageError;
-use crate::unfinished::Unfinished;
 use crate::{outputs, typeset};
 
 /// The figures, in the order of their columns.
@@ -55,7 +54,7 @@ impl Row<'_> {
 pub(super) fn write(folder: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
     let file = |name: &str, text: String| {
         let path = folder.join(name);
-        Unfinished::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+        store::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
     };
     file("sweep.csv", csv(program, grid, rows))?;
     file("times.csv", times(grid, rows))?;

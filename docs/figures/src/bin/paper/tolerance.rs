@@ -56,7 +56,8 @@ impl Method {
     fn new(registry: &Registry) -> anyhow::Result<Self> {
         // The eigenvalues of an L whose W has ones on its diagonal are below 2: every one counts as zero, and U holds
         // all eigenvectors.
-        let config = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 2.0).config(registry)?;
+        let settings = Settings::new(Preset::Paper).set("spectral.kind", "faer").set("spectral.zero_tolerance", 2.0);
+        let config = settings.config(registry)?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
             affinity: config.build(&registry.affinity),

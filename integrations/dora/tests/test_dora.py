@@ -15,16 +15,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import crosscut
 import numpy as np
 import pytest
 from conftest import free_port, in_wheel
 
-import crosscut
-
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 NODES = ("source", "affinity", "spectral", "kmeans", "report")
-
-pytestmark = pytest.mark.skipif(not (SCRIPTS / "dora").exists(), reason="dora is not installed")
 
 
 def in_background(folder: Path, *command: str | Path) -> subprocess.Popen[str]:
@@ -117,6 +114,16 @@ def test_one_daemon_gives_the_bytes_of_the_program(tee: Path, tmp_path: Path, ex
     flow = Flow(tmp_path, [tee], "--batch", batch)
     assert "141 revolutions; 1 junction: 1 tee" in finish(flow.run())
     assert_the_same(flow, expected)
+
+
+def test_an_affinity_in_python_gives_the_bytes_of_the_program(tee: Path, tmp_path: Path) -> None:
+    options = ["--every", "20", "--preset", "paper", "--set", "affinity.kind=python:stages_of_ones_own.rbf"]
+    flow, program = Flow(tmp_path, [tee], *options), tmp_path / "program.jsonl"
+    finish(flow.run())
+    command: list[str | Path] = [in_wheel(), "run", tee, "--results", program, "--quiet", *options]
+    subprocess.run(command, check=True, cwd=Path(__file__).parent)
+    assert flow.results.read_bytes() == program.read_bytes()
+    assert b'"confidence":null' in program.read_bytes(), "nothing was calibrated for it"
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
-"""Times frames through dora on this machine: `python/run dora`.
+"""Times frames through dora on this machine: `integrations/dora/run speed`.
 
 Latency: frames leave one node at 40 Hz, with their send time; the next node takes them as arrays of numpy. Beside them, an array
 of as many bytes shows what dora alone takes. Throughput: frames of 60 returns, 64 in a message, from node to node with every
-message acknowledged (`crosscut/_window.py`).
+message acknowledged (`window.py`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ import numpy as np
 import pyarrow as pa
 
 import crosscut
-from crosscut import _frames
-from crosscut._window import Order, Window
+from crosscut_dora import arrow
+from crosscut_dora.window import Order, Window
 
 HZ, FRAMES = 40, 400
 MESSAGES, BATCH, SMALL, WINDOW = 1000, 64, 60, 32
@@ -27,10 +27,10 @@ MESSAGES, BATCH, SMALL, WINDOW = 1000, 64, 60, 32
 
 def frames_of(beams: int, batch: int, stage: bool) -> pa.StructArray:
     """A room, which is seen by this many beams; with W, if the affinity has run."""
-    engine = crosscut.Engine()._native
+    engine = crosscut.Engine()
     scan = crosscut.Scan(np.full(beams, 3.0), -np.pi, 2 * np.pi / beams, range_max=30.0)
-    frames = _frames.of_scans(engine, [scan] * batch, 0)
-    return _frames.after("affinity", engine, frames) if stage else frames
+    frames = arrow.of_scans(engine, [scan] * batch, 0)
+    return arrow.after("affinity", engine, frames) if stage else frames
 
 
 WHAT = {"bytes": "an array as large as a scan, by dora alone", "scan": "a scan of 360 beams", "W": "a scan of 360 beams with its W"}
@@ -48,7 +48,7 @@ def take_in_time(node: Any, what: str) -> None:
     for event in node:
         if event["type"] == "INPUT":
             if what != "bytes":
-                _frames.columns(event["value"])
+                arrow.columns(event["value"])
             latencies_ms.append((time.monotonic_ns() - event["metadata"]["sent_ns"]) / 1e6)
     p50, p99 = np.percentile(latencies_ms[HZ:], [50, 99])  # the first second is the engine's start
     print(f"{WHAT[what]}: {event_count(latencies_ms)}, one hop p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
@@ -84,7 +84,7 @@ def take_fast(node: Any) -> None:
         if event["type"] == "INPUT":
             about = {name: event["metadata"][name] for name in ("number", "transmission")}
             for frames in order.take(about["number"], event["value"]):
-                _frames.columns(frames)
+                arrow.columns(frames)
             node.send_output("acks", pa.array([], pa.null()), about)
 
 

@@ -12,10 +12,11 @@ from typing import Any
 
 import pyarrow as pa
 
-from . import _frames
-from ._engine import Engine, Recording
-from ._errors import Error
-from ._window import Order, Window
+from crosscut import Engine, Error, Flight
+from crosscut import frames as stages
+
+from . import arrow
+from .window import Order, Window
 
 DONE, FAILED, WRONG_USAGE, SOMETHING_LOST = 0, 1, 2, 3
 
@@ -32,16 +33,17 @@ def source(node: Any, engine: Engine, args: argparse.Namespace) -> int:
 
     def messages() -> Iterator[tuple[Any, dict[str, Any]]]:
         recording = engine.read(args.flight, args.topic or None, from_s=args.from_s, to_s=args.to_s, every=args.every)
+        waiting_scans = iter(recording)
         about, first = {"ended": True, "failed": ""}, 0
         while True:
             scans = []
             try:
-                for scan in itertools.islice(_quiet(recording), args.batch):
+                for scan in itertools.islice(waiting_scans, args.batch):
                     scans.append(scan)
             except Error as error:  # what was read before it counts
                 about["failed"] = str(error)
             if scans:
-                yield _frames.of_scans(engine._native, scans, first), {"ended": False, "failed": ""}
+                yield arrow.of_scans(engine, scans, first), {"ended": False, "failed": ""}
                 first += len(scans)
             if len(scans) < args.batch:
                 break
@@ -80,7 +82,7 @@ def stage(node: Any, engine: Engine, name: str, recorded: bool) -> int:
         value, about = event["value"], event["metadata"]
         if not about["ended"] and not about["failed"]:
             try:
-                value = _frames.after(name, engine._native, value, recorded=recorded)
+                value = arrow.after(name, engine, value, recorded=recorded)
             except (ValueError, KeyError) as error:  # of a stage of another's
                 about["failed"] = f"{name}: {error}"
         node.send_output("frames", value, _own(about))
@@ -91,11 +93,11 @@ def record(node: Any, engine: Engine, path: Path) -> int:
     """Records the frames for the viewer, each once, and passes on what the report reads."""
     order, failed, recording = Order[Any](), "", None
     try:
-        from ._record import Recording
+        from .record import Recording
 
-        recording = Recording(path, engine._native)
+        recording = Recording(path, engine)
     except (ImportError, RuntimeError) as error:
-        failed = f"record: {error}; a recording needs crosscut[view], and its folder"
+        failed = f"record: {error}; a recording needs rerun-sdk (pip install rerun-sdk==0.36.3), and its folder"
     for event in _inputs(node):
         value, about = event["value"], event["metadata"]
         for frames, ended in order.take(about["number"], (value, about["ended"] or bool(about["failed"]))):
@@ -106,14 +108,14 @@ def record(node: Any, engine: Engine, path: Path) -> int:
                     failed, recording = f"record: {error}", None
         about["failed"] = about["failed"] or failed
         if not about["ended"] and not about["failed"]:
-            value = _frames.without({**_frames.W, **_frames.U}, value)
+            value = arrow.without({**arrow.W, **arrow.U}, value)
         node.send_output("frames", value, _own(about))
     return DONE
 
 
 def report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
     """The last node: the report and the flight, in order, and the files."""
-    flight, order, frames, outcome = engine._native.flight_map(), Order[Any](), 0, None
+    flight, order, frames, outcome = Flight(engine), Order[Any](), 0, None
     with contextlib.ExitStack() as opened:
         results = opened.enter_context(_whole(args.results)) if args.results else None
         for event in _inputs(node):
@@ -123,7 +125,7 @@ def report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
                     continue
                 if not failed and not ended:
                     try:
-                        lines, failed = engine._native.report(_frames.columns(value), flight)
+                        lines, failed = stages.finish(flight, arrow.columns(value))
                     except (ValueError, KeyError) as error:  # of a stage of another's
                         lines, failed = b"", f"report: {error}"
                     frames += lines.count(b"\n")
@@ -134,7 +136,7 @@ def report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
                     opened.close()
                     if args.map:
                         with _whole(args.map) as file:
-                            file.write(flight.json().encode() + b"\n")
+                            file.write(flight.map.to_json().encode() + b"\n")
                     outcome = _told(frames, flight, failed, value.to_pylist() if ended else [])
             failure = outcome == FAILED
             node.send_output("acks", pa.array([], pa.null()), {**_own(about), "failed": "see the last node" if failure else ""})
@@ -143,14 +145,14 @@ def report(node: Any, engine: Engine, args: argparse.Namespace) -> int:
     return outcome
 
 
-def _told(frames: int, flight: Any, failed: str | None, losses: list[str]) -> int:
+def _told(frames: int, flight: Flight, failed: str | None, losses: list[str]) -> int:
     """Says how the flight ended; returns the exit code."""
     for loss in losses:
         print(f"warning: {loss}", file=sys.stderr)
     if failed:
         print(f"error: {failed}; saved before it: {frames} revolutions", file=sys.stderr, flush=True)
         return FAILED
-    print(f"{frames} revolutions; {flight.summary()}", file=sys.stderr, flush=True)
+    print(f"{frames} revolutions; {flight.map.summary()}", file=sys.stderr, flush=True)
     return SOMETHING_LOST if losses else DONE
 
 
@@ -182,8 +184,3 @@ def _next(node: Any, patience_s: float) -> dict[str, Any] | None:
 def _own(about: dict[str, Any]) -> dict[str, Any]:
     """The metadata that are ours; dora adds its own."""
     return {name: about[name] for name in ("number", "transmission", "ended", "failed")}
-
-
-def _quiet(recording: Recording) -> Iterator[Any]:
-    """The scans; the last node reports what was lost."""
-    return iter(recording._native)

@@ -1,8 +1,8 @@
 """Frames as Arrow: what the stages give each other when each runs in a process of its own.
 
-A message is a struct array, a row for each frame. Rows have the columns below that are known so far; a stage takes those that
-it reads, adds its own, and passes on all others, also such as it does not know. W ends at the spectral stage, U at kmeans; where
-the flight is recorded, both end there.
+A message is a struct array, a row for each frame, with the columns of ``crosscut.frames`` that are known so far, which says what
+they mean. A stage takes those that it reads, adds its own, and passes on all others, also such as it does not know. W ends at the
+spectral stage, U at kmeans; where the flight is recorded, both end there.
 """
 
 from __future__ import annotations
@@ -10,77 +10,62 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 from typing import Any, TypeAlias
 
+import crosscut
 import numpy as np
 import pyarrow as pa
-
-from . import _native
+from crosscut import frames as stages
 
 _F64S, _I32S, _U32S, _U64S = (pa.list_(kind) for kind in (pa.float64(), pa.int32(), pa.uint32(), pa.uint64()))
 
 SCAN: dict[str, pa.DataType] = {
-    "seq": pa.uint64(),  # the number of the scan in its topic
-    "stamp_ns": pa.uint64(),  # by the sensor's clock
+    "seq": pa.uint64(),
+    "stamp_ns": pa.uint64(),
     "frame_id": pa.string(),
-    "points_m": pa.list_(pa.list_(pa.float64(), 3)),  # n returns: x forward, y left, z up
-    "has_beams": pa.bool_(),  # False for a cloud, whose columns of beams are empty
-    "ranges_m": pa.list_(pa.float32()),  # as on the wire
-    "bearings_rad": _F64S,  # of each beam of the turn
-    "return_of_beam": _I32S,  # its index in points_m; -1: nothing in range, -2: nothing is known
+    "points_m": pa.list_(pa.list_(pa.float64(), 3)),
+    "has_beams": pa.bool_(),
+    "ranges_m": pa.list_(pa.float32()),
+    "bearings_rad": _F64S,
+    "return_of_beam": _I32S,
     "step_rad": pa.float64(),
     "range_max_m": pa.float64(),
     "full_turn": pa.bool_(),
-    "missing_beams": pa.uint64(),  # between the last and the first of a full turn
-    "wire_geometry": pa.list_(pa.float32(), 4),  # angle_min, angle_increment, range_min, range_max
-    "odometry": _F64S,  # x_m, y_m, and the cosine and sine of the yaw; empty where it is not known
+    "missing_beams": pa.uint64(),
+    "wire_geometry": pa.list_(pa.float32(), 4),
+    "odometry": _F64S,
 }
 PROGRESS: dict[str, pa.DataType] = {
-    "notes": pa.list_(pa.string()),  # what was dropped, repaired or replaced
-    "timings_ns": pa.list_(pa.uint64(), 5),  # of ingest, affinity, spectral, kmeans and report
-    "failed_step": pa.string(),  # empty, or the stage that failed, with which the flight ends
+    "notes": pa.list_(pa.string()),
+    "timings_ns": pa.list_(pa.uint64(), 5),
+    "failed_step": pa.string(),
     "failure": pa.string(),
     "panicked": pa.bool_(),
 }
-W: dict[str, pa.DataType] = {
-    # A sparse n x n matrix: row i has the entries from w_row_start[i] to w_row_start[i + 1]. One with all its entries has no
-    # row starts and no columns, and its values row by row.
-    "w_row_start": _U64S,
-    "w_column": _U32S,
-    "w_value": _F64S,
-}
+W: dict[str, pa.DataType] = {"w_row_start": _U64S, "w_column": _U32S, "w_value": _F64S}
 VERDICTS: dict[str, pa.DataType] = {
-    # What was decided at the gaps between two returns, by kinds that decide there.
     "verdict_returns": pa.list_(pa.list_(pa.uint32(), 2)),
     "verdict_is_opening": pa.list_(pa.bool_()),
     "verdict_room_ratio": _F64S,
-    "verdict_p": _F64S,  # NaN where too little is seen
+    "verdict_p": _F64S,
     "verdict_reason": pa.list_(pa.string()),
 }
-SPECTRUM: dict[str, pa.DataType] = {
-    "eigenvalues": _F64S,  # ascending, at least the k zeros
-    "k": pa.uint64(),
-    "margin_decades": pa.float64(),  # NaN where there is none
-}
-U: dict[str, pa.DataType] = {
-    "u_row_start": _U64S,  # n x k, stored as W
-    "u_column": _U32S,
-    "u_value": _F64S,
-}
-CLUSTERS: dict[str, pa.DataType] = {"clusters": _I32S}  # equal for returns of one wall, -1 for one that is left out
+SPECTRUM: dict[str, pa.DataType] = {"eigenvalues": _F64S, "k": pa.uint64(), "margin_decades": pa.float64()}
+U: dict[str, pa.DataType] = {"u_row_start": _U64S, "u_column": _U32S, "u_value": _F64S}
+CLUSTERS: dict[str, pa.DataType] = {"clusters": _I32S}
 
 COLUMNS = {**SCAN, **PROGRESS, **W, **VERDICTS, **SPECTRUM, **U, **CLUSTERS}
 READ_LAST_BY = {"affinity": {}, "spectral": W, "kmeans": U}
 """Columns that no later stage reads."""
 
 
-def of_scans(engine: _native.Engine, scans: list[_native.Scan], first_seq: int) -> pa.StructArray:
+def of_scans(engine: crosscut.Engine, scans: list[crosscut.Scan], first_seq: int) -> pa.StructArray:
     """Scans as frames before the first stage."""
-    return _struct(_arrays(engine.ingest(scans, first_seq)))
+    return _struct(_arrays(stages.of_scans(engine, scans, first_seq)))
 
 
-def after(stage: str, engine: _native.Engine, frames: pa.StructArray, *, recorded: bool = False) -> pa.StructArray:
+def after(stage: str, engine: crosscut.Engine, frames: pa.StructArray, *, recorded: bool = False) -> pa.StructArray:
     """The frames after a stage, with all columns if they are to be recorded. A stage that fails on a frame leaves that in its
     ``failed_step``."""
-    made = engine.run_step(stage, columns(frames))
+    made = stages.run(engine, stage, columns(frames))
     kept = frames if recorded else without(READ_LAST_BY[stage], frames)
     return _struct({**_fields(kept), **_arrays(made)})
 
@@ -91,7 +76,7 @@ def without(names: Collection[str], frames: pa.StructArray) -> pa.StructArray:
 
 
 def columns(frames: pa.StructArray) -> dict[str, Any]:
-    """As the native half takes them: arrays of numpy; of lists and texts, the starts beside the values."""
+    """As ``crosscut.frames`` takes them: arrays of numpy; of lists and texts, the starts beside the values."""
     if not pa.types.is_struct(frames.type):
         raise ValueError(f"frames are a struct array, not {frames.type}")
     try:

@@ -1,28 +1,30 @@
-"""Stages on several hosts: each a node of a dora dataflow, frames as Arrow between them; needs dora-rs-cli, dora-rs, pyarrow.
+"""Stages on several hosts: each a node of a dora dataflow, frames as Arrow between them.
 
     crosscut-dora dataflow FLIGHT.mcap --results FLIGHT.jsonl > flow.yml
     dora run flow.yml
 
 The results are the bytes that ``crosscut run`` writes. Nothing is lost, and all is in order, also when a stage is killed:
-the source keeps the frames that the last node has not acknowledged and sends them again (``_window.py``). The stages
+the source keeps the frames that the last node has not acknowledged and sends them again (``window.py``). The stages
 hold no state; the source and the last node, which holds the flight, do: where one of them is lost, the dataflow starts again.
 
 A stage of one's own, in any language, has an input and an output ``frames``. It passes on the metadata of each message, adds
-its columns to each struct array (``_frames.py``), and passes on unchanged any other array.
+its columns to each struct array (``arrow.py``), and passes on unchanged any other array.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
+import os
 import re
 import shlex
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ._engine import Engine
-from ._errors import Error, SettingsError
+from crosscut import Engine, Error, LossWarning, SettingsError
 
 STAGES = ("affinity", "spectral", "kmeans")
 NODES = ("source", *STAGES, "record", "report")
@@ -43,23 +45,21 @@ def main() -> int:
     args = _parser().parse_args()
     if args.command == "dataflow":
         return _write_dataflow(args)
-    try:
-        from dora import Node
+    from dora import Node
 
-        from . import _nodes
-    except ImportError:
-        print("error: dora needs packages: pip install 'crosscut[dora]'", file=sys.stderr)
-        return WRONG_USAGE
+    from . import nodes
+
+    warnings.simplefilter("ignore", LossWarning)  # the last node reports what was lost
     try:
         engine = _engine(args)
         node = Node()
         if args.node == "source":
-            return _nodes.source(node, engine, args)
+            return nodes.source(node, engine, args)
         if args.node == "report":
-            return _nodes.report(node, engine, args)
+            return nodes.report(node, engine, args)
         if args.node == "record":
-            return _nodes.record(node, engine, args.recording)
-        return _nodes.stage(node, engine, args.node, args.recorded)
+            return nodes.record(node, engine, args.recording)
+        return nodes.stage(node, engine, args.node, args.recorded)
     except (Error, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_USAGE if isinstance(error, ValueError) else FAILED
@@ -67,8 +67,6 @@ def main() -> int:
 
 def _engine(args: argparse.Namespace) -> Engine:
     """The engine of these settings; ``STAGE.kind=python:module.name`` is a callable, which this node alone has."""
-    from ._named import find
-
     changes: list[str] = []
     stages: dict[str, Callable[..., Any]] = {}
     for change in args.changes:
@@ -76,12 +74,30 @@ def _engine(args: argparse.Namespace) -> Engine:
             stage, module, name = named.groups()
             if stage == args.node:
                 try:
-                    stages[stage] = find(module, name)
+                    stages[stage] = _find(module, name)
                 except (ImportError, AttributeError, TypeError) as error:
                     raise SettingsError(f"there is no stage python:{module}.{name}: {error}") from error
         else:
             changes.append(change)
+    if args.node == "report" and args.own_affinity:
+        stages["affinity"] = _elsewhere
     return Engine.with_changes(args.preset, changes, **stages)
+
+
+def _elsewhere(_: Any) -> Any:
+    """In the place of an affinity that another node has: for the report, what matters is that nothing was calibrated for it."""
+    raise NotImplementedError
+
+
+def _find(module: str, name: str) -> Callable[..., Any]:
+    """The callable; modules are found from the current folder, after those that are installed."""
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    found = getattr(importlib.import_module(module), name)
+    if not callable(found):
+        raise TypeError("it is not callable")
+    made: Callable[..., Any] = found
+    return made
 
 
 def _write_dataflow(args: argparse.Namespace) -> int:
@@ -109,6 +125,8 @@ def _graph(args: argparse.Namespace, places: dict[str, str], own: dict[str, str]
         "report": [part for option, path in (("--results", args.results), ("--map", args.map)) if path
                    for part in (option, path.absolute())],
     }
+    if "affinity" in own or any(change.startswith("affinity.kind=python:") for change in args.changes):
+        files["report"].append("--own-affinity")
     if args.recording:
         files |= {stage: ["--recorded"] for stage in STAGES} | {"record": [args.recording.absolute()]}
     for option, value in (("--from", args.from_s), ("--to", args.to_s)):
@@ -143,7 +161,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_source(dataflow)
     _add_report(dataflow)
     dataflow.add_argument("--record", type=Path, metavar="FLIGHT.rrd", dest="recording",
-                          help="a recording for the Rerun viewer, also of stages of your own; needs crosscut[view]")
+                          help="a recording for the Rerun viewer, also of stages of your own; needs rerun-sdk")
     dataflow.add_argument("--place", action="append", default=[], type=_pair, metavar="NODE=MACHINE",
                           help=f"run a node on a machine; nodes are {', '.join(NODES)}")
     dataflow.add_argument("--own", action="append", default=[], type=_pair, metavar="STAGE=COMMAND",
@@ -156,6 +174,7 @@ def _parser() -> argparse.ArgumentParser:
             _add_source(node)
         elif name == "report":
             _add_report(node)
+            node.add_argument("--own-affinity", action="store_true", help="no confidence was calibrated for the affinity")
         elif name == "record":
             node.add_argument("recording", type=Path)
         else:

@@ -1,5 +1,40 @@
 //! What the flight so far adds to the answer for one revolution.
 
+use crosscut_stage::Frame;
+use nalgebra::Isometry2;
+
+/// What the flight so far adds to the answer for one revolution. [`Flight`](crate::Flight) leaves it in the frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlightAnswer {
+    /// Where the revolution was taken, metres and radians in the frame of the flight's first pose; `None` where that is not
+    /// known.
+    pub pose: Option<Isometry2<f64>>,
+    /// The place that the vehicle is in; `None` for a cloud, where no wall is in view, and for a limited view that has not
+    /// seen enough around it.
+    pub here: Option<Here>,
+    /// The answer over the last revolutions.
+    pub steady: Option<Steady>,
+}
+
+static NONE: FlightAnswer = FlightAnswer { pose: None, here: None, steady: None };
+
+impl FlightAnswer {
+    /// That of a frame; an empty one if no flight saw the frame.
+    pub fn of(frame: &Frame) -> &Self {
+        frame.extra.get().unwrap_or(&NONE)
+    }
+
+    /// The place by the steady answer.
+    pub fn steady_here(&self) -> Option<&Here> {
+        self.steady.as_ref()?.here.as_ref()
+    }
+
+    /// Leaves it in a frame.
+    pub fn put(self, frame: &mut Frame) {
+        frame.extra.set(self);
+    }
+}
+
 /// The kind of place that the vehicle is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum HereKind {
@@ -64,7 +99,7 @@ pub struct Way {
 /// The answer over the last revolutions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steady {
-    /// The number of walls, as [`Junction::junctions`](crate::Junction::junctions).
+    /// The number of walls, as [`Junction::junctions`](crosscut_stage::Junction::junctions).
     pub junctions: usize,
     /// The place; its ways lead to the openings below.
     pub here: Option<Here>,

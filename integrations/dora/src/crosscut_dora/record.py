@@ -9,18 +9,20 @@ import json
 from pathlib import Path
 from typing import Any
 
+import crosscut
 import numpy as np
 import pyarrow as pa
 import rerun as rr
+from crosscut import frames as stages
 from numpy.typing import NDArray
 
-from . import _frames, _native
+from . import arrow
 
 
 class Recording:
     """A file that is there once it is whole, under another name before. Frames are taken as they are after kmeans, with W and U."""
 
-    def __init__(self, path: Path, engine: _native.Engine) -> None:
+    def __init__(self, path: Path, engine: crosscut.Engine) -> None:
         self._path, self._unfinished = path, path.with_name(f".{path.name}.unfinished")
         self._engine = engine
         self._stream = rr.RecordingStream("crosscut", recording_id=path.name)
@@ -32,9 +34,9 @@ class Recording:
 
     def add(self, frames: pa.StructArray) -> None:
         """The frames up to the first that has failed."""
-        columns = _frames.columns(frames)
+        columns = arrow.columns(frames)
         # Each frame is reported by itself: a flight would add to the line, and is that of the last node.
-        lines, _ = self._engine.report(columns, self._engine.flight_map())
+        lines, _ = stages.finish(crosscut.Flight(self._engine), columns)
         for row, line in enumerate(map(json.loads, lines.splitlines())):
             self._log(line, columns, row)
 
