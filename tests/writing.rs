@@ -29,20 +29,20 @@ struct Output {
     holds: Holds,
 }
 
-/// What a file may hold at any time.
+/// What a file may hold at any time, if not what was there before.
 #[derive(Clone, Copy, PartialEq)]
 enum Holds {
     /// What the finished command leaves in it.
-    AllOrOld,
+    All,
     /// JSON that is complete: it is replaced on the way, or states times.
-    JsonOrOld,
+    Json,
     /// Text with this end: it states times.
-    EndOrOld(&'static str),
+    End(&'static str),
     /// A beginning of what the finished command leaves in it.
-    BeginningOrOld,
+    Beginning,
     /// A recording that `rrd ls` opens.
     #[cfg_attr(not(feature = "rerun"), allow(dead_code))]
-    RecordingOrOld,
+    Recording,
 }
 
 const fn output(command: &'static str, out: &'static str, holds: Holds) -> Output {
@@ -50,37 +50,37 @@ const fn output(command: &'static str, out: &'static str, holds: Holds) -> Outpu
 }
 
 const OUTPUTS: &[Output] = &[
-    output("run FLIGHT --quiet --results @", "results.jsonl", Holds::BeginningOrOld),
-    output("run FLIGHT --quiet --results @", "results.mcap", Holds::BeginningOrOld),
-    output("run FLIGHT --quiet --map @", "map.json", Holds::JsonOrOld),
-    output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::JsonOrOld),
-    output("map FLIGHT --quiet --out @", "map.svg", Holds::AllOrOld),
-    output("map FLIGHT --quiet --out @", "map.graphml", Holds::AllOrOld),
-    output("report FLIGHT --quiet --out @", "page.html", Holds::EndOrOld("</html>\n")),
-    output("convert FLIGHT --out @", "converted.mcap", Holds::AllOrOld),
-    output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::JsonOrOld),
-    output("evaluate FLIGHT --quiet --json @", "figures.json", Holds::JsonOrOld),
-    output("evaluate FLIGHT --quiet --markdown @", "figures.md", Holds::AllOrOld),
+    output("run FLIGHT --quiet --results @", "results.jsonl", Holds::Beginning),
+    output("run FLIGHT --quiet --results @", "results.mcap", Holds::Beginning),
+    output("run FLIGHT --quiet --map @", "map.json", Holds::Json),
+    output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::Json),
+    output("map FLIGHT --quiet --out @", "map.svg", Holds::All),
+    output("map FLIGHT --quiet --out @", "map.graphml", Holds::All),
+    output("report FLIGHT --quiet --out @", "page.html", Holds::End("</html>\n")),
+    output("convert FLIGHT --out @", "converted.mcap", Holds::All),
+    output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::Json),
+    output("evaluate FLIGHT --quiet --json @", "figures.json", Holds::Json),
+    output("evaluate FLIGHT --quiet --markdown @", "figures.md", Holds::All),
     Output {
         command: "evaluate FLIGHT --quiet --with threshold --draw-wrong @",
         out: "wrong",
         file: "wrong/tee-threshold.svg",
-        holds: Holds::AllOrOld,
+        holds: Holds::All,
     },
     Output {
         command: "sweep FLIGHT --quiet --grid vehicle.width_m=0.6,1.2 --out @",
         out: "sweep",
         file: "sweep/sweep.csv",
-        holds: Holds::AllOrOld,
+        holds: Holds::All,
     },
-    output("simulate tee --quiet --out @", "tee.mcap", Holds::AllOrOld),
-    output("simulate --plan PLAN --quiet --out @", "plan.mcap", Holds::AllOrOld),
-    output("explore --plan PLAN --quiet --json @", "outcome.json", Holds::JsonOrOld),
-    output("explore --plan PLAN --quiet --journal @", "journal.mcap", Holds::BeginningOrOld),
+    output("simulate tee --quiet --out @", "tee.mcap", Holds::All),
+    output("simulate --plan PLAN --quiet --out @", "plan.mcap", Holds::All),
+    output("explore --plan PLAN --quiet --json @", "outcome.json", Holds::Json),
+    output("explore --plan PLAN --quiet --journal @", "journal.mcap", Holds::Beginning),
     #[cfg(feature = "rerun")]
-    output("run FLIGHT --quiet --save @", "flight.rrd", Holds::RecordingOrOld),
+    output("run FLIGHT --quiet --save @", "flight.rrd", Holds::Recording),
     #[cfg(feature = "rerun")]
-    output("explore --plan PLAN --quiet --save @", "mission.rrd", Holds::RecordingOrOld),
+    output("explore --plan PLAN --quiet --save @", "mission.rrd", Holds::Recording),
 ];
 
 /// A short tunnel.
@@ -117,11 +117,11 @@ impl Output {
         let there = fs::read(&file).expect("there in any case");
         let is_right = there == OLD
             || match self.holds {
-                Holds::AllOrOld => there == all,
-                Holds::JsonOrOld => serde_json::from_slice::<Value>(&there).is_ok(),
-                Holds::EndOrOld(end) => there.ends_with(end.as_bytes()),
-                Holds::BeginningOrOld => !there.is_empty() && all.starts_with(&there),
-                Holds::RecordingOrOld => {
+                Holds::All => there == all,
+                Holds::Json => serde_json::from_slice::<Value>(&there).is_ok(),
+                Holds::End(end) => there.ends_with(end.as_bytes()),
+                Holds::Beginning => !there.is_empty() && all.starts_with(&there),
+                Holds::Recording => {
                     let listed = run(["rrd".as_ref(), "ls".as_ref(), file.as_os_str()]);
                     matches!(listed.code, Some(0 | 3))
                 }

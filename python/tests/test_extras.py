@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from conftest import ROOT
@@ -20,24 +21,25 @@ SPARSE = "crosscut.Engine(affinity='threshold', keep=('{}',)).process([[0, 1], [
         ("sklearn", "import crosscut.sklearn", "pip install scikit-learn (it is in the extra 'sklearn'"),
         ("pyarrow", "crosscut.results('FLIGHT.jsonl')", "results() needs pyarrow: pip install pyarrow (it is in the extra 'table'"),
         ("pyarrow", "crosscut.sweep('tee.mcap', {}, 'sweep')", "sweep() needs pyarrow"),
-        ("pyarrow", "import crosscut.ray; crosscut.ray.run('recordings', 'out')", "crosscut.ray needs pyarrow"),
-        ("ray", "import crosscut.ray; crosscut.ray.run('recordings', 'out')", "pip install ray (it is in the extra 'ray'"),
+        ("pyarrow", "import crosscut.ray; crosscut.ray.run(recordings, 'out')", "crosscut.ray needs pyarrow"),
+        ("ray", "import crosscut.ray; crosscut.ray.run(recordings, 'out')", "pip install ray (it is in the extra 'ray'"),
         ("networkx", "crosscut.Flight().map.to_networkx()", "to_networkx() needs networkx: pip install networkx"),
         ("zenoh", "import crosscut.live; crosscut.live.Robot('zenoh://robot/scan')", "zenoh:// needs eclipse-zenoh"),
         ("cyclonedds", "import crosscut.live; crosscut.live.Robot('ros2://0/scan')", "ros2:// needs cyclonedds"),
     ],
 )
-def test_a_missing_package_is_named_with_its_extra(missing: str, use: str, said: str) -> None:
+def test_a_missing_package_is_named_with_its_extra(missing: str, use: str, said: str, tmp_path: Path) -> None:
     script = f"""
 import sys
 sys.modules[{missing!r}] = None
 import crosscut
+recordings = {str(ROOT / 'recordings')!r}
 try:
     {use}
 except crosscut.MissingPackageError as error:
     print(error)
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path)
     assert said in done.stdout, done
 
 

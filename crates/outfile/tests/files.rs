@@ -10,16 +10,16 @@ const KEEPS: [Keep; 2] = [Keep::ThroughKill, Keep::ThroughPowerLoss];
 
 /// A folder with an older file `out`.
 fn folder() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("works");
     let out = folder.path().join("out");
-    fs::write(&out, "old").unwrap();
+    fs::write(&out, "old").expect("works");
     (folder, out)
 }
 
 /// The names in a folder.
 fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    let entries = fs::read_dir(folder).expect("works");
+    entries.map(|entry| entry.expect("works").file_name().into_string().expect("works")).collect()
 }
 
 #[test]

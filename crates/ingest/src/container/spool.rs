@@ -140,9 +140,9 @@ fn temporary(beside: Option<&Path>) -> io::Result<NamedTempFile> {
             .chain([std::env::temp_dir()])
             .collect(),
     };
-    let in_folder = |folder: &PathBuf| Builder::new().prefix("crosscut-").tempfile_in(folder);
-    let made = folders.iter().map(in_folder).reduce(|made, next| made.or(next));
-    made.unwrap_or_else(NamedTempFile::new)
+    let mut in_folders = folders.iter().map(|folder| Builder::new().prefix("crosscut-").tempfile_in(folder));
+    let first = in_folders.next().unwrap_or_else(NamedTempFile::new);
+    first.or_else(|error| in_folders.find_map(Result::ok).ok_or(error))
 }
 
 /// Fails if the disk of a temporary file is nearly full.

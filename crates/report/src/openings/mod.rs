@@ -119,7 +119,26 @@ fn decided<'a>(verdicts: &[Verdict], outline: &'a Outline) -> impl Iterator<Item
     });
     let wraps = |[from, to]: [usize; 2]| to <= from;
     let edges: Vec<_> = edges.filter(|pair| outline.ring.full_turn || !wraps(*pair)).collect();
-    edges.into_iter().map(|pair| Edge::between(outline, pair)).filter(Edge::is_known)
+    let parts = edges.into_iter().flat_map(|pair| parts(outline, pair));
+    parts.map(|pair| Edge::between(outline, pair)).filter(Edge::is_known)
+}
+
+/// The parts of an edge between which other walls stand: what the affinity took for an island may count as a wall.
+fn parts(outline: &Outline, [from, to]: [usize; 2]) -> Vec<[usize; 2]> {
+    let (n, beside) = (outline.len(), [from, to].map(|at| outline.wall(at)));
+    let (mut parts, mut start) = (Vec::new(), from);
+    for at in (1..(to + n - from) % n).map(|step| (from + step) % n) {
+        // Returns of the walls beside the edge are stray ones.
+        if beside.contains(&outline.wall(at)) {
+            continue;
+        }
+        if outline.wall(at) != outline.wall(start) {
+            parts.push([start, at]);
+        }
+        start = at;
+    }
+    parts.push([start, to]);
+    parts
 }
 
 /// The opening at an edge where a wall ends. A way into a room is no wider than its door.

@@ -123,7 +123,7 @@ fn one_wall_with_nothing_over_half_a_turn_is_open_there() {
     }
     let masked = scan(&[(Segment([12.0, 2.0], [-12.0, 2.0]), 0)], 360, |bearing_rad| bearing_rad < 0.0);
     let found = openings_by(OpeningRule::BetweenWalls, &masked);
-    assert!(found.iter().all(|opening| opening.is_cut_by_view()), "of the masked side nothing is known: {found:#?}");
+    assert!(found.iter().all(Opening::is_cut_by_view), "of the masked side nothing is known: {found:#?}");
 }
 
 #[test]
@@ -149,18 +149,22 @@ fn openings_are_the_verdicts_and_know_their_returns() {
 }
 
 #[test]
-fn an_island_in_an_opening_leaves_one_opening() {
+fn an_island_in_an_opening_leaves_one_opening_and_a_wall_makes_it_two() {
     // Ahead, a piece of no wall stands in the tunnel: the affinity found an opening on both sides of it.
     let mut with_piece = tunnel();
     with_piece.push((Segment([8.0, -0.4], [8.0, 0.4]), 2));
     let (revolution, walls) = scan(&with_piece, 360, |_| false);
     let verdicts = [PI, -0.06, 0.06].map(|bearing_rad| verdict(&revolution, bearing_rad, true));
+    let across = Verdict { returns: [verdicts[1].returns[0], verdicts[2].returns[1]], ..verdicts[1] };
+    let with_wall = (revolution.clone(), walls.clone());
+    let found = openings_with(OpeningRule::BetweenWalls, &with_wall, &[verdicts[0], across]);
+    assert_eq!(found.len(), 3, "a wall that stands in a gap splits it: {found:#?}");
     let without_piece = (revolution, walls.into_iter().map(|wall| wall.filter(|&wall| wall != 2)).collect());
     let found = openings_with(OpeningRule::BetweenWalls, &without_piece, &verdicts);
     assert_eq!(found.len(), 2, "{found:#?}");
     let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
     assert_opening(ahead, 0.0, 3.5);
-    assert_eq!(ahead.returns, [verdicts[1].returns[0], verdicts[2].returns[1]].map(Some));
+    assert_eq!(ahead.returns, across.returns.map(Some));
 }
 
 #[test]

@@ -14,7 +14,7 @@ proptest! {
         // One dust return each 12 beams.
         let dust = |beam: usize| {
             let after = (beam + BEAMS - first) % BEAMS;
-            if after % 12 == 0 { ranges_m.get(after / 12) } else { None }
+            if after.is_multiple_of(12) { ranges_m.get(after / 12) } else { None }
         };
         let scan = scan_of(BEAMS, |beam, bearing_rad| dust(beam).copied().unwrap_or_else(|| range_m(&walls, bearing_rad)));
         let dust_returns: Vec<usize> = (0..BEAMS).filter(|beam| !scan.pieces.returns().contains(beam)).collect();
