@@ -82,7 +82,12 @@ fn exported_eigenvalues_agree_with_the_results() {
             assert_eq!(rows[0][..2], [result["seq"].to_string(), result["stamp_ns"].to_string()]);
             let all: Vec<f64> = rows.iter().map(|row| row[3].parse().expect("a number")).collect();
             let expected = numbers(&result["eigenvalues"]);
-            assert_eq!(all[..expected.len()], expected, "{more:?}");
+            // The parser of JSON may be off by the last bit.
+            let agree = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * b.abs();
+            assert!(
+                all.len() >= expected.len() && all.iter().zip(&expected).all(agree),
+                "{more:?}: {all:?} {expected:?}"
+            );
         }
     }
 }

@@ -58,7 +58,7 @@ fn a_recording_of_a_run_that_failed_says_why() {
     scans[2].ranges = vec![3.0; 2000];
     scans[2].angle_increment *= 180.0 / 2000.0;
     let flight = file(folder.path(), "tunnel.mcap", &bytes(&scans, &Writing::default()));
-    let [saved, log] = ["tunnel.rrd", "log.jsonl"].map(|name| folder.path().join(name).display().to_string());
+    let [saved, log] = ["tunnel.rrd", "log.csv"].map(|name| folder.path().join(name).display().to_string());
     let failing = ["--preset", "paper", "--set", "pipeline.memory_mb=40", "--save", &saved];
     let (ran, lines) = results_of(&flight, &failing);
     assert_eq!((ran.expect_code(1).stdout.lines().count(), lines.len()), (2, 2));
