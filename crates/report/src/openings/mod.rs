@@ -14,7 +14,7 @@
 //! 1. ‖p - q‖ is at least the vehicle's width,
 //! 2. it is not merely a sparse stretch of one wall, whose returns at grazing incidence are metres apart but all on one
 //!    line: either the two belong to different walls and beams between them came back with nothing
-//!    ([`Evidence::NoReturn`](crosscut_stage::Evidence::NoReturn)), or neither wall continues along its own line across
+//!    ([`Evidence::NoReturn`]), or neither wall continues along its own line across
 //!    the edge: the nearer end clears the line of the farther wall by the vehicle's width, and the farther end leaves
 //!    the line of the nearer wall by half of it. An edge that is seen over half a turn or more, most of it with nothing
 //!    in it, is none such a stretch: the line of a wall would pass on the other side of the sensor;
