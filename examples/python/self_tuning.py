@@ -29,13 +29,7 @@ def self_tuning(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 # The command line finds the function by its module and name. Its eigenvalues lie elsewhere than those of the paper's
 # affinity, so its zero tolerance does too.
-SETTINGS = """
-[affinity]
-kind = "python:self_tuning.self_tuning"
-
-[spectral]
-zero_tolerance = 1e-3
-"""
+MINE = "self_tuning=paper,affinity.kind=python:self_tuning.self_tuning,spectral.zero_tolerance=1e-3"
 
 
 def main() -> None:
@@ -44,13 +38,12 @@ def main() -> None:
     crosscut = [sys.executable, "-m", "crosscut"]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "self_tuning.toml").write_text(SETTINGS)
         flights = []
         for scenes in parser.parse_args().scenes:
             if not Path(scenes).exists():
                 subprocess.run([*crosscut, "simulate", "--suite", scenes, "--out", folder / scenes, "--quiet"], check=True)
             flights.append(folder / scenes if not Path(scenes).exists() else Path(scenes).resolve())
-        configurations = ["--with", "default", "--with", "paper", "--with", "paper,self_tuning.toml"]
+        configurations = ["--with", "default", "--with", "paper", "--with", MINE]
         found_here = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parent), *sys.path])}
         subprocess.run([*crosscut, "evaluate", *flights, *configurations], check=True, cwd=folder, env=found_here)
 

@@ -27,8 +27,11 @@ use crosscut_stage::{Notes, Params, Revolution, Source as _, Value};
 
 use crate::flight::{Folder, sensor};
 
+/// Reads bytes of strangers; a panic is a finding.
+pub type Target = fn(&[u8]);
+
 /// Every target, by the name of its program.
-pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+pub const TARGETS: &[(&str, Target)] = &[
     ("laser_scan", laser_scan),
     ("echoes", echoes),
     ("cloud", cloud),

@@ -32,5 +32,5 @@ def test_eigenvalues_by_hand_equal_ours() -> None:
 def test_the_self_tuning_affinity_is_evaluated_beside_the_presets() -> None:
     out = run("self_tuning.py", ROOT / "recordings" / "tee.mcap")
     heading, flight = out.splitlines()[1:3]
-    assert heading.split() == ["family", "revolutions", "default", "paper", "paper,self_tuning"]
+    assert heading.split() == ["family", "revolutions", "default", "paper", "self_tuning"]
     assert flight.split()[:2] == ["tee", "141"]
