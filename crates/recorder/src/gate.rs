@@ -1,9 +1,9 @@
 //! What stands before the server: web pages of other machines are turned away.
 //!
-//! Rerun's server asks nobody who he is, and a browser lets any page send requests to any address. A page on another
-//! machine is told from a viewer by the headers of its requests: `Origin` is where it comes from, and `Host` is a name
-//! where the page reached this machine by a name of its own (DNS rebinding). Browsers speak HTTP/1 to a server without
-//! TLS, and use a connection for one host alone, so that the first request of a connection decides.
+//! Rerun's server asks nobody who he is, and a browser lets any page send requests to any address. The headers of its
+//! requests show a page on another machine: `Origin` is where it comes from, and `Host` is a name where the page reached
+//! this machine by a name of its own (DNS rebinding). Browsers speak HTTP/1 to a server without TLS, and use a connection
+//! for one host alone, so that the first request of a connection decides.
 
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};

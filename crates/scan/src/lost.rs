@@ -35,7 +35,7 @@ impl LostBeams {
         beams <= LOST_TIMES * self.in_a_row
     }
 
-    /// Whether beams are lost at so many places that a gap without returns is no door.
+    /// Whether beams are lost at too many places for a gap without returns to be a door.
     #[inline]
     pub fn are_anywhere(&self) -> bool {
         self.places > LOSSY_PLACES
