@@ -13,6 +13,7 @@ mod input;
 mod interruption;
 mod maps;
 mod messages;
+mod notes;
 mod overwriting;
 mod pages;
 mod program;

@@ -61,5 +61,5 @@ fn an_empty_map_of_a_limited_view_says_why() {
     let out = scenes.join("map.json");
     let args = [Path::new("map"), &recording, Path::new("--every"), Path::new("50"), Path::new("--out"), &out];
     let said = run(args).expect_code(0).stderr;
-    assert!(said.contains("a place is known once the scans have seen all around it"), "{said}");
+    assert!(said.contains("A place is known once the scans have seen all around it"), "{said}");
 }

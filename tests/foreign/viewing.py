@@ -22,7 +22,7 @@ from verdicts import Verdicts
 SIZE = "1400x900"
 # Pages by the option, and words in the names of their views.
 PAGES = {
-    "overview": ("Here", "Junctions", "Place", "Margin", "Confidence"),
+    "overview": ("Here", "Walls counted", "Place", "Confidence"),
     "stages": ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "Walls"),
     "speed": ("Time per stage", "All stages"),
 }
@@ -80,7 +80,7 @@ def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
     flights.crosscut("run", flights.shipped()[0].path, "--preset", "default", "--save", other, "--quiet").expect(0)
     command = flights.crosscut.command("view", saved, "--beside", other)
     names = (saved.stem, other.stem)
-    both = [f"{name}: {view}" for name in names for view in ("Walls", "W, 1e-16", "Eigenvalues", "Junctions")]
+    both = [f"{name}: {view}" for name in names for view in ("Walls, openings", "W, upper half", "Eigenvalues", "Walls counted")]
     check_view(command, "view --beside", both, flights, verdicts)
     stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (3, "L"), (7, "Walls"))]
     check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)

@@ -22,6 +22,7 @@ use indicatif::ProgressBar;
 use crate::cli::InputArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{UsageError, is_closed_pipe};
+use crate::related::refuse_unrelated;
 
 /// The recordings that a command reads and its files of settings, which no output may replace.
 pub(crate) fn files_read(
@@ -37,6 +38,8 @@ pub(crate) fn files_read(
 pub(crate) struct Flight {
     recording: Recording,
     truths: Option<Truths>,
+    /// What cannot be compared with the truths is a loss.
+    is_judged: bool,
     /// The last part.
     path: PathBuf,
 }
@@ -47,8 +50,9 @@ type TruthAt = Result<Option<Truth>, TruthError>;
 impl Flight {
     /// Opens the `parts` of a flight, of which `args` select scans, with the sensor of `config`.
     pub(crate) fn open(parts: &[PathBuf], args: &InputArgs, config: &Config) -> anyhow::Result<Self> {
+        refuse_unrelated(parts, args, config)?;
         let recording = Recording::open(parts, &args.read_options(config), Sensor::new(config.params("ingest")))?;
-        Ok(Self { recording, truths: None, path: parts.last().cloned().unwrap_or_default() })
+        Ok(Self { recording, truths: None, is_judged: false, path: parts.last().cloned().unwrap_or_default() })
     }
 
     /// Opens a recording that is still being written, which ends at the latest when `stop` is set.
@@ -65,12 +69,17 @@ impl Flight {
         let following = Following::until(move || stop.is_set());
         let sensor = Sensor::new(config.params("ingest"));
         let recording = Recording::follow(path, &args.read_options(config), &sensor, &following)?;
-        Ok(Self { recording, truths: None, path: path.clone() })
+        Ok(Self { recording, truths: None, is_judged: false, path: path.clone() })
+    }
+
+    /// This flight with the truth of its scans for what is shown of it: what cannot be compared is no loss.
+    pub(crate) fn with_shown_truths(self, truths: Option<Truths>) -> Self {
+        Self { truths, is_judged: false, ..self }
     }
 
     /// This flight with the truth of its scans, which its recording holds.
     pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
-        Self { truths, ..self }
+        Self { truths, is_judged: true, ..self }
     }
 
     /// How many revolutions there will be, if that is known.
@@ -89,7 +98,7 @@ impl Flight {
     pub(crate) fn losses(&self, judge: Judge) -> Vec<String> {
         let lost = self.recording.losses().iter().map(ToString::to_string);
         let judge = judge.messages(&self.path);
-        lost.chain(judge.into_iter().filter(|_| self.truths.is_some())).collect()
+        lost.chain(judge.into_iter().filter(|_| self.is_judged)).collect()
     }
 
     /// The scans of the inputs that were passed over, and what is odd about their times.

@@ -23,6 +23,7 @@ mod maps;
 mod observers;
 mod outputs;
 mod progress;
+mod related;
 mod say;
 mod summary;
 mod typeset;

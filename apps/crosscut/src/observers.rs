@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
+#[cfg(feature = "rerun")]
+use crate::cli::ConfigArgs;
 use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
 
@@ -15,6 +17,8 @@ pub(crate) struct Observers {
     pub(crate) list: Vec<Box<dyn Observer>>,
     /// Whether viewers can connect after the run as well.
     pub(crate) served: bool,
+    /// Tells the recorder the true number of walls of a revolution, before it observes its frame.
+    pub(crate) truth: Option<Box<dyn Fn(u64, usize) + Send + Sync>>,
     /// Number of revolutions recorded so far, if there is a recorder.
     recorded: Option<Arc<AtomicU64>>,
 }
@@ -29,7 +33,7 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
+    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions, TrueWalls};
     use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
 
     let args = &run.record;
@@ -43,11 +47,14 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         serve: args.serve,
         live: run.rate.is_some(),
         name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        source: source(run),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),
         scope: args.scope(),
+        truth: TrueWalls::default(),
     };
+    let truth = options.truth.clone();
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
         && args.save.is_some()
@@ -59,13 +66,25 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         Ok(recorder) => {
             recorder.served().inspect(|served| crate::commands::view::say_where(served));
             let (served, recorded) = (recorder.served().is_some(), Some(recorder.recorded()));
-            Observers { list: vec![Box::new(recorder)], served, recorded }
+            let truth: Box<dyn Fn(u64, usize) + Send + Sync> = Box::new(move |seq, walls| truth.tell(seq, walls));
+            Observers { list: vec![Box::new(recorder)], served, truth: Some(truth), recorded }
         }
         Err(error) => {
             diagnostics.lost(error);
             Observers::default()
         }
     })
+}
+
+/// The file and the preset: "tee.mcap, preset paper with 2 settings changed".
+#[cfg(feature = "rerun")]
+fn source(run: &RunArgs) -> String {
+    let file = run.input.recordings.input[0].file_name().unwrap_or_default().to_string_lossy();
+    let ConfigArgs { preset, config, set } = &run.config;
+    let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
+    let over = over.map_or_else(String::new, |name| format!(" with {name}"));
+    let changed = if set.is_empty() { String::new() } else { format!(", --set {}", set.join(" ")) };
+    format!("{file}, preset {preset}{over}{changed}")
 }
 
 #[cfg(not(feature = "rerun"))]

@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{Step, counted};
+use crosscut_stage::{NoteCode, Step, counted};
 
 use crate::fly::Flown;
 use crate::typeset;
@@ -52,8 +52,9 @@ pub(crate) fn counts(summary: &Summary) -> Table {
 /// The `most` most frequent kinds of notes, each with its first instance.
 pub(crate) fn notes(summary: &Summary, most: usize) -> Table {
     let kinds = summary.notes.by_frequency();
-    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), kind.first.clone()];
-    table(&["revolutions", "note (first of its kind)"], kinds.iter().take(most).map(row).collect())
+    let code = |note: &str| NoteCode::of_note(note).map_or(String::new(), |entry| entry.code.to_owned());
+    let row = |kind: &&NoteCount| vec![kind.revolutions.to_string(), code(&kind.first), kind.first.clone()];
+    table(&["revolutions", "code", "note (first of its kind)"], kinds.iter().take(most).map(row).collect())
 }
 
 /// Times of the stages, of the flight, and from the arrival of a scan until its results are written, which is longer than

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crosscut_detector::Config;
-use crosscut_flight::Mapper;
+use crosscut_flight::{Mapper, NoPlace};
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
@@ -20,6 +20,7 @@ pub(crate) struct Written {
     /// `None` as well once they cannot be written.
     results: Option<Results>,
     mapper: Mapper,
+    no_place: NoPlace,
     map: Option<MapFile>,
 }
 
@@ -35,12 +36,13 @@ impl Written {
         let results = results.map(|path| Results::create(path, config, read)).transpose()?;
         let map = map.map(|path| MapFile::create(path, read)).transpose();
         diagnostics.lost_all(map.as_ref().err().map(|error| format!("{error:#}")));
-        Ok(Self { results, mapper: Mapper::default(), map: map.unwrap_or_default() })
+        Ok(Self { results, mapper: Mapper::default(), no_place: NoPlace::default(), map: map.unwrap_or_default() })
     }
 
-    /// The map so far in a line.
+    /// The map so far in a line; of one without places, why it has none.
     pub(crate) fn map_summary(&self) -> String {
-        self.mapper.map().summary()
+        let map = self.mapper.map();
+        self.no_place.reason(&map).unwrap_or_else(|| map.summary())
     }
 
     pub(crate) fn is_nothing(&self) -> bool {
@@ -49,6 +51,7 @@ impl Written {
 
     pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
         self.mapper.add(frame);
+        self.no_place.add(frame);
         if let Some(map) = &mut self.map {
             map.update(&self.mapper);
         }

@@ -21,6 +21,7 @@ mod bottleneck;
 mod change;
 mod closest;
 mod edges;
+mod sentence;
 mod watch;
 mod words;
 

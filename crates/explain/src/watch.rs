@@ -4,6 +4,10 @@ use std::fmt;
 
 use crosscut_stage::{Frame, Place, counted};
 
+/// A confidence below this is low.
+const LOW_CONFIDENCE: f64 = 0.5;
+/// A low confidence is reported again only after it was above this.
+const RECOVERED_CONFIDENCE: f64 = 0.8;
 /// A margin below this is low.
 const LOW_DECADES: f64 = 0.5;
 /// A low margin is reported again only after the margin was above this.
@@ -19,6 +23,18 @@ pub enum Event {
         junctions: [usize; 2],
         /// Place before and now.
         place: [Place; 2],
+    },
+    /// The count is wrong from here on.
+    Wrong {
+        /// The reported number of walls.
+        counted: usize,
+        /// The true number.
+        truth: usize,
+    },
+    /// The confidence is low.
+    Unsure {
+        /// The confidence, 0 to 1.
+        confidence: f64,
     },
     /// A small change of τ would give another k.
     LowMargin {
@@ -38,8 +54,11 @@ impl fmt::Display for Event {
                 } else {
                     write!(f, "{before} → {}", counted(*now as u64, "wall"))?;
                 }
+                let [from, to] = [from, to].map(Place::words);
                 if from == to { write!(f, " ({to})") } else { write!(f, " ({from} → {to})") }
             }
+            Self::Wrong { counted, truth } => write!(f, "wrong: {counted} counted, {truth} in truth"),
+            Self::Unsure { confidence } => write!(f, "unsure: confidence {:.0} %", 100.0 * confidence),
             Self::LowMargin { decades, k } => write!(f, "low margin: k = {k} holds by {decades:.2} decades"),
         }
     }
@@ -50,17 +69,32 @@ impl fmt::Display for Event {
 pub struct Watch {
     before: Option<(usize, Place)>,
     low: bool,
+    unsure: bool,
+    wrong: Option<[usize; 2]>,
 }
 
 impl Watch {
-    /// The reasons to look at the next revolution of the flight.
-    pub fn events(&mut self, frame: &Frame) -> Vec<Event> {
+    /// The reasons to look at the next revolution of the flight, of which `truth` is the true number of walls, if it is known.
+    pub fn events(&mut self, frame: &Frame, truth: Option<usize>) -> Vec<Event> {
         let mut events = Vec::new();
         let (junctions, place) = (frame.junction.junctions, frame.junction.place);
+        let wrong = truth.filter(|truth| *truth != junctions).map(|truth| [junctions, truth]);
+        if wrong != self.wrong {
+            events.extend(wrong.map(|[counted, truth]| Event::Wrong { counted, truth }));
+            self.wrong = wrong;
+        }
         if let Some(before) = self.before.replace((junctions, place))
             && before != (junctions, place)
         {
             events.push(Event::Changed { junctions: [before.0, junctions], place: [before.1, place] });
+        }
+        if let Some(confidence) = frame.junction.confidence {
+            if confidence < LOW_CONFIDENCE && !self.unsure {
+                self.unsure = true;
+                events.push(Event::Unsure { confidence });
+            } else if confidence > RECOVERED_CONFIDENCE {
+                self.unsure = false;
+            }
         }
         if let Some(decades) = frame.spectrum.margin_decades {
             if decades < LOW_DECADES && !self.low {

@@ -10,9 +10,21 @@ const MOST_WALLS: usize = 12;
 const MOST_VERDICTS: usize = 5;
 
 impl Explanation {
-    /// The explanation as Markdown: the inequality that gives k, changes that would give another k, verdicts, the edges of
-    /// each wall, and what was left out. `color_of` names the colour in which a wall is drawn.
+    /// The explanation as Markdown: the count in a sentence, then its [details](Self::details). `color_of` names the colour
+    /// in which a wall is drawn.
     pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
+        format!("{}\n\n{}", self.title(frame, color_of), self.details(frame, color_of))
+    }
+
+    /// The [sentence](Self::sentence) as a title with its reason.
+    pub fn title(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
+        let [walls, nearest] = self.sentence(frame, color_of);
+        if nearest.is_empty() { format!("## {walls}") } else { format!("## {walls}\n\n**{nearest}**") }
+    }
+
+    /// The details as Markdown: the inequality that gives k, changes that would give another k, verdicts, the edges of each
+    /// wall, and what was left out.
+    pub fn details(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
         paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
@@ -32,8 +44,8 @@ struct Words<'a> {
 impl Words<'_> {
     fn count(&self) -> String {
         let (k, junction) = (self.frame.spectrum.k, &self.frame.junction);
-        let place = junction.place.to_string().replace('_', " ");
-        let mut text = format!("## k = {k}, {} · {place}", counted(junction.junctions as u64, "wall"));
+        let place = junction.place.words();
+        let mut text = format!("Place: {place}. k = {k} zeros of L, {}.", counted(junction.junctions as u64, "wall"));
         let islands = junction.walls.iter().filter(|wall| wall.island).count();
         let small = k.saturating_sub(junction.junctions + islands);
         let beside = [
@@ -42,7 +54,7 @@ impl Words<'_> {
         ];
         let beside: Vec<String> = beside.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
         if k > junction.junctions && !beside.is_empty() {
-            text += &format!("\n\nk also counts {}.", beside.join(" and "));
+            text += &format!(" k also counts {}.", beside.join(" and "));
         }
         text
     }

@@ -178,7 +178,8 @@ fn the_text_names_beams_distances_weights_and_notes() {
     frame.junction.junctions = 2;
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## k = 2, 2 walls",
+        "## 2 walls.\n\n**It would be 1 if blue and orange were one: the gap between them is 3.0 m.**",
+        "k = 2 zeros of L",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
         "0 (blue)**, 4 returns: ",
@@ -192,7 +193,7 @@ fn the_text_names_beams_distances_weights_and_notes() {
 #[test]
 fn empty_and_inconsistent_frames_are_explained_without_a_panic() {
     let empty = Frame::default();
-    assert!(Explanation::of(&empty).to_markdown(&empty, &|_| "").starts_with("## k = 0"));
+    assert!(Explanation::of(&empty).to_markdown(&empty, &|_| "").starts_with("## No wall: the scan has no return."));
     let mut torn = gaussian(&PLACES_M, &WALLS, 1.5);
     torn.junction.wall_of_return.pop();
     assert_eq!(Explanation::of(&torn).walls, []);
@@ -211,12 +212,45 @@ fn a_changed_count_and_a_new_low_margin_are_reported_once() {
     let mut watch = Watch::default();
     let flight = [(3, 2.0), (3, 0.4), (3, 0.2), (4, 0.7), (4, 0.3), (4, 1.5), (4, 0.1)];
     let reported: Vec<Vec<String>> = flight
-        .map(|(junctions, margin)| watch.events(&frame(junctions, margin)).iter().map(Event::to_string).collect())
+        .map(|(junctions, margin)| watch.events(&frame(junctions, margin), None).iter().map(Event::to_string).collect())
         .to_vec();
     assert_eq!(reported[1], ["low margin: k = 0 holds by 0.40 decades"]);
     assert_eq!(reported[3], ["3 → 4 walls (tee)"]);
     assert_eq!(reported[6], ["low margin: k = 0 holds by 0.10 decades"]);
     assert!([0, 2, 4, 5].iter().all(|&i| reported[i].is_empty()), "{reported:?}");
+}
+
+#[test]
+fn a_wrong_count_is_reported_when_it_begins() {
+    let mut watch = Watch::default();
+    let flight = [(3, Some(3)), (4, Some(3)), (4, Some(3)), (3, Some(3)), (3, None), (2, Some(3))];
+    let is_wrong = |(junctions, truth)| {
+        let mut frame = Frame::default();
+        frame.junction.junctions = junctions;
+        watch.events(&frame, truth).iter().map(Event::to_string).find(|event| event.starts_with("wrong"))
+    };
+    let reported = flight.map(is_wrong);
+    assert_eq!(reported[1].as_deref(), Some("wrong: 4 counted, 3 in truth"));
+    assert_eq!(reported[5].as_deref(), Some("wrong: 2 counted, 3 in truth"));
+    assert!([0, 2, 3, 4].iter().all(|&i| reported[i].is_none()), "{reported:?}");
+}
+
+#[test]
+fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
+    let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
+    frame.junction.junctions = 2;
+    let colors = |wall: u32| ["blue", "orange"][wall as usize];
+    let verdict =
+        |returns, is_opening, room_ratio| Verdict { returns, is_opening, room_ratio, reason: "width", p: None };
+    let mut sentence = |verdicts| {
+        frame.affinity.verdicts = verdicts;
+        Explanation::of(&frame).sentence(&frame, &colors)[1].clone()
+    };
+    let opening = verdict([3, 4], true, 3.0);
+    assert_eq!(sentence(vec![opening]), "It would be 1 if blue and orange were one: the gap between them is 3.0 m.");
+    let inside = verdict([2, 3], false, 0.8);
+    assert_eq!(sentence(vec![opening, inside]), "It would be 3 if blue were two: neighbours in it are 1.5 m apart.");
+    assert_eq!(sentence(vec![verdict([2, 3], false, 0.0)]), sentence(vec![]), "a gap without room is not near");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
-pub use map::{Anchored, Located, Map, Mapper, Merge, Node, NodeWay, Passage, Refusal, loops_in};
+pub use map::{Anchored, Located, Map, Mapper, Merge, NoPlace, Node, NodeWay, Passage, Refusal, loops_in};
 pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
 pub use scan_match::{Matched, Motion, ScanMatcher};

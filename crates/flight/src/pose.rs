@@ -132,7 +132,10 @@ impl PoseTracker {
 /// What is odd about a match.
 fn odd(matched: &Matched) -> Option<String> {
     if matched.lost {
-        Some(format!("pose: {:.0} % of the walls match those before; the map begins here", 100.0 * matched.matched))
+        Some(format!(
+            "pose: lost, as only {:.0} % of the walls match those before; the map begins here",
+            100.0 * matched.matched
+        ))
     } else if matched.surprise > SURPRISING {
         let times = matched.surprise;
         Some(format!("pose: a slip or a jump, {times:.0} standard deviations from the predicted motion"))

@@ -7,18 +7,18 @@
 use rerun::components::InterpolationMode;
 use rerun::{AnnotationContext, ClassDescription, Color, Rgba32, SeriesLines};
 
-/// Okabe and Ito's colours, without black and yellow; repeated when there are more walls.
+/// Those of Okabe and Ito's colours that differ most from each other, the yellow darker than theirs; repeated when there are
+/// more walls. Pink is for annotations alone.
 const WALLS: [(&str, u32); COLORS as usize] = [
     ("blue", 0x56B4_E9FF),
     ("orange", 0xE69F_00FF),
     ("green", 0x009E_73FF),
-    ("pink", 0xCC79_A7FF),
-    ("red", 0xD55E_00FF),
-    ("dark blue", 0x0072_B2FF),
+    ("vermilion", 0xD55E_00FF),
+    ("yellow", 0xD6C7_13FF),
 ];
 
 /// Number of different colours.
-pub(crate) const COLORS: u16 = 6;
+pub(crate) const COLORS: u16 = 5;
 
 /// Classes with a name. Rerun chooses colours for the classes beyond them.
 const NAMED_CLASSES: u16 = 256;
@@ -52,10 +52,14 @@ pub(crate) const TOLERANCE: u32 = 0xE830_8CFF;
 pub(crate) const ZEROS: u32 = 0x56B4_E9FF;
 /// The reported number of walls.
 pub(crate) const REPORTED: u32 = 0xE69F_00FF;
+/// The true number of walls.
+pub(crate) const TRUTH: u32 = 0x009E_73FF;
+/// The vehicle on the map; no wall has this colour.
+pub(crate) const VEHICLE: u32 = 0x8F6B_E8FF;
 /// Invisible points, which only widen the axis of a plot.
 pub(crate) const INVISIBLE: u32 = 0;
 /// A colour for each step, in their order.
-pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xCC79_A7FF];
+pub(crate) const STEPS: [u32; 5] = [GREY, 0x56B4_E9FF, 0xE69F_00FF, 0x009E_73FF, 0xD55E_00FF];
 
 /// Nine colours of the colour map of pictures, from 1e-16 or less to 1.
 pub(crate) const VIRIDIS: [u32; 9] = [
@@ -79,7 +83,7 @@ pub(crate) const PLACES: [(&str, u32); 8] = [
     ("tee", 0x009E_73FF),
     ("cross", 0xE69F_00FF),
     ("junction_5", 0xD55E_00FF),
-    ("partial_view", 0xCC79_A7FF),
+    ("partial_view", 0x8F6B_E8FF),
 ];
 
 /// A colour given as 0xRRGGBBAA.

@@ -3,19 +3,20 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, Node};
-use crosscut_stage::{Frame, Point, counted, unit};
+use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, NoPlace, Node};
+use crosscut_stage::{Frame, Point, counted, junction_of, unit};
 use nalgebra::{Isometry2, Point2};
 use rerun::{
     Arrows2D, AsComponents, GraphEdges, GraphNodes, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult,
     StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
 };
 
-use crate::colors::{GREY, OPENING, REPORTED, WORDS, color};
+use crate::colors::{GREY, OPENING, REPORTED, VEHICLE, WORDS, color};
 use crate::rows::Rows;
+use crate::scan::step_m;
 use crate::schema::{
-    FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SUMMARY, FLIGHT_WALLS,
-    FLIGHT_WALLS_NEW, LOG,
+    FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE, FLIGHT_SUMMARY,
+    FLIGHT_WALLS, FLIGHT_WALLS_NEW, LOG,
 };
 use crate::tensors::f64_vector;
 
@@ -34,6 +35,8 @@ const WALLS_EVERY_M: f64 = 0.7;
 const WALLS_WITHIN_M: f64 = 12.0;
 /// All walls are drawn again once this share is new.
 const NEW_SHARE: f64 = 0.25;
+/// Length of the line from the vehicle's disc to where it heads.
+const AHEAD_M: f64 = 1.0;
 /// Length of the arrows of ways.
 const WAY_M: f64 = 3.0;
 /// A graph view is laid out in points of the screen; this many are a metre.
@@ -51,6 +54,7 @@ const HERE: [(&str, u32); 4] =
 #[derive(Default)]
 pub(crate) struct FlightMap {
     mapper: Mapper,
+    no_place: NoPlace,
     path: Vec<Anchored>,
     way_m: f64,
     walls: Vec<Anchored>,
@@ -75,10 +79,11 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors(colors.into_iter().map(color));
     rec.log_static(FLIGHT_HERE.path, &here)?;
     let line = |rgba, radius| LineStrips2D::update_fields().with_colors([color(rgba)]).with_radii([ui(radius)]);
-    rec.log_static(FLIGHT_POSE.path, &line(OPENING, 2.0))?;
+    rec.log_static(FLIGHT_POSE.path, &line(VEHICLE, 2.0))?;
+    rec.log_static(FLIGHT_SCALE.path, &line(WORDS, 1.5))?;
     rec.log_static(FLIGHT_PATH.path, &line(GREY, 0.7))?;
     rec.log_static(FLIGHT_PASSAGES.path, &line(PASSAGE, 2.0))?;
-    let points = Points2D::update_fields().with_colors([color(WORDS)]).with_radii([ui(1.0)]);
+    let points = Points2D::update_fields().with_colors([color(WORDS)]).with_radii([ui(1.5)]);
     rec.log_static(FLIGHT_WALLS.path, &points)?;
     rec.log_static(FLIGHT_WALLS_NEW.path, &points)
 }
@@ -87,6 +92,7 @@ impl FlightMap {
     /// Takes the next frame, recorded or not.
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.mapper.add(frame);
+        self.no_place.add(frame);
         let Some(pose) = FlightAnswer::of(frame).pose else { return };
         let here = self.mapper.anchored(pose);
         let at_m = self.at(&here);
@@ -120,9 +126,11 @@ impl FlightMap {
         let pose = self.mapper.placed(&self.mapper.anchored(tracked));
         let yaw_rad = pose.rotation.angle();
         let exact = f64_vector(vec![pose.translation.x, pose.translation.y, yaw_rad], FLIGHT_POSE.dims);
-        let outline = [[1.2, 0.0], [-0.8, 0.5], [-0.4, 0.0], [-0.8, -0.5], [1.2, 0.0]];
-        let vehicle = LineStrips2D::new([outline.map(|[x, y]| drawn(&(pose * Point2::new(x, y))))]);
-        rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &exact]);
+        // A disc has the same size on the screen at every scale.
+        let [at, ahead] = [0.0, AHEAD_M].map(|x| drawn(&(pose * Point2::new(x, 0.0))));
+        let vehicle = LineStrips2D::new([[at, ahead]]);
+        let disc = Points2D::new([at]).with_radii([rerun::Radius::new_ui_points(5.0)]).with_colors([color(VEHICLE)]);
+        rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &disc, &exact]);
         if let Some(here) = FlightAnswer::of(frame).steady_here() {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }
@@ -146,7 +154,7 @@ impl FlightMap {
         if is_way_due || is_corrected || again {
             self.log_way(rows, again || is_corrected || self.drawn_walls[0] != whole_before);
         }
-        log_map(rows, &self.drawn);
+        log_map(rows, &self.drawn, self.no_place.reason(&self.drawn));
     }
 
     /// Merges and refusals that are new.
@@ -176,11 +184,30 @@ impl FlightMap {
             rows.log(&FLIGHT_WALLS, &Points2D::new(places(&self.walls[..whole])));
         }
         rows.log(&FLIGHT_WALLS_NEW, &Points2D::new(places(&self.walls[whole..all])));
+        log_scale(rows, places(&self.walls[..all]));
     }
 }
 
+/// A bar of a round length below the walls, and the length.
+fn log_scale(rows: &mut Rows, walls: Vec<[f32; 2]>) {
+    let Some(&first) = walls.first() else { return };
+    let ends = walls
+        .iter()
+        .fold([first; 2], |[low, high], [x, y]| [[low[0].min(*x), low[1].min(*y)], [high[0].max(*x), high[1].max(*y)]]);
+    let [[left, _], [right, bottom]] = ends;
+    let length_m = step_m(f64::from(right - left));
+    let y = bottom;
+    let bar = LineStrips2D::new([[[left, y], [left + length_m as f32, y]]]);
+    let name = Points2D::new([[left + 0.5 * length_m as f32, y]])
+        .with_labels([format!("{length_m} m")])
+        .with_show_labels(true)
+        .with_radii([rerun::Radius::new_ui_points(0.0)])
+        .with_colors([color(WORDS)]);
+    rows.log(&FLIGHT_SCALE, &[&bar as &dyn AsComponents, &name]);
+}
+
 /// Nodes with their ways, passages, the graph, and all in words.
-fn log_map(rows: &mut Rows, map: &Map) {
+fn log_map(rows: &mut Rows, map: &Map, no_place: Option<String>) {
     let passages = map.passages.iter().map(|passage| map.course_m(passage).map(drawn).collect::<Vec<_>>());
     rows.log(&FLIGHT_PASSAGES, &LineStrips2D::new(passages));
     let ways = || map.nodes.iter().flat_map(|node| node.ways.iter().map(move |way| (node, way)));
@@ -201,7 +228,7 @@ fn log_map(rows: &mut Rows, map: &Map) {
     let edges = map.passages.iter().map(|passage| (passage.from.to_string(), passage.to.to_string()));
     let edges = GraphEdges::new(edges).with_undirected_edges();
     rows.log(&FLIGHT_GRAPH, &[&graph as &dyn AsComponents, &edges]);
-    rows.log(&FLIGHT_SUMMARY, &TextDocument::from_markdown(summary(map)));
+    rows.log(&FLIGHT_SUMMARY, &TextDocument::from_markdown(summary(map, no_place)));
 }
 
 /// In a view whose y axis points down.
@@ -216,14 +243,12 @@ fn color_of(node: &Node) -> u32 {
 fn kind_of(node: &Node) -> String {
     match (node.kind, node.ways.len()) {
         (HereKind::DeadEnd, _) => "dead end".to_owned(),
-        (_, 3) => "tee".to_owned(),
-        (_, 4) => "crossing".to_owned(),
-        (_, ways) => format!("{ways} ways"),
+        (_, ways) => junction_of(ways),
     }
 }
 
-fn summary(map: &Map) -> String {
-    let mut lines = vec![format!("# {}\n", map.summary())];
+fn summary(map: &Map, no_place: Option<String>) -> String {
+    let mut lines = vec![no_place.map_or_else(|| format!("## {}\n", map.summary()), |reason| format!("## {reason}\n"))];
     if !map.nodes.is_empty() {
         lines.push("| node | place | ways not taken | visits |\n|---|---|---|---|".to_owned());
     }

@@ -36,9 +36,11 @@
 mod backlog;
 mod beam_order;
 mod colors;
+mod eigenvectors;
 mod exact;
 mod file;
 mod flight_map;
+mod gaps;
 mod gate;
 mod layout;
 mod live;
@@ -63,6 +65,7 @@ mod spectrum;
 mod tensors;
 mod timing;
 mod tracks;
+mod truth;
 mod viewer;
 mod why;
 
@@ -75,3 +78,4 @@ pub use recorder::Recorder;
 pub use scope::{Detail, Scope};
 pub use serving::Served;
 pub use showing::{Show, ShowError};
+pub use truth::TrueWalls;

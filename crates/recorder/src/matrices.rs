@@ -9,10 +9,10 @@ use rerun::components::{Colormap, MediaType};
 use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{VIRIDIS, WORDS_ON_PICTURES, color};
+use crate::colors::{VIRIDIS, WORDS, WORDS_ON_PICTURES, color};
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
-use crate::schema::{AFFINITY_DEGREES, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
+use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
 use crate::tensors::f32_vector;
 
 /// The level of a value of 1 or more. There is a level for each decade down to level 0, which is 1e-16 or less.
@@ -22,7 +22,7 @@ const DECADES: u8 = 16;
 /// level, and labels at its ends and middle.
 pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStreamResult<()> {
     let side = places as f32;
-    let (left, top, height) = (0.07 * side, 0.58 * side, 0.36 * side);
+    let (left, top, height) = (0.03 * side, 0.58 * side, 0.36 * side);
     let y = |i: usize| top + height * i as f32 / (VIRIDIS.len() - 1) as f32;
     let half = 0.5 * height / (VIRIDIS.len() - 1) as f32;
     let from_1 = || VIRIDIS.iter().rev().enumerate();
@@ -30,7 +30,7 @@ pub(crate) fn log_scale(rec: &RecordingStream, places: usize) -> RecordingStream
         .with_colors(from_1().map(|(_, rgba)| color(*rgba)))
         .with_radii([Radius::new_scene_units(half)]);
     let named = (0..VIRIDIS.len()).step_by(4);
-    let names = Points2D::new(named.clone().map(|i| [left + 0.17 * side, y(i) - 0.03 * side]))
+    let names = Points2D::new(named.clone().map(|i| [left + 0.15 * side, y(i) - 0.03 * side]))
         .with_radii([Radius::new_ui_points(0.0)])
         .with_colors([color(WORDS_ON_PICTURES)])
         .with_labels(named.map(|i| if i == 0 { "1".to_owned() } else { format!("1e-{}", 2 * i) }))
@@ -72,14 +72,14 @@ impl Pictures {
 
     fn log_pictures(&mut self, rows: &mut Rows) {
         if self.side > 0 {
-            rows.log(&AFFINITY_W, &as_depth(self.encoder.encode(&self.w)));
-            rows.log(&SPECTRAL_L, &as_depth(self.encoder.encode(&self.l)));
+            rows.log(&AFFINITY_W, &as_depth(self.encoder.encode(&self.w), Colormap::Viridis));
+            rows.log(&SPECTRAL_L, &as_depth(self.encoder.encode(&self.l), Colormap::Viridis));
         }
     }
 
     fn clear(&mut self) {
-        self.w.clear(self.side);
-        self.l.clear(self.side);
+        self.w.clear(self.side, self.side);
+        self.l.clear(self.side, self.side);
     }
 
     /// |L_ij| = W_ij / √(D_i D_j) off the diagonal, which is at most W_ij as D >= 1; L_ii = 1 - W_ii / D_i with W_ii = 1.
@@ -114,11 +114,42 @@ impl Pictures {
 }
 
 /// A picture of levels as the viewer shows it.
-fn as_depth(png: Vec<u8>) -> EncodedDepthImage {
+pub(crate) fn as_depth(png: Vec<u8>, colors: Colormap) -> EncodedDepthImage {
     EncodedDepthImage::new(png)
         .with_media_type(MediaType::PNG)
-        .with_colormap(Colormap::Viridis)
+        .with_colormap(colors)
         .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
+}
+
+/// Why there is no picture of W, L and U, written in the middle of their views when it changes.
+#[derive(Default)]
+pub(crate) struct Absent {
+    written: Option<String>,
+}
+
+impl Absent {
+    /// Writes the reason of this revolution; none of a picture that is there.
+    pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame, has_matrices: bool, order: &BeamOrder) {
+        let n = frame.affinity.weights.n();
+        let reason = match has_matrices {
+            false => "Not recorded (--record light)".to_owned(),
+            true if n == 0 => "The scan has no return".to_owned(),
+            true if !is_drawn(frame) => format!("{n} returns: pictures are made up to {LARGEST_SIDE}"),
+            true => String::new(),
+        };
+        if self.written.as_ref() == Some(&reason) {
+            return;
+        }
+        let middle = 0.5 * order.used as f32;
+        let labels = if reason.is_empty() { vec![] } else { vec![reason.clone()] };
+        let text = Points2D::new(labels.iter().map(|_| [middle, 0.5 * middle]))
+            .with_labels(labels)
+            .with_show_labels(true)
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_colors([color(WORDS)]);
+        rows.log(&AFFINITY_ABSENT, &text);
+        self.written = Some(reason);
+    }
 }
 
 /// Whether W and L of this revolution are drawn.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use rerun::RecordingStreamError;
 
+use crate::truth::TrueWalls;
 use crate::{Layout, Mounting, Scope};
 
 /// Where and how to record.
@@ -20,6 +21,10 @@ pub struct RecorderOptions {
     pub live: bool,
     /// Name of the recording in the viewer.
     pub name: String,
+    /// The file that was flown and the preset, such as "tee.mcap, preset paper"; the page of a revolution names them.
+    pub source: String,
+    /// Where the true count of each revolution is told, if the flight has one.
+    pub truth: TrueWalls,
     /// The resolved configuration, as TOML.
     pub config_toml: String,
     /// How the sensor is mounted in the body frame.

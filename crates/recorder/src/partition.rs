@@ -1,6 +1,6 @@
 //! Clusters: the label of each return, and the centroids among the rows of U.
 
-use crosscut_stage::{Frame, Partition};
+use crosscut_stage::{Frame, Partition, Weights};
 use rerun::{AsComponents, LineStrips2D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
@@ -16,6 +16,9 @@ const GAP: usize = 4;
 /// Blocks of W that cover a smaller share of its side have no frame.
 const BLOCK_SHARE: f64 = 0.03;
 
+/// Lines of a hatched block, if it covers the whole side.
+const HATCHES: usize = 60;
+
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
@@ -28,7 +31,6 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes, scale: f64) {
     let partition = &frame.partition;
     log_labels(rows, partition, order, classes);
-    log_blocks(rows, frame, order, classes);
     let centroids = &partition.centroids;
     let clusters = centroids.nrows();
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
@@ -54,17 +56,29 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
     rows.log(&KMEANS_LABELS, &[&exact as &dyn AsComponents, &bars]);
 }
 
-/// Frames around the blocks of the walls on the diagonal of W.
-fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
+/// Frames around the blocks of the walls on the diagonal of W. Those of a sparse W are hatched: its entries are too few to
+/// be seen.
+pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes) {
     let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
     let large = |&&(class, from, to): &&(u16, usize, usize)| {
         class != NO_WALL && (to - from) as f64 >= BLOCK_SHARE * order.used as f64
     };
+    let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
     let runs = runs(&walls, &order.places);
     let (frames, colors): (Vec<_>, Vec<_>) = (runs.iter().filter(large))
         .map(|&(class, from, to)| {
             let (from, to) = (from as f32, to as f32);
-            ([[from, from], [to, from], [to, to], [from, to], [from, from]], class)
+            let mut block = vec![[from, from], [to, from], [to, to], [from, to], [from, from]];
+            if is_sparse {
+                let teeth = (from as usize..to as usize).step_by(order.used.div_ceil(HATCHES).max(1));
+                block.extend(
+                    teeth
+                        .flat_map(|x| [x as f32; 2].map(|x| [x, from]))
+                        .enumerate()
+                        .map(|(at, [x, top])| if matches!(at % 4, 1 | 2) { [x, x] } else { [x, top] }),
+                );
+            }
+            (block, class)
         })
         .unzip();
     rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors).with_show_labels(false));

@@ -1,4 +1,4 @@
-//! Square grey pictures as PNG files.
+//! Grey pictures as PNG files.
 //!
 //! The encoder of the crate `image` hands the rows to its compressor one by one, which clears its buffer for each of
 //! them: that took most of the time of a recording. Here a picture is compressed at once, and the compressor is reused.
@@ -7,6 +7,9 @@ use flate2::{Compress, Compression, Crc, FlushCompress, Status};
 
 /// Bytes of a row before its pixels: the number of the filter, which is 0 for none.
 const FILTER_BYTES: usize = 1;
+
+/// The filter of a row that holds differences to the row above.
+const DIFFERENCE_TO_ROW_ABOVE: u8 = 2;
 
 /// Encodes pictures.
 pub(crate) struct Encoder {
@@ -21,25 +24,39 @@ impl Default for Encoder {
     }
 }
 
-/// A square picture.
+/// A picture.
 #[derive(Default)]
 pub(crate) struct Picture {
-    side: usize,
+    width: usize,
+    height: usize,
     /// Rows, each with its filter byte in front.
     rows: Vec<u8>,
 }
 
 impl Picture {
-    /// Makes all pixels dark.
-    pub(crate) fn clear(&mut self, side: usize) {
-        self.side = side;
+    /// Makes all pixels of a picture of this width and height dark.
+    pub(crate) fn clear(&mut self, width: usize, height: usize) {
+        (self.width, self.height) = (width, height);
         self.rows.clear();
-        self.rows.resize(side * (side + FILTER_BYTES), 0);
+        self.rows.resize(height * (width + FILTER_BYTES), 0);
     }
 
     /// Sets the pixel in row `i` and column `j`.
     pub(crate) fn set(&mut self, i: usize, j: usize, level: u8) {
-        self.rows[i * (self.side + FILTER_BYTES) + FILTER_BYTES + j] = level;
+        self.rows[i * (self.width + FILTER_BYTES) + FILTER_BYTES + j] = level;
+    }
+
+    /// Fills the rows `from` up to `to` with levels by column. All but the first are stored as equal to the row above.
+    pub(crate) fn fill_rows(&mut self, from: usize, to: usize, levels: &[u8]) {
+        let mut rows = self.rows.chunks_exact_mut(self.width + FILTER_BYTES).take(to).skip(from);
+        if let Some(first) = rows.next() {
+            first.fill(0);
+            first[FILTER_BYTES..][..levels.len()].copy_from_slice(levels);
+        }
+        for row in rows {
+            row.fill(0);
+            row[0] = DIFFERENCE_TO_ROW_ABOVE;
+        }
     }
 }
 
@@ -47,10 +64,11 @@ impl Encoder {
     /// The picture as the content of a PNG file.
     pub(crate) fn encode(&mut self, picture: &Picture) -> Vec<u8> {
         const GREY_8_BIT: [u8; 5] = [8, 0, 0, 0, 0]; // depth, colour, compression, filter, no interlace
-        let side = u32::try_from(picture.side).expect("a picture has a few thousand pixels a side").to_be_bytes();
+        let bytes = |side| u32::try_from(side).expect("a picture has a few thousand pixels a side").to_be_bytes();
+        let (width, height) = (bytes(picture.width), bytes(picture.height));
         let pixels = self.compressed(&picture.rows);
         let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
-        add_chunk(&mut png, *b"IHDR", &[&side[..], &side, &GREY_8_BIT].concat());
+        add_chunk(&mut png, *b"IHDR", &[&width[..], &height, &GREY_8_BIT].concat());
         add_chunk(&mut png, *b"IDAT", pixels);
         add_chunk(&mut png, *b"IEND", &[]);
         png
@@ -83,17 +101,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn filled_rows_read_back_as_bands() {
+        let mut picture = Picture::default();
+        picture.clear(3, 6);
+        picture.fill_rows(0, 6, &[9; 3]);
+        picture.fill_rows(2, 5, &[1, 2, 3]);
+        picture.fill_rows(5, 6, &[9; 3]);
+        let read =
+            rerun::external::image::load_from_memory(&Encoder::default().encode(&picture)).expect("a PNG").to_luma8();
+        let rows: Vec<&[u8]> = read.as_raw().chunks(3).collect();
+        assert_eq!(rows, [[9; 3], [9; 3], [1, 2, 3], [1, 2, 3], [1, 2, 3], [9; 3]]);
+    }
+
+    #[test]
     fn pictures_of_any_content_and_size_read_back() {
         let mut encoder = Encoder::default();
-        for side in [64, 1024, 1, 320] {
+        for (width, height) in [(64, 64), (1024, 1024), (1, 1), (320, 160)] {
             let noise = |i: usize, j: usize| ((i * 31 + j * 17).wrapping_mul(0x9E37_79B9) >> 11) as u8;
             for level in [noise, |_, _| 0, |i, j| u8::from(i == j)] {
                 let mut picture = Picture::default();
-                picture.clear(side);
-                (0..side * side).for_each(|at| picture.set(at / side, at % side, level(at / side, at % side)));
+                picture.clear(width, height);
+                (0..width * height).for_each(|at| picture.set(at / width, at % width, level(at / width, at % width)));
                 let png = encoder.encode(&picture);
                 let read = rerun::external::image::load_from_memory(&png).expect("a PNG").to_luma8();
-                assert_eq!(read.dimensions(), (side as u32, side as u32));
+                assert_eq!(read.dimensions(), (width as u32, height as u32));
                 assert!(read.enumerate_pixels().all(|(x, y, grey)| grey.0 == [level(y as usize, x as usize)]));
             }
         }

@@ -1,4 +1,4 @@
-//! Chart by beam: the range of each beam in the colour of its wall, and above it a row of walls and a row of clusters.
+//! Chart by beam: the range of each beam in the colour of its wall, and above it a row of walls.
 
 use crosscut_stage::{Frame, Sweep};
 use rerun::{AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
@@ -16,9 +16,7 @@ use crate::tracks::Classes;
 const WIDTH: f32 = 100.0;
 /// Height of the chart, whatever the range.
 const HEIGHT: f32 = 85.0;
-/// Where the row of clusters stands; 2D views have y downwards.
-const CLUSTERS_Y: f32 = -HEIGHT - 20.0;
-/// Where the row of walls stands.
+/// Where the row of walls stands; 2D views have y downwards.
 const WALLS_Y: f32 = -HEIGHT - 10.0;
 /// A label hangs below its point. Raised by this, its middle is level with what it names.
 const LABEL_RISE: f32 = 5.0;
@@ -27,9 +25,9 @@ const LINE: f32 = 0.25;
 /// Ranges of neighbouring beams that differ by more are not joined by a line.
 const GAP: f32 = 5.0;
 
-/// Names of the rows.
+/// Name of the row.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    let names = [("clusters", CLUSTERS_Y), ("walls", WALLS_Y)];
+    let names = [("walls", WALLS_Y)];
     rec.log_static(
         KMEANS_PROFILE_NAMES.path,
         &marks(names.into_iter().map(|(name, y)| ([-12.0, y - LABEL_RISE], name.to_owned()))),
@@ -44,32 +42,48 @@ pub(crate) fn log_axes(rows: &mut Rows, reach_m: f64, sweep: &Sweep) {
         .with_radii([Radius::new_ui_points(0.5)])
         .with_colors([color(GRID)]);
     let ranges = ticks_m.iter().map(|&tick_m| ([-10.0, y(tick_m) - LABEL_RISE], format!("{tick_m} m")));
-    let last = sweep.len().saturating_sub(1);
-    let bearings = [0.0f32, 0.25, 0.5, 0.75, 1.0].into_iter().filter_map(|share| {
-        let bearing = sweep.bearings_rad.get((share * last as f32).round() as usize)?;
-        let label = match bearing.to_degrees().round() as i32 {
-            0 => "0°".to_owned(),
-            degrees => format!("{degrees:+}°"),
-        };
-        Some(([WIDTH * share, 1.0], label))
-    });
+    let bearings = round_bearings(&sweep.bearings_rad).into_iter();
+    let bearings = bearings.map(|(share, label)| ([WIDTH * share, 1.0], label));
     rows.log(&KMEANS_PROFILE_AXES, &[&grid as &dyn AsComponents, &marks(ranges.chain(bearings))]);
 }
 
-/// The ranges of one revolution, cut off at `reach_m`, and its clusters and walls.
+/// Where along the beams the multiples of 45° lie, of 90° in a view of more than 200°, with their names.
+fn round_bearings(bearings_rad: &[f64]) -> Vec<(f32, String)> {
+    let turned_deg: Vec<f64> = bearings_rad
+        .iter()
+        .scan(None, |before: &mut Option<f64>, bearing| {
+            let degrees = bearing.to_degrees();
+            let turned = before.map_or(degrees, |before| before + (degrees - before + 540.0).rem_euclid(360.0) - 180.0);
+            *before = Some(turned);
+            Some(turned)
+        })
+        .collect();
+    let (Some(first), Some(last)) = (turned_deg.first(), turned_deg.last()) else { return Vec::new() };
+    let (low, high) = (first.min(*last), first.max(*last));
+    let step = if high - low > 200.0 { 90.0 } else { 45.0 };
+    let half_beam = 0.5 * (high - low) / (turned_deg.len().max(2) - 1) as f64;
+    let (from, to) = (((low - half_beam) / step).ceil() as i32, ((high + half_beam) / step).floor() as i32);
+    let share = |degrees: f64| ((degrees - first) / (last - first)).clamp(0.0, 1.0) as f32;
+    (from..=to)
+        .map(|multiple| {
+            let degrees = f64::from(multiple) * step;
+            let named = degrees - 360.0 * ((degrees - 180.0) / 360.0).ceil(); // in (-180, 180]
+            (share(degrees), if named == 0.0 { "0°".to_owned() } else { format!("{named:+}°") })
+        })
+        .collect()
+}
+
+/// The ranges of one revolution, cut off at `reach_m`, and its walls.
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64) {
     let by_return = || (frame.revolution.len(), (0..frame.revolution.len()).collect());
     let (beams, places) = beams_of_returns(&frame.revolution).unwrap_or_else(by_return);
     let along = WIDTH / beams.max(1) as f32;
     let walls: Vec<u16> = frame.junction.wall_of_return.iter().map(|wall| classes.of_wall(*wall)).collect();
-    let clusters: Vec<u16> = frame.partition.labels.iter().map(|label| classes.of_cluster(*label)).collect();
     let mut lines = Vec::new();
-    for (y, row) in [(CLUSTERS_Y, &clusters), (WALLS_Y, &walls)] {
-        let bar = |(class, from, to): (u16, usize, usize)| {
-            (vec![[along * from as f32, y], [along * to as f32, y]], class, Radius::new_ui_points(4.0))
-        };
-        lines.extend(runs(row, &places).into_iter().map(bar));
-    }
+    let bar = |(class, from, to): (u16, usize, usize)| {
+        (vec![[along * from as f32, WALLS_Y], [along * to as f32, WALLS_Y]], class, Radius::new_ui_points(4.0))
+    };
+    lines.extend(runs(&walls, &places).into_iter().map(bar));
     let height = |i: usize| -HEIGHT * (frame.revolution.range_m(i) / reach_m).min(1.0) as f32;
     let placed: Vec<(u16, [f32; 3])> = (walls.iter().zip(&places).enumerate().take(frame.revolution.len()))
         .map(|(i, (class, place))| (*class, [along * (*place as f32 + 0.5), height(i), 0.0]))
@@ -105,5 +119,27 @@ fn marks(marks: impl Iterator<Item = ([f32; 2], String)>) -> Points2D {
 
 /// Left, top, right and bottom of the chart.
 pub(crate) fn profile_bounds() -> [f64; 4] {
-    [-24.0, f64::from(CLUSTERS_Y) - 6.0, f64::from(WIDTH) + 11.0, 10.0]
+    [-24.0, f64::from(WALLS_Y) - 6.0, f64::from(WIDTH) + 11.0, 10.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bearings_are_named_at_multiples_of_45_degrees() {
+        let named = |from_deg: f64, to_deg: f64| {
+            let bearings = |i: u32| (from_deg + (to_deg - from_deg) * f64::from(i) / 359.0).to_radians();
+            let wrapped = |bearing: f64| bearing.sin().atan2(bearing.cos());
+            round_bearings(&(0..360).map(|i| wrapped(bearings(i))).collect::<Vec<_>>())
+        };
+        let names = |from, to| named(from, to).into_iter().map(|(_, name)| name).collect::<Vec<_>>();
+        assert_eq!(names(-180.0, 179.0), ["+180°", "-90°", "0°", "+90°", "+180°"]);
+        assert_eq!(names(-135.0, 120.0), ["-90°", "0°", "+90°"]);
+        assert_eq!(names(-100.0, 60.0), ["-90°", "-45°", "0°", "+45°"]);
+        assert_eq!(names(90.0, -90.0), ["-90°", "-45°", "0°", "+45°", "+90°"]);
+        let places: Vec<f32> = named(-90.0, 90.0).into_iter().map(|(share, _)| share).collect();
+        assert!(places.iter().zip([0.0, 0.25, 0.5, 0.75, 1.0]).all(|(a, b)| (a - b).abs() < 1e-5), "{places:?}");
+        assert_eq!(round_bearings(&[]), []);
+    }
 }

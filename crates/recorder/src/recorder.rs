@@ -15,23 +15,29 @@ use rerun::{TextLog, TextLogLevel};
 use crate::backlog::{Backlog, Lost, Room};
 use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
+use crate::eigenvectors::Bands;
 use crate::file::RrdFile;
 use crate::flight_map::{self, FlightMap};
 use crate::layout::{Extent, Shown};
 use crate::live::{Live, Outlet};
-use crate::matrices::Pictures;
+use crate::matrices::{Absent, Pictures};
 use crate::notes::Notes;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::parts;
 use crate::rows::Rows;
 use crate::scan::BeamGeometry;
-use crate::schema::{ABOUT, AFFINITY_DEGREES, AFFINITY_LINKS, COLORS, CONFIG, LOG, SPECTRAL_EMBEDDING, SPECTRAL_U};
+use crate::schema::{
+    ABOUT, AFFINITY_DEGREES, AFFINITY_LINKS, AFFINITY_MARKS, COLORS, CONFIG, KMEANS_BLOCKS, LOG, SPECTRAL_EMBEDDING,
+    SPECTRAL_U, SPECTRAL_U_BARS,
+};
 use crate::scope::{Plan, Share};
 use crate::serving::{self, Served};
 use crate::timing::Times;
 use crate::tracks::Tracks;
+use crate::why::Told;
 use crate::{
-    exact, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing, viewer, why,
+    exact, gaps, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing, truth, viewer,
+    why,
 };
 
 /// Sensor time between two flushes. Each flush writes the description of all columns once more.
@@ -75,6 +81,11 @@ pub struct Recorder {
     map: FlightMap,
     beams: BeamGeometry,
     pictures: Pictures,
+    bands: Bands,
+    absent: Absent,
+    truth_before: Option<usize>,
+    /// The stamp of the first revolution.
+    first_ns: Option<u64>,
     flushed_stamp_ns: u64,
     unflushed: u32,
 }
@@ -140,6 +151,10 @@ impl Recorder {
             map: FlightMap::default(),
             beams: BeamGeometry::default(),
             pictures: Pictures::default(),
+            bands: Bands::default(),
+            absent: Absent::default(),
+            truth_before: None,
+            first_ns: None,
             flushed_stamp_ns: 0,
             unflushed: 0,
         })
@@ -210,7 +225,16 @@ impl Recorder {
         if room == Room::NoMatrices {
             (share.matrices, share.exact) = (false, false);
             self.pictures.log_dark(&mut self.rows);
-            for entity in [AFFINITY_DEGREES, AFFINITY_LINKS, SPECTRAL_U, SPECTRAL_EMBEDDING] {
+            self.bands.log_dark(&mut self.rows);
+            for entity in [
+                AFFINITY_MARKS,
+                KMEANS_BLOCKS,
+                SPECTRAL_U_BARS,
+                AFFINITY_DEGREES,
+                AFFINITY_LINKS,
+                SPECTRAL_U,
+                SPECTRAL_EMBEDDING,
+            ] {
                 self.rows.log(&entity, &Clear::flat()); // no older values stay on the screen
             }
         }
@@ -230,7 +254,7 @@ impl Recorder {
             self.give_up_file(error)?;
         }
         log_static(&self.rec, &self.options.config_toml)?;
-        self.beams = BeamGeometry::default();
+        (self.beams, self.absent) = (BeamGeometry::default(), Absent::default());
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
         }
@@ -253,8 +277,13 @@ impl Recorder {
         spectrum::log(rows, frame);
         if share.matrices {
             self.pictures.log(rows, frame, &order);
+            self.bands.log(rows, frame, &order, &classes);
             spectrum::log_embedding(rows, frame, &classes, scale);
+            partition::log_blocks(rows, frame, &order, &classes);
             why::log_graph(rows, frame);
+            if self.extent.is_some_and(|extent| extent.by_gaps) || !frame.affinity.verdicts.is_empty() {
+                gaps::log(rows, frame);
+            }
         }
         if share.exact {
             exact::log(rows, frame);
@@ -262,7 +291,16 @@ impl Recorder {
         partition::log(rows, frame, &order, &classes, scale);
         profile::log(rows, frame, &classes, reach_m);
         report::log(rows, frame, &classes);
-        why::log(rows, frame, &classes, reach_m, &mut self.watch);
+        self.absent.log(rows, frame, share.matrices, &order);
+        let revolution = &frame.revolution;
+        let truth = self.options.truth.of(revolution.seq);
+        truth::log(rows, revolution.seq, truth, &mut self.truth_before);
+        let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
+        let told = Told { classes: &classes, reach_m, source: &self.options.source, first_ns, truth };
+        let explanation = why::log(rows, frame, &told, &mut self.watch);
+        if share.matrices {
+            why::log_marks(rows, frame, &order, &explanation);
+        }
         self.times.log(rows, frame);
         self.notes.log(rows, frame);
         if share.exact_refused {
@@ -277,6 +315,7 @@ impl Recorder {
             self.rows.log_at(area, &Clear::recursive());
         }
         self.pictures.log_dark(&mut self.rows);
+        self.bands.log_dark(&mut self.rows);
         self.rows.log(&LOG, &TextLog::new(failure).with_level(TextLogLevel::ERROR));
     }
 
@@ -284,7 +323,7 @@ impl Recorder {
         scan::log_rings(&self.rec, extent.range_m)?;
         matrices::log_scale(&self.rec, extent.places)?;
         report::log_axis(&mut self.rows);
-        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
+        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent }, None)?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
@@ -363,6 +402,8 @@ fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderEr
     flight_map::log_static(rec)?;
     report::log_static(rec)?;
     timing::log_static(rec)?;
+    truth::log_static(rec)?;
+    gaps::log_static(rec)?;
     why::log_static(rec)?;
     Ok(())
 }

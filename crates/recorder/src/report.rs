@@ -16,7 +16,7 @@ const COUNTS: [f64; 2] = [0.0, 5.0];
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    rec.log_static(REPORT_JUNCTIONS.path, &series("junctions (walls)", REPORTED, 2.0))?;
+    rec.log_static(REPORT_JUNCTIONS.path, &series("walls", REPORTED, 2.0))?;
     rec.log_static(REPORT_CONFIDENCE.path, &series("confidence", GREY, 1.5))?;
     rec.log_static(REPORT_AXIS.path, &series("", INVISIBLE, 0.5))?;
     let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();
@@ -61,7 +61,7 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
     let confidence =
         junction.confidence.map_or("unknown".to_owned(), |confidence| format!("{:.0} %", 100.0 * confidence));
     let mut lines = vec![
-        format!("# {} · {}\n", counted(count as u64, "wall"), spaced(&junction.place)),
+        format!("# {} · {}\n", counted(count as u64, "wall"), junction.place.words()),
         format!("k = {k}, {}, confidence {confidence}.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));

@@ -119,15 +119,17 @@ fn log_chart(rows: &mut Rows, spectrum: &Spectrum) {
     let (lines, (colors, radii)): (Vec<_>, (Vec<_>, Vec<_>)) =
         columns.chain([tolerance, end_of_zeros]).map(|(line, color, radius)| (line, (color, radius))).unzip();
     let lines = LineStrips2D::new(lines).with_colors(colors).with_radii(radii);
-    let verdict = label([0.5 * RIGHT, -3.4], format!("{}: k = {}", inequality(spectrum), spectrum.k));
-    rows.log(&SPECTRAL_CHART, &[&lines as &dyn AsComponents, &verdict]);
+    let verdict = format!("{}: k = {}", inequality(spectrum), spectrum.k);
+    let words = [([0.5 * RIGHT, -3.4], verdict), ([RIGHT + 2.0, at - 1.0], format!("τ {:.0e}", spectrum.tolerance))];
+    rows.log(&SPECTRAL_CHART, &[&lines as &dyn AsComponents, &labels(words)]);
 }
 
-fn label(at: [f32; 2], text: String) -> Points2D {
-    Points2D::new([at])
+fn labels(words: [([f32; 2], String); 2]) -> Points2D {
+    let (at, words): (Vec<_>, Vec<_>) = words.into_iter().unzip();
+    Points2D::new(at)
         .with_radii([Radius::new_ui_points(0.0)])
         .with_colors([color(TOLERANCE)])
-        .with_labels([text])
+        .with_labels(words)
         .with_show_labels(true)
 }
 
@@ -142,7 +144,7 @@ fn height(value: f64) -> f32 {
 
 /// Left, top, right and bottom of the chart.
 pub(crate) fn chart_bounds() -> [f64; 4] {
-    [-5.5, -4.5, f64::from(RIGHT) + 0.5, f64::from(-FLOOR_DECADE) + 2.5]
+    [-5.5, -4.5, f64::from(RIGHT) + 5.0, f64::from(-FLOOR_DECADE) + 2.5]
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use crosscut_stage::{Frame, Step};
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, TextDocument};
 
-use crate::colors::{REPORTED, STEPS, TOLERANCE, color, series};
+use crate::colors::{GREY, REPORTED, STEPS, VEHICLE, color, series};
 use crate::rows::Rows;
-use crate::schema::{TIMING, TIMING_SUMMARY, TIMING_TOTAL};
+use crate::schema::{TIMING, TIMING_FLIGHT, TIMING_SUMMARY, TIMING_TOTAL};
 
 /// Number of revolutions in the table.
 const WINDOW: usize = 200;
@@ -19,9 +19,10 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     for ((step, entity), rgba) in Step::ALL.into_iter().zip(TIMING).zip(STEPS) {
         rec.log_static(entity.path, &series(step.name(), rgba, 2.0))?;
     }
+    rec.log_static(TIMING_FLIGHT.path, &series("flight", VEHICLE, 2.0))?;
     let lines = SeriesLines::new()
         .with_names(["all stages", "from scan to scan"])
-        .with_colors([color(REPORTED), color(TOLERANCE)])
+        .with_colors([color(REPORTED), color(GREY)])
         .with_widths([2.0, 1.5]);
     rec.log_static(TIMING_TOTAL.path, &lines)
 }
@@ -31,12 +32,14 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
 pub(crate) struct Times {
     stamp_ns: Option<u64>,
     seen: u64,
-    /// Milliseconds of each step, of all, and since the revolution before (NaN at the first).
+    /// Milliseconds of each step, of the flight (NaN without one), of all, and since the revolution before (NaN at the first).
     last: VecDeque<[f64; ROWS]>,
 }
 
-/// Each step, all of them, and the sensor's period.
-const ROWS: usize = Step::ALL.len() + 2;
+/// The row of the flight, behind those of the steps.
+const FLIGHT: usize = Step::ALL.len();
+/// Each step, the flight, all steps, and the sensor's period.
+const ROWS: usize = Step::ALL.len() + 3;
 
 impl Times {
     /// The times of one revolution, and the table so far.
@@ -46,6 +49,10 @@ impl Times {
         for (at, (step, entity)) in Step::ALL.into_iter().zip(&TIMING).enumerate() {
             row[at] = ms(frame.timings.ns(step));
             rows.log(entity, &Scalars::single(row[at]));
+        }
+        if let Some(flight_ns) = frame.timings.flight_ns {
+            row[FLIGHT] = ms(flight_ns);
+            rows.log(&TIMING_FLIGHT, &Scalars::single(row[FLIGHT]));
         }
         let total = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum();
         row[ROWS - 2] = ms(total);
@@ -68,7 +75,7 @@ impl Times {
     }
 
     fn table(&self) -> String {
-        let names = Step::ALL.map(Step::name).into_iter().chain(["**all stages**", "scan to scan"]);
+        let names = Step::ALL.map(Step::name).into_iter().chain(["flight", "**all stages**", "scan to scan"]);
         let mut lines = vec![
             format!("The last {} revolutions, milliseconds:\n", self.last.len()),
             "| stage | now | median | 99 % below | most |\n|---|---|---|---|---|".to_owned(),

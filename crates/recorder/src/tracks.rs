@@ -69,7 +69,14 @@ impl Tracks {
                 taken[usize::from(class)] = true;
             }
         }
-        classes.into_iter().map(|class| class.unwrap_or_else(|| self.take_new(&mut taken))).collect()
+        let walls = classes.len();
+        for wall in 0..walls {
+            if classes[wall].is_none() {
+                let beside = [(wall + walls - 1) % walls, (wall + 1) % walls].map(|beside| classes[beside]);
+                classes[wall] = Some(self.take_new(&mut taken, beside));
+            }
+        }
+        classes.into_iter().flatten().collect()
     }
 
     /// Number of shared directions, wall and class of each pair, the most directions first.
@@ -82,11 +89,14 @@ impl Tracks {
         overlaps
     }
 
-    /// The first class that is not taken: if possible one with its own colour that was not seen lately.
-    fn take_new(&self, taken: &mut [bool]) -> u16 {
+    /// The first class that is not taken: if possible one with its own colour that was not seen lately, else one whose
+    /// colour differs from those of the walls `beside`, as walls are numbered by bearing.
+    fn take_new(&self, taken: &mut [bool], beside: [Option<u16>; 2]) -> u16 {
         let free = |class: &u16| !taken[usize::from(*class)];
+        let differs = |class: &u16| beside.iter().flatten().all(|other| other % COLORS != class % COLORS);
         let fresh = (0..COLORS).filter(free).find(|class| !self.seen.contains(&Some(*class)));
-        let class = fresh.or_else(|| (0..NO_WALL).find(free)).unwrap_or(NO_WALL);
+        let other = || (0..NO_WALL).filter(free).find(differs);
+        let class = fresh.or_else(other).or_else(|| (0..NO_WALL).find(free)).unwrap_or(NO_WALL);
         taken[usize::from(class)] = true;
         class
     }
@@ -174,6 +184,8 @@ mod tests {
         let spans: Vec<_> =
             (0..20u32).map(|wall| (wall, 18 * wall.cast_signed()..18 * wall.cast_signed() + 9)).collect();
         let mut walls = Tracks::default().classes_of(&frame(&spans)).walls;
+        let beside = walls.iter().zip(walls.iter().cycle().skip(1));
+        assert!(beside.clone().all(|(a, b)| a % COLORS != b % COLORS), "neighbours differ: {walls:?}");
         walls.sort_unstable();
         walls.dedup();
         assert_eq!(walls.len(), 20);

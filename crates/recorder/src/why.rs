@@ -1,17 +1,18 @@
 //! Why the count is what it is: as text and drawn on the scan; and which revolutions are worth a look.
 
 use crosscut_explain::{Change, Edge, Event, Explanation, Watch};
-use crosscut_stage::{Frame, Point, Revolution, Weights};
+use crosscut_stage::{Frame, Point, Revolution, Weights, counted};
 use rerun::{
-    AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, TextDocument, TextLog,
-    TextLogLevel,
+    AsComponents, Color, LineStrips3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
+    TextDocument, TextLog, TextLogLevel,
 };
 
-use crate::beam_order::LARGEST_SIDE;
+use crate::beam_order::{BeamOrder, LARGEST_SIDE};
 use crate::colors::{BORDER, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, color, name_of};
+use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
-use crate::schema::{AFFINITY_LINKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
+use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
 use crate::tracks::Classes;
 
 /// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
@@ -38,27 +39,84 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SCAN_LINKS_EDGES.path, &edges)
 }
 
-/// The explanation of one revolution, drawn in views that reach `reach_m`, and whether it is worth a look.
-pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64, watch: &mut Watch) {
+/// The explanation of one revolution, drawn, and whether it is worth a look.
+pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch) -> Explanation {
     let explanation = Explanation::of(frame);
-    let text = explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))));
-    rows.log(&REPORT_WHY, &TextDocument::from_markdown(text));
-    log_decisive_links(rows, &frame.revolution, &explanation, reach_m);
-    for event in watch.events(frame) {
-        let level = match event {
-            Event::LowMargin { .. } => TextLogLevel::WARN,
-            _ => TextLogLevel::INFO,
-        };
+    let color_of = |wall| name_of(told.classes.of_wall(Some(wall)));
+    let paragraphs = [
+        explanation.title(frame, &color_of),
+        told.context(frame),
+        LEGEND.into(),
+        explanation.details(frame, &color_of),
+    ];
+    rows.log(&REPORT_WHY, &TextDocument::from_markdown(paragraphs.join("\n\n")));
+    log_decisive_links(rows, &frame.revolution, &explanation, told.reach_m);
+    for event in watch.events(frame, told.truth) {
+        let level = if matches!(event, Event::Wrong { .. }) { TextLogLevel::ERROR } else { TextLogLevel::WARN };
         rows.log(&LOG, &TextLog::new(event.to_string()).with_level(level));
+    }
+    explanation
+}
+
+/// Marks of the edges that decide the count on the picture of W, with their weights where W is sparse.
+pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, explanation: &Explanation) {
+    let is_sparse = matches!(frame.affinity.weights, Weights::Sparse(_));
+    let decisive = decisive(explanation).filter(|_| is_drawn(frame));
+    let (at, (colors, weights)): (Vec<_>, (Vec<_>, Vec<_>)) = decisive
+        .map(|(edge, rgba)| {
+            let [i, j] = edge.returns.map(|i| order.places[i] as f32);
+            ([i.max(j), i.min(j)], (color(rgba), format!("{:.0e}", edge.weight)))
+        })
+        .unzip();
+    let marks = Points2D::new(at).with_colors(colors).with_radii([Radius::new_ui_points(3.0)]);
+    let marks = if is_sparse { marks.with_labels(weights).with_show_labels(true) } else { marks };
+    rows.log(&AFFINITY_MARKS, &marks);
+}
+
+/// The weakest edge inside each wall, and the strongest between two.
+fn decisive(explanation: &Explanation) -> impl Iterator<Item = (Edge, u32)> {
+    let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
+    weakest.chain(explanation.strongest().map(|(_, edge)| (edge, STRONGEST)))
+}
+
+/// What the text of a revolution says beside its explanation.
+pub(crate) struct Told<'a> {
+    pub(crate) classes: &'a Classes,
+    /// How far the views reach.
+    pub(crate) reach_m: f64,
+    /// The file and the preset.
+    pub(crate) source: &'a str,
+    /// The stamp of the first revolution.
+    pub(crate) first_ns: u64,
+    /// The true number of walls.
+    pub(crate) truth: Option<usize>,
+}
+
+impl Told<'_> {
+    /// "tee.mcap, preset paper · revolution 107 · 10.7 s · truth: 3 walls".
+    fn context(&self, frame: &Frame) -> String {
+        let revolution = &frame.revolution;
+        let seconds = revolution.stamp_ns.saturating_sub(self.first_ns) as f64 * 1e-9;
+        let mut parts = vec![format!("revolution {}", revolution.seq), format!("{seconds:.1} s")];
+        if !self.source.is_empty() {
+            parts.insert(0, self.source.to_owned());
+        }
+        parts.extend(self.truth.map(|truth| {
+            let verdict = if truth == frame.junction.junctions { "as counted" } else { "**the count is wrong**" };
+            format!("truth: {}, {verdict}", counted(truth as u64, "wall"))
+        }));
+        parts.join(" · ")
     }
 }
 
+/// What the colours of edges and labels mean.
+const LEGEND: &str = "In **1** and **2**, *white* is the strongest edge between two walls, *yellow* the weakest inside a \
+    wall; a *pink* label names the count without it. In **7**, *pink* arrows are openings.";
+
 /// The weakest edge inside each wall and the strongest between two, with a mark at those that would change the count.
 fn log_decisive_links(rows: &mut Rows, revolution: &Revolution, explanation: &Explanation, reach_m: f64) {
-    let weakest = explanation.walls.iter().filter_map(|wall| Some((wall.weakest?, WEAKEST)));
-    let links = weakest.chain(explanation.strongest().map(|(_, link)| (link, STRONGEST)));
     let (lines, colors): (Vec<_>, Vec<_>) =
-        links.map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
+        decisive(explanation).map(|(link, rgba)| (line(revolution, link.returns), color(rgba))).unzip();
     let (at, labels): (Vec<_>, Vec<_>) =
         explanation.changes.iter().filter_map(|change| Some(mark(revolution, change, change.edge?))).unzip();
     let at = readable(at, reach_m);
@@ -73,11 +131,13 @@ fn line(revolution: &Revolution, returns: [usize; 2]) -> [[f32; 3]; 2] {
     returns.map(|i| xyz(&revolution.points_m[i]))
 }
 
-/// A mark in the middle of the edge, such as "k = 4 if broken: 3e-5".
+/// A mark beneath the edge, such as "k = 4 if broken: 3e-5". A label hangs below its point.
 fn mark(revolution: &Revolution, change: &Change, link: Edge) -> (Point, String) {
     let [a, b] = link.returns.map(|i| revolution.points_m[i]);
+    let middle = nalgebra::center(&a, &b);
+    let beneath = Point::new(a.x.min(b.x), middle.y, middle.z);
     let what = if change.walls.len() == 1 { "broken" } else { "joined" };
-    (nalgebra::center(&a, &b), format!("k = {} if {what}: {:.0e}", change.k, link.weight))
+    (beneath, format!("k = {} if {what}: {:.0e}", change.k, link.weight))
 }
 
 /// The marks, moved into the view and away from marks that they would cover.
@@ -112,16 +172,50 @@ pub(crate) fn log_graph(rows: &mut Rows, frame: &Frame) {
         }
     });
     let every = links.len().div_ceil(DRAWN_A_RETURN * n.max(1)).max(1);
-    let (lines, colors): (Vec<_>, Vec<_>) = (links.into_iter().step_by(every))
-        .map(|(returns, w)| (line(&frame.revolution, returns), color(if w < WEAK { WEAK_EDGE } else { EDGE })))
-        .unzip();
+    let (lines, colors): (Vec<_>, Vec<_>) =
+        chains(&frame.revolution, links.into_iter().step_by(every)).into_iter().unzip();
     let lines = LineStrips3D::new(lines).with_colors(colors).with_radii([Radius::new_ui_points(0.5)]);
     rows.log(&AFFINITY_LINKS, &lines);
+}
+
+/// Lines along the edges, each with its colour. Strong edges that begin where another one ends continue its line, which
+/// takes half of the space.
+fn chains(revolution: &Revolution, links: impl Iterator<Item = ([usize; 2], f64)>) -> Vec<(Vec<[f32; 3]>, Color)> {
+    let mut lines: Vec<(Vec<[f32; 3]>, Color)> = Vec::new();
+    let mut last = None; // the line of the last strong edge, and the return that it ends at
+    for ([i, j], w) in links {
+        match last {
+            Some((at, end)) if w >= WEAK && end == i => {
+                let (line, _): &mut (Vec<_>, _) = &mut lines[at];
+                line.push(xyz(&revolution.points_m[j]));
+                last = Some((at, j));
+            }
+            _ => {
+                if w >= WEAK {
+                    last = Some((lines.len(), j));
+                }
+                lines.push((line(revolution, [i, j]).to_vec(), color(if w < WEAK { WEAK_EDGE } else { EDGE })));
+            }
+        }
+    }
+    lines
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn strong_edges_in_a_row_are_one_line_and_weak_ones_a_line_each() {
+        let points_m = (0..6).map(|x| Point::new(f64::from(x), 0.0, 0.0)).collect();
+        let revolution = Revolution { points_m, ..Revolution::default() };
+        let links = [([0, 1], 1.0), ([0, 3], 0.01), ([1, 2], 0.5), ([3, 4], 1.0), ([4, 5], 1.0)];
+        let lines = chains(&revolution, links.into_iter());
+        let along = |line: &(Vec<[f32; 3]>, Color)| line.0.iter().map(|[x, ..]| *x).collect::<Vec<f32>>();
+        let expected = [vec![0.0, 1.0, 2.0], vec![0.0, 3.0], vec![3.0, 4.0, 5.0]];
+        assert_eq!(lines.iter().map(along).collect::<Vec<_>>(), expected);
+        assert!(lines[1].1 == color(WEAK_EDGE) && lines[2].1 == color(EDGE));
+    }
 
     #[test]
     fn marks_stay_in_the_view_without_covering_each_other() {

@@ -138,14 +138,14 @@ impl Reporter {
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
                 notes.add(format!(
-                    "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
+                    "report: returns stand {spacing_deg:.1}° apart, too far to tell a gap in a wall: less confidence"
                 ));
             }
             let doorway = doorway::doorway(outline, vehicle_width_m);
             if let Some(gap) = &doorway {
                 let [from_m, to_m] = gap.ends_m();
                 notes.add(format!(
-                    "report: nothing is seen in {:.1} m of a wall, a doorway or a dark surface: less confidence",
+                    "report: {:.1} m of a wall returned nothing, so it may be a doorway: counted as wall, with less confidence",
                     (to_m - from_m).norm()
                 ));
             }

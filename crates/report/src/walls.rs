@@ -33,8 +33,9 @@ pub(crate) fn from_partition(
     let dropped: usize = returns_of_cluster.iter().filter(|&&returns| returns < min_returns).sum();
     if dropped > 0 {
         let clusters = counted((partition.clusters - out.walls.len()) as u64, "cluster");
+        let dropped = counted(dropped as u64, "return");
         notes.add(format!(
-            "report: {clusters} of fewer than {min_returns} returns taken for no wall ({dropped} in all)"
+            "report: {clusters} too small to be a wall, of {dropped}; report.min_returns is {min_returns}"
         ));
     }
     set_bearings(revolution, out);

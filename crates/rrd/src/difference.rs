@@ -18,8 +18,11 @@ use crate::{ReadError, Recording, Row, Value, span};
 const MADE_BY_INGEST: [Entity; 4] = [schema::SCAN_RANGES, schema::SCAN_SEEN, schema::SCAN_BEAMS, schema::SCAN_RETURNS];
 
 /// Drawings in the coordinates of U: other eigenvectors of the same span look different.
-const DRAWN_FROM_U: [(Entity, &str); 2] =
-    [(schema::SPECTRAL_EMBEDDING, "Points3D:positions"), (schema::KMEANS_CENTROIDS, "Points3D:positions")];
+const DRAWN_FROM_U: [(Entity, &str); 3] = [
+    (schema::SPECTRAL_EMBEDDING, "Points3D:positions"),
+    (schema::SPECTRAL_U_PICTURE, "EncodedDepthImage:blob"),
+    (schema::KMEANS_CENTROIDS, "Points3D:positions"),
+];
 
 /// Whether the rows of an entity are results of revolutions.
 fn is_compared(entity: &str) -> bool {

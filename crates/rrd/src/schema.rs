@@ -178,6 +178,14 @@ entities! {
         "edges of a sparse W, yellow below 0.1; of those of weight 1 only each return's to the next";
     AFFINITY_SCALE: "/affinity/scale", LINES_2D, ["point", "axis"], "", Drawing, Once,
         "key to the colours of the pictures of W and L";
+    AFFINITY_MARKS: "/affinity/marks", "Points2D:positions", ["edge", "axis"], "", Drawing, Matrices,
+        "edges of `/scan/links` on the picture of W; with their weights where W is sparse";
+    AFFINITY_ABSENT: "/affinity/absent", "Points2D:positions", ["point", "axis"], "", Drawing, Change,
+        "why there is no picture of W, L and U";
+    AFFINITY_GAPS: "/affinity/gaps/values", LINES_2D, ["point", "axis"], "", Drawing, Event,
+        "room at each gap that an affinity decides, divided by the room that an opening needs, on a logarithmic scale";
+    AFFINITY_GAPS_AXIS: "/affinity/gaps/axis", LINES_2D, ["point", "axis"], "", Drawing, Once,
+        "ratios of `/affinity/gaps/values`";
     SPECTRAL_L: "/spectral/L", PICTURE, ["row", "column"], "", HalfDecade, Matrices,
         "L as a picture of log10 of the absolute value, like W";
     SPECTRAL_EIGENVALUES: "/spectral/eigenvalues", "BarChart:values", ["eigenvalue"], "", Exact, Revolution,
@@ -191,6 +199,10 @@ entities! {
         "decades of `/spectral/chart/values`";
     SPECTRAL_U: "/spectral/U", TENSOR, ["return", "eigenvector"], "", F16, Matrices,
         "eigenvectors U of the k smallest eigenvalues; of a sparse U its entries in f64";
+    SPECTRAL_U_PICTURE: "/spectral/U/picture", PICTURE, ["row", "column"], "", Drawing, Matrices,
+        "U as a picture by beam, a band for each eigenvector: blue below 0, yellow above, in 15 steps";
+    SPECTRAL_U_BARS: "/spectral/U/bars", LINES_2D, ["point", "axis"], "", Drawing, Matrices,
+        "walls as bars above `/spectral/U/picture`";
     SPECTRAL_U_EXACT: "/spectral/U/exact", TENSOR, ["return", "eigenvector"], "", Exact, Sampled, "U";
     SPECTRAL_EMBEDDING: "/spectral/embedding", POINTS_3D, ["return", "axis"], "", Drawing, Matrices,
         "the first three columns of U, scaled so that the farthest row lies at 1, in steps of 1/128";
@@ -199,14 +211,16 @@ entities! {
         "cluster of each return, -1 for none; also drawn as bars beside W";
     KMEANS_CENTROIDS: "/kmeans/centroids", TENSOR, ["cluster", "eigenvector"], "", Exact, Revolution,
         "centres of the clusters among the rows of U; also drawn in the embedding";
-    KMEANS_BLOCKS: "/kmeans/blocks", LINES_2D, ["point", "axis"], "", Drawing, Revolution, "walls as frames on W";
+    KMEANS_BLOCKS: "/kmeans/blocks", LINES_2D, ["point", "axis"], "", Drawing, Matrices, "walls as frames on W, hatched on a sparse one";
     KMEANS_PROFILE: "/kmeans/profile/lines", LINES_2D, ["point", "axis"], "", Drawing, Revolution,
-        "ranges by beam, with the walls and clusters above them";
+        "ranges by beam, with the walls above them";
     KMEANS_PROFILE_AXES: "/kmeans/profile/axes", LINES_2D, ["point", "axis"], "", Drawing, Change,
         "ranges and bearings of `/kmeans/profile/lines`";
     KMEANS_PROFILE_NAMES: "/kmeans/profile/names", "Points2D:positions", ["point", "axis"], "", Drawing, Once,
-        "names of the rows of `/kmeans/profile/lines`";
+        "name of the row of `/kmeans/profile/lines`";
     REPORT_JUNCTIONS: "/report/junctions", SCALAR, [], "", Exact, Revolution, "number of walls that is reported";
+    TRUTH_WALLS: "/truth/walls", SCALAR, [], "", Exact, Event,
+        "true number of walls, where the flight has its truth: when it changes, and at every tenth revolution";
     REPORT_CONFIDENCE: "/report/confidence", SCALAR, [], "", Exact, Revolution, "confidence in that number, 0 to 1";
     REPORT_PLACE: "/report/place", "StateChange:state", [], "", Exact, Revolution, "place, such as `tee`";
     REPORT_SUMMARY: "/report/summary", DOCUMENT, [], "", Words, Revolution, "answer with its openings and walls";
@@ -217,7 +231,7 @@ entities! {
         Revolution, "a row for each wall; its class is its colour";
     REPORT_AXIS: "/report/axis", SCALAR, ["end"], "", Drawing, File, "what plots of counts reach at least";
     FLIGHT_POSE: "/flight/pose", TENSOR, ["x_m, y_m, yaw_rad"], "m, rad", Exact, Event,
-        "pose in the map's frame by what is known then, at each revolution that has one; drawn as an arrowhead";
+        "pose in the map's frame by what is known then, at each revolution that has one; drawn as a disc with its heading";
     FLIGHT_HERE: "/flight/here", "StateChange:state", [], "", Exact, Event,
         "kind of the place by the steady answer, at each revolution where it is known";
     FLIGHT_PATH: "/flight/path", LINES_2D, ["point", "axis"], "m", Drawing, Change, "the way so far, corrected";
@@ -225,6 +239,7 @@ entities! {
         "walls so far, a point for each square of 0.2 m, corrected; drawn again when many are new";
     FLIGHT_WALLS_NEW: "/flight/walls/new", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
         "walls that are not in `/flight/walls` yet";
+    FLIGHT_SCALE: "/flight/scale", LINES_2D, ["point", "axis"], "m", Drawing, Change, "a bar to read distances by";
     FLIGHT_NODES: "/flight/nodes", "Points2D:positions", ["node", "axis"], "m", F32, Change,
         "junctions and dead ends of the map by number, with y downwards; arrows are their ways";
     FLIGHT_PASSAGES: "/flight/passages", LINES_2D, ["point", "axis"], "m", Drawing, Change, "passages of the map";
@@ -237,18 +252,19 @@ entities! {
     TIMING_SPECTRAL: "/timing/spectral", SCALAR, [], "ms", Exact, Revolution, "time of spectral";
     TIMING_KMEANS: "/timing/kmeans", SCALAR, [], "ms", Exact, Revolution, "time of kmeans";
     TIMING_REPORT: "/timing/report", SCALAR, [], "ms", Exact, Revolution, "time of report";
+    TIMING_FLIGHT: "/timing/flight", SCALAR, [], "ms", Exact, Event, "time of pose, place and map, where they are made";
     TIMING_TOTAL: "/timing/total", SCALAR, ["all stages, from scan to scan"], "ms", Exact, Revolution,
         "time of all stages, and from the scan before; NaN at the first";
     TIMING_SUMMARY: "/timing/summary", DOCUMENT, [], "ms", Words, Event,
         "table of the last 200 revolutions, at every tenth";
     LOG: "/log", "TextLog:text", [], "", Words, Event,
-        "revolutions worth a look: another count or place, a low margin, each note when it begins";
+        "revolutions worth a look: a wrong count, another count or place, low confidence or margin; each note when it begins";
     CONFIG: "/config", DOCUMENT, [], "", Exact, Once, "resolved configuration as TOML";
     ABOUT: "/about", DOCUMENT, [], "", Words, Once, "what the recording holds, and how exactly";
     COLORS: "/", "AnnotationContext:context", [], "", Drawing, Once, "names and colours of the walls";
     PART: "/recording/part", TENSOR, ["number, goes_on"], "", Exact, File,
         "which file of a long recording this is, from 1; at its end again with a 1 if another follows";
-    EXTENT: "/layout/extent", TENSOR, ["range_m, places"], "m", Exact, Once, "what the views of the layout reach";
+    EXTENT: "/layout/extent", TENSOR, ["range_m, places, by_gaps"], "m", Exact, Once, "what the views of the layout reach";
 }
 
 /// Times of the steps, in their order.

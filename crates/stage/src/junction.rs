@@ -119,6 +119,27 @@ pub enum Place {
     PartialView,
 }
 
+impl Place {
+    /// What people call it: "dead end", "crossing", "5-way junction". Results have [`Display`](fmt::Display).
+    pub fn words(&self) -> String {
+        match self {
+            Self::Tee => junction_of(3),
+            Self::Cross => junction_of(4),
+            Self::Junction(ways) => junction_of(*ways),
+            other => other.to_string().replace('_', " "),
+        }
+    }
+}
+
+/// What people call a junction of this many ways: "tee", "crossing", "5-way junction".
+pub fn junction_of(ways: usize) -> String {
+    match ways {
+        3 => "tee".to_owned(),
+        4 => "crossing".to_owned(),
+        _ => format!("{ways}-way junction"),
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

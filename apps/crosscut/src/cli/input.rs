@@ -36,6 +36,9 @@ pub(crate) struct InputArgs {
     /// Stop this many seconds after the first scan.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
+    /// Fly recordings of different sensors as one flight, which is refused otherwise.
+    #[arg(long)]
+    pub(crate) join: bool,
     /// Take every N-th scan only.
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     pub(crate) every: NonZeroU64,

@@ -133,6 +133,9 @@ pub(crate) struct ViewArgs {
     /// that the recording was made for]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
+    /// Revolution that the viewer opens at. [default: the last one]
+    #[arg(long, value_name = "REVOLUTION")]
+    pub(crate) at: Option<u32>,
     /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
     pub(crate) beside: Option<PathBuf>,
@@ -259,6 +262,9 @@ pub(crate) struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
+    /// Explain the notes with this code instead (N082), or `all` of them.
+    #[arg(long, value_name = "CODE", exclusive = true)]
+    pub(crate) note: Option<String>,
     #[command(flatten)]
     pub(crate) recordings: RecordingsArgs,
     #[command(flatten)]

@@ -8,16 +8,24 @@ use crosscut_ingest::{
     CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
 use crosscut_sensor::Sensor;
-use crosscut_stage::counted;
+use crosscut_stage::{NOTE_CODES, NoteCode, counted};
 
 use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
-use crate::exit::Outcome;
+use crate::exit::{Outcome, UsageError};
 use crate::say::show;
 use crate::typeset::plain;
 
+/// The beginning of docs/notes.md, which is what `crosscut info --note all` prints.
+const NOTES_TITLE: &str = "# Notes\n\nA note says what happened to a revolution: every drop, repair and fallback is one. The \
+    summary of `crosscut run` has the code of each kind, and `crosscut info --note N082` prints its entry. This page is \
+    the output of `crosscut info --note all`.\n";
+
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    if let Some(code) = &args.note {
+        return explain(code);
+    }
     let config = args.config.resolve(registry)?;
     let sensor = Sensor::new(config.params("ingest"));
     let csv = CsvGeometry::new(config.params("csv"));
@@ -52,6 +60,18 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         show(format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
     }
     Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
+}
+
+/// Prints what notes with this code mean.
+fn explain(code: &str) -> anyhow::Result<Outcome> {
+    if code == "all" {
+        let entries = NOTE_CODES.iter().map(|entry| format!("\n{}", entry.to_markdown()));
+        show(format!("{NOTES_TITLE}{}", entries.collect::<String>()))?;
+        return Ok(Outcome::Done);
+    }
+    let unknown = || UsageError(format!("there is no note {code:?}; `crosscut info --note all` lists them"));
+    show(NoteCode::of_code(code).ok_or_else(unknown)?.to_markdown())?;
+    Ok(Outcome::Done)
 }
 
 /// The command that runs what was described, on the scan topic with the most messages if there are several.

@@ -1,7 +1,7 @@
 //! `crosscut map`: the junctions and dead ends of a flight and the passages between them, as a drawing or for other tools.
 
 use crosscut_detector::Registry;
-use crosscut_flight::Mapper;
+use crosscut_flight::{Mapper, NoPlace};
 
 use crate::cli::MapArgs;
 use crate::diagnostics::Diagnostics;
@@ -19,10 +19,12 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     let stop = stop_on_interrupt()?;
     let mut flight = Flight::open(&args.input.recordings.input, &args.input, &config)?;
     let (mut file, mut mapper) = (MapFile::create(&args.out, &read)?, Mapper::default());
+    let mut no_place = NoPlace::default();
     let bar = progress::bar(flight.total_revolutions(), args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: true };
     let flown = fly(flight, &config, &how, &mut [], &mut |frame, _| {
         mapper.add(frame);
+        no_place.add(frame);
         file.update(&mapper);
         Ok(())
     })?;
@@ -37,8 +39,8 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     if !args.quiet {
         say(map.summary());
     }
-    if map.nodes.is_empty() {
-        diagnostics.note("no junction or dead end was found; a place is known once the scans have seen all around it");
+    if let Some(reason) = no_place.reason(&map) {
+        diagnostics.note(reason);
     }
     Ok(diagnostics.outcome())
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crosscut_detector::Registry;
+use crosscut_ingest::Truths;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_stage::counted;
 
@@ -31,13 +32,22 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     let mut diagnostics = Diagnostics::default();
     let mut written = Written::open(args.results.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
     let mut observers = observers::open(args, &config, &mut diagnostics)?;
+    if let ([only], false, false) = (&args.input.recordings.input[..], observers.list.is_empty(), args.follow) {
+        flight = flight.with_shown_truths(Truths::open(only).ok());
+    }
     if diagnostics.outcome() != Outcome::Done && written.is_nothing() && observers.list.is_empty() {
         anyhow::bail!("no other output was requested");
     }
 
     let bar = progress::bar(if args.follow { None } else { flight.total_revolutions() }, args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: args.rate, has_poses: true };
-    let flown = fly(flight, &config, &how, &mut observers.list, &mut |frame, _| written.take(frame))?;
+    let truth = observers.truth.take();
+    let flown = fly(flight, &config, &how, &mut observers.list, &mut |frame, judged| {
+        if let (Some(tell), Some(judged)) = (&truth, judged) {
+            tell(frame.revolution.seq, judged.score.true_walls);
+        }
+        written.take(frame)
+    })?;
     bar.finish_and_clear();
     if !args.quiet {
         say(summary::words(&flown));

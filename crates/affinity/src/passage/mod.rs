@@ -189,13 +189,13 @@ impl Passage {
         scan.make(sweep, points_m, lengths)?;
         if scan.dust_returns > 0 {
             let dust_returns = counted(scan.dust_returns as u64, "return");
-            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars), without edges"));
+            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars) ignored"));
         }
         if scan.self_returns > 0 {
             let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
             notes.add(format!(
                 "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
-                 vehicle.width_m unless it is set), without edges"
+                 vehicle.width_m unless it is set), ignored"
             ));
         }
 
@@ -229,7 +229,7 @@ impl Passage {
         let aside = cloud.len() - view.level().len();
         if aside > 0 {
             let aside = counted(aside as u64, "return");
-            notes.add(format!("passage: {aside} above or below the vehicle, or within it, without edges"));
+            notes.add(format!("passage: {aside} above or below the vehicle, or within it, ignored"));
         }
         let sweep = view.seen().sweep.as_ref().expect("a view has beams");
         // No leak: carried on to the returns that are not seen, it would become many.

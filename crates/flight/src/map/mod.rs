@@ -2,6 +2,7 @@
 
 mod anchored;
 mod mapper;
+mod no_place;
 mod nodes;
 mod outline;
 mod recognise;
@@ -10,13 +11,14 @@ mod visit;
 
 use std::collections::BTreeMap;
 
-use crosscut_stage::counted;
+use crosscut_stage::{counted, junction_of};
 use nalgebra::Point2;
 
 use crate::HereKind;
 
 pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};
+pub use no_place::NoPlace;
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
 /// frame of the flight's first pose.
@@ -144,7 +146,7 @@ impl Map {
         loops_in(self.passages.iter().map(|passage| [passage.from, passage.to]))
     }
 
-    /// The map in a line: `11 junctions: 7 tees, 3 crossings, 1 with 5 ways; 4 dead ends; 2 loops; 3 ways not taken`.
+    /// The map in a line: `11 junctions: 7 tees, 3 crossings, 1 5-way junction; 4 dead ends; 2 loops; 3 ways not taken`.
     pub fn summary(&self) -> String {
         let with = |ways: usize| {
             let is_with = |node: &&Node| node.kind == HereKind::Junction && node.ways.len() == ways;
@@ -154,7 +156,7 @@ impl Map {
         let of_ways = (3..=most).filter(|&ways| with(ways) > 0).map(|ways| match ways {
             3 => counted(with(3), "tee"),
             4 => counted(with(4), "crossing"),
-            _ => format!("{} with {ways} ways", with(ways)),
+            _ => counted(with(ways), &junction_of(ways)),
         });
         let of_ways = of_ways.collect::<Vec<_>>().join(", ");
         let is_junction = |node: &&Node| node.kind == HereKind::Junction;

@@ -9,8 +9,9 @@ mod together;
 mod views;
 
 use crosscut_stage::Frame;
-use rerun::blueprint::components::{PanelState, PlayState};
+use rerun::blueprint::components::{LoopMode, PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel};
+use rerun::external::re_log_types::TimeInt;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, Tensor, TensorBuffer};
 
@@ -68,11 +69,13 @@ pub(crate) struct Extent {
     pub(crate) range_m: f64,
     /// Places along the side of the pictures.
     pub(crate) places: usize,
+    /// The affinity decides gap by gap: its gaps are shown before the eigenvalues.
+    pub(crate) by_gaps: bool,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { range_m: 15.0, places: 360 }
+        Self { range_m: 15.0, places: 360, by_gaps: false }
     }
 }
 
@@ -91,12 +94,13 @@ impl Extent {
         Self {
             range_m: limit_m.unwrap_or(f64::INFINITY).min(seen_m),
             places: if places > 0 { places } else { default.places },
+            by_gaps: !frame.affinity.verdicts.is_empty(),
         }
     }
 
     /// Records the extent, so that the recording can be laid out again.
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
-        let values = vec![self.range_m, self.places as f64];
+        let values = vec![self.range_m, self.places as f64, f64::from(u8::from(self.by_gaps))];
         rec.log_static(EXTENT.path, &f64_vector(values, EXTENT.dims))
     }
 
@@ -106,7 +110,10 @@ impl Extent {
             chunk.component_batch(Tensor::descriptor_data().component, 0)?.ok()?;
         match &data.first()?.buffer {
             TensorBuffer::F64(values) => match values.as_ref() {
-                [range_m, places] => Some(Self { range_m: *range_m, places: *places as usize }),
+                [range_m, places, ..] => {
+                    let by_gaps = values.get(2).is_some_and(|by_gaps| *by_gaps > 0.0);
+                    Some(Self { range_m: *range_m, places: *places as usize, by_gaps })
+                }
                 _ => None,
             },
             _ => None,
@@ -133,8 +140,8 @@ pub(crate) struct Side<'a> {
     pub(crate) extent: Extent,
 }
 
-/// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
-pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
+/// Sends the layout with the recording and makes it the active one. The viewer opens the first tab, at the revolution `at`.
+pub(crate) fn send(rec: &RecordingStream, shown: &Shown, at: Option<u32>) -> RecordingStreamResult<()> {
     let (tabs, properties) = match shown {
         Shown::Flight { first, extent } => {
             let mut views = Views::new(*extent);
@@ -160,14 +167,17 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResul
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
-        .with_time_panel(time_panel());
+        .with_time_panel(match at {
+            None => time_panel(),
+            Some(revolution) => time_panel_at(revolution),
+        });
     properties::send(rec, &layout, properties)
 }
 
 /// The messages of a layout for a recording that is shown again.
-pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
+pub(crate) fn messages(shown: &Shown, at: Option<u32>) -> RecordingStreamResult<Vec<LogMsg>> {
     let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
-    send(&scratch, shown)?;
+    send(&scratch, shown, at)?;
     let mut messages = storage.take();
     messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
     Ok(messages)
@@ -180,6 +190,12 @@ fn time_panel() -> TimePanel {
         .with_timeline("revolution")
         .with_play_state(PlayState::Following)
         .with_fps(10.0)
+}
+
+/// The time panel at one revolution. A layout cannot set the time, but the viewer that plays a selection stays within it.
+fn time_panel_at(revolution: u32) -> TimePanel {
+    let at = TimeInt::new_temporal(i64::from(revolution));
+    time_panel().with_time_selection(at..=at).with_loop_mode(LoopMode::Selection).with_play_state(PlayState::Playing)
 }
 
 #[cfg(test)]

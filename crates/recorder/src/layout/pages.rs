@@ -7,35 +7,39 @@ use crate::schema::{AFFINITY_W, SPECTRAL_L};
 
 /// A flight: the scan at the chosen revolution, and the counts over all revolutions.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.answer(), views.why("Why this count?"), views.config(), views.about()]);
-    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.25, 1.0]);
-    let counts = [views.junctions(), views.places(), views.zeros(), views.margin(), views.confidence()];
-    let flight = counts.into_iter().chain([views.log("Worth a look: click a revolution")]);
-    let flight = Vertical::new(flight).with_row_shares([1.1, 0.5, 1.1, 0.7, 0.65, 0.95]);
+    let words = Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.about()]);
+    let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.15, 1.0]);
+    let sure = Tabs::new([views.confidence(), views.margin()]);
+    let looks = Tabs::new([views.worth("Worth a look: click a revolution"), views.log("With all notes")]);
+    let flight = Vertical::new([views.walls(), views.places(), sure.into(), looks.into()]);
+    let flight = flight.with_row_shares([1.2, 0.75, 0.8, 1.35]);
     let page = Horizontal::new([here.into(), flight.into()]).with_column_shares([0.72, 1.0]);
     page.with_name("Overview: the flight").into()
 }
 
 /// One revolution stage by stage, and why its count is what it is.
 pub(super) fn stages(views: &mut Views) -> ContainerLike {
-    let [returns, w, l, eigenvalues, embedding, labels, openings, words] = steps(views);
-    let graph = Horizontal::new([returns, w, l, eigenvalues]).with_column_shares([1.05, 1.0, 1.0, 0.95]);
-    let answer = Horizontal::new([embedding, labels, openings, words]).with_column_shares([0.8, 0.9, 1.05, 1.25]);
-    Vertical::new([graph.into(), answer.into()]).with_name("Stages: one revolution").into()
+    let [returns, w, eigenvalues, u, labels, openings, words] = steps(views);
+    let above = Horizontal::new([returns, w, eigenvalues, words]).with_column_shares([1.0, 1.0, 0.95, 1.35]);
+    let below = Horizontal::new([u, labels, openings]).with_column_shares([1.0, 1.0, 1.0]);
+    Vertical::new([above.into(), below.into()]).with_name("Stages: one revolution").into()
 }
 
 /// The views of the page [`stages`], in their order.
-pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
-    let embedding = Tabs::new([views.embedding(), views.embedding_plane()]);
+pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
+    let matrices =
+        Tabs::new([views.picture("2 W, upper half", AFFINITY_W), views.picture("3 L, upper half", SPECTRAL_L)]);
+    let [eigenvalues, gaps] = [views.chart("4 Eigenvalues of L"), views.gaps("Room at gaps")];
+    let deciding = if views.by_gaps() { [gaps, eigenvalues] } else { [eigenvalues, gaps] };
+    let u = Tabs::new([views.eigenvectors("5 U by beam"), views.embedding(), views.embedding_plane()]);
     let words =
-        Tabs::new([views.why("8 Why?"), views.answer(), views.log("Worth a look"), views.config(), views.about()]);
+        Tabs::new([views.why("8 Why?"), views.answer(), views.worth("Worth a look"), views.config(), views.about()]);
     [
-        views.returns("1 Returns: x up, y left"),
-        views.picture("2 W by beam, 1e-16 to 1", AFFINITY_W),
-        views.picture("3 L by beam, 1e-16 to 1", SPECTRAL_L),
-        views.chart("4 Eigenvalues of L: zeros blue, τ pink"),
-        embedding.into(),
-        views.labels("6 Labels and ranges by beam"),
+        views.returns("1 Returns"),
+        matrices.into(),
+        Tabs::new(deciding).into(),
+        u.into(),
+        views.labels("6 Walls and ranges by beam"),
         views.scan("7 Walls and openings"),
         words.into(),
     ]
@@ -43,16 +47,15 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 8] {
 
 /// The map of the flight so far: the way, the walls, the places and passages, and why.
 pub(super) fn map(views: &mut Views) -> ContainerLike {
-    let from_above = Vertical::new([views.flight_map(), views.flight_places()]).with_row_shares([1.0, 0.13]);
-    let words = Tabs::new([views.flight_summary(), views.answer(), views.log("Log")]);
-    let aside = Vertical::new([views.flight_graph(), words.into()]).with_row_shares([0.8, 1.0]);
-    let page = Horizontal::new([from_above.into(), aside.into()]).with_column_shares([1.0, 0.62]);
+    let words = Tabs::new([views.flight_summary(), views.flight_graph(), views.answer(), views.log("Log")]);
+    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.22]);
+    let page = Horizontal::new([views.flight_map(), aside.into()]).with_column_shares([1.0, 0.62]);
     page.with_name("Map: places and passages").into()
 }
 
 /// Time of each stage, and whether it keeps up with the sensor.
 pub(super) fn speed(views: &mut Views) -> ContainerLike {
-    let times = Vertical::new([views.timings(), views.total(), views.returns_count()]).with_row_shares([1.4, 1.0, 0.7]);
+    let times = Vertical::new([views.timings(), views.total(), views.returns_count()]).with_row_shares([1.7, 0.9, 0.6]);
     let page = Horizontal::new([times.into(), views.timing_table()]).with_column_shares([1.0, 0.5]);
     page.with_name("Speed: time per stage").into()
 }

@@ -23,10 +23,10 @@ pub(super) fn stages(left: &mut Views, right: &mut Views) -> ContainerLike {
 }
 
 fn half(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.answer(), views.why("Why?"), views.config()]);
+    let words = Tabs::new([views.why("Why?"), views.answer(), views.config()]);
     let answer = Horizontal::new([views.scan("Walls, openings"), words.into()]);
-    let numbers = Horizontal::new([views.picture("W, 1e-16 to 1", AFFINITY_W), views.chart("Eigenvalues of L")]);
-    let flight = Horizontal::new([views.junctions(), views.margin()]);
+    let numbers = Horizontal::new([views.picture("W, upper half", AFFINITY_W), views.chart("Eigenvalues of L")]);
+    let flight = Horizontal::new([views.walls(), views.margin()]);
     Vertical::new([answer.into(), numbers.into(), flight.into()]).with_row_shares([1.25, 1.0, 0.7]).into()
 }
 
@@ -34,13 +34,13 @@ fn half(views: &mut Views) -> ContainerLike {
 pub(super) fn sensors(views: &mut Views, root: &str, pictures: &[String]) -> ContainerLike {
     let scene = views.scene("Walls and openings among the robot's point clouds [m]", root, pictures);
     let cameras = Tabs::new(pictures.iter().map(|entity| Views::camera(entity)));
-    let words = Tabs::new([views.answer(), views.why("Why this count?")]);
+    let words = Tabs::new([views.why("Why this count?"), views.answer()]);
     let beside: Vec<ContainerLike> = match pictures {
         [] => vec![words.into()],
         _ => vec![cameras.into(), words.into()],
     };
     let above = Horizontal::new([scene, Vertical::new(beside).into()]).with_column_shares([1.6, 1.0]);
-    let below = Horizontal::new([views.junctions(), views.places()]);
+    let below = Horizontal::new([views.walls(), views.places()]);
     let page = Vertical::new([above.into(), below.into()]).with_row_shares([3.0, 1.0]);
     page.with_name("Sensors: with the robot's own data").into()
 }

@@ -6,23 +6,27 @@ use rerun::blueprint::{
     ContainerLike, GraphView, Spatial2DView, Spatial3DView, StateTimelineView, TextDocumentView, TextLogView,
     TimeSeriesView,
 };
-use rerun::components::Range1D;
+use rerun::components::{self, Range1D};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, TextDocumentFormat, TextLogColumns, TimeAxis,
-    VisualBounds2D,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, TextDocumentFormat, TextLogColumns, TextLogRows,
+    TimeAxis, VisualBounds2D,
 };
 
 use super::properties::Properties;
 use super::{Extent, Side};
+use crate::eigenvectors::HEIGHT;
+use crate::gaps::gaps_bounds;
 use crate::profile::profile_bounds;
 use crate::scan::step_m;
 use crate::schema::{
-    ABOUT, AFFINITY_LINKS, AFFINITY_SCALE, CONFIG, Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES,
-    FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SUMMARY, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS,
-    KMEANS_LABELS, KMEANS_PROFILE, KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE,
-    REPORT_JUNCTIONS, REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES,
-    SCAN_OPENINGS, SCAN_RETURNS, SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART,
-    SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K, SPECTRAL_MARGIN, TIMING, TIMING_SUMMARY, TIMING_TOTAL,
+    ABOUT, AFFINITY_ABSENT, AFFINITY_GAPS, AFFINITY_GAPS_AXIS, AFFINITY_LINKS, AFFINITY_MARKS, AFFINITY_SCALE, CONFIG,
+    Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE,
+    FLIGHT_SUMMARY, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS, KMEANS_PROFILE,
+    KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_JUNCTIONS, REPORT_PLACE,
+    REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS, SCAN_RINGS,
+    SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K,
+    SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_SUMMARY, TIMING_TOTAL,
+    TRUTH_WALLS,
 };
 use crate::spectrum::chart_bounds;
 
@@ -125,7 +129,8 @@ impl Views {
 
     /// The upper triangle of a matrix, with clusters as bars along its edges and walls as frames around their blocks.
     pub(super) fn picture(&mut self, name: &str, entity: Entity) -> ContainerLike {
-        let contents = self.entities([entity, AFFINITY_SCALE, KMEANS_LABELS, KMEANS_BLOCKS]);
+        let contents =
+            self.entities([entity, AFFINITY_SCALE, AFFINITY_MARKS, AFFINITY_ABSENT, KMEANS_LABELS, KMEANS_BLOCKS]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         let n = self.extent.places as f64;
         self.flat(view, [-0.06 * n, -0.06 * n, 1.03 * n, 1.03 * n])
@@ -135,6 +140,26 @@ impl Views {
         let contents = self.entities([SPECTRAL_CHART, SPECTRAL_CHART_AXIS]);
         let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
         self.flat(view, chart_bounds())
+    }
+
+    /// Whether the affinity decides gap by gap.
+    pub(super) fn by_gaps(&self) -> bool {
+        self.extent.by_gaps
+    }
+
+    /// The room at each gap beside the room that an opening needs.
+    pub(super) fn gaps(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities([AFFINITY_GAPS, AFFINITY_GAPS_AXIS]);
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+        self.flat(view, gaps_bounds())
+    }
+
+    /// U as a picture, a band for each eigenvector, below a bar of the walls.
+    pub(super) fn eigenvectors(&mut self, name: &str) -> ContainerLike {
+        let contents = self.entities([SPECTRAL_U_PICTURE, SPECTRAL_U_BARS, AFFINITY_ABSENT]);
+        let view = Spatial2DView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
+        let n = self.extent.places as f64;
+        self.flat(view, [-0.12 * n, -0.08 * n, 1.03 * n, (HEIGHT + 0.05) * n])
     }
 
     /// The range of each beam, its wall and its cluster.
@@ -150,7 +175,7 @@ impl Views {
 
     /// The rows of U, from a corner.
     pub(super) fn embedding(&mut self) -> ContainerLike {
-        let view = self.rows_of_u("5 Embedding");
+        let view = self.rows_of_u("3D");
         self.seen_from(view, [2.0, 2.5, 1.65], [0.0, 0.0, 1.0])
     }
 
@@ -190,7 +215,14 @@ impl Views {
         TextDocumentView::new(self.titled(name)).with_origin(self.path(entity))
     }
 
-    /// Revolutions worth a look; a click selects one.
+    /// Revolutions worth a look; a click selects one. Notes are left out.
+    pub(super) fn worth(&mut self, name: &str) -> ContainerLike {
+        let view = self.log(name);
+        let shown = ["CRITICAL", "ERROR", "WARN"].map(components::TextLogLevel::from);
+        self.properties.with(view, "TextLogRows", TextLogRows::new().with_filter_by_log_level(shown))
+    }
+
+    /// Revolutions worth a look and notes; a click selects one.
     pub(super) fn log(&mut self, name: &str) -> ContainerLike {
         let view = TextLogView::new(self.titled(name)).with_origin(self.path(LOG));
         let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
@@ -198,15 +230,11 @@ impl Views {
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
     }
 
-    pub(super) fn junctions(&mut self) -> ContainerLike {
-        let contents = self.entities([REPORT_JUNCTIONS, REPORT_AXIS]);
-        self.lines("Junctions", contents, None)
-    }
-
-    /// k has its own plot: with dust in the air it is several times the number of junctions.
-    pub(super) fn zeros(&mut self) -> ContainerLike {
-        let contents = self.entities([SPECTRAL_K, REPORT_AXIS]);
-        self.lines("k: zeros of L", contents, None)
+    /// The walls that were counted, with k and the truth where the flight has one.
+    pub(super) fn walls(&mut self) -> ContainerLike {
+        let contents = self.entities([REPORT_JUNCTIONS, SPECTRAL_K, TRUTH_WALLS, REPORT_AXIS]);
+        let view = self.plot("Walls counted", contents);
+        self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::RightBottom))
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
@@ -221,15 +249,22 @@ impl Views {
 
     pub(super) fn places(&mut self) -> ContainerLike {
         let origin = self.path(REPORT_PLACE);
-        let view = StateTimelineView::new(self.titled("Place over revolutions: click to go there")).with_origin(origin);
+        let view = StateTimelineView::new(self.titled("Place: click to go there")).with_origin(origin);
         self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 
     /// The way, walls, places and passages so far, from above.
     pub(super) fn flight_map(&self) -> ContainerLike {
-        let contents =
-            self.entities([FLIGHT_WALLS, FLIGHT_WALLS_NEW, FLIGHT_PATH, FLIGHT_PASSAGES, FLIGHT_NODES, FLIGHT_POSE]);
-        let view = Spatial2DView::new(self.titled("Map so far [m]: ways not taken pink"));
+        let contents = self.entities([
+            FLIGHT_WALLS,
+            FLIGHT_WALLS_NEW,
+            FLIGHT_PATH,
+            FLIGHT_PASSAGES,
+            FLIGHT_NODES,
+            FLIGHT_SCALE,
+            FLIGHT_POSE,
+        ]);
+        let view = Spatial2DView::new(self.titled("Map so far: pink ways are not taken, violet is the vehicle"));
         view.with_origin(self.origin()).with_contents(contents).into()
     }
 
@@ -239,8 +274,9 @@ impl Views {
     }
 
     pub(super) fn flight_places(&mut self) -> ContainerLike {
-        let origin = self.path(FLIGHT_HERE);
-        let view = StateTimelineView::new(self.titled("Place: click to go there")).with_origin(origin);
+        let contents = self.entities([FLIGHT_HERE, REPORT_PLACE]);
+        let view = StateTimelineView::new(self.titled("Place: steady, and of each scan; click to go there"));
+        let view = view.with_origin(self.origin()).with_contents(contents);
         self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
     }
 
@@ -249,14 +285,15 @@ impl Views {
     }
 
     pub(super) fn timings(&mut self) -> ContainerLike {
-        let contents = self.entities(TIMING);
+        let [ingest, affinity, spectral, kmeans, report] = TIMING;
+        let contents = self.entities([ingest, affinity, spectral, kmeans, report, TIMING_FLIGHT]);
         let view = self.plot("Time per stage [ms] over revolutions", contents);
         self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
     }
 
     pub(super) fn total(&mut self) -> ContainerLike {
         let contents = self.entities([TIMING_TOTAL]);
-        self.lines("All stages together (orange), from scan to scan (pink) [ms]", contents, None)
+        self.lines("All stages together (orange), from scan to scan (grey) [ms]", contents, None)
     }
 
     pub(super) fn returns_count(&mut self) -> ContainerLike {

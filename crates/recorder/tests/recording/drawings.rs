@@ -73,14 +73,15 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
             texts(value).iter().zip(decisive(frame)).all(|(label, k)| label.starts_with(&format!("k = {k} if ")))
         },
         ("/affinity/links", "LineStrips3D:strips") => |value, frame| {
-            let is_link = |line: &Vec<Vec<f64>>| {
+            let is_link = |edge: &[Vec<f64>]| {
                 let mut found = false;
                 frame.affinity.weights.for_each(|i, j, w| {
-                    found |= w > 0.0 && [i, j].map(|i| drawn(&frame.revolution.points_m[i]))[..] == line[..];
+                    found |= w > 0.0 && [i, j].map(|i| drawn(&frame.revolution.points_m[i]))[..] == *edge;
                 });
                 found
             };
-            !lines(value).is_empty() && lines(value).iter().step_by(20).all(is_link)
+            !lines(value).is_empty()
+                && lines(value).iter().step_by(20).flat_map(|line| line.windows(2)).step_by(5).all(is_link)
         },
         ("/affinity/links", "LineStrips3D:colors") => |value, _| !wholes(value).is_empty(),
         ("/spectral/chart/values", "LineStrips2D:strips") => |value, frame| {
@@ -97,9 +98,10 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
                 .iter()
                 .all(|color| color == &colors[0] && color != &colors[frame.spectrum.eigenvalues.len().min(16)])
         },
-        ("/spectral/chart/values", "Points2D:labels") => {
-            |value, frame| texts(value)[0].ends_with(&format!("k = {}", frame.spectrum.k))
-        }
+        ("/spectral/chart/values", "Points2D:labels") => |value, frame| {
+            texts(value)[0].ends_with(&format!("k = {}", frame.spectrum.k))
+                && texts(value)[1] == format!("τ {:.0e}", frame.spectrum.tolerance)
+        },
         ("/spectral/chart/values", "Points2D:positions" | "Points2D:colors") => |_, _| true,
         ("/spectral/embedding", "Points3D:positions") => |value, frame| is_drawn(value, &frame.spectrum.u, frame),
         ("/kmeans/centroids", "Points3D:positions") => {
@@ -122,6 +124,39 @@ pub(crate) fn comparison(entity: &str, component: &str) -> Option<fn(&Value, &Fr
         ("/kmeans/blocks", "LineStrips2D:class_ids") => {
             |value, frame| wholes(value).iter().all(|class| *class < frame.junction.walls.len() as i64)
         }
+        ("/affinity/marks", "Points2D:positions") => |value, frame| {
+            let beams = sweep(frame).beams.iter().enumerate().filter(|(_, beam)| matches!(beam, Beam::Return(_)));
+            let beams: Vec<f64> = beams.map(|(place, _)| place as f64).collect();
+            let is_edge = |mark: &Vec<f64>| mark[0] > mark[1] && mark.iter().all(|place| beams.contains(place));
+            points(value).len() == links(frame).len() && points(value).iter().all(is_edge)
+        },
+        ("/affinity/marks", "Points2D:colors") => |value, frame| wholes(value).len() == links(frame).len(),
+        ("/affinity/marks", "Points2D:labels") => |value, frame| texts(value).len() == links(frame).len(),
+        ("/affinity/absent", "Points2D:labels") => |value, frame| {
+            texts(value).iter().all(|text| text == "The scan has no return")
+                && texts(value).is_empty() != frame.revolution.is_empty()
+        },
+        ("/affinity/absent", _) => |_, _| true,
+        // A column for each verdict within the chart, of which the first frame has two: up for an opening.
+        ("/affinity/gaps/values", "LineStrips2D:strips") => |value, frame| {
+            let lines = lines(value);
+            lines.len() == frame.affinity.verdicts.len().saturating_sub(1)
+                && lines.iter().all(|column| column[0][1] == 0.0 && column[1][1] != 0.0)
+                && lines.iter().filter(|column| column[1][1] < 0.0).count() == lines.len() / 2
+        },
+        ("/affinity/gaps/values", "Points2D:labels") => {
+            |value, _| texts(value).iter().all(|width| width.ends_with(" m"))
+        }
+        ("/affinity/gaps/values", _) => |_, _| true,
+        ("/spectral/U/picture", "EncodedDepthImage:blob") => {
+            |value, _| matches!(value, Value::Numbers(array) if array.shape[0] * 2 == array.shape[1])
+        }
+        ("/spectral/U/bars", "LineStrips2D:strips") => {
+            |value, frame| lines(value).iter().all(|bar| walls_between(frame, bar[0][0], bar[1][0]).len() <= 1)
+        }
+        ("/spectral/U/bars", "Points2D:labels") => |value, frame| texts(value).len() == frame.spectrum.u.ncols(),
+        ("/spectral/U/bars", "LineStrips2D:class_ids") => |value, _| wholes(value).iter().all(|class| *class >= 0),
+        ("/spectral/U/bars", _) => |_, _| true,
         ("/kmeans/profile/axes", "LineStrips2D:strips") => |value, _| {
             lines(value)
                 .iter()

@@ -4,12 +4,13 @@
 use std::collections::BTreeSet;
 
 use crosscut_explain::{Explanation, Watch};
+use crosscut_recorder::RecorderOptions;
 use crosscut_recorder::schema::{ENTITIES, Entity, When};
 use crosscut_rrd::{Array, Numbers, Recording, Value};
-use crosscut_stage::{Beam, Embedding, Frame, Step};
+use crosscut_stage::{Beam, Embedding, Frame, Step, Verdict};
 use rerun::external::arrow::datatypes::{ArrowPrimitiveType, Float16Type};
 
-use crate::reading::record;
+use crate::reading::{self, record_with};
 use crate::{drawings, flight_map, frames};
 
 type F16 = <Float16Type as ArrowPrimitiveType>::Native;
@@ -21,6 +22,9 @@ const RERUNS_OWN: &str = "/__properties";
 /// Colours of the walls by their class, which here is the number of the wall.
 const COLOURS: [&str; 3] = ["blue", "orange", "green"];
 
+/// The true number of walls at every revolution.
+const TRUTH: usize = 3;
+
 /// A flight with everything that can be recorded: an empty revolution, notes, a sparse W.
 fn flight() -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..6).map(frames::frame).collect();
@@ -28,6 +32,12 @@ fn flight() -> Vec<Frame> {
     frames[3].notes.add("3 beams masked");
     frames::make_sparse(&mut frames[4].affinity);
     frames.iter_mut().for_each(flight_map::fly);
+    for frame in &mut frames {
+        frame.timings.flight_ns = Some(250_000);
+    }
+    let verdict =
+        |is_opening, room_ratio| Verdict { returns: [0, 9], is_opening, room_ratio, reason: "width", p: None };
+    frames[0].affinity.verdicts = vec![verdict(true, 3.0), verdict(false, 0.5), verdict(false, 0.0)];
     frames
 }
 
@@ -45,7 +55,7 @@ fn comparison<'a>(entity: &'a str, component: &'a str, frames: &'a [Frame]) -> O
     match (entity, component) {
         ("/log", "TextLog:text") => {
             let mut watch = Watch::default();
-            let events: Vec<_> = frames.iter().map(|frame| watch.events(frame)).collect();
+            let events: Vec<_> = frames.iter().map(|frame| watch.events(frame, Some(TRUTH))).collect();
             let of_index = |frame: &Frame| (frame.revolution.seq - frames[0].revolution.seq) as usize;
             let said = move |frame: &Frame| -> Vec<String> {
                 let events = events[of_index(frame)].iter().map(ToString::to_string);
@@ -53,7 +63,9 @@ fn comparison<'a>(entity: &'a str, component: &'a str, frames: &'a [Frame]) -> O
             };
             Some(Box::new(move |value, frame| matches!(value, Value::Texts(texts) if said(frame).contains(&texts[0]))))
         }
-        ("/log", "TextLog:level") => Some(Box::new(|value, _| is_text(value, "INFO"))),
+        ("/log", "TextLog:level") => Some(Box::new(
+            |value, _| matches!(value, Value::Texts(texts) if ["INFO", "WARN", "ERROR"].contains(&texts[0].as_str())),
+        )),
         ("/timing/total", _) => Some(Box::new(|value, frame| {
             let total_ms = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum::<u64>() as f64 * 1e-6;
             let Value::Numbers(array) = value else { return false };
@@ -135,6 +147,10 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
             let centroids = &frame.partition.centroids;
             is_f64s(value, &[centroids.nrows(), centroids.ncols()], rows(centroids))
         },
+        ("/truth/walls", _) => |value, _| is_number(value, TRUTH as f64),
+        ("/timing/flight", _) => {
+            |value, frame| is_number(value, frame.timings.flight_ns.expect("a time") as f64 * 1e-6)
+        }
         ("/report/axis", _) => |value, _| is_f64s(value, &[2], vec![0.0, 5.0]),
         ("/report/junctions", _) => |value, frame| is_number(value, frame.junction.junctions as f64),
         ("/report/confidence", _) => |value, frame| match frame.junction.confidence {
@@ -169,9 +185,15 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
 fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
     Some(match (entity, component) {
         ("/report/place", "StateChange:state") => |value, frame| is_text(value, &frame.junction.place.to_string()),
-        ("/report/why", _) => {
-            |value, frame| is_text(value, &Explanation::of(frame).to_markdown(frame, &|wall| COLOURS[wall as usize]))
-        }
+        ("/report/why", _) => |value, frame| {
+            let (why, color_of) = (Explanation::of(frame), |wall: u32| COLOURS[wall as usize]);
+            let context = format!("tee.mcap, preset paper · revolution {}", frame.revolution.seq);
+            let Value::Texts(texts) = value else { return false };
+            texts[0].starts_with(&why.title(frame, &color_of))
+                && texts[0].contains(&context)
+                && texts[0].contains(&format!("truth: {TRUTH} walls"))
+                && texts[0].ends_with(&why.details(frame, &color_of))
+        },
         ("/report/summary", _) => |value, frame| {
             let openings = frame
                 .junction
@@ -237,7 +259,9 @@ fn is_text(value: &Value, text: &str) -> bool {
 fn every_component_of_every_entity_holds_what_the_pipeline_made() {
     let folder = tempfile::tempdir().unwrap();
     let (frames, path) = (flight(), folder.path().join("flight.rrd"));
-    record(&path, &frames);
+    let options = reading::options(&path);
+    frames.iter().for_each(|frame| options.truth.tell(frame.revolution.seq, TRUTH));
+    record_with(RecorderOptions { source: "tee.mcap, preset paper".to_owned(), ..options }, &frames);
     let recording = Recording::open(&path).unwrap();
     let mut compared = BTreeSet::new();
     let in_schema = |entity: &str| Entity::of(entity).unwrap_or_else(|| panic!("{entity} is not in the schema"));

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, Steady, Way};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, NoPlace, Steady, Way};
 use crosscut_rrd::{Numbers, Value};
 use crosscut_stage::Frame;
 use nalgebra::{Isometry2, Point2};
@@ -46,8 +46,19 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
         }),
         ("/flight/pose", "LineStrips2D:strips") => Box::new(|value, frame| {
             let at_m = FlightAnswer::of(frame).pose.expect("a pose").translation;
-            lines(value)[0].iter().all(|place| (place[0] - at_m.x).hypot(place[1] + at_m.y) < 1.5)
+            lines(value)[0].iter().all(|place| (place[0] - at_m.x).hypot(place[1] + at_m.y) < 2.1)
         }),
+        ("/flight/pose", "Points2D:positions") => Box::new(|value, frame| {
+            let at_m = FlightAnswer::of(frame).pose.expect("a pose").translation.vector;
+            points(value) == [drawn(&Point2::from(at_m))]
+        }),
+        ("/flight/pose", "Points2D:colors") => Box::new(|value, _| wholes(value).len() == 1),
+        ("/flight/scale", "LineStrips2D:strips") => Box::new(|value, _| {
+            let bar = &lines(value)[0];
+            [1.0, 2.0, 5.0, 10.0, 20.0].contains(&(bar[1][0] - bar[0][0]).round())
+        }),
+        ("/flight/scale", "Points2D:labels") => Box::new(|value, _| texts(value)[0].ends_with(" m")),
+        ("/flight/scale", _) => Box::new(|_, _| true),
         ("/flight/here", "StateChange:state") => Box::new(|value, _| texts(value) == ["junction"]),
         ("/flight/path", "LineStrips2D:strips") => Box::new(|value, frame| {
             let last = lines(value)[0].last().expect("a place").clone();
@@ -91,9 +102,11 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
             texts(value).iter().cloned().eq(map_at(frame).passages.iter().map(|of| format!("{} {}", of.from, of.to)))
         }),
         ("/flight/graph", "GraphEdges:graph_type") => Box::new(|_, _| true),
-        ("/flight/summary", "TextDocument:text") => {
-            Box::new(move |value, frame| texts(value)[0].starts_with(&format!("# {}", map_at(frame).summary())))
-        }
+        ("/flight/summary", "TextDocument:text") => Box::new(move |value, frame| {
+            let title = NoPlace::default().reason(&map_at(frame)).unwrap_or_else(|| map_at(frame).summary());
+            let known = title.split(':').next().expect("a title");
+            texts(value)[0].starts_with(&format!("## {known}"))
+        }),
         _ => return None,
     })
 }

@@ -42,7 +42,11 @@ pub(crate) fn record(path: &Path, frames: &[Frame]) {
 
 /// Records what `scope` says.
 pub(crate) fn record_of(path: &Path, frames: &[Frame], scope: Scope) {
-    let mut recorder = Recorder::new(RecorderOptions { scope, ..options(path) }).expect("a recorder");
+    record_with(RecorderOptions { scope, ..options(path) }, frames);
+}
+
+pub(crate) fn record_with(options: RecorderOptions, frames: &[Frame]) {
+    let mut recorder = Recorder::new(options).expect("a recorder");
     for frame in frames {
         recorder.observe(frame).expect("the frame is recorded");
     }

@@ -250,7 +250,7 @@ fn the_explanation_is_the_one_of_its_crate_and_the_links_join_the_returns_that_i
     let recording = recorded(std::slice::from_ref(&frame));
     let explanation = Explanation::of(&frame);
     let text = recording.texts("/report/why", TextDocument::descriptor_text(), 4);
-    assert!(text[0].starts_with("## k = 3, 3 walls"), "{}", text[0]);
+    assert!(text[0].starts_with("## 3 walls."), "{}", text[0]);
     let strips: Vec<components::LineStrip3D> =
         recording.at("/scan/links", LineStrips3D::descriptor_strips(), 4).unwrap();
     let weakest = explanation.walls.iter().filter_map(|wall| wall.weakest);

@@ -56,7 +56,7 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     let mut diagnostics = Diagnostics::default();
     let flights = flights(paths, &mut diagnostics);
     let program = program(build);
-    let InputArgs { recordings, topic, from, to, every } = &args.input;
+    let InputArgs { recordings, topic, from, to, join: _, every } = &args.input;
     let read = format!("{topic:?} {:?} {from:?} {to:?} {every}", recordings.read_as);
     let name_of = |flight: &Input, config: &Config| {
         let settings: String = config.settings().map(|(key, value)| format!("{key}={value}\n")).collect();

@@ -173,7 +173,7 @@ fn dust_and_the_vehicle_itself_have_no_edges() {
     let narrow = [("passage_m", Value::Number(0.5))];
     KIND.with(&narrow).expect("allowed").affinity(&hidden, &mut Affinity::default(), &mut notes).expect("a scan");
     let told = "passage: 20 returns within the vehicle, nearer than 0.25 m (half of affinity.passage_m, which is \
-                vehicle.width_m unless it is set), without edges";
+                vehicle.width_m unless it is set), ignored";
     assert_eq!(notes.iter().collect::<Vec<_>>(), [told]);
 }
 
