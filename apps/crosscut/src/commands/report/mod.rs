@@ -6,7 +6,7 @@ mod places;
 
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
-use crosscut_flight::Mapper;
+use crosscut_flight::{Mapper, NoPlace};
 use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
@@ -27,6 +27,7 @@ use crate::say::say;
 struct Shown {
     course: Course,
     mapper: Mapper,
+    no_place: NoPlace,
     places: Places,
     /// Against the truth, if the recording has one.
     evaluation: Evaluation,
@@ -36,6 +37,7 @@ impl Shown {
     fn take(&mut self, frame: &Frame, judged: Option<&Judged>) {
         self.course.take(frame);
         self.mapper.add(frame);
+        self.no_place.add(frame);
         self.places.take(frame);
         if let Some(judged) = judged {
             self.evaluation.add(&judged.score);
@@ -67,7 +69,8 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
         let page = page::html(&title, &config, &flown, &shown, has_truth);
         out.write(&page)?;
         if !args.quiet {
-            say(shown.mapper.map().summary());
+            let map = shown.mapper.map();
+            say(shown.no_place.reason(&map).unwrap_or_else(|| map.summary()));
         }
     }
     let mut diagnostics = Diagnostics::default();

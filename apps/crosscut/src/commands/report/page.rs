@@ -18,7 +18,7 @@ const STYLE: &str = include_str!("style.css");
 const MOST_NOTES: usize = 30;
 
 pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool) -> String {
-    let Shown { course, mapper, places, evaluation } = shown;
+    let Shown { course, mapper, no_place, places, evaluation } = shown;
     let summary = &flown.summary;
     let failure = match &summary.end {
         End::Failed(failure) => Some(failure.to_string()),
@@ -31,19 +31,25 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
     let (over_time, flips) = course.picture();
     let sure: u64 = summary.junctions.values().map(|answers| answers.sure).sum();
     let percent = |part: f64| format!("{:.1} %", 100.0 * part / summary.revolutions.max(1) as f64);
-    let sections = [
-        Some((
-            "Summary",
-            format!(
-                "<p>{revolutions} in {:.1} s of the recording. {}. Sure answers (confidence {SURE} or more): {}. Count \
-                 differs from most of the {AROUND} revolutions before and after: {flips} ({}).</p>\n{}",
-                course.duration_s(),
-                escaped(&map.summary()),
-                percent(sure as f64),
-                percent(flips as f64),
-                table(&counts(summary))
+    let found = no_place.reason(&map).unwrap_or_else(|| format!("The map has {}.", map.summary()));
+    let opening = format!(
+        "<p>{revolutions} (turns of the lidar) in {:.1} s of the recording; {} of the answers are sure (confidence {SURE} or \
+         more).</p>\n<p>{}</p>\n<p>{}</p>\n",
+        course.duration_s(),
+        percent(sure as f64),
+        escaped(&found),
+        match flips {
+            0 =>
+                "No count differs from most of those around it: look at the <a href=\"#places\">places</a>.".to_owned(),
+            _ => format!(
+                "Look at the {flips} ({}) whose count differs from most of the {AROUND} before and after: the dots \
+                 <a href=\"#over-time\">over time</a>.",
+                percent(flips as f64)
             ),
-        )),
+        }
+    );
+    let sections = [
+        Some(("Summary", format!("{opening}{}", table(&counts(summary))))),
         has_truth.then(|| ("Against the truth in the recording", accuracy(evaluation))),
         Some((
             "Over time",
@@ -60,8 +66,9 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
         )),
     ];
     let sections = sections.into_iter().flatten();
-    let sections: String =
-        sections.map(|(name, body)| format!("<section>\n<h2>{name}</h2>\n{body}</section>\n")).collect();
+    let sections: String = sections
+        .map(|(name, body)| format!("<section id=\"{}\">\n<h2>{name}</h2>\n{body}</section>\n", id_of(name)))
+        .collect();
     let version = env!("CARGO_PKG_VERSION");
     // The empty icon keeps a browser from asking for one.
     format!(
@@ -70,6 +77,11 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{sections}\
          <p>Made by crosscut {version}.</p>\n</body>\n</html>\n"
     )
+}
+
+/// Where links to a section lead.
+fn id_of(name: &str) -> String {
+    name.to_lowercase().replace(' ', "-")
 }
 
 fn list(lines: &[String]) -> String {

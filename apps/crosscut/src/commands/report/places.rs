@@ -5,12 +5,19 @@ use std::fmt::Write as _;
 use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, line, page, text};
 use crosscut_evaluate::panel::{Panel, sheet};
 use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Steady};
-use crosscut_stage::{Frame, counted};
+use crosscut_stage::{Frame, counted, junction_of};
 
 use crate::typeset::escaped;
 
 /// At most this many places are shown.
 const MOST_PLACES: usize = 60;
+
+/// What the pictures of a card show.
+const LEGEND: &str = "Left in each card: the returns, each wall in its colour, around the vehicle, which heads up; a dashed line \
+    leads to each opening, and the bar across it is as wide as the opening. Right: the eigenvalues of L; the blue ones, below τ \
+    (dashes), are counted in k, and exact zeros stand on the floor at 1e-18. The margin is how many decades τ may move \
+    before k changes. To see revolution N stage by stage: <code>crosscut run FLIGHT --save F.rrd</code>, then \
+    <code>crosscut view F.rrd --at N</code>.";
 
 /// Size of the picture of eigenvalues.
 const SPECTRUM_PX: [f64; 2] = [198.0, 130.0];
@@ -28,13 +35,24 @@ pub(super) struct Places {
 /// Revolutions in a row at one place.
 struct Stay {
     what: String,
+    /// What its scans have to show.
+    shown: Shows,
     seqs: [u64; 2],
     stamps_ns: [u64; 2],
     clearest: Scan,
 }
 
+/// What a scan has to show to agree with the name of its stay.
+#[derive(Clone, Copy)]
+enum Shows {
+    Walls(usize),
+    Ways(usize),
+    Anything,
+}
+
 /// The scan of a stay that is shown.
 struct Scan {
+    walls: usize,
     seq: u64,
     confidence: Option<f64>,
     panel: Panel,
@@ -49,21 +67,19 @@ struct Scan {
 impl Places {
     /// Adds the next revolution of the flight.
     pub(super) fn take(&mut self, frame: &Frame) {
-        let Some(what) = FlightAnswer::of(frame).steady.as_ref().and_then(name) else {
+        let Some((what, shown)) = FlightAnswer::of(frame).steady.as_ref().and_then(name) else {
             self.is_open = false;
             return;
         };
         let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
         if let Some(stay) = self.stays.last_mut().filter(|stay| self.is_open && stay.what == what) {
             (stay.seqs[1], stay.stamps_ns[1]) = (seq, stamp_ns);
-            if frame.junction.confidence > stay.clearest.confidence {
-                stay.clearest = Scan::of(frame);
-            }
+            stay.see(frame);
             return;
         }
         self.is_open = self.stays.len() < MOST_PLACES;
         if self.is_open {
-            self.stays.push(Stay { what, seqs: [seq; 2], stamps_ns: [stamp_ns; 2], clearest: Scan::of(frame) });
+            self.stays.push(Stay { what, shown, seqs: [seq; 2], stamps_ns: [stamp_ns; 2], clearest: Scan::of(frame) });
         } else {
             self.has_more = true;
         }
@@ -74,7 +90,7 @@ impl Places {
         if self.stays.is_empty() {
             return "<p>The vehicle passed no junction, dead end or chamber.</p>\n".to_owned();
         }
-        let mut html = String::from("<div class=\"places\">\n");
+        let mut html = format!("<p class=\"legend\">{LEGEND}</p>\n<div class=\"places\">\n");
         for stay in &self.stays {
             html += &stay.html(map);
         }
@@ -87,18 +103,39 @@ impl Places {
     }
 }
 
-/// What a place is called; `None` for passages.
-fn name(steady: &Steady) -> Option<String> {
+/// What a place is called, and what its scans show; `None` for passages.
+fn name(steady: &Steady) -> Option<(String, Shows)> {
     match &steady.here {
-        Some(Here { kind: HereKind::Junction, ways, .. }) => Some(format!("junction of {} ways", ways.len())),
-        Some(Here { kind: HereKind::DeadEnd, .. }) => Some("dead end".to_owned()),
-        Some(Here { kind: HereKind::Chamber, .. }) => Some("chamber".to_owned()),
+        Some(Here { kind: HereKind::Junction, ways, .. }) => Some((junction_of(ways.len()), Shows::Ways(ways.len()))),
+        Some(Here { kind: HereKind::DeadEnd, .. }) => Some(("dead end".to_owned(), Shows::Ways(1))),
+        Some(Here { kind: HereKind::Chamber, .. }) => Some(("chamber".to_owned(), Shows::Anything)),
         Some(Here { kind: HereKind::Passage, .. }) => None,
-        None => (steady.junctions != 2).then(|| format!("{} in view", counted(steady.junctions as u64, "wall"))),
+        None => (steady.junctions != 2)
+            .then(|| (format!("{} in view", counted(steady.junctions as u64, "wall")), Shows::Walls(steady.junctions))),
     }
 }
 
 impl Stay {
+    /// Takes the scan if it shows the stay better: one that counts what the stay is called comes before any other, then
+    /// the more confident one.
+    fn see(&mut self, frame: &Frame) {
+        let agrees = self.agrees(frame.junction.openings.len(), frame.junction.junctions);
+        let better = frame.junction.confidence > self.clearest.confidence;
+        let agreed = self.agrees(self.clearest.openings.len(), self.clearest.walls);
+        if agrees > agreed || (agrees == agreed && better) {
+            self.clearest = Scan::of(frame);
+        }
+    }
+
+    /// Whether a scan with this many openings and walls shows what the stay is called.
+    fn agrees(&self, openings: usize, walls: usize) -> bool {
+        match self.shown {
+            Shows::Walls(of) => walls == of,
+            Shows::Ways(of) => openings == of,
+            Shows::Anything => true,
+        }
+    }
+
     fn html(&self, map: &Map) -> String {
         let is_visit = |[from_ns, to_ns]: &[u64; 2]| *from_ns <= self.stamps_ns[1] && self.stamps_ns[0] <= *to_ns;
         let node = map.nodes.iter().position(|node| node.visits.iter().any(is_visit));
@@ -112,7 +149,7 @@ impl Stay {
         });
         let notes = self.clearest.notes.iter().map(|note| format!("<li>{}</li>", escaped(note)));
         format!(
-            "<figure>\n<figcaption><b>{}</b>{node}<br>revolutions {from} to {to}; shown {seq}: k = {k}{margin}, confidence \
+            "<figure>\n<figcaption><b>{}</b>{node}<br><a href=\"#over-time\">revolutions {from} to {to}</a>; shown {seq}: k = {k}{margin}, confidence \
              {confidence}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
             escaped(&self.what),
             sheet(std::slice::from_ref(&self.clearest.panel), 1),
@@ -129,6 +166,7 @@ impl Scan {
         let openings =
             junction.openings.iter().map(|opening| [opening.bearing_rad, opening.width_m, opening.range_m()]);
         Self {
+            walls: junction.junctions,
             seq: revolution.seq,
             confidence: junction.confidence,
             panel: Panel::of_answer(counted(junction.junctions as u64, "wall"), frame),
