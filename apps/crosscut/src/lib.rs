@@ -32,7 +32,7 @@ mod written;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches;
 use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
@@ -55,7 +55,9 @@ pub fn run(
     build: Option<&str>,
     robots: Option<&dyn Robots>,
 ) -> u8 {
-    let command = match Cli::try_parse_from(args) {
+    let args = args.into_iter().map(with_home);
+    let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
+    {
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
@@ -64,6 +66,7 @@ pub fn run(
     };
     interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
+    command.say_settings_found();
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry, robots),
         Command::View(args) => view(&args),
@@ -78,10 +81,24 @@ pub fn run(
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),
+        Command::Completions { shell } => commands::shell::completions(shell),
+        Command::Man { folder } => commands::shell::man(&folder),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
+    }
+}
+
+/// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.
+fn with_home(arg: OsString) -> OsString {
+    let home = std::env::home_dir().and_then(|home| home.into_os_string().into_string().ok());
+    let (Some(text), Some(home)) = (arg.to_str(), home) else { return arg };
+    match text.split_once("~/") {
+        Some((option, rest)) if option.is_empty() || (option.starts_with("--") && option.ends_with('=')) => {
+            format!("{option}{home}/{rest}").into()
+        }
+        _ => arg,
     }
 }
 
