@@ -113,6 +113,11 @@ impl Flight {
         Self { truths, ..self }
     }
 
+    /// Whether it is read as it comes.
+    pub(crate) fn is_stream(&self) -> bool {
+        self.recording.is_stream()
+    }
+
     /// How many revolutions there will be, if that is known.
     pub(crate) fn total_revolutions(&mut self) -> Option<u64> {
         self.recording.total_revolutions()

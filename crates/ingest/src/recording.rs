@@ -113,6 +113,11 @@ impl Recording {
         Self { scanners, topic, is_stream: true, ..self }
     }
 
+    /// Whether its messages are read as they come.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
+    }
+
     /// From now on, revolutions of a stream are waited for up to this time of recording.
     pub(crate) fn wait(&mut self, wait: Wait) {
         self.wait = wait;

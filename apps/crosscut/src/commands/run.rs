@@ -25,9 +25,9 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     let config = configuration(args, registry)?;
     let robot = live::robot_of(args, Sensor::new(config.params("ingest")).odometry_topic())?;
     let is_piped = args.input.recordings.input == [Path::new("-")];
-    let is_stream = args.follow || is_piped || robot.is_some();
+    let may_come_later = args.follow || is_piped || robot.is_some();
     let settings = args.config.config.clone();
-    let read = if is_stream { files_to_come(&args.input, settings)? } else { files_read(&args.input, settings)? };
+    let read = if may_come_later { files_to_come(&args.input, settings)? } else { files_read(&args.input, settings)? };
     refuse_overwriting(args, &read)?;
     let stop = stop_on_interrupt()?; // before any file is opened, so that none is left half written
     let silence = live::Silence::new();
@@ -47,6 +47,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
         None if is_piped => Flight::of_standard_input(&args.input, &config, &until(&stop))?,
         None => Flight::open(&args.input.recordings.input, &args.input, &config)?,
     };
+    let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
     let mut written = Written::open(args.results.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
     let mut observers = observers::open(args, &config, &mut diagnostics)?;

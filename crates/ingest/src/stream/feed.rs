@@ -1,7 +1,7 @@
 //! The end of a stream where its messages come in.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crossbeam_channel::{Receiver, SendError, Sender, TrySendError, bounded};
 use crosscut_messages::{CDR_ENCODING, ScanType};
@@ -18,8 +18,6 @@ pub(super) enum Arrival {
     Topic(Arc<Topic>),
     Message { topic: Arc<Topic>, log_time_ns: u64, data: Vec<u8> },
     Lost(Loss),
-    Missed { topic: Arc<Topic>, count: u64 },
-    LeftOut { topic: Arc<Topic>, count: u64 },
     Failed(String),
 }
 
@@ -34,19 +32,30 @@ impl<T> From<SendError<T>> for StreamEnded {
     }
 }
 
+/// Messages of a live robot that are missing, by topic.
+#[derive(Debug, Default)]
+pub(super) struct Missing {
+    /// Those that did not arrive, by their numbers.
+    pub(super) on_the_way: BTreeMap<String, u64>,
+    /// Those for which there was no time.
+    pub(super) left_out: BTreeMap<String, u64>,
+}
+
 /// Takes the messages of a live robot. Whoever hears them must not wait: of more messages than can be taken, the oldest are left
 /// out, and counted, for a robot must not be answered late.
 #[derive(Clone)]
 pub struct Feed {
     sender: Sender<Arrival>,
     oldest: Receiver<Arrival>,
+    missing: Arc<Mutex<Missing>>,
 }
 
 impl Feed {
     /// A feed, and what its messages come out of.
     pub fn of_robot() -> (Self, LiveFeed) {
         let (sender, oldest) = bounded(MOST_WAITING);
-        (Self { sender, oldest: oldest.clone() }, LiveFeed(oldest))
+        let missing = Arc::default();
+        (Self { sender, oldest: oldest.clone(), missing: Arc::clone(&missing) }, LiveFeed { arrivals: oldest, missing })
     }
 
     /// Takes a message of ROS 2 in CDR, which arrived now, and how many of its topic are missing before it.
@@ -61,7 +70,7 @@ impl Feed {
             schema_encoding: "ros2msg".to_owned(),
         });
         if missing > 0 {
-            self.put(Arrival::Missed { topic: Arc::clone(&topic), count: missing })?;
+            *self.missing().on_the_way.entry(topic.name.clone()).or_default() += missing;
         }
         self.put(Arrival::Message { topic, log_time_ns: now_ns(), data })
     }
@@ -74,22 +83,23 @@ impl Feed {
         self.put(Arrival::Failed(why))
     }
 
-    fn put(&self, arrival: Arrival) -> Result<(), StreamEnded> {
-        let mut arrival = arrival;
+    fn missing(&self) -> MutexGuard<'_, Missing> {
+        self.missing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn put(&self, mut arrival: Arrival) -> Result<(), StreamEnded> {
         loop {
             arrival = match self.sender.try_send(arrival) {
                 Ok(()) => return Ok(()),
                 Err(TrySendError::Disconnected(_)) => return Err(StreamEnded),
                 Err(TrySendError::Full(arrival)) => arrival,
             };
-            // One makes room for the message, the other for the count of what was left out.
-            for _ in 0..2 {
-                let oldest = self.oldest.try_recv();
-                if let Ok(Arrival::Message { topic, .. }) = oldest {
-                    self.sender.try_send(Arrival::LeftOut { topic, count: 1 }).ok();
-                } else if let Ok(counted) = oldest {
-                    self.sender.try_send(counted).ok();
+            match self.oldest.try_recv() {
+                Ok(Arrival::Message { topic, .. }) => {
+                    *self.missing().left_out.entry(topic.name.clone()).or_default() += 1
                 }
+                Ok(failed @ Arrival::Failed(_)) => arrival = failed, // nothing counts after it
+                _ => {}
             }
         }
     }

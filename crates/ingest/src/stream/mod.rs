@@ -18,7 +18,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 use crosscut_sensor::Sensor;
 
-use self::feed::Arrival;
+use self::feed::{Arrival, Missing};
 pub use self::feed::{Feed, StreamEnded};
 use self::reader::Streamed;
 use crate::container::{ChannelId, Contents, Message, Topic};
@@ -68,9 +68,7 @@ struct Stream {
     latest_ns: u64,
     first_scan_at: Option<Instant>,
     has_ended: bool,
-    /// Messages that did not arrive, by topic, and those that were left out.
-    missed: BTreeMap<String, u64>,
-    left_out: BTreeMap<String, u64>,
+    missing: Arc<Mutex<Missing>>,
     losses: Vec<Loss>,
     failure: Option<String>,
 }
@@ -129,7 +127,7 @@ impl Recording {
         sensor: &Sensor,
         following: &Following,
     ) -> Result<Self, IngestError> {
-        let stream = Stream::new(address.into(), feed.0, following, true);
+        let stream = Stream { missing: feed.missing, ..Stream::new(address.into(), feed.arrivals, following, true) };
         Self::of_stream(stream, options, sensor)
     }
 
@@ -146,7 +144,10 @@ impl Recording {
 }
 
 /// What the messages of a live robot come out of; see [`Feed::of_robot`].
-pub struct LiveFeed(Receiver<Arrival>);
+pub struct LiveFeed {
+    arrivals: Receiver<Arrival>,
+    missing: Arc<Mutex<Missing>>,
+}
 
 impl Stream {
     fn new(path: PathBuf, arrivals: Receiver<Arrival>, following: &Following, is_live: bool) -> Self {
@@ -164,8 +165,7 @@ impl Stream {
             latest_ns: 0,
             first_scan_at: None,
             has_ended: false,
-            missed: BTreeMap::new(),
-            left_out: BTreeMap::new(),
+            missing: Arc::default(),
             losses: Vec::new(),
             failure: None,
         }
@@ -183,7 +183,6 @@ impl Stream {
 
     /// Waits until it is known which topics there are: for a while after the first scan.
     fn wait_for_topics(&mut self, options: &ReadOptions) -> Result<(), IngestError> {
-        let wanted: Vec<&String> = options.topic.iter().chain(&options.beside).collect();
         let mut known = 0;
         loop {
             if self.topics.len() != known || self.has_ended {
@@ -196,7 +195,7 @@ impl Stream {
                 }
             }
             let scans = self.topics.iter().filter(|(topic, _)| {
-                let is_wanted = wanted.is_empty() || wanted.iter().any(|name| is_same_name(name, &topic.name));
+                let is_wanted = options.topic.as_ref().is_none_or(|name| is_same_name(name, &topic.name));
                 is_wanted && info(topic).decoder(options.read_as).is_some()
             });
             let first = scans.filter_map(|(_, id)| self.seen.get(id)).copied().max().unwrap_or(0);
@@ -251,8 +250,6 @@ impl Stream {
                 self.queue(Message { channel, log_time_ns, data });
             }
             Arrival::Lost(loss) => self.losses.push(loss),
-            Arrival::Missed { topic, count } => *self.missed.entry(topic.name.clone()).or_default() += count,
-            Arrival::LeftOut { topic, count } => *self.left_out.entry(topic.name.clone()).or_default() += count,
             Arrival::Failed(why) => {
                 self.failure = Some(why);
                 self.has_ended = true;
@@ -296,11 +293,10 @@ impl Stream {
     fn all_losses(&mut self) -> Vec<Loss> {
         let mut losses = std::mem::take(&mut self.losses);
         if self.has_ended {
-            let missed = std::mem::take(&mut self.missed).into_iter();
-            let missed = missed.map(|(topic, count)| LossKind::NotArrived { topic, count });
-            let left_out = std::mem::take(&mut self.left_out).into_iter();
-            let left_out = left_out.map(|(topic, count)| LossKind::TooLate { topic, count });
-            losses.extend(missed.chain(left_out).map(|kind| Loss { file: self.path.clone(), kind }));
+            let missing = std::mem::take(&mut *self.missing.lock().unwrap_or_else(PoisonError::into_inner));
+            let on_the_way = missing.on_the_way.into_iter().map(|(topic, count)| LossKind::NotArrived { topic, count });
+            let left_out = missing.left_out.into_iter().map(|(topic, count)| LossKind::TooLate { topic, count });
+            losses.extend(on_the_way.chain(left_out).map(|kind| Loss { file: self.path.clone(), kind }));
         }
         losses
     }
