@@ -66,7 +66,7 @@ fn every_command_reads_a_part_of_the_flight() {
     }
     let text = |name: &str| std::fs::read_to_string(at(name)).expect("written");
     assert_eq!(lines(&text("run.jsonl")).len(), 15);
-    assert!(text("report.html").contains("<p>15 revolutions in "));
+    assert!(text("report.html").contains("<p>15 revolutions (turns of the lidar) in "));
     assert!(text("sweep/sweep.csv").lines().nth(1).is_some_and(|row| row.contains(",default,15,")));
     let json = |name: &str| serde_json::from_str::<serde_json::Value>(&text(name)).expect("JSON");
     assert_eq!(json("compare.json")["comparisons"][0]["figures"]["same_count"]["of"], 15);

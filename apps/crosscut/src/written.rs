@@ -45,6 +45,11 @@ impl Written {
         self.no_place.reason(&map).unwrap_or_else(|| map.summary())
     }
 
+    /// The map so far.
+    pub(crate) fn mapper(&self) -> &Mapper {
+        &self.mapper
+    }
+
     pub(crate) fn is_nothing(&self) -> bool {
         self.results.is_none() && self.map.is_none()
     }

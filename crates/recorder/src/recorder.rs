@@ -323,7 +323,7 @@ impl Recorder {
         scan::log_rings(&self.rec, extent.range_m)?;
         matrices::log_scale(&self.rec, extent.places)?;
         report::log_axis(&mut self.rows);
-        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent }, None)?;
+        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())

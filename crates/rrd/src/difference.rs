@@ -24,9 +24,11 @@ const DRAWN_FROM_U: [(Entity, &str); 3] = [
     (schema::KMEANS_CENTROIDS, "Points3D:positions"),
 ];
 
-/// Whether the rows of an entity are results of revolutions.
+/// Whether the rows of an entity are results of revolutions. The explanation names the file and the settings as well; what it
+/// explains is compared.
 fn is_compared(entity: &str) -> bool {
-    !entity.starts_with("/timing/") && Entity::of(entity).is_none_or(|entity| entity.when != When::File)
+    let is_text = entity == schema::REPORT_WHY.path;
+    !entity.starts_with("/timing/") && !is_text && Entity::of(entity).is_none_or(|entity| entity.when != When::File)
 }
 
 fn is_drawing(entity: &str, component: &str) -> bool {

@@ -135,7 +135,7 @@ note_codes! {
     "N027" ["turned by", "during the scan"]
         seen "The vehicle turned, or moved, while the lidar swept once."
         done "Beams are brought to where they were seen from in the middle of the scan."
-        remedy "Nothing. `ingest.motion` chooses what is corrected.";
+        remedy "Nothing; `ingest.deskew = false` turns it off.";
     // Clouds.
     "N030" ["the cloud does not state rings"]
         seen "`ingest.rings` is set, but the cloud has no field `ring`."

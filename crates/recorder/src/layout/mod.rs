@@ -9,9 +9,8 @@ mod together;
 mod views;
 
 use crosscut_stage::Frame;
-use rerun::blueprint::components::{LoopMode, PanelState, PlayState};
+use rerun::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel};
-use rerun::external::re_log_types::TimeInt;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, Tensor, TensorBuffer};
 
@@ -140,8 +139,8 @@ pub(crate) struct Side<'a> {
     pub(crate) extent: Extent,
 }
 
-/// Sends the layout with the recording and makes it the active one. The viewer opens the first tab, at the revolution `at`.
-pub(crate) fn send(rec: &RecordingStream, shown: &Shown, at: Option<u32>) -> RecordingStreamResult<()> {
+/// Sends the layout with the recording and makes it the active one. The viewer opens the first tab.
+pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResult<()> {
     let (tabs, properties) = match shown {
         Shown::Flight { first, extent } => {
             let mut views = Views::new(*extent);
@@ -167,17 +166,14 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown, at: Option<u32>) -> Rec
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
-        .with_time_panel(match at {
-            None => time_panel(),
-            Some(revolution) => time_panel_at(revolution),
-        });
+        .with_time_panel(time_panel());
     properties::send(rec, &layout, properties)
 }
 
 /// The messages of a layout for a recording that is shown again.
-pub(crate) fn messages(shown: &Shown, at: Option<u32>) -> RecordingStreamResult<Vec<LogMsg>> {
+pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
     let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
-    send(&scratch, shown, at)?;
+    send(&scratch, shown)?;
     let mut messages = storage.take();
     messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);
     Ok(messages)
@@ -190,12 +186,6 @@ fn time_panel() -> TimePanel {
         .with_timeline("revolution")
         .with_play_state(PlayState::Following)
         .with_fps(10.0)
-}
-
-/// The time panel at one revolution. A layout cannot set the time, but the viewer that plays a selection stays within it.
-fn time_panel_at(revolution: u32) -> TimePanel {
-    let at = TimeInt::new_temporal(i64::from(revolution));
-    time_panel().with_time_selection(at..=at).with_loop_mode(LoopMode::Selection).with_play_state(PlayState::Playing)
 }
 
 #[cfg(test)]

@@ -38,8 +38,6 @@ pub struct Show {
     /// The page to open with. If none: the page that only this combination has, or the one that the recording was made
     /// for.
     pub layout: Option<Layout>,
-    /// The revolution to open at; the last one if there is none.
-    pub at: Option<u32>,
 }
 
 /// Why nothing is shown.
@@ -120,12 +118,8 @@ impl Opened<'_> {
     /// Hands over everything, the layout last. Gives what could not be read.
     fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<Vec<String>, ShowError> {
         let store = self.flight.store();
-        let own_layout = self.show.layout.is_none()
-            && self.show.at.is_none()
-            && self.beside.is_none()
-            && self.show.sensors.is_empty();
+        let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
         let at = |below: Option<&str>| Destination { store: store.clone(), below: below.map(Into::into), own_layout };
-        let at_revolution = self.show.at;
         let (first, mut facts, mut pictures) = (self.show.layout, Facts::default(), Vec::new());
         if let Some(beside) = &self.beside {
             let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
@@ -134,7 +128,7 @@ impl Opened<'_> {
             let [left, right] = names([&self.show.flight[0], &self.show.beside[0]]);
             let left = Side { below: LEFT, name: &left, extent: facts.extent };
             let right = Side { below: RIGHT, name: &right, extent: other.extent };
-            lay_out(&Shown::Beside { first, sides: [left, right] }, at_revolution, take)?;
+            lay_out(&Shown::Beside { first, sides: [left, right] }, take)?;
             return Ok(damages);
         }
         let damages = self.flight.send(&at(None), &mut facts, take)?;
@@ -144,17 +138,16 @@ impl Opened<'_> {
         if !self.show.sensors.is_empty() {
             sensors::tie(store, &facts)?.into_iter().all(&mut *take);
             let (extent, root, pictures) = (facts.extent, sensors::ROOT, &pictures[..]);
-            lay_out(&Shown::Sensors { first, extent, root, pictures }, at_revolution, take)?;
-        } else if first.is_some() || at_revolution.is_some() {
-            let first = first.unwrap_or_default();
-            lay_out(&Shown::Flight { first, extent: facts.extent }, at_revolution, take)?;
+            lay_out(&Shown::Sensors { first, extent, root, pictures }, take)?;
+        } else if let Some(first) = first {
+            lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
         }
         Ok(damages)
     }
 }
 
-fn lay_out(shown: &Shown, at: Option<u32>, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), ShowError> {
-    let messages = layout::messages(shown, at).map_err(RecorderError::from)?;
+fn lay_out(shown: &Shown, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), ShowError> {
+    let messages = layout::messages(shown).map_err(RecorderError::from)?;
     messages.into_iter().all(take);
     Ok(())
 }

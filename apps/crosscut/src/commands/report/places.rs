@@ -16,8 +16,7 @@ const MOST_PLACES: usize = 60;
 const LEGEND: &str = "Left in each card: the returns, each wall in its colour, around the vehicle, which heads up; a dashed line \
     leads to each opening, and the bar across it is as wide as the opening. Right: the eigenvalues of L; the blue ones, below τ \
     (dashes), are counted in k, and exact zeros stand on the floor at 1e-18. The margin is how many decades τ may move \
-    before k changes. To see revolution N stage by stage: <code>crosscut run FLIGHT --save F.rrd</code>, then \
-    <code>crosscut view F.rrd --at N</code>.";
+    before k changes.";
 
 /// Size of the picture of eigenvalues.
 const SPECTRUM_PX: [f64; 2] = [198.0, 130.0];
