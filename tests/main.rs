@@ -2,6 +2,7 @@
 
 mod comparison;
 mod configuration;
+mod debugging;
 mod evaluation;
 mod exploring;
 mod figures;

@@ -22,6 +22,15 @@ pub(crate) fn resolve(
     settings: &[(&str, &[String])],
     registry: &Registry,
 ) -> Result<Config, UsageError> {
+    Config::resolve(registry, &layers(preset, file, settings)?).map_err(usage)
+}
+
+/// The layers of settings before they are resolved.
+pub(crate) fn layers(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
+) -> Result<Vec<Layer>, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
     if let Some(path) = file {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
@@ -29,7 +38,7 @@ pub(crate) fn resolve(
     for (option, settings) in settings {
         layers.push(Layer::settings(option, settings).map_err(usage)?);
     }
-    Config::resolve(registry, &layers).map_err(usage)
+    Ok(layers)
 }
 
 impl ConfigArgs {
