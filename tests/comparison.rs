@@ -236,7 +236,7 @@ fn tolerances_are_by_value_stay_at_updates_and_are_checked() {
     update("paper");
     let tolerances = folder.path().join("tolerance.json");
     with("paper,spectral.zero_tolerance=1.001e-4", 1);
-    let own = r#"{"default": 1e-9, "tolerance": 0.5, "confidence": 0.01}"#;
+    let own = r#"{"default": 1e-9, "tolerance": 0.5, "confidence": 0.1}"#;
     std::fs::write(&tolerances, own).expect("a file");
     update("paper");
     assert_eq!(std::fs::read_to_string(&tolerances).expect("there"), own);
@@ -250,7 +250,11 @@ fn tolerances_are_by_value_stay_at_updates_and_are_checked() {
 fn a_comparison_begins_with_its_conclusion() {
     let ran = compare(&shipped_flight(), &["default", "paper"], &[]).expect_code(0);
     let first = ran.stdout.lines().next().expect("a line");
-    assert!(first.starts_with("against default: paper mends 1 and breaks 70 of 141") && first.contains("exact McNemar p = "), "{first}");
+    assert!(
+        first.starts_with("against default: paper mends 1 and breaks 70 of 141")
+            && first.contains("exact McNemar p = "),
+        "{first}"
+    );
     assert!(ran.stdout.contains("default and paper differ in 71 of 141"), "{}", ran.stdout);
     let json = json(&shipped_flight(), &["default", "paper"]);
     let verdict = &json["verdicts"][0];

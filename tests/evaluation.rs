@@ -281,7 +281,10 @@ fn several_configurations_begin_with_a_verdict_on_each_by_family() {
     let with = ["--with", "default", "--with", "paper", "--with", "mine=default,report.min_returns=1000"];
     let ran = evaluate(folder.path(), &with).expect_code(0);
     let first = ran.stdout.lines().next().expect("a line");
-    assert!(first.starts_with("against default: paper mends 1 and breaks 70 of 144") && first.contains("Holm"), "{first}");
+    assert!(
+        first.starts_with("against default: paper mends 1 and breaks 70 of 144") && first.contains("Holm"),
+        "{first}"
+    );
     assert!(ran.stdout.contains("mine mends 0 and breaks 143 of 144"), "{}", ran.stdout);
     assert!(ran.stdout.contains("what paper mends and breaks against default, revolutions"), "{}", ran.stdout);
     let json = json_of(&evaluate(folder.path(), &[&with[..], &["--json", "-"]].concat()).expect_code(0));

@@ -3,6 +3,7 @@
 mod comparison;
 mod configuration;
 mod debugging;
+mod documented;
 mod evaluation;
 mod exploring;
 mod figures;

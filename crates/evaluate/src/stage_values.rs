@@ -138,7 +138,8 @@ fn difference(a: &Values, b: &Values, tolerance: f64) -> Option<(String, [String
                 let allowed = tolerance * a.abs().max(b.abs()).max(ABSOLUTE);
                 a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= allowed
             };
-            let name = |x: f64| if x.is_nan() { "none".to_owned() } else { format!("{x:?}").replace(".0", "") };
+            let number = |x: f64| format!("{x:?}").trim_end_matches(".0").to_owned();
+            let name = |x: f64| if x.is_nan() { "none".to_owned() } else { number(x) };
             if a.len() != b.len() {
                 let many = |of: &[f64]| format!("{} values", of.len());
                 return Some((String::new(), [many(a), many(b)]));
@@ -185,6 +186,10 @@ mod tests {
         w[(2, 1)] = 0.25;
         other.spectrum.k = 7;
         let of = |whole| first_difference(&stage_values(&frame(3), whole), &stage_values(&other, whole), |_| 1e-9);
+        assert_eq!(
+            difference(&Values::Numbers(vec![3.0]), &Values::Numbers(vec![0.03]), 0.0).expect("differs").1,
+            ["3", "0.03"]
+        );
         assert_eq!(of(true).expect("differs").to_string(), "affinity: W[5] is 0.5 and 0.25");
         assert_eq!(of(false).expect("differs").to_string(), "affinity: W[0] is 4.5 and 4.25");
     }
