@@ -45,7 +45,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Count the walls in every scan of a recorded flight, and find the openings.
+    /// Count the walls in every scan of a flight, recorded or live, and find the openings.
     Run(RunArgs),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
@@ -120,7 +120,8 @@ pub(crate) struct RunArgs {
     pub(crate) config: ConfigArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Read on at the end of an MCAP that is still being written, until its recorder closes it or Ctrl-C.
+    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
+    /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
@@ -130,7 +131,27 @@ pub(crate) struct RunArgs {
     #[arg(short, long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
+    pub(crate) live: LiveArgs,
+    #[command(flatten)]
     pub(crate) record: RecordArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Live robots (the wheel: extras live, dds)")]
+pub(crate) struct LiveArgs {
+    /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
+    /// ingest.odometry=TOPIC.
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) odometry: Option<String>,
+    /// ROS domain of a robot on Zenoh. With --as, the topic is a key of plain messages instead.
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(crate) domain: u32,
+    /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
+    #[arg(long, value_name = "FILE.json5")]
+    pub(crate) zenoh_config: Option<PathBuf>,
+    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY")]
+    pub(crate) publish: Option<String>,
 }
 
 #[derive(Debug, Args)]
