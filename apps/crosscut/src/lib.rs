@@ -74,6 +74,7 @@ pub fn run(
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Debug(args) => commands::debug::debug(args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
