@@ -137,7 +137,9 @@ pub(crate) struct RunArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Live robots (the wheel: extras live, dds)")]
+#[command(
+    next_help_heading = "Live robots, zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)"
+)]
 pub(crate) struct LiveArgs {
     /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
     /// ingest.odometry=TOPIC.
