@@ -111,7 +111,7 @@ class Result:
     margin: float | None
     """Decades by which the zero tolerance could be moved before ``k`` changes."""
     confidence: float | None
-    """Probability that the answer is right, 0 to 1; None with an affinity of one's own, for which nothing was calibrated."""
+    """Probability that the answer is right, 0 to 1; None with a stage of one's own, for which nothing was calibrated."""
     place: str
     """``closed``, ``dead_end``, ``corridor``, ``bend``, ``tee``, ``cross``, ``junction_5``..., ``partial_view``."""
     eigenvalues: NDArray[np.float64]
