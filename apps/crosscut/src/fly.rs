@@ -73,6 +73,12 @@ impl Flight {
         Self { truths, ..self }
     }
 
+    /// Whether its scans are clouds of points.
+    #[cfg(feature = "rerun")]
+    pub(crate) fn gives_clouds(&self) -> bool {
+        self.recording.gives_clouds()
+    }
+
     /// How many revolutions there will be, if that is known.
     pub(crate) fn total_revolutions(&mut self) -> Option<u64> {
         self.recording.total_revolutions()

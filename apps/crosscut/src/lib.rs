@@ -38,6 +38,8 @@ use crosscut_ingest::KeptStandardInput;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
+#[cfg(feature = "rerun")]
+pub use crate::observers::options as recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
@@ -69,12 +71,22 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
         Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
+        #[cfg(feature = "rerun")]
+        Command::Import(args) => commands::import::import(&args, registry),
         Command::Config(args) => config::print(&args, registry),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
     }
+}
+
+/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
+/// which the first is the name of the program.
+#[cfg(feature = "rerun")]
+pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+    let command = ["crosscut", "import"].map(OsString::from);
+    run(command.into_iter().chain(args.into_iter().skip(1)), registry, None)
 }
 
 /// The map of a flight as JSON, as `run --map` writes it.

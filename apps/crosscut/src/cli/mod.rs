@@ -2,6 +2,8 @@
 
 pub(crate) mod convert;
 pub(crate) mod explore;
+#[cfg(feature = "rerun")]
+pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
@@ -66,6 +68,10 @@ pub(crate) enum Command {
     /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
+    /// Write a recording for the Rerun viewer to standard output, as the viewer asks its importers to.
+    #[cfg(feature = "rerun")]
+    #[command(hide = true)]
+    Import(import::ImportArgs),
     /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
 }
