@@ -1,0 +1,11 @@
+"""``rerun-importer-crosscut``: with it on the PATH the Rerun viewer opens recorded flights with the pages of crosscut."""
+
+from __future__ import annotations
+
+import sys
+
+from . import _native
+
+
+def main() -> int:
+    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None)
