@@ -17,6 +17,7 @@ mod program;
 #[cfg(feature = "rerun")]
 mod recorder;
 mod recording;
+mod robots;
 mod scan;
 mod sparse;
 mod stages;
@@ -48,6 +49,8 @@ mod _native {
     use crate::recorder::Recorder;
     #[pymodule_export]
     use crate::recording::Recording;
+    #[pymodule_export]
+    use crate::robots::Feed;
     #[pymodule_export]
     use crate::scan::Scan;
     #[pymodule_export]

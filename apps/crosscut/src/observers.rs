@@ -39,7 +39,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: run.rate.is_some(),
+        live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         layout: args.layout.into(),
         scope: args.scope.scope(),
         ..options(&run.input.recordings.input[0], config)

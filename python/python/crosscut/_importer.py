@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 
 from . import _native
+from .__main__ import hear
 
 
 def main() -> int:
-    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None)
+    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None, hear)

@@ -50,7 +50,7 @@ pub(crate) struct ExploreArgs {
     #[arg(long)]
     pub(crate) list: bool,
     /// Show no progress bar and no summary.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
     pub(crate) scope: ScopeArgs,
