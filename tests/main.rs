@@ -11,6 +11,8 @@ mod flight;
 mod flying;
 mod following;
 mod headline;
+#[cfg(feature = "rerun")]
+mod importing;
 mod input;
 mod interruption;
 mod maps;

@@ -40,6 +40,8 @@ use crosscut_ingest::KeptStandardInput;
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
 pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
+#[cfg(feature = "rerun")]
+pub use crate::observers::options as recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
@@ -81,6 +83,8 @@ pub fn run(
         Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
+        #[cfg(feature = "rerun")]
+        Command::Import(args) => commands::import::import(&args, registry),
         Command::Config(args) => config::print(&args, registry),
         Command::Completions { shell } => commands::shell::completions(shell),
         Command::Man { folder } => commands::shell::man(&folder),
@@ -89,6 +93,14 @@ pub fn run(
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
     }
+}
+
+/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
+/// which the first is the name of the program.
+#[cfg(feature = "rerun")]
+pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+    let command = ["crosscut", "import"].map(OsString::from);
+    run(command.into_iter().chain(args.into_iter().skip(1)), registry, None, None)
 }
 
 /// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.

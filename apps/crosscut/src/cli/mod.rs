@@ -4,6 +4,8 @@ pub(crate) mod convert;
 pub(crate) mod debug;
 pub(crate) mod explore;
 pub(crate) mod help;
+#[cfg(feature = "rerun")]
+pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
@@ -74,6 +76,10 @@ pub(crate) enum Command {
     /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
+    /// Write a recording for the Rerun viewer to standard output, as the viewer asks its importers to.
+    #[cfg(feature = "rerun")]
+    #[command(hide = true)]
+    Import(import::ImportArgs),
     /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
     /// Print a script that lets a shell complete commands and options.
@@ -92,6 +98,10 @@ pub(crate) enum Command {
 impl Command {
     /// Names the file of settings that nobody gave on the command line, before a command that reads it.
     pub(crate) fn say_settings_found(&self) {
+        #[cfg(feature = "rerun")]
+        if matches!(self, Self::Import(_)) {
+            return; // most files that it is called with are not for us
+        }
         let reads_none = matches!(
             self,
             Self::View(_)

@@ -27,6 +27,14 @@ pub(crate) struct RecordArgs {
     /// Page that the viewer opens with; the others are one click away.
     #[arg(long, value_enum, default_value = "stages", requires = "recorded")]
     pub(crate) layout: LayoutArg,
+    #[command(flatten)]
+    pub(crate) scope: ScopeArgs,
+}
+
+/// How much of which revolutions is recorded.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Recording")]
+pub(crate) struct ScopeArgs {
     /// Amount of data recorded of each revolution.
     #[arg(long, value_enum, default_value = "default", requires = "recorded")]
     pub(crate) record: DetailArg,

@@ -147,7 +147,7 @@ impl Fleet<'_> {
         let about = About::new(&job.name, job.seed, &world, &self.planner, self.config);
         let past =
             args.resume.as_deref().map(|path| about.past(path)).transpose().map_err(refused)?.unwrap_or_default();
-        let mut saved = Saved::open(args.save.as_deref(), &job.name, self.config, &world, diagnostics)?;
+        let mut saved = Saved::open(args, &job.name, self.config, &world, diagnostics)?;
         let mut journal = args.journal.as_deref().map(|path| Journal::create(path, &about)).transpose()?;
         let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
             if let Some(journal) = &mut journal {
