@@ -73,6 +73,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
     };
     match outcome {
         Ok(outcome) => outcome.into(),
+        Err(error) if interrupt::is_requested() => {
+            exit::report(&error);
+            exit::INTERRUPTED
+        }
         Err(error) => exit::report(&error),
     }
 }

@@ -5,12 +5,14 @@
 
 mod around;
 mod frames;
+mod same_frame;
 
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
+use self::same_frame::Agreement;
 use crate::container::{self, Container};
 use crate::{IngestError, Loss, ReadOptions, Recording};
 
@@ -31,6 +33,8 @@ struct Scanner {
     before: Option<Revolution>,
     after: Option<Revolution>,
     has_ended: bool,
+    /// With the first scanner, where both state one frame.
+    agreement: Agreement,
 }
 
 impl Scanners {
@@ -54,7 +58,7 @@ impl Scanners {
         let open = |topic: &String| {
             let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
             let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
-            Ok(Scanner { recording, before: None, after: None, has_ended: false })
+            Ok(Scanner { recording, before: None, after: None, has_ended: false, agreement: Agreement::default() })
         };
         let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
         let frames = Frames::read(reopened()?);
@@ -70,7 +74,12 @@ impl Scanners {
     pub(crate) fn join(&mut self, first: &mut Revolution, notes: &mut Notes) {
         let stamp_ns = first.stamp_ns;
         let Self { others, frames, around, joined } = self;
-        others.iter_mut().for_each(|scanner| scanner.read_to(stamp_ns));
+        for scanner in others.iter_mut() {
+            scanner.read_to(stamp_ns);
+            if let Some(seen) = scanner.nearest(stamp_ns).filter(|seen| seen.frame_id == first.frame_id).cloned() {
+                scanner.agreement.compare(first, &seen);
+            }
+        }
         let mut near = Vec::new();
         for scanner in others.iter() {
             let topic = scanner.recording.topic();
@@ -79,6 +88,11 @@ impl Scanners {
                 Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(format!(
                     "{topic} is not joined: no transforms lead from `{}` to `{}`",
                     seen.frame_id, first.frame_id
+                )),
+                Some(seen) if scanner.agreement.is_refuted() && seen.frame_id == first.frame_id => notes.add(format!(
+                    "{topic} is not joined: both scanners state the frame `{}`, and in it they see different things; one of \
+                     them needs a frame of its own",
+                    first.frame_id
                 )),
                 Some(seen) => near.push((topic, seen)),
             }
