@@ -25,6 +25,7 @@ mod outputs;
 mod progress;
 mod say;
 mod summary;
+mod text_file;
 mod typeset;
 mod written;
 

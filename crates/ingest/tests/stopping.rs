@@ -14,7 +14,7 @@ fn a_reader_that_is_stopped_gives_what_it_has_read() {
     params.set("last_rad", Value::Number(3.0)).expect("allowed");
     let options = ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() };
     let mut recording = Recording::open(&[path.clone()], &options, Sensor::default()).expect("a table");
-    let mut next = |recording: &mut Recording| {
+    let next = |recording: &mut Recording| {
         recording.next(&mut Revolution::default(), &mut Notes::default()).expect("the source goes on")
     };
     assert!(next(&mut recording));
