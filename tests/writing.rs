@@ -38,7 +38,7 @@ enum Holds {
     All,
     /// JSON that is complete: it is replaced on the way, or states times.
     Json,
-    /// Text with this end: it states times.
+    /// Text with this end: it is replaced on the way, or states times.
     End(&'static str),
     /// A beginning of what the finished command leaves in it.
     Beginning,
@@ -56,8 +56,8 @@ const OUTPUTS: &[Output] = &[
     output("run FLIGHT --quiet --results @", "results.mcap", Holds::Beginning),
     output("run FLIGHT --quiet --map @", "map.json", Holds::Json),
     output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::Json),
-    output("map FLIGHT --quiet --out @", "map.svg", Holds::All),
-    output("map FLIGHT --quiet --out @", "map.graphml", Holds::All),
+    output("map FLIGHT --quiet --out @", "map.svg", Holds::End("</svg>")),
+    output("map FLIGHT --quiet --out @", "map.graphml", Holds::End("</graphml>\n")),
     output("report FLIGHT --quiet --out @", "page.html", Holds::End("</html>\n")),
     output("convert FLIGHT --out @", "converted.mcap", Holds::All),
     output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::Json),
@@ -106,7 +106,8 @@ fn recorded() -> &'static Path {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("recorded.rrd");
         let flight = shipped_flight();
-        run(["run".as_ref(), flight.as_os_str(), "--quiet".as_ref(), "--save".as_ref(), path.as_os_str()]).expect_code(0);
+        run(["run".as_ref(), flight.as_os_str(), "--quiet".as_ref(), "--save".as_ref(), path.as_os_str()])
+            .expect_code(0);
         (folder, path)
     });
     path

@@ -13,7 +13,7 @@ fn a_reader_that_is_stopped_gives_what_it_has_read() {
     let mut params = Params::defaults(CSV_PARAMS);
     params.set("last_rad", Value::Number(3.0)).expect("allowed");
     let options = ReadOptions { csv: CsvGeometry::new(&params), ..ReadOptions::default() };
-    let mut recording = Recording::open(&[path.clone()], &options, Sensor::default()).expect("a table");
+    let mut recording = Recording::open(std::slice::from_ref(&path), &options, Sensor::default()).expect("a table");
     let next = |recording: &mut Recording| {
         recording.next(&mut Revolution::default(), &mut Notes::default()).expect("the source goes on")
     };

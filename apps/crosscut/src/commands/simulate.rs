@@ -11,8 +11,8 @@ use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::{say, show};
-use crate::{outputs, progress};
 use crate::text_file;
+use crate::{outputs, progress};
 
 /// Writes a flight or suites, or lists what there is.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {

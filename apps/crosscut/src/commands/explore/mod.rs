@@ -26,8 +26,8 @@ use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::{say, show};
-use crate::{outputs, progress};
 use crate::text_file;
+use crate::{outputs, progress};
 
 /// Flies missions, or lists what there is.
 pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result<Outcome> {

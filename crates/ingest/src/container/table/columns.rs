@@ -257,7 +257,7 @@ pub(super) fn bearings_rad(bearings: &[f64]) -> Option<[f64; 2]> {
     let is_count = first.fract() == 0.0 && first >= 0.0 && step == 1.0;
     let to_rad = if span <= LARGEST_RAD && first.abs() <= LARGEST_RAD { 1.0 } else { 1f64.to_radians() };
     let is_turn = step != 0.0 && first.abs() <= LARGEST_DEG && span <= LARGEST_DEG;
-    (is_even && is_turn && !is_count).then(|| [first * to_rad, last * to_rad])
+    (is_even && is_turn && !is_count).then_some([first * to_rad, last * to_rad])
 }
 
 /// Whether cells count up, from 0 or 1.

@@ -41,7 +41,7 @@ pub(super) struct Table {
 /// What rows are.
 enum Rows {
     /// Ranges in columns.
-    Columns(Columns),
+    Columns(Box<Columns>),
     /// Messages as `ros2 topic echo --csv` writes them.
     Echo,
 }
@@ -67,7 +67,8 @@ impl Table {
         };
         let table = table.map_err(|found| IngestError::NotRecording { path: path.to_owned(), found })?;
         let states_geometry = match &table.rows {
-            Rows::Columns(Columns { geometry, bearings_rad, .. }) => {
+            Rows::Columns(columns) => {
+                let Columns { geometry, bearings_rad, .. } = &**columns;
                 let states = |part| geometry.contains_key(&part);
                 let has_step = states(Geometry::AngleIncrement) || states(Geometry::AngleMax);
                 bearings_rad.is_some() || states(Geometry::AngleMin) && has_step
@@ -97,9 +98,11 @@ impl Table {
             names.filter(|(is_comment, names)| !is_comment || names.len() == cells.len()).map(|(_, names)| names);
         let numbers: Vec<_> = rows.iter().map(|row| columns::numbers(dialect, &dialect.cells(row))).collect();
         let columns = match names {
-            Some(names) => Columns::named(&names, &numbers).map(Rows::Columns),
-            None if is_names => Columns::named(&cells, &[]).map(Rows::Columns),
-            None if !echo::has_header(dialect, &cells) => Columns::bare(cells.len(), &numbers).map(Rows::Columns),
+            Some(names) => Columns::named(&names, &numbers).map(Box::new).map(Rows::Columns),
+            None if is_names => Columns::named(&cells, &[]).map(Box::new).map(Rows::Columns),
+            None if !echo::has_header(dialect, &cells) => {
+                Columns::bare(cells.len(), &numbers).map(Box::new).map(Rows::Columns)
+            }
             None if echo::is_shortened(&cells) => Err(Found::ShortenedEcho),
             None if echo::is_scan(dialect, &cells) => Ok(Rows::Echo),
             None => Err(Found::OtherTable(String::new())),
