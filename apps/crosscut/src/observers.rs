@@ -29,24 +29,21 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
-    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
 
     let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {
         return Ok(Observers::default());
     }
-    let ingest = config.params("ingest");
+    let name = run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: run.rate.is_some(),
-        name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         layout: args.layout.into(),
         scope: args.scope(),
+        ..recorder_options(name, config)
     };
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
@@ -66,6 +63,26 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
             Observers::default()
         }
     })
+}
+
+/// A recording of a flight of this name and configuration, without a file and a viewer.
+#[cfg(feature = "rerun")]
+pub(crate) fn recorder_options(name: String, config: &Config) -> crosscut_recorder::RecorderOptions {
+    use crosscut_recorder::{Layout, Mounting, RecorderOptions, Scope};
+    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+
+    let ingest = config.params("ingest");
+    RecorderOptions {
+        path: None,
+        view: false,
+        serve: None,
+        live: false,
+        name,
+        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
+        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        layout: Layout::Stages,
+        scope: Scope::default(),
+    }
 }
 
 #[cfg(not(feature = "rerun"))]
