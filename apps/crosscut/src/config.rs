@@ -8,6 +8,7 @@ use crosscut_detector::{Config, Layer, Preset, Registry};
 use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};
 use crate::say::show;
+use crate::text_file;
 
 /// Prints the resolved configuration.
 pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -67,7 +68,7 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
         return settings_in_recording(path);
     }
-    std::fs::read_to_string(path).map_err(|error| match error.kind() {
+    text_file::read(path).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => usage(format!(
             "not UTF-8 text; settings are read from a TOML file or a recording (.rrd): {}",
             path.display()

@@ -26,6 +26,7 @@ mod outputs;
 mod progress;
 mod say;
 mod summary;
+mod text_file;
 mod typeset;
 mod written;
 
@@ -91,6 +92,10 @@ pub fn run(
     };
     match outcome {
         Ok(outcome) => outcome.into(),
+        Err(error) if interrupt::is_requested() => {
+            exit::report(&error);
+            exit::INTERRUPTED
+        }
         Err(error) => exit::report(&error),
     }
 }
