@@ -7,6 +7,7 @@ pub(crate) mod help;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
+pub(crate) mod runs;
 pub(crate) mod sweep;
 
 use std::net::SocketAddr;
@@ -26,6 +27,7 @@ pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
+use runs::RunsArgs;
 use sweep::SweepArgs;
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
@@ -63,6 +65,8 @@ pub(crate) enum Command {
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),
+    /// List the runs that --log kept, or compare two.
+    Runs(RunsArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
@@ -124,6 +128,9 @@ pub(crate) struct RunArgs {
     /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
+    /// Append a line on this run to a history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
@@ -288,6 +295,9 @@ pub(crate) struct EvaluateArgs {
     /// DIR/RECORDING-CONFIGURATION.svg and .csv.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
+    /// Append a line for each configuration to this history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Show no progress bar and no tables.
     #[arg(short, long)]
     pub(crate) quiet: bool,
