@@ -156,7 +156,7 @@ impl Session {
 
     /// Seconds of a place of the flight, after its first scan.
     pub(crate) fn seconds(&self, at: usize) -> f64 {
-        let stamp = |at: usize| self.now.given.flight[at].revolution.stamp_ns as i128;
+        let stamp = |at: usize| i128::from(self.now.given.flight[at].revolution.stamp_ns);
         (stamp(at) - stamp(0)) as f64 / 1e9
     }
 

@@ -65,7 +65,7 @@ impl Session {
                 let injected = given.injected.entry(seq).or_default();
                 match (what.as_str(), &array.shape[..]) {
                     ("W", &[rows, columns]) if rows == n && columns == n => {
-                        injected.w = Some(affinity(&array).map_err(cannot)?)
+                        injected.w = Some(affinity(&array).map_err(cannot)?);
                     }
                     ("U", &[rows, columns]) if rows == n => injected.u = Some(matrix(&array, rows, columns)),
                     ("labels", &[rows]) if rows == n => {
