@@ -48,7 +48,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Count the walls in every scan of a flight, recorded or live, and find the openings.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
     /// Simulate a flight through a mine, or scenes for evaluation, with the true answers.
