@@ -295,3 +295,24 @@ fn several_configurations_begin_with_a_verdict_on_each_by_family() {
     let alone = evaluate(folder.path(), &[]).expect_code(0).stdout;
     assert!(!alone.contains("mends"), "there is nothing to compare: {alone}");
 }
+
+#[test]
+fn runs_are_kept_listed_and_compared() {
+    let folder = folder();
+    let log = folder.path().join("runs.jsonl").display().to_string();
+    let flight = shipped_flight().display().to_string();
+    run(["run", &flight, "--quiet", "--log", &log]).expect_code(0);
+    evaluate(&shipped_flight(), &["--with", "default", "--with", "paper", "--quiet", "--log", &log]).expect_code(0);
+    let all = run(["runs", &log]).expect_code(0).stdout;
+    assert_eq!(all.lines().filter(|line| line.contains("tee.mcap")).count(), 3, "{all}");
+    let paper = run(["runs", &log, "--where", "affinity.kind=\"rbf\""]).expect_code(0).stdout;
+    assert!(paper.lines().filter(|line| line.contains("tee.mcap")).all(|line| line.contains("evaluate")), "{paper}");
+    let differ = run(["runs", &log, "--diff", "2", "3"]).expect_code(0).stdout;
+    let row = |name: &str| {
+        differ.lines().find(|line| line.contains(name)).map(|line| line.split_whitespace().last().map(str::to_owned))
+    };
+    assert_eq!(row("right_count").flatten().as_deref(), Some("0.6099"), "{differ}");
+    assert!(row("affinity.kind").is_some() && row("build").is_none() && row("hashes").is_none(), "{differ}");
+    run(["runs", &log, "--diff", "2", "9"]).expect_code(2);
+    run(["runs", &flight]).expect_code(1);
+}

@@ -14,6 +14,7 @@ mod cli;
 mod commands;
 mod config;
 mod configurations;
+mod content;
 mod diagnostics;
 mod exit;
 mod fly;
@@ -24,6 +25,7 @@ mod maps;
 mod observers;
 mod outputs;
 mod progress;
+mod run_log;
 mod say;
 mod summary;
 mod text_file;
@@ -78,6 +80,7 @@ pub fn run(
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
         Command::Debug(args) => commands::debug::debug(args, registry),
+        Command::Runs(args) => commands::runs::runs(&args),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),

@@ -8,7 +8,7 @@ use clap::{Command, CommandFactory};
 use super::Cli;
 
 /// Two lines for each command, the most wanted first; each line is a command that the parser accepts.
-const EXAMPLES: [(&str, [&str; 2]); 20] = [
+const EXAMPLES: [(&str, [&str; 2]); 21] = [
     ("", ["crosscut run FLIGHT.bag", "crosscut run recordings/tee.mcap --preset paper --save tee.rrd"]),
     (
         "run",
@@ -42,6 +42,7 @@ const EXAMPLES: [(&str, [&str; 2]); 20] = [
             "crosscut sweep flights/ --grid preset=paper,default -o sweep/",
         ],
     ),
+    ("runs", ["crosscut runs RUNS.jsonl --where paper", "crosscut runs RUNS.jsonl --diff 1 2"]),
     ("info", ["crosscut info FLIGHT.bag", "crosscut info FLIGHT.db3 --json -"]),
     ("map", ["crosscut map FLIGHT.bag -o MAP.svg", "crosscut map FLIGHT.bag -o MAP.geojson"]),
     (

@@ -9,6 +9,7 @@ pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
+pub(crate) mod runs;
 pub(crate) mod sweep;
 
 use std::net::SocketAddr;
@@ -28,6 +29,7 @@ pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
+use runs::RunsArgs;
 use sweep::SweepArgs;
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
@@ -48,7 +50,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Count the walls in every scan of a flight, recorded or live, and find the openings.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
     /// Simulate a flight through a mine, or scenes for evaluation, with the true answers.
@@ -65,6 +67,8 @@ pub(crate) enum Command {
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),
+    /// List the runs that --log kept, or compare two.
+    Runs(RunsArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
@@ -134,6 +138,9 @@ pub(crate) struct RunArgs {
     /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
+    /// Append a line on this run to a history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
@@ -300,6 +307,9 @@ pub(crate) struct EvaluateArgs {
     /// DIR/RECORDING-CONFIGURATION.svg and .csv.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
+    /// Append a line for each configuration to this history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Show no progress bar and no tables.
     #[arg(short, long)]
     pub(crate) quiet: bool,

@@ -13,6 +13,7 @@ pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;
 pub(crate) mod run;
+pub(crate) mod runs;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod sweep;

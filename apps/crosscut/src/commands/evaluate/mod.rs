@@ -22,6 +22,7 @@ use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
+use crate::run_log::Run;
 use crate::say::{say, show};
 use crate::{outputs, progress, typeset};
 
@@ -85,8 +86,32 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     if args.draw_wrong.is_some() && wrong == 0 && !diagnostics.ended_early() {
         say("every answer is right, so nothing is drawn");
     }
+    if let Some(log) = &args.log {
+        let kept = keep(log, &scoreboard, &columns, &recordings, registry);
+        diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
+    }
     outputs.write(&scoreboard, &experiment.outcomes(), &columns, diagnostics.problems())?;
     Ok(diagnostics.outcome())
+}
+
+/// Appends the figures of each configuration to a history of runs.
+fn keep(
+    log: &Path,
+    scoreboard: &Scoreboard,
+    columns: &[Configuration],
+    recordings: &[PathBuf],
+    registry: &Registry,
+) -> anyhow::Result<()> {
+    let run = Run::of("evaluate", recordings);
+    columns.iter().zip(scoreboard.all()).try_for_each(|(Configuration { name, config }, evaluation)| {
+        let figures = evaluation.figures();
+        let figures = json!({
+            "revolutions": figures.revolutions,
+            "right": figures.right.value(),
+            "right_count": figures.right_count.value(),
+        });
+        run.append(log, name, config, registry, figures)
+    })
 }
 
 /// The name of a recording's family.
