@@ -1,6 +1,6 @@
 //! `run --follow`: a recording that is still being written. Each step waits for lines of results, never for a time.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Cursor, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
@@ -98,13 +98,26 @@ fn what_cannot_be_followed_is_refused() {
     run(["run".as_ref(), empty.as_os_str(), "--follow".as_ref()]).expect_code(1);
 }
 
+/// A recording without chunks, as a recorder writes it that keeps nothing back.
+fn unchunked(recording: &[u8]) -> Vec<u8> {
+    let options = mcap::WriteOptions::new().use_chunks(false);
+    let mut writer = options.create(Cursor::new(Vec::new())).expect("memory");
+    for message in mcap::MessageStream::new(recording).expect("an MCAP") {
+        writer.write(&message.expect("whole")).expect("memory");
+    }
+    writer.finish().expect("memory");
+    writer.into_inner().into_inner()
+}
+
 /// Two parts of the shipped flight, with its odometry, in a folder.
 fn parts_in(folder: &Path) -> [Vec<u8>; 2] {
     [("0.mcap", ["--to", "7"]), ("1.mcap", ["--from", "7.05"])].map(|(name, span)| {
         let part = folder.join(name);
         let [flight, out] = [shipped_flight(), part.clone()].map(|path| path.display().to_string());
         run(["convert", &flight, "--out", &out].iter().chain(&span)).expect_code(0);
-        std::fs::read(part).expect("written")
+        let bytes = unchunked(&std::fs::read(&part).expect("written"));
+        std::fs::write(part, &bytes).expect("writable");
+        bytes
     })
 }
 
@@ -130,7 +143,7 @@ fn files_that_appear_in_a_folder_are_one_flight_with_its_odometry() {
 
 #[test]
 fn standard_input_is_answered_while_its_sender_pauses() {
-    let flight = std::fs::read(shipped_flight()).expect("the shipped flight");
+    let flight = unchunked(&std::fs::read(shipped_flight()).expect("the shipped flight"));
     let expected = results_of(&shipped_flight(), &["--quiet"]).0.expect_code(0).stdout;
     let args = ["run", "-", "--quiet", "--results", "-"];
     let folder = tempfile::tempdir().expect("a temporary folder");

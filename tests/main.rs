@@ -2,6 +2,7 @@
 
 mod comparison;
 mod configuration;
+mod debugging;
 mod documented;
 mod evaluation;
 mod exploring;

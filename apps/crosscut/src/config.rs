@@ -27,6 +27,15 @@ pub(crate) fn resolve(
     settings: &[(&str, &[String])],
     registry: &Registry,
 ) -> Result<Config, UsageError> {
+    Config::resolve(registry, &layers(preset, file, settings)?).map_err(usage)
+}
+
+/// The layers of settings before they are resolved.
+pub(crate) fn layers(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
+) -> Result<Vec<Layer>, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
     for path in found().as_deref().into_iter().chain(file) {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
@@ -34,7 +43,7 @@ pub(crate) fn resolve(
     for (option, settings) in settings {
         layers.push(Layer::settings(option, settings).map_err(usage)?);
     }
-    Config::resolve(registry, &layers).map_err(usage)
+    Ok(layers)
 }
 
 /// The file that every configuration starts with: the one that the environment names, or the nearest of its name in this folder

@@ -41,7 +41,7 @@ pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
 pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
 #[cfg(feature = "rerun")]
-pub use crate::observers::options as recorder_options;
+pub use crate::observers::recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
@@ -76,6 +76,7 @@ pub fn run(
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Debug(args) => commands::debug::debug(args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),

@@ -204,7 +204,7 @@ impl Messages {
                     self.ahead.push_back(message);
                 }
                 None if self.ahead.is_empty() && !self.is_waiting() && self.failure().is_none() => {
-                    drop(self.next_part())
+                    drop(self.next_part());
                 }
                 None => break,
             }

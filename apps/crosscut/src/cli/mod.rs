@@ -1,6 +1,7 @@
 //! The command line: every command with its options.
 
 pub(crate) mod convert;
+pub(crate) mod debug;
 pub(crate) mod explore;
 pub(crate) mod help;
 #[cfg(feature = "rerun")]
@@ -21,6 +22,7 @@ use crate::config;
 use crate::maps::FORMATS;
 use crate::say::say;
 use convert::ConvertArgs;
+use debug::DebugArgs;
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
@@ -58,6 +60,8 @@ pub(crate) enum Command {
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
+    /// Debug a flight at a prompt: go to any scan, see what each stage made, change settings, answer the flight again, compare.
+    Debug(DebugArgs),
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),
@@ -306,11 +310,21 @@ pub(crate) struct CompareArgs {
     /// Configuration, given at least twice, in parts that commas separate: a preset, a file of settings over it (FILE.toml,
     /// or FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
     /// (`mine=paper,affinity.sigma_per_m2=3`). The others are compared with the first.
-    #[arg(long, required = true, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    #[arg(long, required_unless_present = "golden", value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Compare what every stage of one configuration makes with what is kept in this folder; the first difference by
+    /// revolution, stage and value is shown, and the exit code is 1. DIR/tolerance.json has a tolerance by value.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "all"])]
+    pub(crate) golden: Option<PathBuf>,
+    /// Keep what the stages make in the folder of --golden, in place of what is there.
+    #[arg(long, requires = "golden", conflicts_with = "junit")]
+    pub(crate) update: bool,
+    /// Write the comparison of --golden as JUnit XML, a test for each revolution.
+    #[arg(long, value_name = "FILE.xml", requires = "golden")]
+    pub(crate) junit: Option<PathBuf>,
     /// List every stretch of the flight where the walls differ, not only the longest ones.
     #[arg(long)]
     pub(crate) all: bool,

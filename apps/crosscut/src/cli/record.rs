@@ -53,7 +53,7 @@ pub(crate) struct ScopeArgs {
 }
 
 /// Refuses a pipe: a recording is written in parts, each with an index at its end.
-pub(super) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+pub(crate) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if path == Path::new("-") {
         return Err("a recording is a file, not standard output: FLIGHT.rrd");
     }

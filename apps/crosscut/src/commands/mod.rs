@@ -2,6 +2,7 @@
 
 pub(crate) mod compare;
 pub(crate) mod convert;
+pub(crate) mod debug;
 pub(crate) mod evaluate;
 pub(crate) mod explore;
 #[cfg(feature = "rerun")]
