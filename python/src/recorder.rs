@@ -47,7 +47,7 @@ impl Recorder {
 #[pymethods]
 impl Recorder {
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, engine: &Engine, name: PathBuf, detail: &str) -> PyResult<Self> {
+    fn new(py: Python<'_>, path: PathBuf, engine: &Engine, name: String, detail: &str) -> PyResult<Self> {
         let detail = match detail {
             "light" => Detail::Light,
             "default" => Detail::Default,
@@ -58,7 +58,7 @@ impl Recorder {
         let options = RecorderOptions {
             path: Some(path),
             scope: Scope { detail, ..Scope::default() },
-            ..crosscut::recorder_options(&name, config)
+            ..crosscut::recorder_options(name, config)
         };
         let recording = py.detach(|| Recording::new(options)).map_err(|error| Class::Error.because(py, &error))?;
         let poses = Poses::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M));

@@ -44,7 +44,7 @@ pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
 pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
 #[cfg(feature = "rerun")]
-pub use crate::observers::options as recorder_options;
+pub use crate::observers::recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {

@@ -35,6 +35,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
     if args.save.is_none() && !args.view && args.serve.is_none() {
         return Ok(Observers::default());
     }
+    let name = run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
@@ -42,7 +43,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         layout: args.layout.into(),
         scope: args.scope.scope(),
-        ..options(&run.input.recordings.input[0], config)
+        ..recorder_options(name, config)
     };
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
@@ -64,17 +65,18 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
     })
 }
 
-/// What a recording of `flight` says of it.
+/// A recording of a flight of this name and configuration, without a file and a viewer.
 #[cfg(feature = "rerun")]
-pub fn options(flight: &std::path::Path, config: &Config) -> crosscut_recorder::RecorderOptions {
+pub fn recorder_options(name: String, config: &Config) -> crosscut_recorder::RecorderOptions {
+    use crosscut_recorder::{Mounting, RecorderOptions};
     use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
 
     let ingest = config.params("ingest");
-    crosscut_recorder::RecorderOptions {
-        name: flight.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+    RecorderOptions {
+        name,
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-        mounting: crosscut_recorder::Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
-        ..crosscut_recorder::RecorderOptions::default()
+        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        ..RecorderOptions::default()
     }
 }
 
@@ -88,7 +90,7 @@ pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Re
 }
 
 #[cfg(feature = "rerun")]
-mod recorder_options {
+mod of_arguments {
     use crosscut_recorder::{Detail, Layout, Scope};
 
     use crate::cli::record::{DetailArg, LayoutArg, ScopeArgs};

@@ -8,7 +8,7 @@ use std::path::Path;
 use crosscut_detector::{Config, Registry};
 use crosscut_ingest::IngestError;
 use crosscut_pipeline::StopFlag;
-use crosscut_recorder::{Recorder, StoreIds};
+use crosscut_recorder::{Recorder, RecorderOptions, StoreIds};
 use crosscut_stage::{Frame, Observer, ObserverError};
 
 use crate::cli::import::ImportArgs;
@@ -34,8 +34,8 @@ pub(crate) fn import(args: &ImportArgs, registry: &Registry) -> anyhow::Result<O
         application: application.to_owned(),
         recording: recording.to_owned(),
     });
-    let options = observers::options(&args.file, &config);
-    let options = crosscut_recorder::RecorderOptions { ids, ..options };
+    let name = args.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let options = RecorderOptions { ids, ..observers::recorder_options(name, &config) };
     let recorder = Recorder::piped(options, outputs::standard_output()?)?;
     let stop = StopFlag::default();
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(WhileRead { recorder, stop: stop.clone() })];

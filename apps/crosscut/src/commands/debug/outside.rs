@@ -53,7 +53,7 @@ impl Outside {
         self.refuse(path)?;
         let options = RecorderOptions {
             path: Some(crate::cli::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
-            ..crate::observers::options(std::path::Path::new(&self.name), session.config())
+            ..crate::observers::recorder_options(self.name.clone(), session.config())
         };
         let mut recorder = Recorder::new(options).map_err(failed)?;
         session.show_all(&mut recorder).map_err(failed)?;

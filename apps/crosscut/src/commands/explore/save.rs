@@ -1,7 +1,5 @@
 //! The recording of a mission for the Rerun viewer.
 
-use std::path::Path;
-
 use crosscut_detector::Config;
 use crosscut_flight::FlightAnswer;
 use crosscut_missions::Moment;
@@ -35,7 +33,7 @@ impl Saved {
     ) -> anyhow::Result<Option<Self>> {
         let path = args.save.clone();
         let options =
-            RecorderOptions { path, scope: args.scope.scope(), ..observers::options(Path::new(name), config) };
+            RecorderOptions { path, scope: args.scope.scope(), ..observers::recorder_options(name.to_owned(), config) };
         let created = args.save.is_some().then(|| Self::create(options, world)).transpose();
         diagnostics.lost_all(created.as_ref().err());
         Ok(created.unwrap_or_default())
