@@ -31,7 +31,7 @@ mod written;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches;
 use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
@@ -47,7 +47,9 @@ pub fn main(registry: &Registry) -> ExitCode {
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. `build` identifies
 /// the code that runs, where that is not in the executable file alone: `sweep` computes what another build has computed again.
 pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build: Option<&str>) -> u8 {
-    let command = match Cli::try_parse_from(args) {
+    let args = args.into_iter().map(with_home);
+    let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
+    {
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
@@ -56,6 +58,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
     };
     interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
+    command.say_settings_found();
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),
         Command::View(args) => view(&args),
@@ -70,10 +73,24 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),
+        Command::Completions { shell } => commands::shell::completions(shell),
+        Command::Man { folder } => commands::shell::man(&folder),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
+    }
+}
+
+/// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.
+fn with_home(arg: OsString) -> OsString {
+    let home = std::env::home_dir().and_then(|home| home.into_os_string().into_string().ok());
+    let (Some(text), Some(home)) = (arg.to_str(), home) else { return arg };
+    match text.split_once("~/") {
+        Some((option, rest)) if option.is_empty() || (option.starts_with("--") && option.ends_with('=')) => {
+            format!("{option}{home}/{rest}").into()
+        }
+        _ => arg,
     }
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct InputArgs {
     pub(crate) recordings: RecordingsArgs,
     /// Topic of the scans; may be omitted when there is only one. Given several times, the scans of these scanners become
     /// one revolution, by the transforms in the recording (/tf, /tf_static).
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) topic: Vec<String>,
     /// Start this many seconds after the first scan. If no scan is left, the command fails (exit code 1).
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
