@@ -9,11 +9,15 @@ mod engine;
 mod error;
 mod flight;
 mod frames;
+mod kept;
 mod map;
 mod navigator;
 mod odometry;
 mod program;
+#[cfg(feature = "rerun")]
+mod recorder;
 mod recording;
+mod robots;
 mod scan;
 mod sparse;
 mod stages;
@@ -31,6 +35,8 @@ mod _native {
     #[pymodule_export]
     use crate::flight::Flight;
     #[pymodule_export]
+    use crate::kept::Kept;
+    #[pymodule_export]
     use crate::map::Map;
     #[pymodule_export]
     use crate::navigator::Navigator;
@@ -38,8 +44,13 @@ mod _native {
     use crate::odometry::Odometry;
     #[pymodule_export]
     use crate::program::program;
+    #[cfg(feature = "rerun")]
+    #[pymodule_export]
+    use crate::recorder::Recorder;
     #[pymodule_export]
     use crate::recording::Recording;
+    #[pymodule_export]
+    use crate::robots::Feed;
     #[pymodule_export]
     use crate::scan::Scan;
     #[pymodule_export]

@@ -18,6 +18,7 @@ mod diagnostics;
 mod exit;
 mod fly;
 mod interrupt;
+mod live;
 mod map_file;
 mod maps;
 mod observers;
@@ -25,6 +26,7 @@ mod outputs;
 mod progress;
 mod say;
 mod summary;
+mod text_file;
 mod typeset;
 mod written;
 
@@ -38,15 +40,24 @@ use crosscut_ingest::KeptStandardInput;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
+pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
+#[cfg(feature = "rerun")]
+pub use crate::observers::options as recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    run(std::env::args_os(), registry, None).into()
+    run(std::env::args_os(), registry, None, None).into()
 }
 
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. `build` identifies
 /// the code that runs, where that is not in the executable file alone: `sweep` computes what another build has computed again.
-pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build: Option<&str>) -> u8 {
+/// `robots` hears live robots.
+pub fn run(
+    args: impl IntoIterator<Item = OsString>,
+    registry: &Registry,
+    build: Option<&str>,
+    robots: Option<&dyn Robots>,
+) -> u8 {
     let args = args.into_iter().map(with_home);
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
@@ -60,26 +71,41 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     command.say_settings_found();
     let outcome = match command {
-        Command::Run(args) => commands::run::run(&args, registry),
+        Command::Run(args) => commands::run::run(&args, registry, robots),
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Debug(args) => commands::debug::debug(args, registry),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
         Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
+        #[cfg(feature = "rerun")]
+        Command::Import(args) => commands::import::import(&args, registry),
         Command::Config(args) => config::print(&args, registry),
         Command::Completions { shell } => commands::shell::completions(shell),
         Command::Man { folder } => commands::shell::man(&folder),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
+        Err(error) if interrupt::is_requested() => {
+            exit::report(&error);
+            exit::INTERRUPTED
+        }
         Err(error) => exit::report(&error),
     }
+}
+
+/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
+/// which the first is the name of the program.
+#[cfg(feature = "rerun")]
+pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+    let command = ["crosscut", "import"].map(OsString::from);
+    run(command.into_iter().chain(args.into_iter().skip(1)), registry, None, None)
 }
 
 /// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.

@@ -29,24 +29,20 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
-    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
 
     let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {
         return Ok(Observers::default());
     }
-    let ingest = config.params("ingest");
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: run.rate.is_some(),
-        name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         layout: args.layout.into(),
-        scope: args.scope(),
+        scope: args.scope.scope(),
+        ..options(&run.input.recordings.input[0], config)
     };
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
@@ -68,6 +64,20 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
     })
 }
 
+/// What a recording of `flight` says of it.
+#[cfg(feature = "rerun")]
+pub fn options(flight: &std::path::Path, config: &Config) -> crosscut_recorder::RecorderOptions {
+    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+
+    let ingest = config.params("ingest");
+    crosscut_recorder::RecorderOptions {
+        name: flight.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
+        mounting: crosscut_recorder::Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        ..crosscut_recorder::RecorderOptions::default()
+    }
+}
+
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
     let args = &run.record;
@@ -81,7 +91,7 @@ pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Re
 mod recorder_options {
     use crosscut_recorder::{Detail, Layout, Scope};
 
-    use crate::cli::record::{DetailArg, LayoutArg, RecordArgs};
+    use crate::cli::record::{DetailArg, LayoutArg, ScopeArgs};
 
     impl From<LayoutArg> for Layout {
         fn from(layout: LayoutArg) -> Self {
@@ -104,8 +114,8 @@ mod recorder_options {
         }
     }
 
-    impl RecordArgs {
-        pub(super) fn scope(&self) -> Scope {
+    impl ScopeArgs {
+        pub(crate) fn scope(&self) -> Scope {
             let all = Scope::default();
             Scope {
                 detail: self.record.into(),

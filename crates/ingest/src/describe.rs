@@ -146,6 +146,10 @@ fn describe_first(
             }
         }
         let Some(message) = message else { break };
+        if message.damage.is_some() {
+            seq += 1;
+            continue;
+        }
         let mut scan = turns.place();
         if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };
@@ -178,7 +182,7 @@ struct Sample {
 impl Sample {
     /// Looks at the revolutions that are complete. One with missing messages counts only if there is no other.
     fn take(&mut self, turns: &mut Turns, sensor: &Sensor) {
-        while let Some(turn) = turns.pop() {
+        while let Some(turn) = turns.pop(sensor) {
             let is_partial = turn.missing.contains(&true);
             if let Ok(scan) = &turn.scan
                 && (self.first.is_none() || !is_partial)

@@ -7,6 +7,7 @@ use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage};
 
 use crate::clock::{Clock, Times};
 use crate::container::{Container, Message, TopicReader};
+use crate::stream::Wait;
 use crate::topics::TopicInfo;
 use crate::turns::Turn;
 use crate::{Loss, LossKind};
@@ -91,11 +92,21 @@ impl Messages {
         }
     }
 
-    /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are.
+    /// Adds a loss of the first file.
+    pub(crate) fn lose_in_first(&mut self, kind: LossKind) {
+        let file = self.files.first().cloned().unwrap_or_default();
+        self.losses.push(Loss { file, kind });
+    }
+
+    /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are; lines that
+    /// cannot be read were counted when the file was looked through.
     pub(crate) fn lose(&mut self, part: usize, seq: u64, cause: DecodeError) {
+        if matches!(cause, DecodeError::Damaged(_)) {
+            return;
+        }
         let file = &self.files[part];
         let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
-            LossKind::Messages { count, .. } => Some(count),
+            LossKind::Messages { topic, count, .. } if *topic == self.topic => Some(count),
             _ => None,
         });
         match known {
@@ -118,7 +129,10 @@ impl Messages {
     pub(crate) fn next(&mut self, mut scan: ScanMessage) -> Option<Turn> {
         let clock = self.clock();
         let (seq, message) = self.next_message()?;
-        let decoded = self.decoder.decode_into(&message.data, &mut scan);
+        let decoded = match &message.damage {
+            Some(cause) => Err(DecodeError::Damaged(cause.clone())),
+            None => self.decoder.decode_into(&message.data, &mut scan),
+        };
         let stamp_ns = scan.header().stamp.to_ns().filter(|_| decoded.is_ok()).unwrap_or(0);
         let log_time_ns = message.log_time_ns;
         let (recorded_ns, odd_time) = clock.recorded_ns(Times { log_ns: log_time_ns, stamp_ns });
@@ -127,6 +141,23 @@ impl Messages {
         }
         let scan = decoded.map(|()| scan);
         Some(Turn { log_time_ns, recorded_ns, odd_time, scan, ..Turn::new(seq, self.part) })
+    }
+
+    /// How long [`Messages::next`] waits for messages of a stream from now on.
+    pub(crate) fn wait(&mut self, wait: Wait) {
+        if let Some(part) = self.parts.front_mut() {
+            part.wait(wait);
+        }
+    }
+
+    /// Whether there was no message in time, rather than no more.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.parts.front().is_some_and(TopicReader::is_waiting)
+    }
+
+    /// Why the stream can no longer be read, if that ended it.
+    pub(crate) fn failure(&self) -> Option<String> {
+        self.parts.front().and_then(TopicReader::failure)
     }
 
     /// Leaves out the rest of a part, if it is the one that is read and its messages come by their times.
@@ -152,6 +183,9 @@ impl Messages {
             if let Some(message) = self.ahead.pop_front().or_else(|| self.read()) {
                 return Some(message);
             }
+            if self.is_waiting() || self.failure().is_some() {
+                return None;
+            }
             self.next_part()?;
         }
     }
@@ -176,7 +210,9 @@ impl Messages {
                     bytes += message.1.data.len() as u64;
                     self.ahead.push_back(message);
                 }
-                None if self.ahead.is_empty() => drop(self.next_part()),
+                None if self.ahead.is_empty() && !self.is_waiting() && self.failure().is_none() => {
+                    drop(self.next_part());
+                }
                 None => break,
             }
         }

@@ -1,10 +1,11 @@
 //! One flight, from one file or several, revolution by revolution.
 
 use std::collections::VecDeque;
+use std::mem;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::ScanType;
+use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
@@ -12,6 +13,7 @@ use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
 use crate::scanners::Scanners;
+use crate::stream::Wait;
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, limits, parts_in};
@@ -65,6 +67,8 @@ pub struct Recording {
     topic: TopicInfo,
     /// Whether all messages were read.
     has_ended: bool,
+    /// Whether they come as they come.
+    is_stream: bool,
     /// Selected turns. Those before the first one that can be decoded wait here: if there is none, nothing is given.
     selected: VecDeque<Turn>,
     any_decoded: bool,
@@ -80,6 +84,10 @@ pub struct Recording {
     turning: Turning,
     /// The other scanners of the vehicle.
     scanners: Option<Scanners>,
+    /// How long it waits for messages of a stream once it is known what they are.
+    wait: Wait,
+    /// Whether that was learned from fewer messages than usual, because no more came in time.
+    is_hurried: bool,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -99,9 +107,25 @@ impl Recording {
         Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
     }
 
-    /// Revolutions have no pose.
-    pub(crate) fn without_odometry(self) -> Self {
-        Self { odometry: None, ..self }
+    /// Of a stream: how many messages there will be is not known.
+    pub(crate) fn streamed(self, scanners: Option<Scanners>) -> Self {
+        let topic = TopicInfo { messages: None, ..self.topic };
+        Self { scanners, topic, is_stream: true, ..self }
+    }
+
+    /// Whether its messages are read as they come.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
+    }
+
+    /// From now on, revolutions of a stream are waited for up to this time of recording.
+    pub(crate) fn wait(&mut self, wait: Wait) {
+        self.wait = wait;
+    }
+
+    /// Whether there was no revolution in time, rather than no more.
+    pub(crate) fn is_waiting(&self) -> bool {
+        !self.has_ended && self.messages.is_waiting()
     }
 
     /// One scanner of the vehicle.
@@ -136,6 +160,7 @@ impl Recording {
             sensor,
             topic,
             has_ended: false,
+            is_stream: false,
             selected: VecDeque::new(),
             any_decoded: false,
             first_ns: None,
@@ -145,6 +170,8 @@ impl Recording {
             before: Before::default(),
             turning: Turning::default(),
             scanners: None,
+            wait: Wait::Always,
+            is_hurried: false,
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
@@ -155,6 +182,11 @@ impl Recording {
     /// The topic that the scans are of.
     pub fn topic(&self) -> &str {
         &self.topic.name
+    }
+
+    /// Whether its scans are clouds of points, not the ranges of beams.
+    pub fn gives_clouds(&self) -> bool {
+        self.topic.decoder(self.options.read_as).is_some_and(ScanDecoder::gives_clouds)
     }
 
     /// How many revolutions there will be if none is lost, as far as that is known before they are read. The first
@@ -219,7 +251,7 @@ impl Recording {
     /// The next turn, whether it is asked for or not.
     fn next_turn(&mut self) -> Option<Turn> {
         loop {
-            if let Some(mut turn) = self.turns.pop() {
+            if let Some(mut turn) = self.turns.pop(&self.sensor) {
                 if self.sensor.deskews()
                     && let Some(scan) = turn.laser_scan()
                 {
@@ -230,9 +262,18 @@ impl Recording {
             if self.has_ended {
                 return None;
             }
-            if !self.read_message() {
+            let is_learning = !self.turns.is_settled() && self.wait == Wait::Always && !self.is_hurried;
+            self.messages.wait(if is_learning { Wait::Learning } else { self.wait });
+            if self.read_message() {
+                continue;
+            }
+            if !self.messages.is_waiting() {
                 self.turns.finish(&self.sensor);
                 self.has_ended = true;
+            } else if mem::replace(&mut self.is_hurried, true) {
+                return None;
+            } else {
+                self.turns.hurry();
             }
         }
     }
@@ -254,6 +295,7 @@ impl Recording {
         let first_ns = self.start(turn);
         let since_first_s = (i128::from(turn.recorded_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
+            self.has_ended |= self.is_stream;
             if turn.odd_time.is_none() {
                 self.messages.leave_part(turn.part);
             }
@@ -349,7 +391,7 @@ impl Source for Recording {
             {
                 self.give(&turn, out, notes);
                 if let Some(scanners) = &mut self.scanners {
-                    scanners.join(out, notes);
+                    scanners.join(out, turn.recorded_ns, notes);
                     self.messages.add_losses(scanners.losses());
                 }
                 self.turns.recycle(turn);
@@ -366,6 +408,19 @@ impl Source for Recording {
             }
             self.any_decoded |= turn.scan.is_ok();
             self.selected.push_back(turn);
+        }
+        // Of files, odometry is read a second time, after whose end nobody asks.
+        if self.is_stream
+            && !self.is_waiting()
+            && let Some(kind) = self.odometry.as_mut().and_then(OdometryReader::unreadable)
+        {
+            self.messages.lose_in_first(kind);
+        }
+        if let Some(why) = self.messages.failure() {
+            return Err(SourceError(why));
+        }
+        if self.is_waiting() {
+            return Ok(false);
         }
         match self.selected.front().and_then(|turn| turn.scan.as_ref().err()) {
             Some(cause) => Err(SourceError(format!(

@@ -155,7 +155,9 @@ impl Limits {
         if 2 * tally.far_returns > tally.returns {
             note(
                 tally.far_returns,
-                format!("farther than {FAR_M} m: ranges are read in metres; are these millimetres?"),
+                format!(
+                    "farther than {FAR_M} m: ranges are read in metres; of millimetres, --set ingest.range_scale=0.001"
+                ),
             );
         }
         note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));

@@ -1,8 +1,11 @@
 //! The command line: every command with its options.
 
 pub(crate) mod convert;
+pub(crate) mod debug;
 pub(crate) mod explore;
 pub(crate) mod help;
+#[cfg(feature = "rerun")]
+pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
@@ -19,6 +22,7 @@ use crate::config;
 use crate::maps::FORMATS;
 use crate::say::say;
 use convert::ConvertArgs;
+use debug::DebugArgs;
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
@@ -43,7 +47,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Count the walls in every scan of a recorded flight, and find the openings.
+    /// Count the walls in every scan of a flight, recorded or live, and find the openings.
     Run(RunArgs),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
@@ -56,6 +60,8 @@ pub(crate) enum Command {
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
+    /// Debug a flight at a prompt: go to any scan, see what each stage made, change settings, answer the flight again, compare.
+    Debug(DebugArgs),
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),
@@ -70,6 +76,10 @@ pub(crate) enum Command {
     /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
+    /// Write a recording for the Rerun viewer to standard output, as the viewer asks its importers to.
+    #[cfg(feature = "rerun")]
+    #[command(hide = true)]
+    Import(import::ImportArgs),
     /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
     /// Print a script that lets a shell complete commands and options.
@@ -88,6 +98,10 @@ pub(crate) enum Command {
 impl Command {
     /// Names the file of settings that nobody gave on the command line, before a command that reads it.
     pub(crate) fn say_settings_found(&self) {
+        #[cfg(feature = "rerun")]
+        if matches!(self, Self::Import(_)) {
+            return; // most files that it is called with are not for us
+        }
         let reads_none = matches!(
             self,
             Self::View(_)
@@ -116,7 +130,8 @@ pub(crate) struct RunArgs {
     pub(crate) config: ConfigArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Read on at the end of an MCAP that is still being written, until its recorder closes it or Ctrl-C.
+    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
+    /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
@@ -126,7 +141,29 @@ pub(crate) struct RunArgs {
     #[arg(short, long)]
     pub(crate) quiet: bool,
     #[command(flatten)]
+    pub(crate) live: LiveArgs,
+    #[command(flatten)]
     pub(crate) record: RecordArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    next_help_heading = "Live robots, zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)"
+)]
+pub(crate) struct LiveArgs {
+    /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
+    /// ingest.odometry=TOPIC.
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) odometry: Option<String>,
+    /// ROS domain of a robot on Zenoh. With --as, the topic is a key of plain messages instead.
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(crate) domain: u32,
+    /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
+    #[arg(long, value_name = "FILE.json5")]
+    pub(crate) zenoh_config: Option<PathBuf>,
+    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY")]
+    pub(crate) publish: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -275,11 +312,21 @@ pub(crate) struct CompareArgs {
     /// Configuration, given at least twice, in parts that commas separate: a preset, a file of settings over it (FILE.toml,
     /// or FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
     /// (`mine=paper,affinity.sigma_per_m2=3`). The others are compared with the first.
-    #[arg(long, required = true, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    #[arg(long, required_unless_present = "golden", value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Compare what every stage of one configuration makes with what is kept in this folder; the first difference by
+    /// revolution, stage and value is shown, and the exit code is 1. DIR/tolerance.json has a tolerance by value.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "all"])]
+    pub(crate) golden: Option<PathBuf>,
+    /// Keep what the stages make in the folder of --golden, in place of what is there.
+    #[arg(long, requires = "golden", conflicts_with = "junit")]
+    pub(crate) update: bool,
+    /// Write the comparison of --golden as JUnit XML, a test for each revolution.
+    #[arg(long, value_name = "FILE.xml", requires = "golden")]
+    pub(crate) junit: Option<PathBuf>,
     /// List every stretch of the flight where the walls differ, not only the longest ones.
     #[arg(long)]
     pub(crate) all: bool,

@@ -2,8 +2,11 @@
 
 pub(crate) mod compare;
 pub(crate) mod convert;
+pub(crate) mod debug;
 pub(crate) mod evaluate;
 pub(crate) mod explore;
+#[cfg(feature = "rerun")]
+pub(crate) mod import;
 pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod report;

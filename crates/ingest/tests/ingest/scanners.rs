@@ -47,7 +47,7 @@ fn transform(topic: &'static str, parent: &str, child: &str, [x, y, yaw_rad]: [f
     Record { topic, type_name, encoding, log_time_ns: stamp_ns, data: transforms.encode(Endian::Little) }
 }
 
-fn fixed() -> Vec<Record> {
+pub(crate) fn fixed() -> Vec<Record> {
     vec![
         transform("/tf_static", "base_link", "front_laser", FRONT, time_ns(0)),
         transform("/tf_static", "base_link", "rear_laser", REAR, time_ns(0)),
@@ -56,7 +56,7 @@ fn fixed() -> Vec<Record> {
 }
 
 /// `count` scans of both scanners; the rear one is later by this.
-fn scans(count: u64, late_ns: u64, range_max_m: f64) -> Vec<Record> {
+pub(crate) fn scans(count: u64, late_ns: u64, range_max_m: f64) -> Vec<Record> {
     let pair = |i: u64| {
         let front = room_scan(FRONT, "front_laser", time_ns(i), range_max_m);
         let rear = room_scan(REAR, "rear_laser", time_ns(i) + late_ns, range_max_m);
@@ -185,4 +185,25 @@ fn a_loss_of_the_other_scanner_is_a_loss() {
         "{:?}",
         recording.losses()
     );
+}
+
+#[test]
+fn scanners_that_state_one_frame_are_joined_only_if_they_agree() {
+    let flight = |rear: [f64; 3]| -> Vec<Record> {
+        let pair = |i: u64| {
+            let front = room_scan(FRONT, "laser", time_ns(i), 30.0);
+            let rear = room_scan(rear, "laser", time_ns(i), 30.0);
+            [record_at("/front/scan", time_ns(i), &front), record_at("/rear/scan", time_ns(i), &rear)]
+        };
+        (0..3).flat_map(pair).collect()
+    };
+    // From the opposite corner the room would look the same.
+    let turned = [-0.4, 0.3, 2.0];
+    for (rear, expected) in
+        [(FRONT, "joined with /rear/scan in frame `laser`"), (turned, "both scanners state the frame")]
+    {
+        for (_, notes) in read(&flight(rear)) {
+            assert!(notes.iter().any(|note| note.contains(expected)), "{rear:?}: {notes:?}");
+        }
+    }
 }

@@ -12,6 +12,8 @@ use anyhow::Context;
 use serde_json::Value;
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
+use crate::text_file;
+
 /// Another sweep has this long to write a file that both write.
 const PATIENCE: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(10);
@@ -29,7 +31,7 @@ impl Store {
 
     /// What was computed under this name; `None` if nothing was, or it is damaged.
     pub(super) fn get(&self, name: &str) -> Option<Value> {
-        serde_json::from_slice(&std::fs::read(self.path(name)).ok()?).ok()
+        serde_json::from_str(&text_file::read(&self.path(name)).ok()?).ok()
     }
 
     /// Keeps what was computed. A file is there as a whole or not at all.
