@@ -154,7 +154,7 @@ impl Reporter {
                 revolution,
                 verdicts,
                 outline,
-                confidence::remains(spacing_rad, doorway.is_some()),
+                confidence::remains(spacing_rad, doorway.is_some()) * confidence::of_smallest_wall(&out.walls),
                 vehicle_width_m,
                 margin_decades,
                 out,

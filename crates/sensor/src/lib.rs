@@ -20,6 +20,7 @@
 //! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
+//! | within 0.5 % below `range_max`, if 8 beams or more are, 8 are at it, and most of those below are beside one at it: noise about the maximum | no return | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞, nearer than the sensor measures | unknown | yes |
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |

@@ -306,6 +306,23 @@ fn a_constant_below_range_max_that_stands_for_no_return_is_read_so_and_equal_ran
 }
 
 #[test]
+fn ranges_that_scatter_about_the_maximum_are_no_returns_and_a_wall_that_leaves_the_range_is_one() {
+    let wall = |i: usize| 2.0 + 0.003 * i as f32;
+    let noise_m = |i: usize| 0.001 + 0.0013 * ((i * 7) % 31) as f32;
+    let read = |open: &dyn Fn(usize) -> f32| {
+        let ranges: Vec<f32> = (0..80).map(|i| if i < 40 { wall(i) } else { open(i) }).collect();
+        plain(&LaserScan { range_max: 10.0, angle_increment: 0.01, angle_max: 0.79, ..scan(&ranges) })
+    };
+    let (noisy, notes) = read(&|i| if i % 2 == 0 { 10.0 } else { 10.0 - noise_m(i) });
+    assert_eq!(noisy.len(), 40);
+    assert!(notes.contains(&"20 beams within noise of range_max 10 m read as no return".to_owned()), "{notes:?}");
+    let leaving = read(&|i| if i < 60 { 9.96 + 0.0015 * (i - 40) as f32 } else { 10.0 }).0;
+    assert_eq!(leaving.len(), 60, "a wall that leaves the range");
+    let exact = read(&|i| if i < 76 { 10.0 } else { 9.999 - 0.001 * (i - 76) as f32 }).0;
+    assert_eq!(exact.len(), 44, "too few for noise");
+}
+
+#[test]
 fn configured_limits_cut_both_ends_and_the_smaller_maximum_holds() {
     let cut = sensor(&[("min_range_m", Value::Number(1.0)), ("max_range_m", Value::Number(10.0))]);
     let (revolution, notes) = revolution_of(&scan(&[0.5, 1.0, 10.0, 10.5]), &cut);
