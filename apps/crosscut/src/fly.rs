@@ -122,6 +122,12 @@ impl Flight {
         Self { is_judged: truths.is_some(), truths, ..self }
     }
 
+    /// Whether its scans are clouds of points.
+    #[cfg(feature = "rerun")]
+    pub(crate) fn gives_clouds(&self) -> bool {
+        self.recording.gives_clouds()
+    }
+
     /// Whether it is read as it comes.
     pub(crate) fn is_stream(&self) -> bool {
         self.recording.is_stream()

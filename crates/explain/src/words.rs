@@ -11,7 +11,7 @@ const MOST_VERDICTS: usize = 5;
 
 impl Explanation {
     /// The explanation as Markdown: the count in a sentence, then its [details](Self::details). `color_of` names the colour
-    /// in which a wall is drawn.
+    /// in which a wall is drawn; empty where it is not drawn.
     pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
         format!("{}\n\n{}", self.title(frame, color_of), self.details(frame, color_of))
     }
@@ -155,7 +155,10 @@ impl Words<'_> {
     }
 
     fn wall(&self, wall: u32) -> String {
-        format!("{wall} ({})", (self.color_of)(wall))
+        match (self.color_of)(wall) {
+            "" => format!("wall {wall}"),
+            color => format!("{wall} ({color})"),
+        }
     }
 
     fn edge(&self, edge: Edge) -> String {

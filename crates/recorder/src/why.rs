@@ -13,7 +13,7 @@ use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
 use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
-use crate::tracks::Classes;
+use crate::tracks::{Classes, Tracks};
 
 /// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
 const DRAWN_A_RETURN: usize = 4;
@@ -37,6 +37,13 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
     let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
     rec.log_static(SCAN_LINKS_EDGES.path, &edges)
+}
+
+/// The text of `/report/why` for a finished frame, as a recording has it that begins with this revolution; without the file, the
+/// preset and the truth, which a frame does not know.
+pub fn why(frame: &Frame) -> String {
+    let classes = Tracks::default().classes_of(frame);
+    Explanation::of(frame).to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))))
 }
 
 /// The explanation of one revolution, drawn, and whether it is worth a look.
