@@ -78,6 +78,7 @@ fn input(file: &Path, topic: Option<String>) -> InputArgs {
         from: None,
         to: None,
         every: std::num::NonZeroU64::MIN,
+        join: false,
     }
 }
 

@@ -121,7 +121,7 @@ impl Stay {
         let agrees = self.agrees(frame.junction.openings.len(), frame.junction.junctions);
         let better = frame.junction.confidence > self.clearest.confidence;
         let agreed = self.agrees(self.clearest.openings.len(), self.clearest.walls);
-        if agrees > agreed || (agrees == agreed && better) {
+        if (agrees && !agreed) || (agrees == agreed && better) {
             self.clearest = Scan::of(frame);
         }
     }
