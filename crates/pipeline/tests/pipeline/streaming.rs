@@ -286,15 +286,16 @@ fn the_engine_alone_does_the_same_steps_and_recovers_after_a_failure() {
 
 #[test]
 fn an_affinity_that_nothing_was_calibrated_for_has_no_confidence() {
-    let answer = |kind: &str| {
+    let answer = |settings: &[&str]| {
         let mut frame = Frame::default();
         frame.revolution.points_m = vec![crosscut_stage::Point::origin()];
-        let mut engine = Engine::new(&config(&[&format!("affinity.kind={kind}")]), &registry());
+        let mut engine = Engine::new(&config(settings), &registry());
         engine.process(&mut frame).expect("nothing fails at x = 0");
         (frame.junction.confidence, frame.notes.iter().any(|note| note.contains("nothing was calibrated")))
     };
-    assert_eq!(answer("failing"), (None, true));
-    let (confidence, noted) = answer("rbf");
+    assert_eq!(answer(&["affinity.kind=failing"]), (None, true));
+    let shipped = ["affinity.kind=rbf", "spectral.kind=faer", "kmeans.kind=components"];
+    let (confidence, noted) = answer(&shipped);
     assert!(confidence.is_some() && !noted);
 }
 
