@@ -71,6 +71,7 @@ impl Flight {
     pub fn place(&mut self, frame: &mut Frame) {
         let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
         frame.pose = tracked.map(|tracked| tracked.pose);
+        frame.pose_doubt = tracked.map(|tracked| tracked.doubt).unwrap_or_default();
         if tracked.is_some_and(|tracked| tracked.lost) {
             self.places.forget();
         }

@@ -13,7 +13,7 @@ use std::time::Instant;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use crosscut_flight::{Flight, LOOK_AHEAD};
 use crosscut_report::VEHICLE_WIDTH_M;
-use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
+use crosscut_stage::{Failure, FailureCause, Frame, Observer, PoseDoubt, Source, Step};
 
 use crate::engine::{Engine, Worker, elapsed_ns, panic_text};
 use crate::pace::Pace;
@@ -223,6 +223,7 @@ impl Collect<'_> {
             }
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
             (frame.pose, frame.here, frame.steady) = (None, None, None);
+            frame.pose_doubt = PoseDoubt::default();
             frame.timings.set_flight_ns(None);
             if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));

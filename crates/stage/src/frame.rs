@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Isometry2;
 
-use crate::{Affinity, Beam, Here, Junction, Notes, Partition, Revolution, Spectrum, Steady};
+use crate::{Affinity, Beam, Here, Junction, Notes, Partition, PoseDoubt, Revolution, Spectrum, Steady};
 
 /// All that is known of one revolution. It passes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,8 @@ pub struct Frame {
     /// Where the revolution was taken, metres and radians in the frame of the flight's first pose, from the flight;
     /// `None` where that is not known.
     pub pose: Option<Isometry2<f64>>,
+    /// How far the pose may be off, from the flight.
+    pub pose_doubt: PoseDoubt,
     /// The place that the vehicle is in, from the flight; `None` for a cloud, where no wall is in view, and
     /// for a limited view that has not seen enough around it.
     pub here: Option<Here>,

@@ -45,7 +45,7 @@ class FlightMap:
         """The map so far; needs networkx.
 
         Nodes are numbers and have ``kind`` ("junction" or "dead_end"), ``x_m``, ``y_m``, ``ways`` and ``visits`` (pairs of
-        stamps); a way whose ``edge`` is None was not flown from end to end. Edges have ``length_m``, ``width_m`` and
+        stamps); a way whose ``edge`` is None was not flown from end to end. Edges have ``length_m``, ``length_sd_m``, ``width_m`` and
         ``via_m``, and their number as key.
         """
         import networkx
