@@ -6,6 +6,7 @@ use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, R
 
 use crate::agreement::{Agreement, Compared};
 use crate::gap::Clock;
+use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
 
 const POSE: Word = Word::one_of("pose", &["auto", "odometry", "scan_match", "odometry_scan_match", "none"])
@@ -200,7 +201,8 @@ impl PoseTracker {
 
     /// Compares odometry and scans, and what there is to note about it.
     fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<String> {
-        if matched.lost || matched.held != Held::Everywhere {
+        let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
+        if matched.lost || matched.held != Held::Everywhere || !are_neighbours {
             return None;
         }
         let Compared { odometry_m, scans_m, contradicts, is_new } =

@@ -54,6 +54,9 @@ const NOISE_TIMES: f64 = 2.0;
 /// Odometry is left out for a revolution if the sum is lower by this much without it.
 const ODOMETRY_LEAD: f64 = 4.0;
 
+/// Revolutions that odometry takes to be farther apart than this are no neighbours: walls that match elsewhere are others.
+pub(crate) const NEIGHBOURS_M: f64 = 1.0;
+
 /// A steady motion that ends this near to where odometry does is not tried, metres and radians.
 const NEAR: f64 = 0.03;
 
@@ -149,7 +152,10 @@ impl ScanMatcher {
             let standing = Motion { step: Isometry2::identity(), ..steady };
             let others = [(steady, NEAR), (standing, KERNEL_M)]
                 .map(|(motion, near)| (self.prediction(&motion, ODOMETRY_LEAD), near));
-            let is_far = |(other, near): &&(Prediction, f64)| difference(&other.pose, &prediction.pose).amax() > *near;
+            let is_far = |(other, near): &&(Prediction, f64)| {
+                let off = difference(&other.pose, &prediction.pose);
+                off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
+            };
             let others = others.iter().filter(is_far).map(|(other, _)| self.align(other.pose, other));
             let best = others.fold(first, |best, other| if other.0 < best.0 { other } else { best });
             Matched { surprise: prediction.surprise(&difference(&best.1.pose, &prediction.pose)), ..best.1 }

@@ -35,8 +35,8 @@ impl Mount {
     /// The frame of the vehicle is the first above the sensor's whose name has `base` in it, else the topmost.
     pub(crate) fn of(&self, frame: &str) -> Option<(f64, bool)> {
         let line = self.0.line(frame);
-        let above = line.iter().skip(1).filter(|name| !WORLD.contains(*name));
-        let vehicle = above.clone().find(|name| name.contains("base")).or_else(|| above.clone().last())?;
+        let mut above = line.iter().skip(1).filter(|name| !WORLD.contains(*name));
+        let vehicle = above.clone().find(|name| name.contains("base")).or_else(|| above.next_back())?;
         let rotation = self.0.pose(frame, vehicle, 0)?.rotation;
         let (ahead, up) = (rotation * Vector3::x(), rotation * Vector3::z());
         let is_level = up.z.abs() > LEVEL_RAD.cos();
