@@ -142,7 +142,7 @@ SECTIONS: dict[str, tuple[str, list[str], str, Callable]] = {
         "What real lidars do",
         [
             "tests/foreign/run places target/places/effects --count 60 --seed 303 --effects",
-            "crosscut evaluate target/places/effects --with paper,spectral.kind=slicing --with default",
+            "crosscut evaluate target/places/effects --with paper --with default",
         ],
         "effects.json",
         evaluation,

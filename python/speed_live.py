@@ -28,7 +28,7 @@ LOOPBACK = """<CycloneDDS><Domain>
 
 
 def bus(where: str) -> Any:
-    return _dds.Bus(DOMAIN) if where == "dds" else _zenoh.Bus(where, 0)
+    return _dds.Bus(DOMAIN, print) if where == "dds" else _zenoh.Bus(where, 0, None, print)
 
 
 def send(where: str) -> None:

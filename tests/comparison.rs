@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::flight::{Writing, bytes, file, tunnel, tunnel_scan};
-use crate::program::{Ran, column, results_of, run, shipped_flight};
+use crate::program::{Ran, column, crosscut, results_of, run, shipped_flight};
 
 fn compare(input: &Path, with: &[&str], more: &[&str]) -> Ran {
     let with = with.iter().flat_map(|name| ["--with", name]);
@@ -126,8 +126,10 @@ fn one_configuration_or_an_unknown_one_is_wrong_usage() {
     assert!(refused(&["default"], &[]).contains("at least two"));
     assert!(refused(&["default", "papper"], &[]).contains("there are: paper, default"));
     assert!(refused(&["default", "paper,affinity.sigma=3"], &[]).contains("did you mean sigma_per_m2?"));
-    assert!(refused(&["default", "paper,mine.toml"], &[]).contains("\"mine.toml\" is neither a file nor a setting"));
-    assert!(refused(&["default", "mine.toml"], &[]).contains("mine.toml: neither a preset"));
+    for with in ["paper,mine.toml", "mine.toml"] {
+        assert!(refused(&["default", with], &[]).contains("mine.toml: No such file"), "{with}");
+    }
+    assert!(refused(&["default", "paper,mine"], &[]).contains("\"mine\" is neither a preset"));
     let input = flight.to_str().expect("a path in UTF-8");
     assert!(refused(&["default", "paper"], &["--json", input]).contains("would be overwritten"));
 }
@@ -142,6 +144,26 @@ fn a_settings_file_overrides_the_preset_before_it() {
     assert_eq!(figures["same_walls"]["hits"], figures["same_walls"]["of"], "the same settings: {figures}");
     // Alone the file overrides preset `default`, whose affinity has no such parameter.
     compare(&shipped_flight(), &["paper", settings.to_str().expect("UTF-8")], &[]).expect_code(2);
+}
+
+#[test]
+fn what_a_configuration_is_does_not_depend_on_the_files_there() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // Files with the names of a preset and of a setting.
+    for name in ["paper", "affinity.sigma_per_m2=3"] {
+        file(folder.path(), name, b"[vehicle]\nwidth_m = 99\n");
+    }
+    let flight = shipped_flight();
+    let args = ["compare", flight.to_str().expect("UTF-8"), "--every=20", "--json=-", "--with=paper", "--with"];
+    let compared = |with: &str| {
+        let ran = crosscut(args.into_iter().chain([with])).current_dir(folder.path()).output().expect("it starts");
+        let ran = Ran::from(ran).expect_code(0);
+        serde_json::from_str::<Value>(&ran.stdout).expect("JSON")["configurations"][1].clone()
+    };
+    let [plain, named] = ["paper,affinity.sigma_per_m2=3", "mine=paper,affinity.sigma_per_m2=3"].map(compared);
+    assert_eq!((&plain["name"], &named["name"]), (&"paper,affinity.sigma_per_m2=3".into(), &"mine".into()));
+    assert_eq!(plain["settings"], named["settings"]);
+    assert!(plain["settings"].as_str().is_some_and(|settings| !settings.contains("99")));
 }
 
 #[test]

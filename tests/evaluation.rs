@@ -130,6 +130,9 @@ fn scans_that_cannot_be_compared_are_reported_with_code_3() {
     let page = folder.path().join("gaps.html");
     run([Path::new("report"), &input, Path::new("--out"), &page]).expect_code(3);
     assert!(std::fs::read_to_string(&page).expect("written").contains("<li>2 scans cannot be compared"));
+    let grid = ["sweep", "--grid", "preset=default,threshold", "--out"].map(Path::new);
+    let swept = run(grid.into_iter().chain([folder.path().join("sweep").as_path(), &input])).expect_code(3).stderr;
+    assert!(swept.contains("lost: 2 scans cannot be compared") && swept.contains("of 1 scan,"), "{swept}");
 }
 
 #[test]

@@ -62,10 +62,14 @@ fn missions_and_planners_are_listed_and_unknown_ones_refused() {
 
 #[test]
 fn several_missions_are_a_table() {
-    let (json, said) = outcome(&["tee", "--seed", "1", "--count", "2"]);
-    let value: Value = serde_json::from_str(&json).expect("a list");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let json = folder.path().join("missions.json");
+    let args = ["explore", "tee", "--seed", "1", "--count", "2", "--json"].map(std::ffi::OsStr::new);
+    let ran = run(args.into_iter().chain([json.as_os_str()])).expect_code(0);
+    let value: Value = serde_json::from_slice(&std::fs::read(&json).expect("written")).expect("a list");
     assert_eq!(value.as_array().map(Vec::len), Some(2));
-    assert!(said.contains("success %") && said.contains("tee"), "{said}");
+    assert!(ran.stdout.contains("success %") && ran.stdout.contains("tee"), "{}", ran.stdout);
+    assert_eq!(ran.stderr, "");
 }
 
 #[test]
@@ -139,5 +143,40 @@ fn a_killed_mission_is_resumed_from_its_journal() {
     let refused = run(["explore", "tee", "--resume", &journal, "--journal", &journal]).expect_code(2).stderr;
     assert!(refused.contains("would be overwritten"), "{refused}");
     let refused = run(["explore", "tee", "--resume", &path("none.mcap")]).expect_code(1).stderr;
-    assert!(refused.contains("cannot read the recording"), "{refused}");
+    assert!(refused.contains("none.mcap"), "{refused}");
+}
+
+/// A journal whose first chunk holds one record, which states this length.
+fn forged(journal: &[u8], length: u64) -> Vec<u8> {
+    let mut at = mcap::MAGIC.len();
+    while journal[at] != mcap::records::op::CHUNK {
+        let length = u64::from_le_bytes(journal[at + 1..at + 9].try_into().expect("8 bytes"));
+        at += 9 + usize::try_from(length).expect("small");
+    }
+    let records = [&[mcap::records::op::MESSAGE][..], &length.to_le_bytes(), &[0; 100]].concat();
+    let compressed = zstd::encode_all(&records[..], 1).expect("in memory");
+    let header = [&[0; 16][..], &(records.len() as u64).to_le_bytes(), &[0; 4], &4u32.to_le_bytes(), b"zstd"].concat();
+    let body = [&header[..], &(compressed.len() as u64).to_le_bytes(), &compressed].concat();
+    let chunk = [&[mcap::records::op::CHUNK][..], &(body.len() as u64).to_le_bytes(), &body].concat();
+    [&journal[..at], &chunk].concat()
+}
+
+#[test]
+fn a_forged_length_in_a_journal_is_refused_in_words() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [plan, journal] = ["plan.json", "journal.mcap"].map(|name| folder.path().join(name));
+    let text = r#"{"nodes": [{"id": 0, "x_m": 0, "y_m": 0}, {"id": 1, "x_m": 8, "y_m": 0}],
+        "edges": [{"from": 0, "to": 1, "width_m": 3.5}]}"#;
+    std::fs::write(&plan, text).expect("written");
+    let explore = |option: &str| {
+        let words = ["explore", "--quiet", "--plan"].map(Path::new);
+        run(words.into_iter().chain([plan.as_path(), Path::new(option), journal.as_path()]))
+    };
+    explore("--journal").expect_code(0);
+    let written = std::fs::read(&journal).expect("written");
+    for length in [1 << 46, 1 << 63] {
+        std::fs::write(&journal, forged(&written, length)).expect("written");
+        let said = explore("--resume").expect_code(1).stderr;
+        assert!(said.starts_with("error: ") && !said.contains("panicked"), "{said}");
+    }
 }

@@ -79,7 +79,7 @@ fn a_recording_in_use_is_refused_and_results_are_complete() {
     run(["rrd".as_ref(), "ls".as_ref(), rrd.as_os_str()]).expect_code(0);
 }
 
-/// Starts the command and interrupts it as soon as `made` exists.
+/// Starts the command and interrupts it as soon as `made` exists, such as the part file of an output.
 fn interrupted(command: &[&str], made: &Path) -> Ran {
     let child = crosscut(command).stderr(Stdio::piped()).spawn().expect("the program starts");
     await_or_panic(|| made.exists());
@@ -92,7 +92,8 @@ fn interrupted(command: &[&str], made: &Path) -> Ran {
 fn an_interrupted_simulation_leaves_readable_files() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().to_str().expect("UTF-8");
-    let said = interrupted(&["simulate", "--suite", "all", "--out", path], &folder.path().join("clean35.mcap")).stderr;
+    let said =
+        interrupted(&["simulate", "--suite", "all", "--out", path], &folder.path().join(".clean35.mcap.part")).stderr;
     assert!(said.contains("interrupted: "), "{said}");
     let made: Vec<_> =
         std::fs::read_dir(folder.path()).expect("a folder").map(|e| e.expect("an entry").path()).collect();
@@ -161,7 +162,7 @@ fn an_interrupted_evaluation_says_so_in_its_files() {
     for with in ["paper", "paper,kmeans.seed=2", "paper,kmeans.seed=3", "paper,kmeans.seed=4"] {
         command.extend(["--with", with]);
     }
-    interrupted(&command, Path::new(&json));
+    interrupted(&command, &folder.path().join(".figures.json.part"));
     for file in [json, markdown] {
         assert!(std::fs::read_to_string(&file).expect("written").contains("interrupted"), "{file}");
     }

@@ -7,6 +7,7 @@ mod exploring;
 mod field;
 mod figures;
 mod flight;
+mod flying;
 mod following;
 mod headline;
 mod input;
@@ -28,3 +29,4 @@ mod simulation;
 mod sweeping;
 #[cfg(all(unix, feature = "rerun"))]
 mod viewing;
+mod writing;

@@ -41,6 +41,12 @@ fn the_input_is_never_overwritten() {
         refused(folder.path(), &format!("run {input} --results @../{}/flight.mcap", name(folder.path())));
         refused(folder.path(), &format!("evaluate {input} --json @flight.mcap"));
     }
+    // A table is a recording, too.
+    for name in ["sweep.csv", "flight-default.csv"] {
+        std::fs::copy(folder.path().join("flight.mcap"), folder.path().join(name)).expect("copied");
+    }
+    refused(folder.path(), "sweep @sweep.csv --grid preset=paper --out @");
+    refused(folder.path(), "evaluate @flight.mcap @flight-default.csv --draw-wrong @");
 }
 
 fn name(folder: &Path) -> &str {
@@ -82,6 +88,10 @@ fn the_configuration_file_is_never_overwritten() {
     refused(folder.path(), "run @flight.mcap --config @settings.toml --results @settings.toml");
     refused(folder.path(), "run @flight.mcap --config @settings.toml --save @settings.toml");
     refused(folder.path(), "convert @flight.mcap --config @settings.toml --out @settings.toml");
+    for (command, name) in [("map", "settings.json"), ("report", "settings.html")] {
+        std::fs::copy(folder.path().join("settings.toml"), folder.path().join(name)).expect("copied");
+        refused(folder.path(), &format!("{command} @flight.mcap --config @{name} --out @{name}"));
+    }
     refused(folder.path(), "evaluate @flight.mcap --with @settings.toml --json @settings.toml");
     refused(folder.path(), "evaluate @flight.mcap --with @settings.toml,affinity.kind=rbf --markdown @settings.toml");
     refused(folder.path(), "compare @flight.mcap --with default --with @settings.toml --json @settings.toml");

@@ -38,11 +38,11 @@ fn serving(flight: &Path, address: &str) -> (Child, String) {
     (child, said)
 }
 
-/// Whether a page of `origin` may read from the server at `address`.
+/// Whether a page of `origin` that calls the machine `host` may read from the server at `address`.
 #[cfg(unix)]
-fn allows(address: &str, origin: &str) -> bool {
+fn allows(address: &str, host: &str, origin: &str) -> bool {
     let mut stream = TcpStream::connect(address).expect("it listens");
-    let request = format!("OPTIONS / HTTP/1.1\r\nHost: {address}\r\nOrigin: {origin}\r\nConnection: close\r\n");
+    let request = format!("OPTIONS / HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nConnection: close\r\n");
     let preflight = format!("{request}Access-Control-Request-Method: POST\r\n\r\n");
     stream.write_all(preflight.as_bytes()).expect("it reads");
     let mut answer = String::new();
@@ -59,7 +59,15 @@ fn other_machines_can_connect_to_a_server_at_every_address() {
     let (mut child, said) = serving(&flight, "0.0.0.0:0");
     assert!(said.contains("from another machine: put this machine's address in place of 127.0.0.1"), "{said}");
     let address = address_in(&said);
-    assert!(allows(address, "http://192.168.1.7:4242") && !allows(address, "https://example.com"));
+    for (host, origin, expected) in [
+        (address, "http://127.0.0.1:4242", true),
+        ("192.168.1.7:9877", "http://192.168.1.7:4242", true),
+        ("192.168.1.7:9877", "http://192.168.1.8:4242", false),
+        (address, "https://example.com", false),
+        ("example.com:9877", "http://example.com:9877", false),
+    ] {
+        assert_eq!(allows(address, host, origin), expected, "{host} {origin}");
+    }
     child.kill().expect("it runs");
     child.wait().expect("it ends");
 }

@@ -103,7 +103,7 @@ def explore(show: bool = False, most_steps: int = 6000) -> tuple[crosscut.Comman
         if show:
             simulator.render()
     simulator.end(0)
-    return command, seen, math.hypot(x_m, y_m), contacts, navigator.flight_map().summary()
+    return command, seen, math.hypot(x_m, y_m), contacts, navigator.map.summary()
 
 
 if __name__ == "__main__":

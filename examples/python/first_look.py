@@ -20,7 +20,7 @@ def main(path: Path = SHIPPED) -> None:
 
     places = collections.Counter(result.place for result in results)
     print("places:", ", ".join(f"{place} {count}" for place, count in places.most_common()))
-    sure = sum(result.confidence >= 0.9 for result in results)
+    sure = sum((result.confidence or 0.0) >= 0.9 for result in results)
     print(f"sure: {sure} of {len(results)}")
 
     before = None

@@ -1,4 +1,4 @@
-"""Flies a robot through all of a mine and home: its scans and odometry in, geometry_msgs/Twist out.
+"""Flies a robot through all of a mine and home: its scans and odometry in, geometry_msgs/Twist or TwistStamped out.
 
     python examples/python/fly_robot.py zenoh://robot.local:7447/scan --width-m 0.6 --speed-m-s 0.8
     python examples/python/fly_robot.py ros2://0/scan                    over DDS
@@ -21,6 +21,7 @@ def main() -> None:
     parser.add_argument("robot", metavar="ADDRESS", help="zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC")
     parser.add_argument("--odometry", default="/odom")
     parser.add_argument("--command", default="/cmd_vel")
+    parser.add_argument("--stamped", action="store_true", help="the base takes TwistStamped")
     parser.add_argument("--domain", type=int, default=0, help="ROS domain of a robot on Zenoh [default: 0]")
     parser.add_argument("--planner", default="nearest_frontier")
     parser.add_argument("--width-m", type=float, default=0.6, help="the robot's diameter [default: 0.6]")
@@ -31,18 +32,18 @@ def main() -> None:
     navigator = crosscut.Navigator(crosscut.Engine(vehicle={"width_m": args.width_m}), args.planner, **limits)
     with crosscut.live.Robot(args.robot, odometry=args.odometry, domain=args.domain) as robot:
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: robot.close())
+            signal.signal(number, lambda *_: robot.stop())
         try:
             for scan, _ in robot:
                 command = navigator.step(scan)
-                robot.drive(args.command, command.speed_m_s, command.turn_rate_rad_s)
+                robot.drive(args.command, command.speed_m_s, command.turn_rate_rad_s, stamped=args.stamped)
                 if command.why or command.done:
                     print(command.end or command.why, flush=True)
                 if command.done:
-                    robot.close()
+                    robot.stop()
         finally:
-            robot.drive(args.command, 0.0, 0.0)
-    print(navigator.flight_map().summary())
+            robot.drive(args.command, 0.0, 0.0, stamped=args.stamped)
+    print(navigator.map.summary())
 
 
 if __name__ == "__main__":

@@ -34,7 +34,6 @@ SETTINGS = """
 kind = "python:self_tuning.self_tuning"
 
 [spectral]
-kind = "slicing"
 zero_tolerance = 1e-3
 """
 

@@ -1,7 +1,7 @@
 //! What one revolution becomes in Python.
 
-use crosscut_sensor::Sensor;
 use crosscut_report::{HereLine, ResultsLine, SteadyLine};
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Embedding, Frame, Step, Weights};
 use numpy::IntoPyArray;
 use pyo3::intern;

@@ -8,6 +8,8 @@ use numpy::{
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::sparse;
+
 /// Points as an (n, 3) array, metres.
 pub(crate) fn points<'py>(py: Python<'py>, points_m: &[Point]) -> PyResult<Bound<'py, PyAny>> {
     let flat: Vec<f64> = points_m.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
@@ -46,32 +48,35 @@ fn csr<'py>(py: Python<'py>, rows: &Csr, ncols: usize) -> PyResult<Bound<'py, Py
         starts.push(columns.len() as i64);
     }
     let parts = (values.into_pyarray(py), columns.into_pyarray(py), starts.into_pyarray(py));
-    py.import("scipy.sparse")?.getattr("csr_array")?.call1((parts, (rows.n(), ncols)))
+    py.import("crosscut._extras")?.call_method0("scipy_sparse")?.getattr("csr_array")?.call1((parts, (rows.n(), ncols)))
 }
 
 /// A matrix that Python gave, by its nonzero entries or with all of them, row by row.
 pub(crate) enum Matrix {
     Dense { shape: [usize; 2], flat: Vec<f64> },
-    Sparse { shape: [usize; 2], starts: Vec<i64>, columns: Vec<i64>, values: Vec<f64> },
+    Sparse { shape: [usize; 2], starts: Vec<usize>, columns: Vec<u32>, values: Vec<f64> },
 }
 
 impl Matrix {
-    /// Reads an array, anything that numpy makes one of, or a sparse matrix of scipy.
-    pub(crate) fn of(object: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if !object.hasattr("tocsr")? {
-            refuse_complex(object)?;
-            let array: PyArrayLike2<'_, f64, AllowTypeChange> = object.extract().map_err(|_| not_a_matrix(object))?;
-            let array = array.as_array();
-            return Ok(Self::Dense { shape: [array.nrows(), array.ncols()], flat: array.iter().copied().collect() });
+    /// Reads an array, anything that numpy makes one of, or a sparse matrix of scipy. Of one whose shape does not fit, the shape
+    /// alone is read: what Python gives may be of any size.
+    pub(crate) fn of(object: &Bound<'_, PyAny>, fits: impl Fn([usize; 2]) -> bool) -> PyResult<Self> {
+        if object.hasattr("tocsr")? {
+            return sparse::read(object, fits);
         }
-        let csr = object.call_method0("tocsr")?.call_method0("copy")?;
-        csr.call_method0("sum_duplicates")?; // columns ascend after it
-        Ok(Self::Sparse {
-            shape: csr.getattr("shape")?.extract()?,
-            starts: vector(&csr.getattr("indptr")?)?,
-            columns: vector(&csr.getattr("indices")?)?,
-            values: vector(&csr.getattr("data")?)?,
-        })
+        let array = array(object).map_err(|_| not_a_matrix(object))?;
+        let &[nrows, ncols] = array.shape() else { return Err(not_a_matrix(object)) };
+        let shape = [nrows, ncols];
+        if !fits(shape) {
+            return Ok(Self::without_entries(shape));
+        }
+        refuse_complex(object, &array)?;
+        let array: PyArrayLike2<'_, f64, AllowTypeChange> = array.extract().map_err(|_| not_a_matrix(object))?;
+        Ok(Self::Dense { shape, flat: array.as_array().iter().copied().collect() })
+    }
+
+    pub(crate) fn without_entries(shape: [usize; 2]) -> Self {
+        Self::Dense { shape, flat: Vec::new() }
     }
 
     pub(crate) fn shape(&self) -> [usize; 2] {
@@ -90,9 +95,7 @@ impl Matrix {
             }
             Self::Sparse { starts, columns, values, .. } => {
                 for (i, span) in starts.windows(2).enumerate() {
-                    for at in span[0] as usize..span[1] as usize {
-                        entry(i, columns[at] as usize, values[at]);
-                    }
+                    (span[0]..span[1]).for_each(|at| entry(i, columns[at] as usize, values[at]));
                 }
             }
         }
@@ -103,32 +106,36 @@ impl Matrix {
         match self {
             Self::Dense { shape, flat } => flat[i * shape[1] + j],
             Self::Sparse { starts, columns, values, .. } => {
-                let span = starts[i] as usize..starts[i + 1] as usize;
-                columns[span.clone()].binary_search(&(j as i64)).map_or(0.0, |at| values[span.start + at])
+                let span = starts[i]..starts[i + 1];
+                columns[span.clone()].binary_search(&(j as u32)).map_or(0.0, |at| values[span.start + at])
             }
         }
     }
 }
 
-/// The numbers of a one-dimensional array, or of anything that numpy makes one of.
-pub(crate) fn vector<T>(object: &Bound<'_, PyAny>) -> PyResult<Vec<T>>
+/// The numbers of a one-dimensional array, or of anything that numpy makes one of: at most this many.
+pub(crate) fn vector<T>(object: &Bound<'_, PyAny>, most: usize) -> PyResult<Vec<T>>
 where
     T: numpy::Element + Copy,
     for<'a, 'py> PyArrayLike1<'py, T, AllowTypeChange>: FromPyObject<'a, 'py>,
 {
-    refuse_complex(object)?;
-    let array: Result<PyArrayLike1<'_, T, AllowTypeChange>, _> = object.extract();
-    let array =
-        array.map_err(|_| PyTypeError::new_err(format!("{} is not an array of one dimension", kind(object))))?;
-    Ok(array.as_array().iter().copied().collect())
+    let not_a_vector = || PyTypeError::new_err(format!("{} is not an array of one dimension", kind(object)));
+    let array = array(object).map_err(|_| not_a_vector())?;
+    let &[length] = array.shape() else { return Err(not_a_vector()) };
+    if length > most {
+        return Err(PyValueError::new_err(format!("{} has more than {most} entries", kind(object))));
+    }
+    refuse_complex(object, &array)?;
+    let array: Result<PyArrayLike1<'_, T, AllowTypeChange>, _> = array.extract();
+    Ok(array.map_err(|_| not_a_vector())?.as_array().iter().copied().collect())
 }
 
 /// The labels in a one-dimensional array, or in anything that numpy makes one of. A cast of numpy would round them.
-pub(crate) fn labels(object: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
-    if matches!(entries(object), Some(b'i' | b'u' | b'b')) {
-        return vector(object);
+pub(crate) fn labels(object: &Bound<'_, PyAny>, most: usize) -> PyResult<Vec<i64>> {
+    if array(object).is_ok_and(|array| matches!(array.dtype().kind(), b'i' | b'u' | b'b')) {
+        return vector(object, most);
     }
-    let values: Vec<f64> = vector(object)?;
+    let values: Vec<f64> = vector(object, most)?;
     let whole = |(at, value): (usize, f64)| {
         let label = value as i64;
         let is_whole = label as f64 == value;
@@ -139,22 +146,24 @@ pub(crate) fn labels(object: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
     values.into_iter().enumerate().map(whole).collect()
 }
 
-/// A cast of numpy would drop imaginary parts.
-fn refuse_complex(object: &Bound<'_, PyAny>) -> PyResult<()> {
-    match entries(object) {
-        Some(b'c') => Err(PyTypeError::new_err(format!("{} has complex numbers, not real ones", kind(object)))),
-        _ => Ok(()),
+/// The array, or the one that numpy makes of an object; no array is copied.
+pub(crate) fn array<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    if let Ok(array) = object.cast::<PyUntypedArray>() {
+        return Ok(array.clone());
     }
+    let made = numpy::get_array_module(object.py())?.call_method1("asarray", (object,))?;
+    Ok(made.cast_into::<PyUntypedArray>()?)
 }
 
-/// What numpy makes the entries of an array: `f` floating point, `c` complex and so on; `None` for what is no array.
-fn entries(object: &Bound<'_, PyAny>) -> Option<u8> {
-    let made = || numpy::get_array_module(object.py())?.call_method1("asarray", (object,));
-    let array = if object.is_instance_of::<PyUntypedArray>() { object.clone() } else { made().ok()? };
-    Some(array.cast::<PyUntypedArray>().ok()?.dtype().kind())
+/// A cast of numpy would drop imaginary parts.
+fn refuse_complex(object: &Bound<'_, PyAny>, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
+    if array.dtype().kind() == b'c' {
+        return Err(PyTypeError::new_err(format!("{} has complex numbers, not real ones", kind(object))));
+    }
+    Ok(())
 }
 
-fn not_a_matrix(object: &Bound<'_, PyAny>) -> PyErr {
+pub(crate) fn not_a_matrix(object: &Bound<'_, PyAny>) -> PyErr {
     PyTypeError::new_err(format!("{} is not an array of two dimensions", kind(object)))
 }
 

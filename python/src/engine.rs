@@ -4,11 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::Instant;
 
-use crosscut_sensor::{Live, Sensor};
-use crosscut_pipeline::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
+use crosscut_detector::{Config, Engine as Stages, Failure, Frame, Layer, Preset, Registry};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::{Live, Sensor};
 use crosscut_stage::Step;
-use nalgebra::{Isometry2, Vector2};
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -16,12 +15,13 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::answer::{Answer, Keep};
 use crate::columns::Columns;
 use crate::error::Class;
-use crate::flight_map::FlightMap;
+use crate::flight::Flight;
 use crate::frames;
 use crate::navigator::{Command, Navigator};
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
 use crate::stages::Callables;
+use crate::values::Pose;
 
 /// The stages of one configuration, with their buffers.
 #[pyclass(frozen, module = "crosscut._native")]
@@ -50,7 +50,7 @@ impl Work {
 
     /// What a flight added to the scan before.
     fn forget_flight(&mut self) {
-        (self.frame.here, self.frame.steady, self.frame.pose) = (None, None, None);
+        self.frame.extra.clear();
     }
 
     fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {
@@ -166,27 +166,27 @@ impl Engine {
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    fn flight_map(&self, py: Python<'_>) -> PyResult<FlightMap> {
-        FlightMap::new(py, &self.config)
+    fn flight(&self, py: Python<'_>) -> PyResult<Flight> {
+        Flight::new(py, &self.config)
     }
 
-    /// As `process`; then the scan becomes a part of `map`. `pose` is x, y and yaw by the vehicle's odometry.
-    fn add_to_map<'py>(
+    /// As `process`; then the scan becomes a part of `flight`. `pose` is that of the vehicle by its odometry.
+    fn fly<'py>(
         &self,
         py: Python<'py>,
         scan: Py<Scan>,
         seq: u64,
-        pose: Option<(f64, f64, f64)>,
-        map: Py<FlightMap>,
+        pose: Option<Pose>,
+        flight: Py<Flight>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let added = self.working(py, |work| {
-            map.get().write(scan.get(), &work.sensor, seq, &mut work.frame);
+            flight.get().write(scan.get(), &work.sensor, seq, &mut work.frame);
             work.forget_flight();
-            if let Some((x_m, y_m, yaw_rad)) = pose {
-                work.frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
+            if let Some(Pose(pose)) = pose {
+                work.frame.revolution.odometry = Some(pose);
             }
             work.stages.process(&mut work.frame)?;
-            map.get().add(&mut work.frame);
+            flight.get().add(&mut work.frame);
             Ok(Answer::of(&work.frame, &work.sensor, self.keep))
         })?;
         added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
@@ -197,12 +197,12 @@ impl Engine {
         Navigator::new(py, &self.config, &self.registry, planner, limits)
     }
 
-    /// The command of a navigator after the next scan. `pose` is x, y and yaw by the vehicle's odometry.
+    /// The command of a navigator after the next scan. `pose` is that of the vehicle by its odometry.
     fn navigate(
         &self,
         py: Python<'_>,
         scan: Py<Scan>,
-        pose: Option<(f64, f64, f64)>,
+        pose: Option<Pose>,
         navigator: Py<Navigator>,
     ) -> PyResult<Command> {
         let command = py.detach(|| navigator.get().step(scan.get(), pose));
@@ -210,7 +210,7 @@ impl Engine {
     }
 
     /// The scans as frames before the first stage, in columns; `first_seq` numbers scans that have no number.
-    fn ingest<'py>(&self, py: Python<'py>, scans: Vec<Py<Scan>>, first_seq: u64) -> PyResult<Bound<'py, PyDict>> {
+    fn frames<'py>(&self, py: Python<'py>, scans: Vec<Py<Scan>>, first_seq: u64) -> PyResult<Bound<'py, PyDict>> {
         let frames = self.working(py, |work| {
             let written = scans.iter().zip(first_seq..).map(|(scan, seq)| {
                 let mut frame = Frame::default();
@@ -225,8 +225,13 @@ impl Engine {
     }
 
     /// Runs one stage on frames in columns. Returns the columns that it made or changed. What fails is in `failed_step`.
-    fn run_step<'py>(&self, py: Python<'py>, step: &str, columns: Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
-        let step = Step::ALL.into_iter().find(|known| known.name() == step);
+    fn run_stage<'py>(
+        &self,
+        py: Python<'py>,
+        stage: &str,
+        columns: Bound<'py, PyDict>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let step = [Step::Affinity, Step::Spectral, Step::Kmeans].into_iter().find(|known| known.name() == stage);
         let step = step.ok_or_else(|| PyValueError::new_err("a stage is affinity, spectral or kmeans"))?;
         let mut frames = frames::read(step, &Columns(columns))?;
         let frames = self.working(py, move |work| {
@@ -240,13 +245,13 @@ impl Engine {
         Ok(made.0)
     }
 
-    /// Runs the report and the flight on frames in columns, which become a part of `map`. Returns their lines of results,
+    /// Runs the report and the flight on frames in columns, which become a part of `flight`. Returns their lines of results,
     /// and the failure of the first frame that failed, with which the flight ends.
     fn report<'py>(
         &self,
         py: Python<'py>,
         columns: Bound<'py, PyDict>,
-        map: Py<FlightMap>,
+        flight: Py<Flight>,
     ) -> PyResult<(Bound<'py, PyBytes>, Option<String>)> {
         let mut frames = frames::read(Step::Report, &Columns(columns))?;
         let (lines, failure) = self.working(py, move |work| {
@@ -255,7 +260,7 @@ impl Engine {
                 if let Err(failure) = work.stages.run_step(Step::Report, frame) {
                     return (lines, Some(failure.to_string()));
                 }
-                map.get().add(frame);
+                flight.get().add(frame);
                 ResultsLine::of(frame).write(&mut lines).expect("memory");
             }
             (lines, None)

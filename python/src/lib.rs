@@ -7,15 +7,18 @@ mod arrays;
 mod columns;
 mod engine;
 mod error;
-mod flight_map;
+mod flight;
 mod frames;
+mod map;
 mod navigator;
 mod odometry;
 mod program;
 mod recording;
 mod scan;
+mod sparse;
 mod stages;
 mod testing;
+mod values;
 
 use pyo3::pymodule;
 
@@ -26,7 +29,9 @@ mod _native {
     #[pymodule_export]
     use crate::engine::Engine;
     #[pymodule_export]
-    use crate::flight_map::FlightMap;
+    use crate::flight::Flight;
+    #[pymodule_export]
+    use crate::map::Map;
     #[pymodule_export]
     use crate::navigator::Navigator;
     #[pymodule_export]

@@ -2,18 +2,18 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crosscut_flight::check_live;
-use crosscut_sensor::Live;
+use crosscut_detector::{Config, Failure, Registry, nearest_and_all};
+use crosscut_flight::{FlightAnswer, check_live};
 use crosscut_navigate::{Limits, Pilot, PlannerKind, Step, planners};
-use crosscut_pipeline::{Config, Failure, Registry, nearest_and_all};
 use crosscut_report::VEHICLE_WIDTH_M;
-use nalgebra::{Isometry2, Vector2};
+use crosscut_sensor::Live;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::error::Class;
-use crate::flight_map::FlightMap;
+use crate::map::Map;
 use crate::scan::Scan;
+use crate::values::{Pose, xy_yaw};
 
 /// Speed and turn rate, what the vehicle is doing, the decision taken, and how the mission ended.
 pub(crate) type Command = (f64, f64, &'static str, Option<String>, Option<&'static str>);
@@ -48,13 +48,13 @@ impl Navigator {
         Ok(Self { state: Mutex::new((Pilot::new(config, registry, *kind, limits), Live::default())) })
     }
 
-    pub(crate) fn step(&self, scan: &Scan, pose: Option<(f64, f64, f64)>) -> Result<Command, Failure> {
+    pub(crate) fn step(&self, scan: &Scan, pose: Option<Pose>) -> Result<Command, Failure> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let (pilot, live) = &mut *state;
         let step = pilot.step(|sensor, frame| {
             scan.write(live, sensor, 0, frame);
-            if let Some((x_m, y_m, yaw_rad)) = pose {
-                frame.revolution.odometry = Some(Isometry2::new(Vector2::new(x_m, y_m), yaw_rad));
+            if let Some(Pose(pose)) = pose {
+                frame.revolution.odometry = Some(pose);
             }
         })?;
         let Step { command, doing, decision, end, .. } = step;
@@ -67,10 +67,16 @@ impl Navigator {
 impl Navigator {
     /// The map up to now; what the vehicle flies later is not added. Waits without the interpreter's lock for a step of another
     /// thread, whose stage in Python may need it.
-    fn flight_map(&self, py: Python<'_>) -> FlightMap {
+    fn map(&self, py: Python<'_>) -> Map {
+        Map(py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).0.mapper().map()))
+    }
+
+    /// x and y in metres and yaw in radians at the last step, in the frame of the start.
+    #[getter]
+    fn pose(&self, py: Python<'_>) -> Option<(f64, f64, f64)> {
         py.detach(|| {
             let (pilot, _) = &*self.state.lock().unwrap_or_else(PoisonError::into_inner);
-            FlightMap::of(pilot.flight(), pilot.mapper(), pilot.frame().pose)
+            FlightAnswer::of(pilot.frame()).pose.as_ref().map(xy_yaw)
         })
     }
 }

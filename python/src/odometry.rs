@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::error::Class;
 use crate::scan::Scan;
+use crate::values::xy_yaw;
 
 /// Of more poses than these, those of the last seconds are kept, where no scan asks for any.
 const MOST_POSES: usize = 10_000;
@@ -60,6 +61,6 @@ impl Odometry {
             poses.forget_before(start_ns);
         }
         let (scan, pose) = scan.beside(&poses);
-        (scan, pose.map(|pose| (pose.translation.x, pose.translation.y, pose.rotation.angle())))
+        (scan, pose.as_ref().map(xy_yaw))
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 use pyo3::prelude::*;
 
 use crate::stages;

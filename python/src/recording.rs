@@ -4,16 +4,17 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use crosscut_detector::Config;
 use crosscut_ingest::{CsvGeometry, ReadOptions, Recording as Ingest};
-use crosscut_sensor::Sensor;
 use crosscut_messages::ScanType;
-use crosscut_pipeline::Config;
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::error::Class;
 use crate::scan::Scan;
+use crate::values::Whole;
 
 /// An iterator over the scans of a recording.
 #[pyclass(frozen, module = "crosscut")]
@@ -30,7 +31,7 @@ pub(crate) struct Wanted {
     read_as: Option<String>,
     from_s: Option<f64>,
     to_s: Option<f64>,
-    every: u64,
+    every: Whole,
 }
 
 impl Recording {
@@ -49,8 +50,9 @@ impl Recording {
             read_as,
             from_s: wanted.from_s,
             to_s: wanted.to_s,
-            every: NonZero::new(wanted.every).ok_or_else(|| PyValueError::new_err("every is 1 or more"))?,
+            every: NonZero::new(wanted.every.0).ok_or_else(|| PyValueError::new_err("every is 1 or more"))?,
             csv: CsvGeometry::new(config.params("csv")),
+            waiting_bytes: config.waiting_bytes(),
         };
         let sensor = Sensor::new(config.params("ingest"));
         let opened = py.detach(|| Ingest::open(&wanted.paths, &options, sensor));

@@ -1,7 +1,7 @@
 //! One scan: as a driver gives it, or as a recording shows it.
 
+use crosscut_messages::{LaserScan, MOST_BEAMS, MOST_POINTS, ScanDecoder, ScanMessage};
 use crosscut_sensor::{Live, Odometry, Sensor};
-use crosscut_messages::{LaserScan, ScanDecoder, ScanMessage};
 use crosscut_stage::{Frame, Notes, Point, Revolution};
 use nalgebra::Isometry2;
 use numpy::IntoPyArray;
@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, Matrix};
 use crate::error::Class;
+use crate::values::Whole;
 
 /// One scan. Made of ranges, of points, or by `crosscut.read`.
 #[pyclass(frozen, module = "crosscut")]
@@ -92,7 +93,7 @@ impl Scan {
 #[pymethods]
 impl Scan {
     #[new]
-    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=0.0, range_max=f32::INFINITY, stamp_ns=0, seq=None, frame_id=String::new()))]
+    #[pyo3(signature = (ranges, angle_min, angle_increment, *, range_min=0.0, range_max=f32::INFINITY, stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
     #[expect(clippy::too_many_arguments)] // keywords in Python
     fn new(
         ranges: &Bound<'_, PyAny>,
@@ -100,11 +101,11 @@ impl Scan {
         angle_increment: f64,
         range_min: f32,
         range_max: f32,
-        stamp_ns: u64,
-        seq: Option<u64>,
+        stamp_ns: Whole,
+        seq: Option<Whole>,
         frame_id: String,
     ) -> PyResult<Self> {
-        let ranges: Vec<f32> = arrays::vector(ranges)?;
+        let ranges: Vec<f32> = arrays::vector(ranges, MOST_BEAMS)?;
         let mut scan = LaserScan {
             angle_min: angle_min as f32,
             angle_max: (angle_min + ranges.len().saturating_sub(1) as f64 * angle_increment) as f32,
@@ -115,24 +116,27 @@ impl Scan {
             ..LaserScan::default()
         };
         scan.header.frame_id = frame_id;
-        Ok(Self::of_message(ScanMessage::Scan(scan), stamp_ns, seq))
+        Ok(Self::of_message(ScanMessage::Scan(scan), stamp_ns.0, seq.map(|seq| seq.0)))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (points, *, stamp_ns=0, seq=None, frame_id=String::new()))]
-    fn from_points(points: &Bound<'_, PyAny>, stamp_ns: u64, seq: Option<u64>, frame_id: String) -> PyResult<Self> {
-        let matrix = Matrix::of(points)?;
+    #[pyo3(signature = (points, *, stamp_ns=Whole(0), seq=None, frame_id=String::new()))]
+    fn from_points(points: &Bound<'_, PyAny>, stamp_ns: Whole, seq: Option<Whole>, frame_id: String) -> PyResult<Self> {
+        let matrix = Matrix::of(points, |[n, dimensions]| n <= MOST_POINTS && (2..=3).contains(&dimensions))?;
         let [n, dimensions] = matrix.shape();
         if !(2..=3).contains(&dimensions) {
             return Err(PyValueError::new_err(format!("points have 2 or 3 columns, not {dimensions}")));
+        }
+        if n > MOST_POINTS {
+            return Err(PyValueError::new_err(format!("{n} points are more than {MOST_POINTS}")));
         }
         let mut points_m = vec![Point::origin(); n];
         matrix.for_each(|i, axis, value| points_m[i][axis] = value);
         if let Some(at) = points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(PyValueError::new_err(format!("point {at} is not finite")));
         }
-        let revolution = Revolution { stamp_ns, frame_id, points_m, ..Revolution::default() };
-        Ok(Self { seq, content: Content::Revolution(revolution, Notes::default()) })
+        let revolution = Revolution { stamp_ns: stamp_ns.0, frame_id, points_m, ..Revolution::default() };
+        Ok(Self { seq: seq.map(|seq| seq.0), content: Content::Revolution(revolution, Notes::default()) })
     }
 
     /// A message as it is on the wire, of any type and encoding that recordings may have.
@@ -143,14 +147,14 @@ impl Scan {
         message: &[u8],
         message_type: &str,
         encoding: &str,
-        seq: Option<u64>,
+        seq: Option<Whole>,
     ) -> PyResult<Self> {
         let unknown = || PyValueError::new_err(format!("{message_type} in {encoding} is no scan that can be read"));
         let decoder = ScanDecoder::for_schema(message_type, "", encoding).ok_or_else(unknown)?;
         let mut decoded = ScanMessage::default();
         decoder.decode_into(message, &mut decoded).map_err(|error| Class::Read.because(py, &error))?;
         let stamp_ns = decoded.header().stamp.to_ns().unwrap_or(0);
-        Ok(Self::of_message(decoded, stamp_ns, seq))
+        Ok(Self::of_message(decoded, stamp_ns, seq.map(|seq| seq.0)))
     }
 
     #[getter]

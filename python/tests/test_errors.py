@@ -24,7 +24,15 @@ import crosscut
         (lambda: crosscut.Engine().process(np.zeros(3)), TypeError, "not an array of two dimensions"),
         (lambda: crosscut.Engine().process(np.zeros((3, 4))), ValueError, "2 or 3 columns, not 4"),
         (lambda: crosscut.Engine().process([[0, np.nan]]), ValueError, "point 0 is not finite"),
-        (lambda: crosscut.Engine().process_many([], workers=0), ValueError, "workers is 1 or more"),
+        (lambda: crosscut.Engine().process_many([], workers=0), ValueError, "workers is 1 to 256, not 0"),
+        (lambda: crosscut.Engine().process_many([], workers=1 << 40), ValueError, "workers is 1 to 256"),
+        (lambda: crosscut.Flight("x"), TypeError, "engine is a crosscut.Engine"),  # type: ignore[arg-type]
+        (lambda: crosscut.Navigator("x"), TypeError, "engine is a crosscut.Engine"),  # type: ignore[arg-type]
+        (lambda: crosscut.Engine(settings=1), TypeError, "settings is a mapping"),  # type: ignore[arg-type]
+        (lambda: crosscut.sweep("x", "x", "x"), TypeError, "grid is a mapping"),  # type: ignore[arg-type]
+        (lambda: crosscut.Scan([1.0], 0, 0.1, stamp_ns=-1), ValueError, "-1 is not from 0"),
+        (lambda: crosscut.Flight().process([[1, 1]], pose=(0, 0, np.nan)), ValueError, "a pose is finite"),
+        (lambda: crosscut.Flight().process([[1, 1]], pose=(0, 0)), TypeError, "a pose is three numbers"),  # type: ignore[arg-type]
     ],
 )
 def test_wrong_use_is_an_exception_that_says_what_is_wrong(make, error, text) -> None:  # type: ignore[no-untyped-def]
@@ -33,7 +41,7 @@ def test_wrong_use_is_an_exception_that_says_what_is_wrong(make, error, text) ->
 
 
 def test_every_error_is_one_of_the_package() -> None:
-    for error in (crosscut.SettingsError, crosscut.ReadError, crosscut.StageError):
+    for error in (crosscut.SettingsError, crosscut.ReadError, crosscut.StageError, crosscut.MissingPackageError):
         assert issubclass(error, crosscut.Error)
     assert not issubclass(crosscut.Error, ValueError)
 
@@ -49,7 +57,13 @@ def test_a_damaged_recording_gives_its_scans_and_a_warning(tee: Path, tmp_path: 
     scans = crosscut.read(cut)
     with pytest.warns(crosscut.LossWarning):
         assert 10 < len(list(scans)) < 141
-    assert scans.losses and list(scans) == []
+    assert scans.losses
+
+
+def test_a_second_loop_reads_a_recording_again(tee: Path) -> None:
+    scans = crosscut.read(tee, every=20)
+    first, second = ([scan.stamp_ns for scan in scans] for _ in range(2))
+    assert first == second and len(first) > 5
 
 
 def test_an_error_of_the_source_comes_after_the_results_before_it(tee: Path) -> None:

@@ -1,196 +1,49 @@
-"""Frames as Arrow, and messages that arrive once and in order; without dora."""
+"""Stages one at a time, on columns of numpy."""
 
 from __future__ import annotations
 
 import json
-import random
-import subprocess
-from collections import deque
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from conftest import recordings
 
 import crosscut
-
-pa = pytest.importorskip("pyarrow")
-
-from crosscut import _frames  # noqa: E402
-from crosscut._window import Order, Window  # noqa: E402
-
-STAGES = ("affinity", "spectral", "kmeans")
+from crosscut import frames
 
 
-def sent(frames: Any) -> Any:
-    """The frames after a way from process to process."""
-    batch = pa.RecordBatch.from_arrays([frames], ["frames"])
-    sink = pa.BufferOutputStream()
-    with pa.ipc.new_stream(sink, batch.schema) as stream:
-        stream.write_batch(batch)
-    return pa.ipc.open_stream(sink.getvalue()).read_next_batch().column(0)
+def test_stages_one_at_a_time_give_the_results_of_the_flight(tee: Path) -> None:
+    engine = crosscut.Engine()
+    scans = list(engine.read(tee, every=10))
+    columns = frames.of_scans(engine, scans)
+    for stage in frames.STAGES:
+        columns |= frames.run(engine, stage, columns)
+    lines, failure = frames.finish(crosscut.Flight(engine), columns)
+    flight = crosscut.Flight(engine)
+    assert failure is None
+    assert [json.loads(line) for line in lines.splitlines()] == [flight.process(scan).to_dict() for scan in scans]
 
 
-def stage_by_stage(engine: crosscut.Engine, scans: list[crosscut.Scan], batch: int) -> tuple[bytes, str | None]:
-    """The lines of results by stages that see nothing but Arrow."""
-    flight, lines, failure = engine._native.flight_map(), b"", None
-    for first in range(0, len(scans), batch):
-        frames = sent(_frames.of_scans(engine._native, scans[first : first + batch], first))
-        for stage in STAGES:
-            frames = sent(_frames.after(stage, engine._native, frames))
-        more, failure = engine._native.report(_frames.columns(frames), flight)
-        lines += more
-        if failure:
-            break
-    return lines, failure
+def test_what_was_changed_between_two_stages_counts(tee: Path) -> None:
+    engine = crosscut.Engine("paper")
+    columns = frames.of_scans(engine, [next(iter(engine.read(tee)))])
+    columns |= frames.run(engine, "affinity", columns)
+    starts, weights = columns["w_value"]
+    n = len(columns["points_m"][1]) // 3
+    whole = frames.run(engine, "spectral", columns)["k"][0]
+    cut = weights.reshape(n, n).copy()
+    cut[: n // 2, n // 2 :] = cut[n // 2 :, : n // 2] = 0.0  # two halves without an edge between them
+    halves = frames.run(engine, "spectral", columns | {"w_value": (starts, cut.ravel())})["k"][0]
+    assert halves > whole
 
 
-@pytest.mark.filterwarnings("ignore::crosscut.LossWarning")
-@pytest.mark.parametrize("preset", ["default", "paper", "dbscan", "breakpoint"])
-@pytest.mark.parametrize("recording", recordings())
-def test_stages_apart_give_the_bytes_of_the_program(program: str, recording: Path, preset: str) -> None:
-    every = 10 if preset == "default" else 100
-    command: list[str | Path] = [program, "run", recording, "--results", "-", "--quiet", "--preset", preset, "--every", str(every)]
-    expected = subprocess.run(command, capture_output=True)
-    assert expected.returncode in (0, 3), expected.stderr
-    engine = crosscut.Engine(preset)
-    lines, failure = stage_by_stage(engine, list(engine.read(recording, every=every)), batch=7)
-    assert failure is None and lines.count(b"\n") > 0
-    assert lines == expected.stdout
-
-
-def test_frames_are_read_alike_in_whatever_form_they_arrive(tee: Path) -> None:
-    engine = crosscut.Engine()._native
-    scans = [scan for _, scan in zip(range(3), crosscut.read(tee))]
-    frames = _frames.after("affinity", engine, _frames.of_scans(engine, scans, 0))
-    arrays = _frames._fields(frames)
-    stamps = arrays["stamp_ns"].buffers()[1]
-    forms = {
-        "of another process": sent(frames),
-        "a part of more": pa.concat_arrays([frames[:2], frames])[2:],
-        "sorted otherwise": _frames._struct(dict(reversed(arrays.items()))),
-        "with 64-bit starts": _frames._struct({**arrays, "ranges_m": arrays["ranges_m"].cast(pa.large_list(pa.float32()))}),
-        "with what is unknown": _frames._struct({"theirs": pa.array([1, 2, 3]), **arrays}),
-    }
-    for bits in (0xFF, 0x07):  # with those beyond the last row, as dora sends, and without
-        validity = pa.Array.from_buffers(pa.uint64(), 3, [pa.py_buffer(bytes([bits])), stamps])
-        forms[f"valid by {bits:#x}"] = _frames._struct({**arrays, "stamp_ns": validity})
-    for form, arrived in forms.items():
-        read = _frames._arrays(_frames.columns(arrived))
-        assert set(read) == set(arrays), form
-        for name, array in arrays.items():
-            assert read[name].equals(array), (form, name)
-    empty = _frames.columns(sent(frames[:0]))
-    assert all(array.equals(arrays[name][:0]) for name, array in _frames._arrays(empty).items())
-
-
-def test_a_cloud_and_a_scan_without_returns_travel_too() -> None:
-    cloud = np.random.default_rng(1).uniform(-5.0, 5.0, (200, 3))
-    scans = [crosscut.Scan.from_points(cloud), crosscut.Scan([np.inf] * 90, 0.0, 0.07), crosscut.Scan.from_points(cloud[:0])]
-    for engine in (crosscut.Engine(), crosscut.Engine(affinity="rbf", spectral="components")):
-        apart, failure = stage_by_stage(engine, scans, batch=3)
-        flight = crosscut.FlightMap(engine)
-        assert failure is None
-        whole = [flight.add(scan).to_dict() for scan in scans]
-        assert [json.loads(line) for line in apart.splitlines()] == [{**line, "seq": at} for at, line in enumerate(whole)]
-
-
-def test_a_stage_that_fails_ends_the_flight_after_what_was_before(tee: Path) -> None:
-    calls = iter(range(100))
-
-    def fails_on_the_third(points: Any) -> Any:
-        if next(calls) == 2:
-            raise ValueError("two were enough")
-        return np.exp(-np.square(points[:, None] - points).sum(axis=2))
-
-    engine = crosscut.Engine("paper", affinity=fails_on_the_third)
-    scans = [scan for _, scan in zip(range(5), engine.read(tee))]
-    lines, failure = stage_by_stage(engine, scans, batch=5)
-    assert lines.count(b"\n") == 2
-    assert failure is not None and "affinity failed on revolution 2" in failure and "two were enough" in failure
-
-
-def test_columns_of_others_are_checked_and_passed_on(tee: Path) -> None:
-    engine = crosscut.Engine()._native
-    frames = _frames.after("affinity", engine, _frames.of_scans(engine, [next(iter(crosscut.read(tee)))], 0))
-    arrays = _frames._fields(frames)
-    theirs = _frames._struct({**arrays, "theirs": pa.array([7])})
-    assert _frames.after("spectral", engine, theirs).field("theirs").to_pylist() == [7]
-    n = len(arrays["points_m"][0])
-    for column, wrong in {
-        "w_value": pa.array([[1.0]]),
-        "w_column": pa.array([[n] * len(arrays["w_column"][0])]),
-        "w_row_start": pa.array([[0, 5, 3]]),
-        "return_of_beam": pa.array([[n]]),
-        "seq": pa.array(["a"]),
-        "odometry": pa.array([[1.0]]),
-        "notes": pa.array([None], pa.list_(pa.string())),
-    }.items():
-        with pytest.raises(ValueError, match=column.split("_")[0]):
-            _frames.after("spectral", engine, _frames._struct({**arrays, column: wrong}))
-    del arrays["w_value"]
-    with pytest.raises(KeyError, match="w_value"):
-        _frames.after("spectral", engine, _frames._struct(arrays))
-
-
-def test_the_size_of_a_frame_is_that_of_what_is_read_later(tee: Path) -> None:
-    engine = crosscut.Engine("paper")._native
-    frames = _frames.of_scans(engine, [next(iter(crosscut.read(tee)))], 0)
-    sizes = [frames.nbytes]
-    for stage in STAGES:
-        frames = _frames.after(stage, engine, frames)
-        sizes.append(frames.nbytes)
-    n = len(frames.field("points_m")[0])
-    assert sizes[1] > 8 * n * n > 20 * max(sizes[0], sizes[2], sizes[3]), sizes
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_every_message_arrives_once_and_in_order_over_a_way_that_loses_some(seed: int) -> None:
-    chance = random.Random(seed)
-    now_s, size, count = 0.0, chance.choice([1, 4, 32]), 200
-    way: deque[tuple[int, int, str]] = deque()
-    acknowledgements: deque[tuple[int, int]] = deque()
-    lost_all_until_s = 3.0 if seed % 2 else 0.0
-
-    def is_lost() -> bool:
-        return now_s < lost_all_until_s or chance.random() < 0.2
-
-    def send(number: int, transmission: int, message: str) -> None:
-        if not is_lost():
-            way.append((number, transmission, message))
-
-    window: Window[str] = Window(send, size, lambda: now_s)
-    order: Order[str] = Order()
-    arrived: list[str] = []
-    added = 0
-    while added < count or len(window):
-        while added < count and window.has_room:
-            window.add(f"message {added}")
-            added += 1
-        assert len(window) <= size and len(way) <= 2 * size, "what is on the way is bounded"
-        if way and chance.random() < 0.7:
-            number, transmission, message = way.popleft()
-            arrived += order.take(number, message)
-            assert len(order._early) < size
-            if not is_lost():
-                acknowledgements.append((number, transmission))
-        elif acknowledgements:
-            window.acknowledge(*acknowledgements.popleft())
-        elif not way:
-            now_s += window.patience_s + 1e-9
-            window.repeat()
-        assert now_s < 2000.0, "it comes to an end"
-    assert arrived == [f"message {number}" for number in range(count)]
-    assert window.resent > 0
-
-
-def test_nothing_is_sent_again_where_nothing_is_lost() -> None:
-    way: deque[tuple[int, int]] = deque()
-    window: Window[None] = Window(lambda number, transmission, _: way.append((number, transmission)), 8, lambda: 0.0)
-    for _ in range(100):
-        while window.has_room:
-            window.add(None)
-        window.acknowledge(*way.popleft())
-        window.repeat()
-    assert window.resent == 0
+def test_columns_that_do_not_fit_are_refused(tee: Path) -> None:
+    engine = crosscut.Engine()
+    columns = frames.of_scans(engine, [next(iter(engine.read(tee)))])
+    with pytest.raises(KeyError, match="w_row_start"):
+        frames.run(engine, "spectral", columns)
+    with pytest.raises(ValueError, match="return_of_beam"):
+        of_beam = columns["return_of_beam"]
+        frames.run(engine, "affinity", columns | {"return_of_beam": (of_beam[0], np.full_like(of_beam[1], 10**6))})
+    with pytest.raises(ValueError, match="a stage is affinity, spectral or kmeans"):
+        frames.run(engine, "report", columns)

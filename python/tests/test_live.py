@@ -7,6 +7,7 @@ import hashlib
 import itertools
 import json
 import math
+import shutil
 import signal
 import subprocess
 import sys
@@ -34,12 +35,17 @@ SCANS = f"7/robot1/scan/sensor_msgs::msg::dds_::LaserScan_/{HASH}"
 ODOMETRY = f"7/robot1/odom/nav_msgs::msg::dds_::Odometry_/{HASH}"
 
 
-def router(port: int) -> Any:
+NO_HASH = "TypeHashNotSupported"  # as on ROS 2 Humble
+
+
+def router(port: int, protocol: str = "tcp", **settings: Any) -> Any:
     """A Zenoh router on this port of the loopback."""
     config = zenoh.Config()
     config.insert_json5("mode", '"router"')
-    config.insert_json5("listen/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
+    config.insert_json5("listen/endpoints", json.dumps([f"{protocol}/127.0.0.1:{port}"]))
     config.insert_json5("scouting/multicast/enabled", "false")
+    for name, value in settings.items():
+        config.insert_json5(name.replace("__", "/"), json.dumps(value))
     return zenoh.open(config)
 
 
@@ -183,14 +189,14 @@ def test_motion_is_corrected_as_in_the_recording(
     # No scan is left out or answered before its odometry, however slow this machine is.
     monkeypatch.setattr(crosscut.live, "AHEAD", len(expected))
     monkeypatch.setattr(crosscut.live, "POSE_WAIT_S", 30.0)
-    flight = crosscut.FlightMap()
+    flight = crosscut.Flight()
     address = f"zenoh://127.0.0.1:{port}/robot1/scan"
     with crosscut.live.Robot(address, odometry="/robot1/odom", domain=7) as robot:
         wait_for_subscriber(session, SCANS)
         wait_for_subscriber(session, ODOMETRY)
         threading.Thread(target=send, args=(session, recorded(recording), 0.001)).start()
         # No odometry reaches the end of the last scan.
-        live = [flight.add(scan).to_dict() for scan, _ in itertools.islice(robot, len(expected) - 1)]
+        live = [flight.process(scan).to_dict() for scan, _ in itertools.islice(robot, len(expected) - 1)]
     assert live == expected[:-1]
     assert turned > len(live) / 2, "the scans were corrected"
 
@@ -248,9 +254,149 @@ def test_silence_and_what_cannot_be_read_are_told(network: tuple[Any, int], monk
     with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan", message_type="sensor_msgs/msg/LaserScan") as robot:
         wait_for_subscriber(session, "scan")
         session.put("scan", b"no scan")
-        threading.Timer(1.5, robot.close).start()
-        with pytest.warns(crosscut.LossWarning, match="what arrives on scan cannot be read"):
+        threading.Timer(1.5, robot.stop).start()
+        with pytest.warns(crosscut.LossWarning, match="1 messages on scan cannot be read"):
             assert list(robot) == []
+
+
+@pytest.mark.parametrize("of_definition", [HASH, NO_HASH], ids=["jazzy", "humble"])
+def test_a_robot_is_driven_on_the_keys_of_its_version_of_ros(network: tuple[Any, int], tee: Path, of_definition: str) -> None:
+    session, port = network
+    scan = next(data for key, data in recorded(tee) if key == SCANS)
+    driven: dict[str, list[Any]] = {"Twist": [], "TwistStamped": []}
+    hashes = {name: ROS.hash_rihs01(f"geometry_msgs/msg/{name}") if of_definition == HASH else NO_HASH for name in driven}
+    # As the base subscribes: domain, name, type and the hash of its definition, without a wildcard.
+    listeners = [
+        session.declare_subscriber(f"7/{name.lower()}/geometry_msgs::msg::dds_::{name}_/{hashes[name]}", heard.append)
+        for name, heard in driven.items()
+    ]
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+        wait_for_subscriber(session, SCANS)
+        send(session, [(SCANS.replace(HASH, of_definition), scan)], 0.0)
+        heard = next(iter(robot))[0]
+        robot.drive("/twist", 0.5, -0.25)
+        robot.drive("/twiststamped", 0.5, -0.25, stamped=True, frame_id="base")
+        deadline = time.monotonic() + 30
+        while not all(driven.values()) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        tokens = [str(reply.ok.key_expr) for reply in session.liveliness().get("@ros2_lv/7/**")]
+    read = {name: ROS.deserialize_cdr(samples[0].payload.to_bytes(), f"geometry_msgs/msg/{name}")
+            for name, samples in driven.items()}
+    for twist in (read["Twist"], read["TwistStamped"].twist):
+        assert (twist.linear.x, twist.linear.y, twist.angular.z) == (0.5, 0.0, -0.25)
+    header = read["TwistStamped"].header
+    late_s = header.stamp.sec + header.stamp.nanosec / 1e9 - heard.stamp_ns / 1e9
+    assert header.frame_id == "base" and 0.0 <= late_s < 30.0, "by the clock of the robot"
+    assert sum(f"_/{hashes[name]}/" in token for token in tokens for name in driven) >= 2, tokens
+    assert len(listeners) == 2
+
+
+def test_unreadable_messages_of_a_robot_are_counted_and_told(network: tuple[Any, int], tee: Path, tmp_path: Path) -> None:
+    session, port = network
+    messages = recorded(tee)
+    scans = [data for key, data in messages if key == SCANS][:20]
+    results = tmp_path / "live.jsonl"
+    process = subprocess.Popen(
+        [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom", "--results", results],
+        stderr=subprocess.PIPE, text=True)
+    try:
+        wait_for_subscriber(session, SCANS)
+        wait_for_subscriber(session, ODOMETRY)
+        for data in scans:
+            send(session, [(ODOMETRY, b"\0\1\0\0" + b"\xff" * 700), (SCANS, data[:60])], 0.001)
+            session.put(SCANS, data)
+            time.sleep(0.02)
+        deadline = time.monotonic() + 30
+        while results.read_text().count("\n") < len(scans) and time.monotonic() < deadline:
+            time.sleep(0.05)
+    finally:
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+    assert process.returncode == 3, said
+    assert "20 messages on robot1/scan cannot be read" in said and "20 messages on /robot1/odom cannot be read" in said
+    assert results.read_text().count("\n") == len(scans)
+
+
+def test_a_transport_that_fails_ends_the_iteration_with_an_error(
+    network: tuple[Any, int], tee: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, port = network
+    scan = next(data for key, data in recorded(tee) if key == SCANS)
+
+    def fail(*_: Any) -> None:
+        raise RuntimeError("out of order")
+
+    with crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7) as robot:
+        wait_for_subscriber(session, SCANS)
+        monkeypatch.setattr(robot._stamps, "missing_before", fail)
+        session.put(SCANS, scan)
+        with pytest.raises(crosscut.Error, match="can no longer be heard: RuntimeError: out of order"):
+            list(robot)
+
+
+def test_close_ends_the_connection_and_stop_does_not(network: tuple[Any, int]) -> None:
+    session, port = network
+    heard: list[Any] = []
+    listener = session.declare_subscriber("said", heard.append)
+    robot = crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/robot1/scan", domain=7)
+    wait_for_subscriber(session, SCANS)
+    robot.stop()
+    assert list(robot) == []
+    robot.publish("said", {})
+    deadline = time.monotonic() + 30
+    while not heard and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert len(heard) == 1
+    robot.close()
+    robot.close()
+    publisher = session.declare_publisher(SCANS)
+    while publisher.matching_status.matching and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not publisher.matching_status.matching, "nobody subscribes any more"
+    listener.undeclare()
+
+
+@pytest.fixture
+def certificates(tmp_path: Path) -> Path:
+    """A certificate for 127.0.0.1 that is its own authority, and its key."""
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl is not installed")
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1", "-addext",
+         "subjectAltName=IP:127.0.0.1", "-addext", "basicConstraints=critical,CA:false", "-keyout", tmp_path / "key.pem", "-out",
+         tmp_path / "cert.pem"], check=True, capture_output=True)
+    return tmp_path
+
+
+def test_a_router_with_tls_and_users_is_joined_by_a_file_of_zenoh(certificates: Path, tee: Path) -> None:
+    port = free_port()
+    (certificates / "users").write_text("robot:secret\nrouter:other\n")
+    session = router(
+        port, "tls", transport__link__tls__listen_certificate=str(certificates / "cert.pem"),
+        transport__link__tls__listen_private_key=str(certificates / "key.pem"),
+        transport__auth__usrpwd={"user": "router", "password": "other", "dictionary_file": str(certificates / "users")})
+    config = certificates / "zenoh.json5"
+
+    def write(password: str) -> None:
+        settings = {"connect": {"endpoints": [f"tls/127.0.0.1:{port}"]},
+                    "transport": {"link": {"tls": {"root_ca_certificate": str(certificates / "cert.pem")}},
+                                  "auth": {"usrpwd": {"user": "robot", "password": password}}}}
+        config.write_text(json.dumps(settings))
+
+    try:
+        scan = next(data for key, data in recorded(tee) if key == SCANS)
+        write("secret")
+        with crosscut.live.Robot("zenoh:///robot1/scan", domain=7, zenoh_config=config) as robot:
+            wait_for_subscriber(session, SCANS)
+            session.put(SCANS, scan)
+            assert next(iter(robot))[0].stamp_ns == crosscut.Scan.from_message(scan).stamp_ns
+        write("wrong")
+        with pytest.raises(crosscut.Error, match="do TLS and user of .*zenoh.json5 fit"):
+            crosscut.live.Robot("zenoh:///robot1/scan", zenoh_config=config)
+        with pytest.raises(crosscut.SettingsError, match="one of them"):
+            crosscut.live.Robot(f"zenoh://127.0.0.1:{port}/scan", zenoh_config=config)
+    finally:
+        session.close()
 
 
 def test_a_robot_that_is_not_there_is_an_error(tmp_path: Path) -> None:

@@ -215,17 +215,37 @@ def test_scans_that_a_lossy_network_loses_are_missing_by_their_stamps(
 def test_commands_reach_the_base_over_dds(monkeypatch: pytest.MonkeyPatch) -> None:
     base = Robot(monkeypatch)
     heard = base.reader("/robot1/cmd_vel", "geometry_msgs/msg/Twist")
+    heard_stamped = base.reader("/robot1/cmd_vel_stamped", "geometry_msgs/msg/TwistStamped")
     commands: list[Any] = []
+    stamped: list[Any] = []
 
     def is_heard() -> bool:
         robot.drive("/robot1/cmd_vel", 0.5, -0.25)
+        robot.drive("/robot1/cmd_vel_stamped", 0.5, -0.25, stamped=True)
         commands.extend(heard.take(10))
-        return bool(commands)
+        stamped.extend(heard_stamped.take(10))
+        return bool(commands and stamped)
 
     with crosscut.live.Robot(f"ros2://{base.domain}/robot1/scan") as robot:
         wait_until(is_heard)
-    linear, angular = commands[0].linear, commands[0].angular
-    assert [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z] == [0.5, 0, 0, 0, 0, -0.25]
+    for command in (commands[0], stamped[0].twist):
+        linear, angular = command.linear, command.angular
+        assert [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z] == [0.5, 0, 0, 0, 0, -0.25]
+    assert stamped[0].header.frame_id == "base_link" and abs(stamped[0].header.stamp.sec - time.time()) < 60
+
+
+def test_a_thread_of_dds_that_dies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = Robot(monkeypatch)
+    writer = robot.writer("/robot1/scan", LASER_SCAN, RELIABLE)
+
+    def fail(*_: Any) -> None:
+        raise RuntimeError("out of order")
+
+    monkeypatch.setattr("crosscut._dds.Bus._reader", fail)
+    with crosscut.live.Robot(f"ros2://{robot.domain}/robot1/scan") as heard:
+        with pytest.raises(crosscut.Error, match="can no longer be heard: RuntimeError: out of order"):
+            list(heard)
+    del writer
 
 
 def stamp(message: Any) -> tuple[int, int]:
@@ -247,9 +267,9 @@ def test_what_is_wrong_with_a_robot_on_dds_is_told(monkeypatch: pytest.MonkeyPat
     with crosscut.live.Robot(f"ros2://{robot.domain}/robot1/scan") as heard:
         wait_until(writer.get_matched_subscriptions)
         writer.write(idl(TEXT)("no scan"))
-        threading.Timer(1.5, heard.close).start()
+        threading.Timer(1.5, heard.stop).start()
         monkeypatch.setattr(crosscut.live, "SILENCE_S", 0.3)
-        with pytest.warns(crosscut.LossWarning, match="what arrives on robot1/scan cannot be read"):
+        with pytest.warns(crosscut.LossWarning, match="1 messages on robot1/scan cannot be read"):
             assert list(heard) == []
     for address, why in (("ros2://scan", "a number and a topic"), ("ros2://x/scan", "a number and a topic"),
                          ("dds://0/scan", "zenoh:// or ros2://")):

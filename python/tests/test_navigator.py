@@ -33,20 +33,21 @@ def test_commands_follow_from_the_scans_alone_and_keep_to_the_limits(tee: Path) 
 
 
 def test_the_map_is_a_copy_of_that_of_the_navigator(tee: Path) -> None:
-    navigator, flight = crosscut.Navigator(), crosscut.FlightMap()
+    navigator, flight = crosscut.Navigator(), crosscut.Flight()
     scans = list(crosscut.read(tee))
     for scan in scans[:100]:
         navigator.step(scan)
-        flight.add(scan)
-    of_navigator = navigator.flight_map()
-    assert of_navigator.to_dict() == flight.to_dict() and of_navigator.pose == flight.pose
+        flight.process(scan)
+    of_navigator, of_flight = navigator.map, flight.map
+    assert of_navigator.to_dict() == of_flight.to_dict() and navigator.pose == flight.pose
     for scan in scans[100:]:
         navigator.step(scan)
-    assert of_navigator.to_dict() == flight.to_dict()
+        flight.process(scan)
+    assert of_navigator.to_dict() == of_flight.to_dict()
 
 
 ASKED_MEANWHILE = """
-import threading, time, crosscut
+import sys, threading, time, crosscut
 began = threading.Event()
 def slow(points):
     began.set()
@@ -58,11 +59,11 @@ def step():
     try:
         navigator.step(scan)
     except crosscut.StageError as error:
-        print(error.__cause__)
+        sys.stdout.write(f"{error.__cause__}\\n")  # print() writes the end of the line by itself
 stepping = threading.Thread(target=step)
 stepping.start()
 began.wait()
-print(navigator.flight_map().to_dict()["nodes"])
+sys.stdout.write(f"{navigator.map.to_dict()['nodes']}\\n")
 stepping.join()
 """
 

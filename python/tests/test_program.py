@@ -55,14 +55,20 @@ def test_a_stage_that_is_not_there_is_wrong_usage(tee: Path, kind: str, text: st
     assert text in done.stderr
 
 
-def test_stages_are_found_in_settings_but_not_in_their_comments(tmp_path: Path) -> None:
-    settings = tmp_path / "settings.toml"
-    settings.write_text(
-        '[affinity]\n# kind = "python:gone.f"\nkind = "python:stages_of_ones_own.rbf" # "python:gone.g", it\'s "gone"\n'
-    )
-    for option in (["--config", settings], [f"--config={settings}"]):
-        done = run("config", *option)
-        assert (done.returncode, done.stdout.count("python:stages_of_ones_own.rbf")) == (0, 2), done.stderr
+def test_files_and_their_names_run_no_code(tee: Path, tmp_path: Path) -> None:
+    (tmp_path / "evil.py").write_text("open('RUN', 'w')\ndef w(points): ...\n")
+    (tmp_path / "numpy.py").write_text("open('RUN', 'w')\n")
+    settings, flight = tmp_path / "settings.toml", tmp_path / "python:evil.w.mcap"
+    settings.write_text('[affinity]\nkind = "python:evil.w"\n')
+    flight.write_bytes(tee.read_bytes())
+    for args in (["info", settings], ["info", flight.name], ["config", "--config", settings], [f"--config={settings}", "config"],
+                 ["run", flight.name, "--config", settings, "--results", "-"], ["compare", flight.name, "--with", settings]):
+        done = run(*args, cwd=tmp_path)
+        assert not (tmp_path / "RUN").exists(), args
+    refused = run("config", "--config", settings, cwd=tmp_path)
+    assert refused.returncode == 2 and "--set affinity.kind=python:evil.w" in refused.stderr
+    named = run("config", "--config", settings, "--set", "affinity.kind=python:evil.w", cwd=tmp_path)
+    assert named.returncode == 0 and (tmp_path / "RUN").exists(), named.stderr
 
 
 def test_a_sweep_computes_again_what_another_stage_computed(tee: Path, tmp_path: Path) -> None:

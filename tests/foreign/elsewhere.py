@@ -16,7 +16,7 @@ SEED = 202
 DEVIATIONS = 2.0
 LEAST_RIGHT_OF_SURE = 0.85
 SURE_FROM = 0.89  # bins are a tenth wide; this selects the last
-PAPER = "paper,spectral.kind=slicing"  # the same counts without full decompositions of up to 1800 returns
+PAPER = "paper"
 
 
 def check(flights: Flights, verdicts: Verdicts):

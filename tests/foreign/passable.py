@@ -20,6 +20,7 @@ LEAST_RETURNS = 3
 LEAST_WALL_RAD = np.radians(3)
 RAY_STEP_RAD = np.radians(0.15)
 GRID_M = 0.05
+NEIGHBOURS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(-1, 2)
 BEYOND_M = DEPTH_M * (1 + QUARTER) + 0.5  # what lies farther beyond what is seen plays no part
 
 
@@ -178,53 +179,54 @@ class Seen:
 
     def depths_m(self, width_m: float) -> dict[int, float]:
         """How far beyond each gap a disc gets that no wall holds back."""
-        low, hidden = self.hidden(width_m)
-        parts, _ = ndimage.label(hidden)
-        grown = ndimage.grey_dilation(parts, size=3)
+        low, unseen, clear_m = self.unseen
+        parts, _ = ndimage.label(unseen & (clear_m > width_m / 2))
+        high = np.array(parts.shape[::-1]) - 1
         depths: dict[int, float] = {}
         cells_of = {}
-        for gap, edge_m in self.edges():
-            at = np.rint((self.to_ground(edge_m) - self.ground.corner_m) / GRID_M).astype(int) - low
-            within = ((at >= 0) & (at < np.array(grown.shape[::-1]))).all(axis=1)
-            touched = np.unique(grown[at[within, 1], at[within, 0]])
-            for part in touched[touched > 0]:
+        for gap, edge_m in self.edges:
+            at = np.rint((edge_m - self.ground.corner_m) / GRID_M).astype(int) - low
+            around = np.clip(at[:, None] + NEIGHBOURS, 0, high)
+            for part in np.unique(parts[around[..., 1], around[..., 0]]):
+                if part == 0:
+                    continue
                 if part not in cells_of:
-                    cells = np.argwhere(parts == part)[::7, ::-1]
-                    cells_of[part] = (cells + low) * GRID_M + self.ground.corner_m
-                if len(cells_of[part]):
-                    deep_m = cKDTree(self.to_ground(edge_m)[::2]).query(cells_of[part])[0].max()
-                    depths[gap] = max(depths.get(gap, 0.0), deep_m)
+                    cells_of[part] = (np.argwhere(parts == part)[::7, ::-1] + low) * GRID_M + self.ground.corner_m
+                deep_m = cKDTree(edge_m[::2]).query(cells_of[part])[0].max()
+                depths[gap] = max(depths.get(gap, 0.0), deep_m)
         return depths
 
-    def hidden(self, width_m: float) -> tuple[np.ndarray, np.ndarray]:
-        """Where the middle of a disc can be that is in view and not seen, and the cell of the grid where this begins."""
-        reach_m = min(self.beams.range_max_m, np.linalg.norm(self.ends_m, axis=1).max()) + BEYOND_M
+    @cached_property
+    def unseen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The cell of the grid where what is near enough begins, what of this is in view but not seen, and its clearance."""
+        range_m = np.minimum(self.hit_m, self.beams.range_max_m)
+        reach_m = range_m.max() + BEYOND_M
         low = np.floor((self.eye_m - reach_m - self.ground.corner_m) / GRID_M).astype(int)
         high = low + int(2 * reach_m / GRID_M) + 1
         low, high = np.maximum(low, 0), np.minimum(high, self.ground.free_m.shape[::-1])
-        fits = self.ground.clearance_m[low[1] : high[1], low[0] : high[0]] > width_m / 2
-        cells = np.argwhere(fits)
+        clear_m = self.ground.clearance_m[low[1] : high[1], low[0] : high[0]]
+        unseen = clear_m > (1 - QUARTER) * VEHICLE_M / 2
+        cells = np.argwhere(unseen)
         from_m = (cells[:, ::-1] + low) * GRID_M + self.ground.corner_m - self.eye_m
         bearing_rad = np.arctan2(from_m[:, 1], from_m[:, 0]) - self.turned_rad - self.beams.first_rad
         step_rad = self.beams.step_rad / np.ceil(self.beams.step_rad / RAY_STEP_RAD)
         ray = np.rint((bearing_rad % (2 * np.pi)) / step_rad).astype(int)
-        reach_m = np.minimum(self.hit_m, self.beams.range_max_m)
-        if self.beams.full_turn:
-            in_view, ray = np.full(len(ray), True), ray % len(reach_m)
-        else:
-            in_view = ray < len(reach_m)
-            ray = np.minimum(ray, len(reach_m) - 1)
-        fits[tuple(cells.T)] = in_view & (np.linalg.norm(from_m, axis=1) > reach_m[ray])
-        return low, fits
+        in_view = ray < len(range_m)
+        ray = ray % len(range_m)
+        in_view |= self.beams.full_turn
+        unseen[tuple(cells.T)] = in_view & (np.linalg.norm(from_m, axis=1) > range_m[ray])
+        return low, unseen, clear_m
 
-    def edges(self):
-        """Each gap that a vehicle may pass, with points along its edge."""
-        count = len(self.hits) if self.beams.full_turn else len(self.hits) - 1
-        for gap in range(count):
+    @cached_property
+    def edges(self) -> list[tuple[int, np.ndarray]]:
+        """Each gap that a vehicle may pass, with points along its edge, on the ground."""
+        found = []
+        for gap in range(len(self.hits) if self.beams.full_turn else len(self.hits) - 1):
             rays = self.rays_of(gap)
             line_m = self.ends_m[rays]
             if len(rays) > 2 or np.linalg.norm(line_m[1] - line_m[0]) > (1 - QUARTER) * VEHICLE_M:
-                yield gap, along(line_m)
+                found.append((gap, self.to_ground(along(line_m))))
+        return found
 
     def rays_of(self, gap: int) -> np.ndarray:
         """The rays of a gap, with the hits at both ends."""

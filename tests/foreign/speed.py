@@ -64,7 +64,7 @@ def main() -> int:
 
 def bench(root: Path, recording: Path) -> dict[str, dict[str, str]]:
     """Rows of the bench by method."""
-    command = ["cargo", "bench", "--quiet", "-p", "crosscut-pipeline", "--bench", "revolution", "--"]
+    command = ["cargo", "bench", "--quiet", "-p", "crosscut-detector", "--bench", "revolution", "--"]
     done = subprocess.run([*command, "default", "floor", recording], cwd=root, stdout=subprocess.PIPE, text=True, check=True)
     rows = csv.reader(io.StringIO(done.stdout))
     header, *rows = [[cell.strip() for cell in row] for row in rows if row]

@@ -1,50 +1,41 @@
-//! `crosscut config`, and the resolution of the configuration for all commands.
+//! `crosscut config`, and the configuration of every command.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
-use anyhow::Context;
-use crosscut_pipeline::{Config, Layer, Preset, Registry};
-use crosscut_sensor::{MAX_RANGE_M, MIN_RANGE_M};
+use crosscut_detector::{Config, Layer, Preset, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};
+use crate::say::show;
 
 /// Prints the resolved configuration.
 pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let config = resolve(args, registry)?;
-    write!(std::io::stdout(), "{config}").context("standard output")?;
+    show(args.resolve(registry)?)?;
     Ok(Outcome::Done)
 }
 
-/// Resolves the layers preset < file < single settings.
-pub(crate) fn resolve(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Config> {
-    resolve_with(args, "", &[], registry)
-}
-
-/// Resolves the layers preset < file < settings of another option, such as one `--with` < single settings.
-pub(crate) fn resolve_with(
-    args: &ConfigArgs,
-    option: &str,
-    own: &[String],
+/// Resolves the layers preset < file < single settings; messages name the option of the settings.
+pub(crate) fn resolve(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
     registry: &Registry,
-) -> anyhow::Result<Config> {
-    let mut layers = vec![Preset::named(&args.preset).map_err(usage)?.into()];
-    if let Some(path) = &args.config {
+) -> Result<Config, UsageError> {
+    let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
+    if let Some(path) = file {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
     }
-    layers.push(Layer::settings(option, own).map_err(usage)?);
-    layers.push(Layer::settings("--set", &args.set).map_err(usage)?);
-    let config = Config::resolve(registry, &layers).map_err(usage)?;
-    let ingest = config.params("ingest");
-    let (nearest_m, farthest_m) = (ingest.get(MIN_RANGE_M), ingest.get(MAX_RANGE_M));
-    if nearest_m >= farthest_m {
-        return Err(usage(format!(
-            "ingest.min_range_m ({nearest_m}) is not below ingest.max_range_m ({farthest_m}), so no return would be left"
-        ))
-        .into());
+    for (option, settings) in settings {
+        layers.push(Layer::settings(option, settings).map_err(usage)?);
     }
-    Ok(config)
+    Config::resolve(registry, &layers).map_err(usage)
+}
+
+impl ConfigArgs {
+    pub(crate) fn resolve(&self, registry: &Registry) -> Result<Config, UsageError> {
+        resolve(&self.preset, self.config.as_deref(), &[("--set", &self.set)], registry)
+    }
 }
 
 /// The text of a TOML file, or the settings stored in a recording.

@@ -2,14 +2,8 @@
 
 use std::fmt::Display;
 
-use crosscut_pipeline::{End, Summary};
-
 use crate::exit::Outcome;
 use crate::say::say;
-
-/// A note on a flight in which no scan has a return.
-pub(crate) const NO_RETURN: &str =
-    "no scan has a usable return: either nothing was in range, or the notes in the results give the reason";
 
 /// Prints problems on standard error as they come, and keeps them. A problem that several configurations meet is
 /// reported once.
@@ -42,20 +36,6 @@ impl Diagnostics {
     /// Takes note that the work ended early because somebody asked for it.
     pub(crate) fn interrupt(&mut self) {
         self.interrupted = true;
-    }
-
-    /// Reports how a run ended.
-    ///
-    /// # Errors
-    /// When it failed before its first revolution.
-    pub(crate) fn ended(&mut self, summary: &Summary) -> anyhow::Result<()> {
-        match &summary.end {
-            End::Failed(failure) if summary.revolutions == 0 => anyhow::bail!("{failure}"),
-            End::Failed(failure) => self.error(failure),
-            End::Interrupted => self.interrupt(),
-            End::Complete | End::ResultsLost(_) => {}
-        }
-        Ok(())
     }
 
     /// Reports where the work was interrupted, the first time only.

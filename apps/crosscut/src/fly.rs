@@ -8,12 +8,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Score;
 use crosscut_flight::check_live;
-use crosscut_ingest::{Following, Recording, Sensor, Truths, recordings_in};
+use crosscut_ingest::{Following, Recording, Truths, recordings_in};
 use crosscut_messages::{Truth, TruthError};
-use crosscut_pipeline::{Config, End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
 use crosscut_stage::{Failure, FailureCause, Frame, Notes, Observer, Revolution, Source, SourceError, Step, counted};
 use indicatif::ProgressBar;
 
@@ -67,7 +69,7 @@ impl Flight {
     }
 
     /// This flight with the truth of its scans, which its recording holds.
-    pub(crate) fn with(self, truths: Option<Truths>) -> Self {
+    pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
         Self { truths, ..self }
     }
 
@@ -77,11 +79,7 @@ impl Flight {
     }
 
     /// Reads the next revolution and its truth; `None` at the end.
-    pub(crate) fn next(
-        &mut self,
-        out: &mut Revolution,
-        notes: &mut Notes,
-    ) -> Result<Option<TruthAt>, SourceError> {
+    pub(crate) fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<Option<TruthAt>, SourceError> {
         let more = self.recording.next(out, notes)?;
         let at_ns = self.recording.last_log_time_ns();
         Ok(more.then(|| self.truths.as_mut().map_or(Ok(None), |truths| truths.at(at_ns))))
@@ -95,7 +93,7 @@ impl Flight {
     }
 
     /// The scans of the inputs that were passed over, and what is odd about their times.
-    fn left_out(&self) -> Vec<String> {
+    pub(crate) fn left_out(&self) -> Vec<String> {
         let recording = &self.recording;
         let mut notes = Vec::new();
         if recording.of_other_frames() > 0 {
@@ -203,18 +201,17 @@ impl Judge {
         None
     }
 
-    /// How well the answer in the frame agrees with the truth.
-    pub(crate) fn score(&mut self, truth: &Truth, frame: &Frame) -> Option<Score> {
-        Score::of(truth, &ResultsLine::of(frame)).map_err(|error| self.cannot(error.to_string())).ok()
-    }
-
     fn judged(&mut self, truth: TruthAt, frame: &Frame) -> Option<Judged> {
         let truth = self.truth(truth, frame.revolution.seq)?;
-        let score = self.score(&truth, frame)?;
-        Some(Judged { truth, score })
+        match Score::of(&truth, &ResultsLine::of(frame)) {
+            Ok(score) => return Some(Judged { truth, score }),
+            Err(error) => self.cannot(error.to_string()),
+        }
+        None
     }
 
-    fn cannot(&mut self, reason: String) {
+    /// Counts a revolution whose answer cannot be compared with its truth.
+    pub(crate) fn cannot(&mut self, reason: String) {
         self.others.get_or_insert((0, reason)).0 += 1;
     }
 
@@ -280,10 +277,10 @@ impl Flown {
             }
             End::Failed(failure) => diagnostics.error(format_args!("{of}{failure}; before it: {done}")),
             End::ResultsLost(error) => report_lost_results(&of, error, &done, diagnostics),
-            End::Interrupted => diagnostics.interrupted(format_args!(
-                "{}: what is written covers the {done} before that",
-                whose.map_or_else(|| "by Ctrl-C".to_owned(), |whose| format!("at {whose}"))
-            )),
+            End::Interrupted => {
+                let at = whose.map_or_else(String::new, |whose| format!("at {whose}, "));
+                diagnostics.interrupted(format_args!("{at}after {done}; what is written covers what came before"));
+            }
             End::Complete if self.is_empty() => diagnostics.error(format_args!("{of}no scan could be read")),
             End::Complete => {}
         }

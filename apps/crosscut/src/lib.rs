@@ -16,7 +16,7 @@ mod config;
 mod configurations;
 mod diagnostics;
 mod exit;
-mod flight;
+mod fly;
 mod interrupt;
 mod map_file;
 mod maps;
@@ -24,20 +24,17 @@ mod observers;
 mod outputs;
 mod progress;
 mod say;
-mod scoring;
 mod summary;
 mod typeset;
-mod unfinished;
 mod written;
-mod wrong;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
+use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
-use crosscut_pipeline::Registry;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
@@ -57,6 +54,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
             return if refused.use_stderr() { exit::WRONG_USAGE } else { exit::Outcome::Done.into() };
         }
     };
+    interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     let outcome = match command {
         Command::Run(args) => commands::run::run(&args, registry),

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 
 fn main() -> ExitCode {
     crosscut::main(&Registry::standard())

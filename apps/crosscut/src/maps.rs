@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crosscut_flight::{Map, Mapper, Node, write_g2o};
-use crosscut_stage::HereKind;
+use crosscut_flight::{HereKind, Map, Mapper, Node, write_g2o};
 use serde_json::{Value, json};
 use svg::Document;
 use svg::node::element::{Circle, Line, Polyline, Rectangle, Text};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crosscut_pipeline::Config;
+use crosscut_detector::Config;
 use crosscut_stage::Observer;
 
 use crate::cli::RunArgs;
@@ -42,7 +42,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         view: args.view,
         serve: args.serve,
         live: run.rate.is_some(),
-        name: run.flight.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),

@@ -2,74 +2,92 @@
 //! before the work begins.
 
 use std::ffi::OsStr;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crosscut_outfile::{Growing, Keep, Replaced};
 
 use crate::exit::UsageError;
 
-/// Opens an output file, or standard output for `-`. Refuses one of the files `read` and a file that another run writes
-/// to. An existing file keeps its contents until the first write; a new file to which nothing is written is removed.
-pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
+/// Opens an output that grows, or standard output for `-`. Refuses one of the files `read` and a file that another run
+/// writes to. An existing file keeps its contents until the first flush, and a file that is never flushed is not there.
+pub(crate) fn grow(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Write + Send>> {
     if path == Path::new("-") {
-        return Ok(Box::new(std::io::stdout()));
+        return Ok(Box::new(standard_output().context("cannot write to standard output")?));
     }
     refuse(&[path], read)?;
     let cannot = || format!("cannot write {}", path.display());
-    let is_new = !path.exists();
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).with_context(cannot)?;
-    if !file.metadata().with_context(cannot)?.is_file() {
-        return Ok(Box::new(file)); // a pipe or a device
-    }
-    // On other systems a lock would exclude readers as well.
-    if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-        anyhow::bail!("cannot write {}: another program is writing to it", path.display());
-    }
-    Ok(Box::new(OutputFile { file, new: is_new.then(|| path.to_owned()), written: 0, flushed: 0 }))
+    Ok(Box::new(Growing::create(path, Keep::ThroughPowerLoss).with_context(cannot)?))
 }
 
-/// A file that is emptied at the first write, and cut back to its length at the last flush when a write fails.
-struct OutputFile {
-    file: File,
-    /// The path of the file, if it is new.
-    new: Option<PathBuf>,
-    /// Bytes written so far.
-    written: u64,
-    /// Bytes written at the last flush.
-    flushed: u64,
+/// An output that is written as a whole, once or again and again. Until then an existing file keeps its contents.
+pub(crate) struct Document {
+    path: PathBuf,
+    out: Out,
 }
 
-impl Drop for OutputFile {
-    fn drop(&mut self) {
-        if let Some(path) = self.new.take_if(|_| self.written == 0) {
-            std::fs::remove_file(path).ok(); // a file that stays is empty and does no harm
-        }
+enum Out {
+    StandardOutput(File),
+    File(Replaced),
+}
+
+impl Document {
+    /// Opens a file, or standard output for `-`. Refuses one of the files `read` and a file that another run writes to.
+    pub(crate) fn create(path: &Path, read: &[PathBuf], keep: Keep) -> anyhow::Result<Self> {
+        let out = if path == Path::new("-") {
+            Out::StandardOutput(standard_output().context("cannot write to standard output")?)
+        } else {
+            refuse(&[path], read)?;
+            let cannot = || format!("cannot write {}", path.display());
+            Out::File(Replaced::create(path, keep).with_context(cannot)?)
+        };
+        Ok(Self { path: path.to_owned(), out })
+    }
+
+    /// Whether it can be written again: of a pipe, everything that is ever written is read.
+    pub(crate) fn is_file(&self) -> bool {
+        matches!(&self.out, Out::File(file) if file.is_file())
+    }
+
+    /// Writes all of it.
+    pub(crate) fn write(&mut self, text: &str) -> anyhow::Result<()> {
+        let written = match &mut self.out {
+            Out::StandardOutput(out) => out.write_all(text.as_bytes()),
+            Out::File(file) => file.replace(text),
+        };
+        written.with_context(|| format!("cannot write {}", self.path.display()))
     }
 }
 
-impl Write for OutputFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.written == 0 {
-            self.file.set_len(0)?;
-        }
-        match self.file.write(bytes) {
-            Ok(count) => {
-                self.written += count as u64;
-                Ok(count)
-            }
-            Err(error) => {
-                self.file.set_len(self.flushed).ok(); // the write's error is the one to report
-                Err(error)
-            }
-        }
+/// Standard output. `io::stdout()` reports no error where it cannot be written to at all.
+#[cfg(unix)]
+fn standard_output() -> io::Result<File> {
+    use std::os::fd::AsFd as _;
+    if is_closed() {
+        return Err(io::Error::other("it is closed"));
     }
+    io::stdout().as_fd().try_clone_to_owned().map(File::from)
+}
 
-    fn flush(&mut self) -> io::Result<()> {
-        self.flushed = self.written;
-        self.file.flush()
-    }
+#[cfg(windows)]
+fn standard_output() -> io::Result<File> {
+    use std::os::windows::io::AsHandle as _;
+    io::stdout().as_handle().try_clone_to_owned().map(File::from)
+}
+
+/// Where standard output is closed, Rust opens `/dev/null` in its place before the program begins, for reading as well. A
+/// shell's `>/dev/null` is for writing alone.
+#[cfg(unix)]
+fn is_closed() -> bool {
+    const ACCESS: u32 = 0o3;
+    const READ_AND_WRITE: u32 = 0o2;
+    let is_null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|to| to == Path::new("/dev/null"));
+    let info = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
+    let flags = info.lines().find_map(|line| line.strip_prefix("flags:"));
+    let flags = flags.and_then(|flags| u32::from_str_radix(flags.trim(), 8).ok());
+    is_null && flags.is_some_and(|flags| flags & ACCESS == READ_AND_WRITE)
 }
 
 /// Refuses an output that is one of the files `read`, or the same file as another output.

@@ -1,28 +1,30 @@
 //! The summary at the end of a run.
 
-use std::time::Duration;
-
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
 use crosscut_stage::{Step, counted};
 
+use crate::fly::Flown;
 use crate::typeset;
 
 /// The summary shows this many kinds of notes; the results hold all notes.
 const NOTES_SHOWN: usize = 5;
 
-/// Counts, notes, and time per stage, for a terminal.
-pub(crate) fn text(summary: &Summary, elapsed: Duration) -> String {
-    let per_second = summary.revolutions as f64 / elapsed.as_secs_f64().max(1e-9);
-    let mut text = format!(
-        "{} in {:.2} s ({per_second:.0} a second), {} with notes\n",
-        counted(summary.revolutions, "revolution"),
-        elapsed.as_secs_f64(),
-        summary.noted
-    );
-    if summary.revolutions > 0 {
-        text += &format!("\n{}\n\n{}\n", typeset::plain(&counts(summary)), typeset::plain(&times(summary)));
+/// How much was done, and how fast.
+pub(crate) fn words(flown: &Flown) -> String {
+    let Summary { revolutions, noted, .. } = flown.summary;
+    let elapsed_s = flown.elapsed.as_secs_f64();
+    let per_second = revolutions as f64 / elapsed_s.max(1e-9);
+    let revolutions = counted(revolutions, "revolution");
+    format!("{revolutions} in {elapsed_s:.2} s ({per_second:.0} a second), {noted} with notes")
+}
+
+/// Counts, time per stage, and notes, for a terminal; nothing without revolutions.
+pub(crate) fn tables(summary: &Summary) -> String {
+    if summary.revolutions == 0 {
+        return String::new();
     }
+    let mut text = format!("{}\n\n{}\n", typeset::plain(&counts(summary)), typeset::plain(&times(summary)));
     if summary.noted > 0 {
         let more = summary.notes.by_frequency().len().saturating_sub(NOTES_SHOWN) as u64;
         text += &format!("\n{}\n", typeset::plain(&notes(summary, NOTES_SHOWN)));

@@ -26,7 +26,7 @@ pub(crate) fn plain(table: &Table) -> String {
 pub(crate) fn html(table: &Table) -> String {
     let row = |cells: &[String], tag: &str| -> String {
         let cells = cells.iter().enumerate().map(|(place, cell)| {
-            let class = if is_name(&table.header[place]) { "" } else { " class=\"number\"" };
+            let class = if is_number(table, place) { " class=\"number\"" } else { "" };
             format!("<{tag}{class}>{}</{tag}>", escaped(cell))
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
@@ -64,13 +64,20 @@ fn layout(table: &Table, preset: &str) -> comfy_table::Table {
     let mut drawn = comfy_table::Table::new();
     drawn.load_preset(preset).set_header(&table.header).add_rows(&table.rows);
     for (place, column) in drawn.column_iter_mut().enumerate() {
-        let is_name = is_name(&table.header[place]);
-        column.set_cell_alignment(if is_name { CellAlignment::Left } else { CellAlignment::Right });
+        column.set_cell_alignment(if is_number(table, place) { CellAlignment::Right } else { CellAlignment::Left });
     }
     drawn
 }
 
-/// Whether a column has names or words, and no numbers.
-fn is_name(header: &str) -> bool {
-    matches!(header, "family" | "configuration" | "setting" | "stage" | "figure") || header.starts_with("note")
+/// Whether a column has numbers: every cell begins with one, but for those that have no value.
+fn is_number(table: &Table, place: usize) -> bool {
+    let mut cells = table
+        .rows
+        .iter()
+        .filter_map(|cells| cells.get(place))
+        .filter(|cell| !["", "-", "?"].contains(&cell.as_str()))
+        .peekable();
+    let begins_with_digit =
+        |cell: &String| cell.trim_start_matches(['*', '+', '-', '[', '(']).starts_with(|c: char| c.is_ascii_digit());
+    cells.peek().is_some() && cells.all(begins_with_digit)
 }

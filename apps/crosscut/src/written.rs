@@ -3,15 +3,15 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crosscut_detector::Config;
 use crosscut_flight::Mapper;
-use crosscut_pipeline::Config;
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_stage::Frame;
 
 use crate::answers::AnswersFile;
-use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
+use crate::fly::Flown;
 use crate::map_file::MapFile;
 use crate::outputs;
 
@@ -21,27 +21,21 @@ pub(crate) struct Written {
     results: Option<Results>,
     mapper: Mapper,
     map: Option<MapFile>,
-    returns: usize,
 }
 
 impl Written {
     /// Opens the files. Without the map the run continues; without results it fails.
     pub(crate) fn open(
-        args: &RunArgs,
+        results: Option<&Path>,
+        map: Option<&Path>,
         config: &Config,
         read: &[PathBuf],
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Self> {
-        let results = args.results.as_ref().map(|path| Results::create(path, config, read)).transpose()?;
-        let map = args.map.as_ref().map(|path| MapFile::create(path, read)).transpose();
+        let results = results.map(|path| Results::create(path, config, read)).transpose()?;
+        let map = map.map(|path| MapFile::create(path, read)).transpose();
         diagnostics.lost_all(map.as_ref().err().map(|error| format!("{error:#}")));
-        let map = map.unwrap_or_default();
-        Ok(Self { results, mapper: Mapper::default(), map, returns: 0 })
-    }
-
-    /// Returns of all revolutions so far.
-    pub(crate) fn returns(&self) -> usize {
-        self.returns
+        Ok(Self { results, mapper: Mapper::default(), map: map.unwrap_or_default() })
     }
 
     /// The map so far in a line.
@@ -54,7 +48,6 @@ impl Written {
     }
 
     pub(crate) fn take(&mut self, frame: &Frame) -> io::Result<()> {
-        self.returns += frame.revolution.len();
         self.mapper.add(frame);
         if let Some(map) = &mut self.map {
             map.update(&self.mapper);
@@ -68,11 +61,14 @@ impl Written {
         Ok(())
     }
 
-    /// Writes what is left of each file, whatever becomes of the others.
+    /// Writes what is left of each file, whatever becomes of the others; nothing if there was no revolution.
     ///
     /// # Errors
     /// When the results cannot be written.
-    pub(crate) fn finish(&mut self, diagnostics: &mut Diagnostics) -> io::Result<()> {
+    pub(crate) fn finish(&mut self, flown: &Flown, diagnostics: &mut Diagnostics) -> io::Result<()> {
+        if flown.is_empty() {
+            return Ok(());
+        }
         let map = self.map.as_mut().and_then(|map| map.finish(&self.mapper).err());
         diagnostics.lost_all(map.map(|error| format!("{error:#}")));
         self.results.as_mut().map_or(Ok(()), Results::finish)
@@ -87,7 +83,7 @@ enum Results {
 
 impl Results {
     fn create(path: &Path, config: &Config, read: &[PathBuf]) -> anyhow::Result<Self> {
-        let out = outputs::create(path, read)?;
+        let out = outputs::grow(path, read)?;
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
             return Ok(Self::Mcap(Box::new(AnswersFile::new(out, Sensor::new(config.params("ingest"))))));
         }

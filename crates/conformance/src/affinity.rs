@@ -1,4 +1,4 @@
-//! What is relied on in an affinity. Each function panics with what is wrong.
+//! The properties that the rest of the program relies on in an affinity. Each function panics and names the defect.
 
 use crosscut_stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Params, Point, Revolution, StageError, Weights, wrap_angle_rad,
@@ -19,10 +19,8 @@ const CASES: u32 = 100;
 /// All that follows.
 pub fn all(kind: &AffinityKind) {
     w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind);
-    degrees_are_the_row_sums_of_w(kind);
     a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones(kind);
     few_returns_and_returns_in_one_place_have_defined_graphs(kind);
-    a_point_that_is_not_finite_is_refused_by_its_index(kind);
     w_takes_no_more_memory_than_the_kind_states(kind);
     w_is_blind_to_what_the_kind_states(kind);
 }
@@ -69,20 +67,6 @@ pub fn w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal(kind: &Aff
     });
 }
 
-/// D_ii = Σ_j W_ij, to rounding.
-pub fn degrees_are_the_row_sums_of_w(kind: &AffinityKind) {
-    for_many(kind.name, CASES, &any_revolution(), |revolution| {
-        let Some(affinity) = graph(kind, &revolution) else { return };
-        let w = dense(&affinity);
-        let n = revolution.len();
-        assert_eq!(affinity.degrees.len(), n);
-        for (i, degree) in affinity.degrees.iter().enumerate() {
-            let sum: f64 = (0..n).map(|j| w[(i, j)]).sum();
-            assert!((degree - sum).abs() <= n as f64 * f64::EPSILON * sum, "degree {i} is {degree}, its row {sum}");
-        }
-    });
-}
-
 /// Nothing is left over from one revolution to the next, nor from another kind's W, dense or sparse.
 pub fn a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones(kind: &AffinityKind) {
     for_many(kind.name, CASES, &(scan(40..80), scan(0..20)), |(big, small)| {
@@ -109,21 +93,6 @@ pub fn few_returns_and_returns_in_one_place_have_defined_graphs(kind: &AffinityK
         assert_eq!((affinity.weights.n(), affinity.degrees.len()), (n, n), "{}", kind.name);
         assert!(affinity.degrees.iter().all(|d| (1.0..=n as f64).contains(d)), "{}: {affinity:?}", kind.name);
     }
-}
-
-/// NaN and infinite coordinates are errors, not graphs.
-pub fn a_point_that_is_not_finite_is_refused_by_its_index(kind: &AffinityKind) {
-    for_many(kind.name, CASES, &(scan(1..40), any::<usize>(), 0..3usize), |(mut revolution, at, axis)| {
-        if revolution.is_empty() {
-            return;
-        }
-        let at = at % revolution.len();
-        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            revolution.points_m[at][axis] = bad;
-            let refused = build(kind).affinity(&revolution, &mut Affinity::default(), &mut Notes::default());
-            assert_eq!(refused, Err(StageError::NotFinite { what: "the point", index: at }));
-        }
-    });
 }
 
 /// The memory that follows from [`Storage`](crosscut_stage::Storage) is enough.

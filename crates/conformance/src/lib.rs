@@ -1,4 +1,4 @@
-//! What the rest of the program relies on in an affinity: one body of tests for every kind.
+//! The properties that the rest of the program relies on in an affinity: one body of tests for every kind.
 //!
 //! An affinity of your own runs them in a test of its own; random inputs are the same in every run:
 //!

@@ -19,8 +19,8 @@ pub struct Agreement {
     pub junctions: [usize; 2],
     /// Number of zero eigenvalues.
     pub k: [usize; 2],
-    /// Reported confidence.
-    pub confidence: [f64; 2],
+    /// Reported confidence; `None` of an answer that has none.
+    pub confidence: [Option<f64>; 2],
     /// Whether the counts are equal and all walls are paired, with an overlap of at least [`SAME_WALL_IOU`].
     pub same_walls: bool,
     /// Returns by either answer.

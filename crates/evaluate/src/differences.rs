@@ -44,8 +44,8 @@ pub struct Stretch {
     pub revolutions: u64,
     /// The count of each configuration. If they are equal, the walls differ.
     pub junctions: [usize; 2],
-    /// The least confidence of each configuration.
-    pub confidence: [f64; 2],
+    /// The least confidence of each configuration; `None` if it has none.
+    pub confidence: [Option<f64>; 2],
 }
 
 impl Differences {
@@ -73,7 +73,8 @@ impl Differences {
                 last.seq[1] = agreement.seq;
                 last.stamp_ns[1] = agreement.stamp_ns;
                 last.revolutions += 1;
-                last.confidence = [0, 1].map(|side| last.confidence[side].min(agreement.confidence[side]));
+                let least = |side: usize| Some(last.confidence[side]?.min(agreement.confidence[side]?));
+                last.confidence = [least(0), least(1)];
             }
             _ => self.stretches.push(Stretch {
                 seq: [agreement.seq; 2],

@@ -97,7 +97,7 @@ impl Evaluation {
             .merge(Proportion { hits: (openings.reported - matched) as u64, of: openings.reported as u64 });
         self.bearing_errors_rad.extend(openings.matched.iter().map(|opening| opening.bearing_error_rad));
         self.width_errors.extend(openings.matched.iter().filter_map(|opening| opening.width_error));
-        self.answers.push((score.confidence, score.right));
+        self.answers.extend(score.confidence.map(|confidence| (confidence, score.right)));
     }
 
     /// Adds all revolutions of `other`.

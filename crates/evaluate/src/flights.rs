@@ -9,9 +9,9 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_flight::Map;
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map};
 use crosscut_messages::{Truth, TruthKind, TruthMap};
-use crosscut_stage::{Frame, Here, HereKind};
+use crosscut_stage::Frame;
 use serde::Serialize;
 
 use crate::Proportion;
@@ -95,10 +95,11 @@ impl FlightScore {
         if let Some(pose) = &truth.pose {
             self.truth.add(stamp_ns, pose);
         }
-        if let Some(tracked) = frame.pose {
+        let flown = FlightAnswer::of(frame);
+        if let Some(tracked) = flown.pose {
             let at = WhereAt { stamp_ns, position_m: tracked.translation.vector.into() };
             self.counts.add(frame.junction.junctions, at);
-            let here = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
+            let here = flown.steady_here();
             let is_node = |here: &&Here| here.node().is_some();
             self.ways.add(here.filter(is_node).map_or(2, |here| here.ways.len()), at);
         }
@@ -109,12 +110,11 @@ impl FlightScore {
                     kind(here.kind) == true_place.kind && here.ways.len() == true_place.ways as usize
                 })
             };
-            let steady_here = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
-            figures.here.entry(true_place.kind).or_default().count(is_right(frame.here.as_ref()));
-            figures.steady_here.entry(true_place.kind).or_default().count(is_right(steady_here));
+            figures.here.entry(true_place.kind).or_default().count(is_right(flown.here.as_ref()));
+            figures.steady_here.entry(true_place.kind).or_default().count(is_right(flown.steady_here()));
         }
         let walls = truth.walls as usize;
-        let (single, steady) = (frame.junction.junctions, frame.steady.as_ref().map(|steady| steady.junctions));
+        let (single, steady) = (frame.junction.junctions, flown.steady.as_ref().map(|steady| steady.junctions));
         figures.count.count(single == walls);
         figures.steady_count.count(steady == Some(walls));
         let since = self.walls.filter(|(before, _)| *before == truth.walls).map_or(stamp_ns, |(_, since_ns)| since_ns);
@@ -147,16 +147,17 @@ fn kind(of: HereKind) -> TruthKind {
 
 #[cfg(test)]
 mod tests {
+    use crosscut_flight::Steady;
     use crosscut_messages::TruthPlace;
-    use crosscut_stage::Steady;
 
     use super::*;
 
     fn frame(count: usize, steady: usize, here: HereKind) -> Frame {
         let here = Some(Here { kind: here, look_m: 5.0, ways: Vec::new(), confidence: 0.9 });
-        let mut frame = Frame { here, ..Frame::default() };
+        let mut frame = Frame::default();
         frame.junction.junctions = count;
-        frame.steady = Some(Steady { junctions: steady, here: None, openings: Vec::new() });
+        let steady = Some(Steady { junctions: steady, here: None, openings: Vec::new() });
+        FlightAnswer { pose: None, doubt: None, here, steady }.put(&mut frame);
         frame
     }
 

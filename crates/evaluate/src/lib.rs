@@ -96,6 +96,7 @@ mod proportion;
 mod score;
 mod scoreboard;
 pub mod tables;
+mod variants;
 
 pub use agreement::Agreement;
 pub use confidence::{BINS, Confidence, ReliabilityBin};
@@ -108,3 +109,4 @@ pub use percentiles::Percentiles;
 pub use proportion::Proportion;
 pub use score::{SAME_WALL_IOU, Score, ScoreError};
 pub use scoreboard::{Family, Scoreboard};
+pub use variants::{Variants, settings_of_step};

@@ -26,8 +26,8 @@ pub struct Score {
     pub adjusted_rand_index: Option<f64>,
     /// Comparison of the openings.
     pub openings: OpeningsScore,
-    /// Reported confidence.
-    pub confidence: f64,
+    /// Reported confidence; `None` if the answer has none.
+    pub confidence: Option<f64>,
 }
 
 /// The reason that an answer cannot be compared.

@@ -1,6 +1,6 @@
 //! The weakest edge of each wall: the bottleneck of the maximum spanning tree of its part of W.
 
-use crosscut_stage::Weights;
+use crosscut_stage::{DisjointSets, Weights};
 
 use crate::Edge;
 
@@ -63,7 +63,8 @@ impl Bottlenecks {
             }
         });
         edges.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.returns.cmp(&b.returns)));
-        let mut sets = DisjointSets::new(weights.n());
+        let mut sets = DisjointSets::default();
+        sets.reset(weights.n());
         let mut parts_left: Vec<usize> = walls.iter().map(Vec::len).collect();
         for edge in edges {
             let [i, j] = edge.returns;
@@ -76,7 +77,7 @@ impl Bottlenecks {
                 self.edges[wall] = Some(edge);
                 walls[wall].iter().for_each(|&r| self.first_side[r] = sets.root(r) == a);
             }
-            sets.parent[a] = b;
+            sets.join(a, b);
             parts_left[wall] -= 1;
         }
         self.parts = parts_left;
@@ -107,23 +108,4 @@ fn grow_tree(returns: &[usize], weight: impl Fn(usize, usize) -> f64) -> Vec<Gro
         grown.push(next);
     }
     grown
-}
-
-/// Union-find over the returns.
-struct DisjointSets {
-    parent: Vec<usize>,
-}
-
-impl DisjointSets {
-    fn new(n: usize) -> Self {
-        Self { parent: (0..n).collect() }
-    }
-
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            self.parent[i] = self.parent[self.parent[i]];
-            i = self.parent[i];
-        }
-        i
-    }
 }

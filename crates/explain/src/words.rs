@@ -78,7 +78,7 @@ impl Words<'_> {
         let mut verdicts: Vec<Verdict> = self.frame.affinity.verdicts.clone();
         verdicts.sort_by(|a, b| doubt(a).total_cmp(&doubt(b)));
         let line = |verdict: &Verdict| {
-            let what = match (verdict.is_way, verdict.room_ratio >= 1.0) {
+            let what = match (verdict.is_opening, verdict.room_ratio >= 1.0) {
                 (true, _) => "an opening",
                 (false, false) => "the wall continues",
                 (false, true) => "the wall continues nevertheless, because its pieces were joined one by one",

@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::fmt::Write as _;
 
-use crosscut_flight::{Flight, PARAMS};
-use crosscut_pipeline::{Preset, Settings};
+use crosscut_detector::{Preset, Settings};
+use crosscut_flight::{Flight, FlightAnswer, HereKind, PARAMS};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::scenarios;
-use crosscut_stage::{Frame, HereKind, Params};
+use crosscut_stage::{Frame, Params};
 
 const PIXELS_PER_M: f64 = 14.0;
 const RADIUS_M: f64 = 22.0;
@@ -23,8 +23,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         engine.process(&mut frame)?;
         flight.add(&mut frame);
         // From a passage, the openings of the next junction are in view.
-        let is_passage =
-            frame.here.as_ref().is_some_and(|here| here.kind == HereKind::Passage && here.confidence > 0.9);
+        let is_passage = FlightAnswer::of(&frame)
+            .here
+            .as_ref()
+            .is_some_and(|here| here.kind == HereKind::Passage && here.confidence > 0.9);
         if is_passage && frame.junction.openings.len() >= 4 {
             #[allow(clippy::print_stdout)] // the picture is the output
             {
@@ -37,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn draw(frame: &Frame) -> Result<String, Box<dyn Error>> {
-    let here = frame.here.as_ref().ok_or("no place")?;
+    let here = FlightAnswer::of(frame).here.as_ref().ok_or("no place")?;
     let size = 2.0 * RADIUS_M * PIXELS_PER_M;
     let pixel = |x_m: f64, y_m: f64| ((RADIUS_M + x_m) * PIXELS_PER_M, (RADIUS_M - y_m) * PIXELS_PER_M);
     let along = |bearing_rad: f64, range_m: f64| pixel(range_m * bearing_rad.cos(), range_m * bearing_rad.sin());
@@ -56,8 +58,8 @@ fn draw(frame: &Frame) -> Result<String, Box<dyn Error>> {
         "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{look:.1}\" fill=\"#0072B2\" fill-opacity=\"0.08\" stroke=\"#0072B2\" stroke-dasharray=\"5 4\"/>"
     )?;
     for (index, opening) in frame.junction.openings.iter().enumerate() {
-        let is_way = here.ways.iter().any(|way| way.opening == Some(index));
-        let color = if is_way { "#D55E00" } else { "#999" };
+        let is_opening = here.ways.iter().any(|way| way.opening == Some(index));
+        let color = if is_opening { "#D55E00" } else { "#999" };
         let [from, to] = opening.edge_m.map(|end| pixel(end.x, end.y));
         let (label_x, label_y) = along(opening.bearing_rad, 16.0);
         writeln!(

@@ -11,12 +11,12 @@
 use std::error::Error;
 use std::time::Instant;
 
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::flights::{FlightFigures, FlightScore};
 use crosscut_evaluate::tables::{MAP_COLUMNS, map_cells};
 use crosscut_evaluate::{Proportion, maps::MapTruth};
 use crosscut_flight::{Flight, Map, Mapper, PARAMS};
 use crosscut_messages::TruthMap;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scenario, scenarios};
 use crosscut_stage::{Frame, Params, Value};

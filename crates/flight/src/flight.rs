@@ -2,6 +2,7 @@
 
 use crosscut_stage::{Count, Frame, ParamSpec, Params};
 
+use crate::FlightAnswer;
 use crate::here::{PLACE_PARAMS, Places};
 use crate::pose::{POSE_PARAMS, PoseTracker};
 use crate::steady::Steadier;
@@ -35,13 +36,13 @@ pub fn check_live(params: &Params) -> Result<(), LooksAhead> {
 /// Adds to each frame of a flight what the flight so far shows.
 ///
 /// ```
-/// use crosscut_flight::{Flight, PARAMS};
+/// use crosscut_flight::{Flight, FlightAnswer, PARAMS};
 /// use crosscut_stage::{Frame, Params};
 ///
 /// let mut flight = Flight::new(&Params::defaults(PARAMS), 0.6);
 /// let mut frame = Frame::default(); // filled by the four stages
 /// flight.add(&mut frame);
-/// assert_eq!(frame.here, None, "there is no wall");
+/// assert_eq!(FlightAnswer::of(&frame).here, None, "there is no wall");
 /// ```
 #[derive(Clone, Debug)]
 pub struct Flight {
@@ -70,17 +71,19 @@ impl Flight {
     /// The first half of [`Flight::add`]: pose and place of the next frame.
     pub fn place(&mut self, frame: &mut Frame) {
         let tracked = self.poses.add(&frame.revolution, &mut frame.notes);
-        frame.pose = tracked.map(|tracked| tracked.pose);
-        frame.pose_doubt = tracked.map(|tracked| tracked.doubt).unwrap_or_default();
+        let pose = tracked.map(|tracked| tracked.pose);
         if tracked.is_some_and(|tracked| tracked.lost) {
             self.places.forget();
         }
-        frame.here = self.places.here(&frame.revolution, &frame.junction, frame.pose);
+        let here = self.places.here(&frame.revolution, &frame.junction, pose);
+        let doubt = tracked.map(|tracked| tracked.doubt);
+        FlightAnswer { pose, doubt, here, steady: None }.put(frame);
     }
 
     /// The second half: the steady answer of the next frame. `later`: frames after it, in order, whose pose and place are
     /// filled.
     pub fn steady<'f>(&mut self, frame: &mut Frame, later: impl Iterator<Item = &'f Frame>) {
-        frame.steady = self.steadier.add(frame, later);
+        let steady = self.steadier.add(frame, later);
+        FlightAnswer { steady, ..FlightAnswer::of(frame).clone() }.put(frame);
     }
 }

@@ -22,12 +22,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crosscut_stage::{
+    Beam, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, widest_run, wrap_angle_rad,
+};
 use nalgebra::Isometry2;
 
-use crosscut_stage::{
-    Beam, Here, HereKind, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, Way, widest_run,
-    wrap_angle_rad,
-};
+use crate::{Here, HereKind, Way};
 
 const LOOK_WIDTHS: Number = Number::new("look_widths", "widths", 1.5)
     .from(0.6)
@@ -121,7 +121,7 @@ impl Places {
             other.as_ref().is_some_and(|other| (other.0, other.1.len()) == (kind, ways.len()))
         };
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
-        let confidence = junction.confidence * alike as f64 / LOOKS.len() as f64;
+        let confidence = junction.confidence.unwrap_or(0.0) * alike as f64 / LOOKS.len() as f64;
         Some(Here { kind, look_m, ways, confidence })
     }
 }

@@ -15,6 +15,7 @@
 //! All of it is deterministic: the same revolutions give the same poses.
 
 mod agreement;
+mod answer;
 mod belief;
 mod evidence;
 mod flight;
@@ -30,6 +31,7 @@ mod scan_match;
 mod steady;
 mod surroundings;
 
+pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;

@@ -1,10 +1,10 @@
 //! The answer over the last revolutions, and openings that are followed from one to the next.
 
+use crosscut_stage::{Frame, Opening, wrap_angle_rad};
 use nalgebra::Isometry2;
 
-use crosscut_stage::{Frame, Here, HereKind, Opening, Steady, SteadyOpening, Way, wrap_angle_rad};
-
 use crate::belief::{Answered, Belief, Since, elapsed_s};
+use crate::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 
 /// Another count, and another place, hold once they are believed this many times as much as those that held.
 const COUNT_ODDS: f64 = 100.0;
@@ -79,11 +79,12 @@ impl Answers {
         if frame.revolution.is_empty() {
             return Self { count: None, place: None };
         }
-        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: frame.pose };
+        let flown = FlightAnswer::of(frame);
+        let now = Moment { stamp_ns: frame.revolution.stamp_ns, pose: flown.pose };
         let junction = &frame.junction;
         let since = now.since(before.count.replace(now));
-        let count = Answered { answer: junction.junctions, confidence: junction.confidence, since };
-        let place = frame.here.as_ref().map(|here| {
+        let count = Answered { answer: junction.junctions, confidence: junction.confidence.unwrap_or(0.0), since };
+        let place = flown.here.as_ref().map(|here| {
             let since = now.since(before.place.replace(now));
             Answered { answer: (here.kind, here.ways.len()), confidence: here.confidence, since }
         });
@@ -121,7 +122,8 @@ impl Steadier {
     /// order, which it rests on as well.
     pub(crate) fn add<'f>(&mut self, frame: &Frame, later: impl Iterator<Item = &'f Frame>) -> Option<Steady> {
         let answers = Answers::of(frame, &mut self.before);
-        let yaw_rad = frame.pose.map_or(0.0, |pose| pose.rotation.angle());
+        let flown = FlightAnswer::of(frame);
+        let yaw_rad = flown.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
         if let Some(count) = answers.count {
             let mut before = self.before;
@@ -131,7 +133,7 @@ impl Steadier {
             if self.junctions.holds() == Some(count.answer) {
                 self.shown.clone_from(&tracks);
             }
-            if let Some((here, place)) = frame.here.as_ref().zip(answers.place) {
+            if let Some((here, place)) = flown.here.as_ref().zip(answers.place) {
                 self.place.add(place, &later.iter().filter_map(|answers| answers.place).collect::<Vec<_>>());
                 if self.place.holds() == Some(place.answer) {
                     let of_ways = here.ways.iter().map(|way| way.opening.map(|index| tracks[index])).collect();

@@ -26,6 +26,12 @@ pub enum ConvertError {
     /// The MCAP cannot be written.
     #[error("the MCAP cannot be written")]
     Write(#[from] mcap::McapError),
+    /// No scan lies in the part of the recording that is asked for.
+    #[error("no scan of {topic} is selected by --from, --to and --every")]
+    NothingSelected {
+        /// The scan topic.
+        topic: String,
+    },
     /// Not one scan can be decoded.
     #[error("none of the {messages} messages of {topic} can be decoded")]
     NoScan {
@@ -65,7 +71,42 @@ struct Route {
     to: String,
 }
 
-/// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` name on `/scan`, clouds on
+/// The part of a recording that is asked for.
+struct Selection<'a> {
+    options: &'a ReadOptions,
+    /// When the first scan was recorded.
+    first_ns: Option<u64>,
+    /// Scans up to now, and those of them that are selected.
+    scans: u64,
+    selected: u64,
+}
+
+impl Selection<'_> {
+    /// Whether a message is asked for. What holds of the whole recording is, and so is all beside the scans in that time.
+    fn holds(&mut self, route: &Route, log_time_ns: u64) -> bool {
+        let ReadOptions { from_s, to_s, every, .. } = self.options;
+        let is_scan = matches!(route.kind, Kind::Scan(_));
+        if is_scan {
+            self.first_ns.get_or_insert(log_time_ns);
+        }
+        if route.kind == Kind::TruthMap || route.to.ends_with("_static") {
+            return true;
+        }
+        let since_first_s = self.first_ns.map(|first_ns| (i128::from(log_time_ns) - i128::from(first_ns)) as f64 / 1e9);
+        let is_after = |from_s: f64| since_first_s.is_some_and(|since_s| since_s >= from_s);
+        let is_before = |to_s: f64| since_first_s.is_none_or(|since_s| since_s <= to_s);
+        let is_in_time = from_s.is_none_or(is_after) && to_s.is_none_or(is_before);
+        if !is_scan {
+            return is_in_time;
+        }
+        let is_selected = is_in_time && self.scans.is_multiple_of(every.get());
+        self.scans += 1;
+        self.selected += u64::from(is_selected);
+        is_selected
+    }
+}
+
+/// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` select on `/scan`, clouds on
 /// `/points`, odometry on `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are; of several
 /// echoes of a beam, `echo` is its range.
 ///
@@ -82,11 +123,16 @@ pub fn convert(
     let mut converted = Converted { losses, ..Converted::default() };
     let mut mcap = mcap::WriteOptions::new().profile("ros2").library("crosscut").create(out)?;
     let mut channels = BTreeMap::new();
+    let mut selection = Selection { options, first_ns: None, scans: 0, selected: 0 };
     for container in containers {
         let routed = routed(container.contents(), &routes);
         let mut reader = TopicReader::new(container, routed.keys().copied().collect::<BTreeSet<_>>());
         while let Some(message) = reader.next() {
-            let Some(route) = routed.get(&message.channel) else { continue };
+            let Some(route) = routed.get(&message.channel).filter(|route| selection.holds(route, message.log_time_ns))
+            else {
+                reader.recycle(message);
+                continue;
+            };
             match recoded(route, &message) {
                 Ok(data) => {
                     let (channel, count) = match channels.get_mut(&route.to) {
@@ -108,6 +154,9 @@ pub fn convert(
     mcap.finish()?;
     let scans = routes.into_iter().find(|route| matches!(route.kind, Kind::Scan(_)));
     match scans.filter(|route| !converted.messages.contains_key(&route.to)) {
+        Some(Route { from, .. }) if selection.scans > 0 && selection.selected == 0 => {
+            Err(ConvertError::NothingSelected { topic: from.name })
+        }
         Some(Route { from, to, .. }) => {
             let messages = converted.undecodable.get(&to).copied().unwrap_or(0);
             Err(ConvertError::NoScan { topic: from.name, messages })

@@ -9,9 +9,9 @@ use crosscut_stage::{Notes, Revolution, Sweep, counted};
 
 use crate::clock::Clock;
 use crate::container::{self, Contents, TopicReader};
-use crate::topics::topics_of;
+use crate::topics::{channels_of_each, topics_of};
 use crate::turns::{Turn, Turns};
-use crate::{IngestError, Loss, LossKind, ReadOptions, TopicInfo};
+use crate::{IngestError, Loss, LossKind, ReadOptions, TopicInfo, limits};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -47,7 +47,7 @@ pub struct TopicDescription {
     pub info: TopicInfo,
     /// Messages a second, on average over the whole file.
     pub rate_hz: Option<f64>,
-    /// Its first scan of those that the sensor takes, if it carries any.
+    /// Its first scan of those that the sensor takes, if it carries any. Only the first 256 topics with scans are looked at.
     pub first_scan: Option<ScanDescription>,
 }
 
@@ -93,13 +93,18 @@ pub fn describe(path: &Path, sensor: &Sensor, options: &ReadOptions) -> Result<D
     let (path, topics) = (path.to_owned(), Vec::new());
     let mut description = Description { path, bytes, format, properties, log_time_ns, has_odd_times, topics, losses };
     let duration_s = description.duration_s().filter(|duration_s| *duration_s > 0.0);
-    for info in topics_of(std::iter::once(container.contents())) {
+    let topics = topics_of(std::iter::once(container.contents()));
+    let channels = channels_of_each(container.contents());
+    let mut described = 0;
+    for (info, channels) in topics.into_iter().zip(channels) {
         let spans = info.messages.map(|messages| messages.saturating_sub(1) as f64);
         let rate_hz = spans.zip(duration_s).map(|(spans, duration_s)| spans / duration_s);
         let mut first_scan = None;
         let read_as = options.read_as.filter(|_| info.type_name.is_empty());
-        if let Some(decoder) = info.decoder(read_as) {
-            let channels = info.channels_in(container.contents());
+        if let Some(decoder) =
+            info.decoder(read_as).filter(|_| info.messages != Some(0) && described < limits::DESCRIBED)
+        {
+            described += 1;
             let mut reader = TopicReader::new(container, channels);
             first_scan = describe_first(&mut reader, &info, decoder, sensor, &mut description.losses);
             container = reader.into_container();

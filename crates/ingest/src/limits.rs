@@ -9,8 +9,16 @@ pub(crate) const RECORD_BYTES: u64 = 64 << 20;
 pub(crate) const CHUNK_BYTES: u64 = 4 << 30;
 /// Channels of one file.
 pub(crate) const CHANNELS: usize = 65_536;
+/// Topics of which the first scans are looked at to describe a file.
+pub(crate) const DESCRIBED: usize = 256;
 /// Bytes of a whole file after decompression, and of standard input. It is kept on disk.
-pub(crate) const DECOMPRESSED_BYTES: u64 = 64 << 30;
+pub(crate) const SPOOLED_BYTES: u64 = 64 << 30;
+/// A compressed file may be this many times as large after decompression, beyond the first bytes.
+pub(crate) const EXPANSION: u64 = 100;
+/// Bytes after decompression that any compressed file may have.
+pub(crate) const ANY_EXPANSION_BYTES: u64 = 64 << 20;
+/// Messages that wait for those before them take a fourth of `pipeline.memory_mb`, or this where nobody has set that.
+pub(crate) const WAITING_BYTES: u64 = 1 << 30;
 /// Bytes of a line in a text file.
 pub(crate) const LINE_BYTES: u64 = 16 << 20;
 /// Beams of one scan.
@@ -40,7 +48,13 @@ mod tests {
             ("fields of a point", with_commas(crosscut_messages::MOST_FIELDS)),
             ("line of a text file", mib(LINE_BYTES)),
             ("channels of a file", with_commas(CHANNELS)),
-            ("file after decompression, standard input", format!("{} on disk", gib(DECOMPRESSED_BYTES))),
+            ("topics of a file that `info` describes", with_commas(DESCRIBED)),
+            ("standard input", format!("{} on disk", gib(SPOOLED_BYTES))),
+            (
+                "file after decompression",
+                format!("{EXPANSION} times its size and {}, {}", mib(ANY_EXPANSION_BYTES), gib(SPOOLED_BYTES)),
+            ),
+            ("messages that wait in memory", "a fourth of `pipeline.memory_mb`".to_owned()),
         ] {
             assert!(page.contains(&format!("\n| {what} | {limit} |")), "no row `| {what} | {limit} |`");
         }

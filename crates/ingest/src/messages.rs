@@ -26,6 +26,8 @@ pub(crate) struct Messages {
     next_seq: u64,
     /// Messages that were read ahead from the part at hand, with their index in the topic.
     ahead: VecDeque<(u64, Message)>,
+    /// No more is read ahead once that takes this much.
+    waiting_bytes: u64,
     /// Times of recording from all over the flight, until `clock` is made of them.
     log_times_ns: Vec<u64>,
     /// Known once messages were read ahead.
@@ -40,6 +42,7 @@ impl Messages {
         topic: &TopicInfo,
         decoder: ScanDecoder,
         losses: Vec<Loss>,
+        waiting_bytes: u64,
     ) -> Self {
         let mut messages = Self {
             topic: topic.name.clone(),
@@ -51,6 +54,7 @@ impl Messages {
             decoder,
             next_seq: 0,
             ahead: VecDeque::new(),
+            waiting_bytes,
             clock: None,
             losses,
         };
@@ -165,9 +169,13 @@ impl Messages {
 
     /// Reads the first messages of the flight ahead, and makes the clock of their times.
     fn read_ahead(&mut self) -> Clock {
-        while self.ahead.len() < READ_AHEAD && !self.parts.is_empty() {
+        let mut bytes = 0;
+        while self.ahead.len() < READ_AHEAD && bytes < self.waiting_bytes && !self.parts.is_empty() {
             match self.read() {
-                Some(message) => self.ahead.push_back(message),
+                Some(message) => {
+                    bytes += message.1.data.len() as u64;
+                    self.ahead.push_back(message);
+                }
                 None if self.ahead.is_empty() => drop(self.next_part()),
                 None => break,
             }

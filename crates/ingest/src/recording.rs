@@ -14,7 +14,7 @@ use crate::odometry_reader::OdometryReader;
 use crate::scanners::{Mount, Scanners};
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
-use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, parts_in};
+use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, limits, parts_in};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -35,6 +35,8 @@ pub struct ReadOptions {
     pub every: NonZero<u64>,
     /// Where the beams of a table of ranges look.
     pub csv: CsvGeometry,
+    /// Messages and scans that wait for others may take this much memory.
+    pub waiting_bytes: u64,
 }
 
 impl Default for ReadOptions {
@@ -47,6 +49,7 @@ impl Default for ReadOptions {
             to_s: None,
             every: NonZero::<u64>::MIN,
             csv: CsvGeometry::default(),
+            waiting_bytes: limits::WAITING_BYTES,
         }
     }
 }
@@ -107,11 +110,12 @@ impl Recording {
 
     /// One scanner of the vehicle.
     pub(crate) fn of(
-        containers: Vec<Box<dyn Container>>,
+        mut containers: Vec<Box<dyn Container>>,
         losses: Vec<Loss>,
         options: &ReadOptions,
         sensor: Sensor,
     ) -> Result<Self, IngestError> {
+        containers.iter_mut().for_each(|container| container.limit_waiting(options.waiting_bytes));
         let contents = || containers.iter().map(|container| container.contents());
         let topics = topics_of(contents());
         let damage = || {
@@ -127,9 +131,9 @@ impl Recording {
             return Err(IngestError::NoScans { topic: topic.name, losses: damage() });
         }
         let odometry = OdometryReader::new(&containers, &options.csv, sensor.odometry_topic());
-        let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors());
+        let turns = Turns::new(!decoder.gives_clouds(), sensor.finds_blind_sectors()).limited(options.waiting_bytes);
         Ok(Self {
-            messages: Messages::new(containers, &topic, decoder, losses),
+            messages: Messages::new(containers, &topic, decoder, losses, options.waiting_bytes),
             odometry,
             turns,
             options: options.clone(),

@@ -1,6 +1,6 @@
 //! Which topic carries the scans.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use crosscut_messages::{ScanDecoder, ScanType, ros};
@@ -24,20 +24,26 @@ pub struct TopicInfo {
     pub messages: Option<u64>,
 }
 
-/// Topics, one a line when displayed.
+/// This many topics are listed; people look no further.
+const MOST_LISTED: usize = 100;
+
+/// Topics, one a line when displayed; of very many, the first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TopicList(pub Vec<TopicInfo>);
 
 impl fmt::Display for TopicList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, topic) in self.0.iter().enumerate() {
+        for (i, topic) in self.0.iter().take(MOST_LISTED).enumerate() {
             let TopicInfo { name, type_name, encoding, messages, .. } = topic;
             let count = messages.map(|count| counted(count, "message")).unwrap_or_default();
             let type_name = if type_name.is_empty() { "(no schema)" } else { type_name };
             let line = format!("  {name}  {type_name}  {encoding}  {count}");
             write!(f, "{}{}", if i == 0 { "" } else { "\n" }, line.trim_end())?;
         }
-        Ok(())
+        match self.0.len().saturating_sub(MOST_LISTED) {
+            0 => Ok(()),
+            more => write!(f, "\n  and {more} more"),
+        }
     }
 }
 
@@ -77,15 +83,29 @@ impl TopicInfo {
 
 /// All topics of these files by name, each counted over all of them.
 pub(crate) fn topics_of<'a>(files: impl Iterator<Item = &'a Contents> + Clone) -> Vec<TopicInfo> {
-    let mut topics: Vec<Topic> = files.clone().flat_map(|contents| contents.channels.values().cloned()).collect();
-    topics.sort();
-    topics.dedup();
-    let info = |Topic { name, type_name, encoding, schema_encoding }| {
-        let mut info = TopicInfo { name, type_name, encoding, schema_encoding, messages: None };
-        info.messages = files.clone().map(|contents| contents.count(&info.channels_in(contents))).sum();
-        info
+    let are_counted = files.clone().all(|contents| contents.counts.is_some());
+    let mut messages: BTreeMap<&Topic, u64> = BTreeMap::new();
+    for contents in files {
+        for (id, topic) in &contents.channels {
+            let count = contents.counts.as_ref().and_then(|counts| counts.get(id)).copied().unwrap_or(0);
+            let sum = messages.entry(topic).or_default();
+            *sum = sum.saturating_add(count);
+        }
+    }
+    let info = |(topic, count): (&Topic, u64)| {
+        let Topic { name, type_name, encoding, schema_encoding } = topic.clone();
+        TopicInfo { name, type_name, encoding, schema_encoding, messages: are_counted.then_some(count) }
     };
-    topics.into_iter().map(info).collect()
+    messages.into_iter().map(info).collect()
+}
+
+/// The channels of each topic of a file, in the order of [`topics_of`].
+pub(crate) fn channels_of_each(contents: &Contents) -> Vec<BTreeSet<ChannelId>> {
+    let mut channels: BTreeMap<&Topic, BTreeSet<ChannelId>> = BTreeMap::new();
+    for (&id, topic) in &contents.channels {
+        channels.entry(topic).or_default().insert(id);
+    }
+    channels.into_values().collect()
 }
 
 /// The topic that carries the scans, and what reads them: the topic that is asked for, else the only one there is.

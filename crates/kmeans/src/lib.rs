@@ -33,6 +33,7 @@
 mod lloyd;
 mod no_zeros;
 mod numbering;
+mod row_distances;
 mod rows;
 mod seeding;
 

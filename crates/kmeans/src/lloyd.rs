@@ -1,5 +1,6 @@
 //! Lloyd's iteration: rows to their nearest centre, centres to the mean of their rows, until nothing changes.
 
+use crate::row_distances::RowDistances;
 use crate::rows::{Rows, distance_squared};
 
 /// Centres, and the centre of each row.
@@ -11,12 +12,29 @@ pub(crate) struct Lloyd {
     pub(crate) labels: Vec<u32>,
     /// Squared distance of each row to its centre.
     distances: Vec<f64>,
+    /// Squared distances of all rows to one centre after the other.
+    to_centres: Vec<f64>,
+    /// The centres that have moved since their distances were computed.
+    has_moved: Vec<bool>,
     /// Number of rows of each centre.
     sizes: Vec<usize>,
     moved: Vec<f64>,
+    next_labels: Vec<u32>,
 }
 
 impl Lloyd {
+    /// Puts the centres where the `chosen` rows are.
+    pub(crate) fn start_at(&mut self, rows: &Rows, distances: &mut RowDistances, chosen: &[usize]) {
+        self.centroids.clear();
+        self.to_centres.clear();
+        for &i in chosen {
+            self.centroids.extend_from_slice(rows.row(i));
+            self.to_centres.extend_from_slice(distances.to(rows, i));
+        }
+        self.has_moved.clear();
+        self.has_moved.resize(chosen.len(), false);
+    }
+
     /// Runs from the centres in `self.centroids` until no row changes its centre, the centres move by no more than
     /// `still` (a sum of squares), or `max_iterations` were done; whether it settled before that.
     pub(crate) fn run(&mut self, rows: &Rows, max_iterations: usize, still: f64) -> bool {
@@ -39,24 +57,23 @@ impl Lloyd {
 
     /// Gives each row its nearest centre; whether any row got another one than before.
     fn assign(&mut self, rows: &Rows) -> bool {
-        let k = rows.dimension();
-        self.sizes.clear();
-        self.sizes.resize(self.centroids.len() / k, 0);
+        self.measure(rows);
         self.distances.clear();
-        let mut changed = false;
-        for (row, label) in rows.iter().zip(&mut self.labels) {
-            let (mut nearest, mut least) = (0, f64::INFINITY);
-            for (c, centroid) in self.centroids.chunks_exact(k).enumerate() {
-                let distance = distance_squared(row, centroid);
-                if distance < least {
-                    (nearest, least) = (c, distance);
+        self.distances.resize(rows.len(), f64::INFINITY);
+        self.next_labels.clear();
+        self.next_labels.resize(rows.len(), 0);
+        for (c, to_centre) in (0u32..).zip(self.to_centres.chunks_exact(rows.len())) {
+            for ((&distance, least), nearest) in to_centre.iter().zip(&mut self.distances).zip(&mut self.next_labels) {
+                if distance < *least {
+                    (*nearest, *least) = (c, distance);
                 }
             }
-            changed |= *label != nearest as u32;
-            *label = nearest as u32;
-            self.sizes[nearest] += 1;
-            self.distances.push(least);
         }
+        let mut changed = self.labels != self.next_labels;
+        std::mem::swap(&mut self.labels, &mut self.next_labels);
+        self.sizes.clear();
+        self.sizes.resize(self.has_moved.len(), 0);
+        self.labels.iter().for_each(|&label| self.sizes[label as usize] += 1);
         while let Some(empty) = self.sizes.iter().position(|&size| size == 0) {
             if !self.fill(empty, rows) {
                 break;
@@ -64,6 +81,20 @@ impl Lloyd {
             changed = true;
         }
         changed
+    }
+
+    /// Computes the distances to the centres that have moved. Most of many centres have one row, and stay.
+    fn measure(&mut self, rows: &Rows) {
+        let (n, k) = (rows.len(), rows.dimension());
+        let centres = self.centroids.len() / k;
+        self.has_moved.resize(centres, true);
+        self.to_centres.resize(centres * n, 0.0);
+        let columns = self.to_centres.chunks_exact_mut(n).zip(self.centroids.chunks_exact(k));
+        for (has_moved, (to_centre, centroid)) in self.has_moved.iter_mut().zip(columns) {
+            if std::mem::take(has_moved) {
+                rows.iter().zip(to_centre).for_each(|(row, to)| *to = distance_squared(row, centroid));
+            }
+        }
     }
 
     /// The rule for a centre without rows: it starts again at the row farthest from its own centre (the first of
@@ -80,6 +111,7 @@ impl Lloyd {
         let Some(i) = farthest else { return false };
         let k = rows.dimension();
         self.centroids[empty * k..][..k].copy_from_slice(rows.row(i));
+        self.has_moved[empty] = true;
         self.sizes[self.labels[i] as usize] -= 1;
         self.sizes[empty] = 1;
         self.labels[i] = empty as u32;
@@ -102,6 +134,7 @@ impl Lloyd {
                 0 => sums.copy_from_slice(&self.centroids[c * k..][..k]),
                 size => sums.iter_mut().for_each(|sum| *sum /= size as f64),
             }
+            self.has_moved[c] |= *sums != self.centroids[c * k..][..k];
         }
         let step = distance_squared(&self.moved, &self.centroids);
         std::mem::swap(&mut self.centroids, &mut self.moved);

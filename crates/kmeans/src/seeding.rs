@@ -3,7 +3,8 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use crate::rows::{Rows, distance_squared};
+use crate::row_distances::RowDistances;
+use crate::rows::Rows;
 
 /// Chooses rows to start from: the first at random, each further one with a probability in proportion to its squared
 /// distance to the nearest chosen so far. Of 2 + ⌊ln k⌋ rows drawn so, the one that leaves the smallest sum of squared
@@ -19,38 +20,41 @@ pub(crate) struct Seeding {
 }
 
 impl Seeding {
-    /// Writes the starting centres, one after the other: k of them, or as many as there are distinct rows; n and k > 0.
-    pub(crate) fn choose(&mut self, rows: &Rows, rng: &mut Pcg64, centroids: &mut Vec<f64>) {
+    /// The rows to start from: k of them, or as many as there are distinct rows; n and k > 0.
+    pub(crate) fn choose(&mut self, rows: &Rows, distances: &mut RowDistances, rng: &mut Pcg64) -> Vec<usize> {
         let k = rows.dimension();
-        let draws = 2 + (k as f64).ln() as usize;
-        let first = rows.row(rng.random_range(0..rows.len()));
-        centroids.clear();
-        centroids.extend_from_slice(first);
+        let first = rng.random_range(0..rows.len());
+        let mut chosen = vec![first];
         self.nearest.clear();
-        self.nearest.extend(rows.iter().map(|row| distance_squared(row, first)));
+        self.nearest.extend_from_slice(distances.to(rows, first));
         for _ in 1..k {
             let sum: f64 = self.nearest.iter().sum();
             if sum == 0.0 {
-                return;
+                return chosen;
             }
             let mut least = None;
-            for _ in 0..draws {
-                let centre = rows.row(draw(&self.nearest, rng.random::<f64>() * sum));
+            for _ in 0..draws(k) {
+                let row = draw(&self.nearest, rng.random::<f64>() * sum);
                 self.drawn.clear();
-                let now = rows.iter().zip(&self.nearest).map(|(row, &d)| d.min(distance_squared(row, centre)));
-                self.drawn.extend(now);
+                self.drawn.extend(self.nearest.iter().zip(distances.to(rows, row)).map(|(d, &to_row)| d.min(to_row)));
                 let left: f64 = self.drawn.iter().sum();
                 if least.is_none_or(|(least, _)| left < least) {
-                    least = Some((left, centre));
+                    least = Some((left, row));
                     std::mem::swap(&mut self.best, &mut self.drawn);
                 }
             }
-            if let Some((_, centre)) = least {
-                centroids.extend_from_slice(centre);
+            if let Some((_, row)) = least {
+                chosen.push(row);
                 std::mem::swap(&mut self.nearest, &mut self.best);
             }
         }
+        chosen
     }
+}
+
+/// How many rows are drawn for each of k centres.
+pub(crate) fn draws(k: usize) -> usize {
+    2 + (k as f64).ln() as usize
 }
 
 /// The first index at which the running sum of `weights` passes `threshold`; its weight is not zero. If rounding keeps

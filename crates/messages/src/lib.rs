@@ -36,14 +36,19 @@
 //! # Ok::<(), crosscut_messages::DecodeError>(())
 //! ```
 //!
+//! Feature `foxglove` has Foxglove's messages and the scenes, feature `encode` the writing of CDR. Both are on by default; a
+//! robot's own program builds without them, and so without 17 crates.
+//!
 //! To add a message: declare its fields in ROS order, derive `Serialize`, add its definition to [`schema`], implement
 //! [`Message::read`], and add it to the round trips in `tests/`. If it shows a scan, add it to [`ScanType`] too.
 
 mod cloud;
 mod error;
 mod fields;
+#[cfg(feature = "foxglove")]
 mod foxglove;
 mod laser_scan;
+#[cfg(feature = "foxglove")]
 mod markers;
 mod message;
 mod multi_echo;
@@ -51,6 +56,7 @@ mod odometry;
 mod point_cloud2;
 pub mod ros;
 mod scan_decoder;
+#[cfg(feature = "foxglove")]
 mod scene;
 pub mod schema;
 mod standard;
@@ -62,12 +68,14 @@ pub use cloud::{Cloud, NumberType};
 pub use error::DecodeError;
 pub use fields::Fields;
 pub use laser_scan::LaserScan;
+#[cfg(feature = "foxglove")]
 pub use markers::MARKERS_SCHEMA_NAME;
 pub use message::{Endian, Message};
 pub use multi_echo::{Echo, LaserEcho, MultiEchoLaserScan};
 pub use odometry::{Odometry, Pose, PoseWithCovariance, Twist, TwistWithCovariance};
 pub use point_cloud2::{PointCloud2, PointField};
 pub use scan_decoder::{ScanDecoder, ScanMessage, ScanType, plain_type_name};
+#[cfg(feature = "foxglove")]
 pub use scene::{SCENE_SCHEMA_NAME, Scene, SceneArrow, SceneLine, SceneText};
 pub use schema::SCHEMA_ENCODING;
 pub use standard::{Header, Quaternion, Time, Vector3};

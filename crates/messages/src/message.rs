@@ -1,5 +1,6 @@
 //! ROS messages: their schema, and how they are read and written.
 
+#[cfg(feature = "encode")]
 use byteorder::{BigEndian, LittleEndian};
 use serde::Serialize;
 
@@ -55,12 +56,14 @@ pub trait Message: Serialize + Default {
     }
 
     /// The message in CDR of version 1 with its encapsulation header.
+    #[cfg(feature = "encode")]
     fn encode(&self, endian: Endian) -> Vec<u8> {
         encode(self, endian)
     }
 }
 
 /// `message` in CDR of version 1 with its encapsulation header.
+#[cfg(feature = "encode")]
 pub(crate) fn encode(message: &impl Serialize, endian: Endian) -> Vec<u8> {
     let mut bytes = Vec::new();
     match endian {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use crate::cloud::{PackedField, PackedPoints};
-use crate::{Cloud, DecodeError, Endian, Fields, Header, MOST_FIELDS, NumberType, message, schema};
+use crate::{Cloud, DecodeError, Fields, Header, MOST_FIELDS, NumberType, schema};
 
 /// `sensor_msgs/msg/PointCloud2`: points packed into bytes, in rows. Its data is borrowed from the message.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -166,7 +166,8 @@ impl<'a> PointCloud2<'a> {
     }
 
     /// The message in CDR with its encapsulation header.
-    pub fn encode(&self, endian: Endian) -> Vec<u8> {
-        message::encode(self, endian)
+    #[cfg(feature = "encode")]
+    pub fn encode(&self, endian: crate::Endian) -> Vec<u8> {
+        crate::message::encode(self, endian)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+#[cfg(feature = "foxglove")]
 use crate::foxglove::{FoxgloveCloud, FoxgloveScan, of_json, of_protobuf};
 use crate::{
     CDR_ENCODING, Cloud, DecodeError, Echo, Fields, Header, JSON_ENCODING, LaserScan, MOST_BEAMS, Message as _,
@@ -171,7 +172,8 @@ impl ScanDecoder {
     fn new(scan_type: ScanType, encoding: Encoding) -> Option<Self> {
         let is_of_foxglove = matches!(scan_type, ScanType::FoxgloveLaserScan | ScanType::FoxglovePointCloud);
         let fits = is_of_foxglove == matches!(encoding, Encoding::Json | Encoding::Protobuf);
-        fits.then_some(Self { scan_type, encoding, echo: Echo::default() })
+        let is_built = cfg!(feature = "foxglove") || !is_of_foxglove;
+        (fits && is_built).then_some(Self { scan_type, encoding, echo: Echo::default() })
     }
 
     /// The type that messages are read as.
@@ -205,7 +207,6 @@ impl ScanDecoder {
             Encoding::Ros1 => Ok(Fields::ros1(message)),
             _ => Fields::cdr(message),
         };
-        let is_json = self.encoding == Encoding::Json;
         match self.scan_type {
             ScanType::LaserScan => out.as_scan_mut().read(&mut fields()?),
             ScanType::MultiEchoLaserScan => {
@@ -215,15 +216,24 @@ impl ScanDecoder {
                 Ok(())
             }
             ScanType::PointCloud2 => PointCloud2::read(&mut fields()?)?.write_cloud(out.as_cloud_mut()),
+            #[cfg(feature = "foxglove")]
             ScanType::FoxgloveLaserScan => {
-                let scan: FoxgloveScan = if is_json { of_json(message) } else { of_protobuf(message) }?;
+                let scan: FoxgloveScan =
+                    if self.encoding == Encoding::Json { of_json(message) } else { of_protobuf(message) }?;
                 scan.write_scan(out.as_scan_mut());
                 Ok(())
             }
+            #[cfg(feature = "foxglove")]
             ScanType::FoxglovePointCloud => {
-                let cloud = if is_json { of_json(message) } else { FoxgloveCloud::of_protobuf(message) }?;
+                let cloud = if self.encoding == Encoding::Json {
+                    of_json(message)
+                } else {
+                    FoxgloveCloud::of_protobuf(message)
+                }?;
                 cloud.write_cloud(out.as_cloud_mut())
             }
+            #[cfg(not(feature = "foxglove"))]
+            ScanType::FoxgloveLaserScan | ScanType::FoxglovePointCloud => unreachable!("no decoder is made for them"),
         }
     }
 }

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use crosscut_detector::Config;
+use crosscut_ingest::{IngestError, Stored};
 use crosscut_navigate::PlannerKind;
-use crosscut_pipeline::Config;
-use crosscut_simulator::{RecordingError, Scene, SceneRecorder, World, read_description, read_mcap};
+use crosscut_simulator::{DESCRIPTION, RecordingError, Scene, SceneRecorder, World};
 
-use crate::Moment;
+use crate::{Moment, read_journal};
 
 /// At most this many revolutions are lost if the program is killed.
 const FLUSH_EVERY: u64 = 10;
@@ -77,7 +78,7 @@ impl About {
     /// # Errors
     /// When the journal cannot be read, or is that of another mission.
     pub fn past(&self, journal: &Path) -> Result<Vec<Scene>, ResumeError> {
-        let known = read_description(journal)?;
+        let known = Stored::metadata(journal, DESCRIPTION)?;
         let refuse = |why: String| Err(ResumeError::OtherMission { journal: journal.to_owned(), why });
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains_key(name)) {
             return refuse(format!("it does not state its {name}; only a journal (--journal) is resumed"));
@@ -85,7 +86,7 @@ impl About {
         let is_other = self.values.iter().filter(|(name, value)| known[name] != *value);
         let others: Vec<String> =
             is_other.map(|(name, value)| format!("its {name} is {}, not {value}", known[name])).collect();
-        if others.is_empty() { Ok(read_mcap(journal)?) } else { refuse(others.join(", ")) }
+        if others.is_empty() { Ok(read_journal(journal)?) } else { refuse(others.join(", ")) }
     }
 }
 
@@ -94,7 +95,13 @@ impl About {
 pub enum ResumeError {
     /// Its journal cannot be read.
     #[error(transparent)]
-    Unreadable(#[from] RecordingError),
+    Unreadable(#[from] IngestError),
+    /// It has no scene of a simulated flight.
+    #[error("no scan with odometry and its true pose is in {}", journal.display())]
+    NoFlight {
+        /// Where it is.
+        journal: PathBuf,
+    },
     /// The journal is not that of this mission.
     #[error("cannot resume {}: {why}", journal.display())]
     OtherMission {

@@ -11,7 +11,9 @@
 mod journal;
 mod judge;
 mod mission;
+mod scenes;
 mod ways;
 
 pub use journal::{About, Journal, ResumeError};
 pub use mission::{Flown, Moment, Setup, fly};
+pub use scenes::read_journal;

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use nalgebra::Point2;
 
+use crosscut_detector::{Config, Registry};
 use crosscut_flight::{Map, Mapper};
 use crosscut_navigate::{Command, End, Limits, Pilot, PlannerKind, Step};
-use crosscut_pipeline::{Config, Registry};
 use crosscut_simulator::pose::Pose;
 use crosscut_simulator::{Agility, Driven, Scene, World};
 use crosscut_stage::{Failure, Frame};

@@ -1,9 +1,10 @@
 //! Whole missions, small ones.
 
-use crosscut_missions::{Flown, Setup, fly};
+use crosscut_detector::{Preset, Registry, Settings};
+use crosscut_flight::FlightAnswer;
+use crosscut_missions::{Flown, Setup, fly, read_journal};
 use crosscut_navigate::planners;
-use crosscut_pipeline::{Preset, Registry, Settings};
-use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families, read_mcap};
+use crosscut_simulator::{Agility, Plan, SceneRecorder, World, families};
 
 fn mission(world: &World, planner: &str, agility: Agility, seed: u64, most_revolutions: u64) -> Flown {
     mission_with(Preset::Default, world, planner, agility, seed, most_revolutions)
@@ -60,7 +61,7 @@ fn the_same_seed_gives_the_same_mission() {
         };
         let mut poses = Vec::new();
         let flown = fly(&tee(2), &setup, &mut |moment| {
-            poses.push((moment.true_pose, moment.step.command, moment.frame.pose));
+            poses.push((moment.true_pose, moment.step.command, FlightAnswer::of(moment.frame).pose));
             moment.frame.revolution.seq < 150
         });
         assert_eq!(flown.revolutions, 151);
@@ -132,11 +133,11 @@ fn a_resumed_mission_knows_all_that_it_knew() {
     let mut known = Vec::new();
     fly(&world, &setup, &mut |moment| {
         recorder.add(&(moment.scene)()).expect("written");
-        known.push((moment.frame.pose, moment.step.command, moment.step.goal_m, moment.mapper.map()));
+        known.push((FlightAnswer::of(moment.frame).pose, moment.step.command, moment.step.goal_m, moment.mapper.map()));
         known.len() < 200
     });
     recorder.finish().expect("written");
-    let past = read_mcap(path.path()).expect("read");
+    let past = read_journal(path.path()).expect("read");
     assert_eq!(past.len(), 200);
 
     let mut again = Vec::new();
@@ -145,7 +146,12 @@ fn a_resumed_mission_knows_all_that_it_knew() {
     let flown = fly(&world, &Setup { past: &past, ..setup }, &mut |moment| {
         let at_m = moment.true_pose.position_m;
         if again.len() < known.len() {
-            again.push((moment.frame.pose, moment.step.command, moment.step.goal_m, moment.mapper.map()));
+            again.push((
+                FlightAnswer::of(moment.frame).pose,
+                moment.step.command,
+                moment.step.goal_m,
+                moment.mapper.map(),
+            ));
             last_m = Some(at_m);
         } else if jump_m.is_none() {
             jump_m = last_m.map(|last_m| (at_m - last_m).norm());

@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::{Located, Node, NodeWay};
-use crosscut_stage::{HereKind, Way, unit, wrap_angle_rad};
+use crosscut_flight::{HereKind, Located, Node, NodeWay, Way};
+use crosscut_stage::{unit, wrap_angle_rad};
 
 use crate::known::{Known, KnownPlace, KnownWay, WayState};
 

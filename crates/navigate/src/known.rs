@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Point2;
 
-use crosscut_stage::{HereKind, wrap_angle_rad};
+use crosscut_flight::HereKind;
+use crosscut_stage::wrap_angle_rad;
 
 /// The map as a planner sees it, at a decision. Bearings and positions are in the frame of the map.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! The loop of a vehicle: a scan and its odometry in, a command out.
 
+use crosscut_detector::{Config, Detector, Registry, Sensor};
 use crosscut_flight::{Flight, Mapper};
-use crosscut_pipeline::{Config, Engine, Registry, Sensor};
 use crosscut_stage::{Failure, Frame};
 
 use crate::navigator::{Navigator, Step};
@@ -13,26 +13,20 @@ const STANDS: u64 = 3;
 
 /// The detector, the flight, the map and the navigator of one vehicle. The same scans give the same commands.
 pub struct Pilot {
-    engine: Engine,
-    sensor: Sensor,
+    detector: Detector,
     flight: Flight,
     mapper: Mapper,
     navigator: Navigator,
-    frame: Frame,
-    revolutions: u64,
 }
 
 impl Pilot {
     /// For a vehicle with these limits, at the start of its mission.
     pub fn new(config: &Config, registry: &Registry, planner: PlannerKind, limits: Limits) -> Self {
         Self {
-            engine: Engine::new(config, registry),
-            sensor: Sensor::new(config.params("ingest")),
+            detector: Detector::new(config.clone(), registry),
             flight: Flight::new(config.params("flight"), 2.0 * limits.radius_m),
             mapper: Mapper::default(),
             navigator: Navigator::new((planner.new)(), limits),
-            frame: Frame::default(),
-            revolutions: 0,
         }
     }
 
@@ -41,16 +35,11 @@ impl Pilot {
     /// # Errors
     /// When a stage fails. The vehicle then has no command and is to stand.
     pub fn step(&mut self, write: impl FnOnce(&Sensor, &mut Frame)) -> Result<Step, Failure> {
-        self.frame.notes.clear();
-        self.frame.revolution.clear();
-        write(&self.sensor, &mut self.frame);
-        self.frame.revolution.seq = self.revolutions;
-        self.engine.process(&mut self.frame)?;
-        self.flight.add(&mut self.frame);
-        self.mapper.add(&self.frame);
-        let mut step = self.navigator.step(&self.frame, &self.mapper);
-        self.revolutions += 1;
-        if self.revolutions < STANDS {
+        let frame = self.detector.detect_with(write)?;
+        self.flight.add(frame);
+        self.mapper.add(frame);
+        let mut step = self.navigator.step(frame, &self.mapper);
+        if frame.revolution.seq + 1 < STANDS {
             step.command = Command::default();
         }
         Ok(step)
@@ -58,7 +47,7 @@ impl Pilot {
 
     /// The last revolution, with all that is known of it.
     pub fn frame(&self) -> &Frame {
-        &self.frame
+        self.detector.frame()
     }
 
     /// The map so far.

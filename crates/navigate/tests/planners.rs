@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crosscut_flight::HereKind;
 use crosscut_navigate::{Known, KnownPlace, KnownWay, WayState, planners};
-use crosscut_stage::HereKind;
 use nalgebra::Point2;
 
 fn way(bearing_rad: f64, state: WayState, leads_to: Option<(usize, f64)>) -> KnownWay {

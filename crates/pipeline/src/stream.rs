@@ -11,15 +11,14 @@ use std::thread::{Builder, Scope};
 use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
+use crosscut_detector::{Config, Engine, Registry, Worker, elapsed_ns, panic_text};
 use crosscut_flight::{Flight, LOOK_AHEAD};
 use crosscut_report::VEHICLE_WIDTH_M;
-use crosscut_stage::{Failure, FailureCause, Frame, Observer, PoseDoubt, Source, Step};
+use crosscut_stage::{Failure, FailureCause, Frame, Observer, Source, Step};
 
-use crate::engine::{Engine, Worker, elapsed_ns, panic_text};
 use crate::pace::Pace;
 use crate::stop::StopFlag;
 use crate::summary::{End, Summary};
-use crate::{Config, Registry};
 
 /// Where results go: called once per revolution, in order, on the report thread.
 pub type ResultsSink<'a> = dyn FnMut(&Frame) -> io::Result<()> + Send + 'a;
@@ -66,7 +65,7 @@ pub fn stream(
     std::thread::scope(|scope| {
         let (mut to_lanes, mut from_lanes, mut last) = (Vec::new(), Vec::new(), None);
         for lane in 0..workers {
-            let Engine { weigh, decompose, cluster, report } = Engine::for_many(config, registry, frames, workers);
+            let [weigh, decompose, cluster, report] = Engine::for_many(config, registry, frames, workers).into();
             let (to_lane, mut flow) = bounded(1);
             for worker in [weigh, decompose, cluster] {
                 flow = spawn_worker(scope, worker, lane, flow)?;
@@ -117,7 +116,7 @@ fn spawn_worker<'scope>(
     frames: Receiver<Arrived>,
 ) -> io::Result<Receiver<Arrived>> {
     let (out, worked) = bounded(1);
-    Builder::new().name(format!("{}-{lane}", worker.step)).spawn_scoped(scope, move || {
+    Builder::new().name(format!("{}-{lane}", worker.step())).spawn_scoped(scope, move || {
         for mut arrived in frames {
             worker.work(&mut arrived.frame).ok(); // a failure travels in its frame
             if out.send(arrived).is_err() {
@@ -172,7 +171,7 @@ impl Ingest<'_> {
         let start = Instant::now();
         frame.notes.clear();
         frame.failure = None;
-        frame.timings.set_latency_ns(None);
+        frame.timings.latency_ns = None;
         let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
             Ok(Ok(more)) => {
                 frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
@@ -222,9 +221,8 @@ impl Collect<'_> {
                 return Ok(Some(frame));
             }
             // Frames come from a pool: without a flight, nothing of an earlier one stays.
-            (frame.pose, frame.here, frame.steady) = (None, None, None);
-            frame.pose_doubt = PoseDoubt::default();
-            frame.timings.set_flight_ns(None);
+            frame.extra.clear();
+            frame.timings.flight_ns = None;
             if self.fly(&mut frame, |flight, frame, _| flight.place(frame)).is_err() {
                 return Ok(Some(frame));
             }
@@ -248,7 +246,7 @@ impl Collect<'_> {
         self.write(&frame).map_err(End::ResultsLost)?;
         // A recorded scan is read before it is due, a live one after.
         let latency_ns = elapsed_ns(due).saturating_add(frame.timings.ns(Step::Ingest));
-        frame.timings.set_latency_ns(Some(latency_ns));
+        frame.timings.latency_ns = Some(latency_ns);
         summary.add(&frame);
         self.observers.send(frame).ok(); // they only end when this does
         Ok(())
@@ -273,8 +271,8 @@ impl Collect<'_> {
         let Some(flight) = &mut self.flight else { return Ok(()) };
         let (start, waiting) = (Instant::now(), &self.waiting);
         let flown = catch_unwind(AssertUnwindSafe(|| add(flight, frame, waiting)));
-        let before_ns = frame.timings.flight_ns().unwrap_or(0);
-        frame.timings.set_flight_ns(Some(before_ns.saturating_add(elapsed_ns(start))));
+        let before_ns = frame.timings.flight_ns.unwrap_or(0);
+        frame.timings.flight_ns = Some(before_ns.saturating_add(elapsed_ns(start)));
         flown.map_err(|panic| {
             let cause = FailureCause::Panic(format!("in the flight: {}", panic_text(panic.as_ref())));
             frame.failure.insert(Failure { step: Step::Report, seq: frame.revolution.seq, cause }).clone()
@@ -322,10 +320,11 @@ fn keep(errors: &mut Vec<String>, act: impl FnOnce() -> Result<(), crosscut_stag
 
 #[cfg(test)]
 mod tests {
-    use crosscut_stage::{Here, HereKind, Point, Way};
+    use crosscut_detector::Preset;
+    use crosscut_flight::{FlightAnswer, Here, HereKind, Way};
+    use crosscut_stage::Point;
 
     use super::*;
-    use crate::Preset;
 
     #[test]
     fn observers_see_the_frame_whose_steady_answer_panics() {
@@ -334,10 +333,12 @@ mod tests {
         let mut frame = Frame::default();
         frame.revolution.points_m.push(Point::origin());
         let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
-        frame.here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        FlightAnswer { here, ..FlightAnswer::default() }.put(&mut frame);
         let (observers, seen) = bounded(1);
+        let [_, _, _, report] = Engine::new(&config, &registry).into();
         let mut collect = Collect {
-            report: Engine::new(&config, &registry).report,
+            report,
             flight: Some(Flight::new(config.params("flight"), 0.6)),
             look_ahead: 0,
             waiting: VecDeque::from([Arrived { frame, due: Instant::now() }]),

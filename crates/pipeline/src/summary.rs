@@ -77,8 +77,8 @@ impl StageTimes {
         for step in Step::ALL {
             self.steps[step as usize].add(frame.timings.ns(step));
         }
-        frame.timings.flight_ns().into_iter().for_each(|ns| self.flight.add(ns));
-        frame.timings.latency_ns().into_iter().for_each(|ns| self.latency.add(ns));
+        frame.timings.flight_ns.into_iter().for_each(|ns| self.flight.add(ns));
+        frame.timings.latency_ns.into_iter().for_each(|ns| self.latency.add(ns));
     }
 }
 
@@ -87,7 +87,7 @@ impl Summary {
         self.revolutions += 1;
         let answers = self.junctions.entry(frame.junction.junctions).or_default();
         answers.revolutions += 1;
-        answers.sure += u64::from(frame.junction.confidence >= SURE);
+        answers.sure += u64::from(frame.junction.confidence.is_some_and(|confidence| confidence >= SURE));
         self.noted += u64::from(!frame.notes.is_empty());
         self.notes.add(self.revolutions, &frame.notes);
         self.times.add(frame);

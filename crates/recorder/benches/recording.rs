@@ -8,8 +8,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use crosscut_detector::{Config, Engine, Preset, Registry};
 use crosscut_ingest::{ReadOptions, Recording};
-use crosscut_pipeline::{Config, Engine, Preset, Registry};
 use crosscut_recorder::{Detail, Recorder, RecorderOptions, Scope};
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Frame, Observer as _, Source as _};

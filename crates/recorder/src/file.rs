@@ -3,12 +3,12 @@
 //! Rerun's own file sink ends its thread at the first failed write and leaves a torn message behind, while later log
 //! calls still succeed. This sink keeps the error and cuts the torn message off, so that the file stays readable.
 
-use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
+use crosscut_outfile::{Growing, Keep};
 use rerun::StoreKind;
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
@@ -31,13 +31,13 @@ struct Shared {
 }
 
 enum State {
-    Writing { encoder: Encoder<File>, whole_bytes: u64 },
+    Writing { encoder: Encoder<Growing>, file: Growing },
     Ended,
     Failed(String),
 }
 
 impl RrdFile {
-    /// Creates the file, or empties it.
+    /// Begins the file. One that is there is replaced with the first rows.
     pub(crate) fn create(path: &Path) -> Result<Self, RecorderError> {
         let shared = Shared { path: path.to_owned(), state: State::create(path)?, store_info: None };
         Ok(Self { shared: Arc::new(Mutex::new(shared)) })
@@ -64,10 +64,18 @@ impl RrdFile {
     /// # Errors
     /// When this or an earlier write has failed.
     pub(crate) fn end(&self) -> Result<(), RecorderError> {
-        self.lock().step(Encoder::finish);
-        self.check()?;
-        self.lock().state = State::Ended;
-        Ok(())
+        let mut shared = self.lock();
+        shared.step(Encoder::finish);
+        if let State::Writing { file, .. } = &mut shared.state
+            && let Err(error) = file.finish()
+        {
+            shared.fail(error.to_string());
+        }
+        if let State::Writing { .. } = &shared.state {
+            shared.state = State::Ended;
+        }
+        drop(shared);
+        self.check()
     }
 
     /// Ends the file and continues the recording in the file at `path`. All earlier messages must have been flushed.
@@ -93,51 +101,43 @@ impl RrdFile {
 impl State {
     fn create(path: &Path) -> Result<Self, RecorderError> {
         let cannot = |cause: String| RecorderError::Create { path: path.to_owned(), cause };
-        let file = create(path).map_err(|e| cannot(e.to_string()))?;
-        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file)
+        let file = Growing::create(path, Keep::ThroughPowerLoss).map_err(|e| cannot(e.to_string()))?;
+        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, file.clone())
             .map_err(|e| cannot(cause_of(&e)))?;
-        let whole_bytes = fs::metadata(path).map_or(0, |m| m.len());
-        Ok(Self::Writing { encoder, whole_bytes })
+        Ok(Self::Writing { encoder, file })
     }
-}
-
-/// Creates the file, or empties it once it is certain that no other run writes to it.
-fn create(path: &Path) -> io::Result<File> {
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-    // On other systems a lock would keep readers out as well.
-    if cfg!(unix) && matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
-        return Err(io::Error::other("another program is writing to it"));
-    }
-    if file.metadata()?.is_file() {
-        file.set_len(0)?;
-    }
-    Ok(file)
 }
 
 impl Shared {
+    /// The file has its name from its first rows on: until then an older one is there.
     fn append(&mut self, msg: &LogMsg) {
-        if let Some(bytes) = self.step(|encoder| encoder.append(msg))
-            && let State::Writing { whole_bytes, .. } = &mut self.state
-        {
-            *whole_bytes += bytes;
+        self.step(|encoder| encoder.append(msg).map(|_| ()));
+        if !matches!(msg, LogMsg::SetStoreInfo(_)) {
+            self.keep();
         }
     }
 
-    /// Lets the encoder write. After an error the file is cut back to its last whole message and never written again.
-    fn step<T>(&mut self, write: impl FnOnce(&mut Encoder<File>) -> Result<T, EncodeError>) -> Option<T> {
-        let State::Writing { encoder, .. } = &mut self.state else { return None };
-        match write(encoder) {
-            Ok(written) => Some(written),
-            Err(error) => {
-                if let State::Writing { encoder, whole_bytes } =
-                    std::mem::replace(&mut self.state, State::Failed(cause_of(&error)))
-                    && let Ok(file) = encoder.into_inner()
-                    && let Err(error) = file.set_len(whole_bytes)
-                {
-                    self.state = State::Failed(format!("{error}; its last message is torn"));
-                }
-                None
-            }
+    /// Keeps all messages so far.
+    fn keep(&mut self) {
+        if let State::Writing { file, .. } = &mut self.state
+            && let Err(error) = file.flush()
+        {
+            self.fail(error.to_string());
+        }
+    }
+
+    /// Lets the encoder write. After an error the file holds the messages before, and is never written again.
+    fn step(&mut self, write: impl FnOnce(&mut Encoder<Growing>) -> Result<(), EncodeError>) {
+        if let State::Writing { encoder, .. } = &mut self.state
+            && let Err(error) = write(encoder)
+        {
+            self.fail(cause_of(&error));
+        }
+    }
+
+    fn fail(&mut self, cause: String) {
+        if let State::Writing { encoder, .. } = std::mem::replace(&mut self.state, State::Failed(cause)) {
+            encoder.into_inner().ok(); // dropped, it would write its end
         }
     }
 }

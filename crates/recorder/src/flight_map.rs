@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::{Anchored, Map, Mapper, Node};
-use crosscut_stage::{Frame, HereKind, Point, counted, unit};
+use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, Node};
+use crosscut_stage::{Frame, Point, counted, unit};
 use nalgebra::{Isometry2, Point2};
 use rerun::{
     Arrows2D, AsComponents, GraphEdges, GraphNodes, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult,
@@ -87,7 +87,7 @@ impl FlightMap {
     /// Takes the next frame, recorded or not.
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.mapper.add(frame);
-        let Some(pose) = frame.pose else { return };
+        let Some(pose) = FlightAnswer::of(frame).pose else { return };
         let here = self.mapper.anchored(pose);
         let at_m = self.at(&here);
         let since_last_m = self.path.last().map(|last| (self.at(last) - at_m).norm());
@@ -116,14 +116,14 @@ impl FlightMap {
     /// Logs the pose and the place of a frame that was added, and the map if it has changed. In a new file, `again`, what was
     /// drawn last is repeated.
     pub(crate) fn log(&mut self, rows: &mut Rows, frame: &Frame, again: bool) {
-        let Some(tracked) = frame.pose else { return };
+        let Some(tracked) = FlightAnswer::of(frame).pose else { return };
         let pose = self.mapper.placed(&self.mapper.anchored(tracked));
         let yaw_rad = pose.rotation.angle();
         let exact = f64_vector(vec![pose.translation.x, pose.translation.y, yaw_rad], FLIGHT_POSE.dims);
         let outline = [[1.2, 0.0], [-0.8, 0.5], [-0.4, 0.0], [-0.8, -0.5], [1.2, 0.0]];
         let vehicle = LineStrips2D::new([outline.map(|[x, y]| drawn(&(pose * Point2::new(x, y))))]);
         rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &exact]);
-        if let Some(here) = frame.steady.as_ref().and_then(|steady| steady.here.as_ref()) {
+        if let Some(here) = FlightAnswer::of(frame).steady_here() {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }
         let visits = self.mapper.poses().len();

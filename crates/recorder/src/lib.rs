@@ -39,6 +39,7 @@ mod colors;
 mod exact;
 mod file;
 mod flight_map;
+mod gate;
 mod layout;
 mod live;
 mod matrices;

@@ -13,8 +13,8 @@
 
 use std::path::Path;
 
-use crosscut_flight::{Map, Node, NodeWay};
-use crosscut_stage::{Frame, HereKind};
+use crosscut_flight::{HereKind, Map, Node, NodeWay};
+use crosscut_stage::Frame;
 use nalgebra::{Isometry2, Point2};
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;

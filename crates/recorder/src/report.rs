@@ -36,7 +36,7 @@ pub(crate) fn log_axis(rows: &mut Rows) {
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes) {
     let junction = &frame.junction;
     rows.log(&REPORT_JUNCTIONS, &Scalars::single(junction.junctions as f64));
-    rows.log(&REPORT_CONFIDENCE, &Scalars::single(junction.confidence));
+    rows.log(&REPORT_CONFIDENCE, &Scalars::new(junction.confidence));
     rows.log(&REPORT_PLACE, &StateChange::single(junction.place.to_string()));
     rows.log(&REPORT_SUMMARY, &TextDocument::from_markdown(summary(frame, classes)));
     rows.log(&REPORT_LABELS, &i32_vector(frame.labels().into_iter(), REPORT_LABELS.dims));
@@ -58,10 +58,11 @@ fn walls(frame: &Frame, classes: &Classes) -> rerun::Tensor {
 fn summary(frame: &Frame, classes: &Classes) -> String {
     let (junction, spectrum) = (&frame.junction, &frame.spectrum);
     let (count, k, n) = (junction.junctions, spectrum.k, frame.revolution.len());
-    let confidence = 100.0 * junction.confidence;
+    let confidence =
+        junction.confidence.map_or("unknown".to_owned(), |confidence| format!("{:.0} %", 100.0 * confidence));
     let mut lines = vec![
         format!("# {} · {}\n", counted(count as u64, "wall"), spaced(&junction.place)),
-        format!("k = {k}, {}, confidence {confidence:.0} %.", counted(n as u64, "return")),
+        format!("k = {k}, {}, confidence {confidence}.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
     if !junction.openings.is_empty() {

@@ -114,7 +114,9 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
         xyz(&(at + reach_m * LABEL_RISE * Vector3::x()))
     };
     let widths = Points3D::new(openings.iter().map(beyond))
-        .with_labels(openings.iter().map(|o| format!("{}{:.1} m", if o.cut_by_view { "≥ " } else { "" }, o.width_m)))
+        .with_labels(
+            openings.iter().map(|o| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m)),
+        )
         .with_show_labels(true);
     let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
         .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
@@ -220,10 +222,10 @@ mod tests {
                 bearing_rad,
                 width_m: 2.0,
                 walls: [0, 1],
+                returns: [Some(0), Some(1)],
                 evidence,
                 edge_m,
                 p: None,
-                cut_by_view: false,
             })
         };
         assert_eq!(inwards_of([(3.0, -1.0), (3.0, 1.0)], 0.0), Vector3::x());

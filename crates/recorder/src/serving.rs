@@ -1,13 +1,15 @@
-//! A server that viewers connect to. They get all messages, the earlier ones as well.
+//! A server that viewers connect to. They get all messages, the earlier ones as well. Rerun's server listens behind a gate.
 
 use std::any::Any;
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::hash::{BuildHasher as _, RandomState};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
 use rerun::grpc_server::GrpcServerSink;
 use rerun::{MemoryLimit, ServerOptions};
 
 use crate::RecorderError;
+use crate::gate::{Gate, reachable};
 
 /// Bytes that are kept for late viewers; of more, the oldest are dropped.
 pub(crate) const HISTORY_BYTES: u64 = 1 << 30;
@@ -29,6 +31,8 @@ pub struct Served {
 pub(crate) struct Server {
     pub(crate) sink: GrpcServerSink,
     pub(crate) served: Served,
+    /// Passes viewers on until it is dropped.
+    _gate: Gate,
     /// Serves the web viewer until it is dropped.
     _web: Option<Pages>,
 }
@@ -38,20 +42,21 @@ pub(crate) struct Server {
 /// # Errors
 /// When it cannot listen at the address.
 pub(crate) fn open(address: SocketAddr) -> Result<Server, RecorderError> {
-    let address = free_address(address)?;
-    // The web viewer's own pages. By which of its addresses another machine opens them is not known here.
-    let at_every_address = address.ip().is_unspecified();
-    let pages = if at_every_address { "*".to_owned() } else { bind_ip(address) };
+    let listener = TcpListener::bind(address).map_err(|e| cannot(address, &e))?;
+    let address = listener.local_addr().map_err(|e| cannot(address, &e))?;
     let options = ServerOptions {
         memory_limit: MemoryLimit::from_bytes(HISTORY_BYTES),
-        cors_allowed_origins: vec![format!("http://{pages}:*")],
+        cors_allowed_origins: vec!["http://*:*".to_owned()], // the gate has turned away what is of another machine
         ..ServerOptions::default()
     };
-    let sink = GrpcServerSink::new(&bind_ip(address), address.port(), options).map_err(|e| cannot(address, &e))?;
-    await_listening(address)?;
+    let inner = free_address(SocketAddr::from((hidden_ip(), 0)))?;
+    let sink = GrpcServerSink::new(&bind_ip(inner), inner.port(), options).map_err(|e| cannot(address, &e))?;
+    await_listening(inner)?;
+    let gate = Gate::open(listener, inner).map_err(|e| cannot(address, &e))?;
+    let at_every_address = address.ip().is_unspecified();
     let url = format!("rerun+http://{}/proxy", reachable(address));
     let (web, web_url) = web_viewer(address, &url)?.unzip();
-    Ok(Server { sink, served: Served { url, web_url, at_every_address }, _web: web })
+    Ok(Server { sink, served: Served { url, web_url, at_every_address }, _gate: gate, _web: web })
 }
 
 /// A server of pages, which stops when it is dropped.
@@ -89,9 +94,14 @@ fn await_listening(address: SocketAddr) -> Result<(), RecorderError> {
     }
 }
 
-/// The address at which this machine reaches a server that listens at `address`.
-fn reachable(address: SocketAddr) -> SocketAddr {
-    if address.ip().is_unspecified() { SocketAddr::from(([127, 0, 0, 1], address.port())) } else { address }
+/// An address of this machine alone. Linux has 16 million of them, so that no page finds the server behind the gate.
+fn hidden_ip() -> Ipv4Addr {
+    let [_, a, b, c, ..] = RandomState::new().hash_one(()).to_ne_bytes();
+    if cfg!(target_os = "linux") {
+        Ipv4Addr::new(127, a.clamp(1, 254), b, c.clamp(1, 254))
+    } else {
+        Ipv4Addr::LOCALHOST
+    }
 }
 
 /// The host part of the address, as it is written before the colon and the port.

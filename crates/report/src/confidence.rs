@@ -3,7 +3,7 @@
 //! By the zero rule: 1 - 10^-margin, where margin is the distance in decades between the zero tolerance and the nearest
 //! eigenvalue. It shows how firmly this rule stands by its count.
 //!
-//! By the scene: an answer is wrong where one verdict between "the wall goes on" and "a vehicle can pass" is wrong, so
+//! By the scene: an answer is wrong where one verdict between "the wall continues" and "a vehicle can pass" is wrong, so
 //! it is as sure as its verdicts are clear ([`Grounds`]):
 //! ```text
 //! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)
@@ -15,11 +15,10 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crosscut_scan::Position;
 use crosscut_stage::{Junction, Opening, Revolution, Verdict, wrap_angle_rad};
 
 use crate::odds;
-use crate::openings::{clearance_m, depth_m, sides};
+use crate::openings::Edge;
 use crate::outline::Outline;
 
 /// Clearances are limited to these multiples of the vehicle's width.
@@ -96,7 +95,7 @@ impl Grounds {
             return None;
         }
         let mut grounds = Self {
-            odds: odds::of_answer(verdicts, revolution, answer),
+            odds: odds::of_answer(verdicts, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
             narrowest_to_widest: narrowest_to_widest(answer),
@@ -104,19 +103,27 @@ impl Grounds {
             islands: answer.walls.iter().any(|wall| wall.island),
             margin_decades,
         };
+        for opening in &answer.openings {
+            let [Some(from), Some(to)] = opening.returns.map(|number| outline.place_of(number?)) else { continue };
+            let clearance_m = Edge::between(outline, [from, to]).clearance_m();
+            grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m);
+        }
         // No opening within a wall is narrower than the vehicle.
-        for sides in sides(outline, vehicle_width_m) {
-            let edge_m = sides.edge_m();
-            // An edge between two walls counts although it may be too narrow for an opening.
-            if is_at_opening(edge_m, &answer.openings) || (sides.are_two_walls() && sides.is_known()) {
-                grounds.least_at_openings_m = grounds.least_at_openings_m.min(clearance_m(&sides));
-            } else if !sides.are_two_walls() {
-                let clearance_m = clearance_m(&sides);
-                if clearance_m > grounds.most_within_walls_m {
-                    let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
-                    let room_m = clearance_m.min(depth_m(returns_m, edge_m, vehicle_width_m));
-                    grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
+        let others =
+            Edge::all(outline, vehicle_width_m).filter(|edge| !is_at_opening(edge.returns(), &answer.openings));
+        for edge in others {
+            if edge.is_between_walls() {
+                // It counts although it may be too narrow for an opening.
+                if edge.is_known() {
+                    grounds.least_at_openings_m = grounds.least_at_openings_m.min(edge.clearance_m());
                 }
+                continue;
+            }
+            let clearance_m = edge.clearance_m();
+            if clearance_m > grounds.most_within_walls_m {
+                let returns_m = revolution.points_m.iter().map(|point| point.coords.xy());
+                let room_m = clearance_m.min(edge.depth_m(returns_m, vehicle_width_m));
+                grounds.most_within_walls_m = grounds.most_within_walls_m.max(room_m);
             }
         }
         Some(grounds)
@@ -135,7 +142,7 @@ impl Grounds {
 }
 
 fn narrowest_to_widest(answer: &Junction) -> f64 {
-    let widths_m = || answer.openings.iter().filter(|opening| !opening.cut_by_view).map(|opening| opening.width_m);
+    let widths_m = || answer.openings.iter().filter(|opening| !opening.is_cut_by_view()).map(|opening| opening.width_m);
     let widest_m = widths_m().fold(0.0, f64::max);
     if widest_m > 0.0 { widths_m().fold(widest_m, f64::min) / widest_m } else { 1.0 }
 }
@@ -178,18 +185,16 @@ pub(crate) fn spacing_rad(outline: &Outline, openings: &[Opening]) -> f64 {
     let [mut beams, mut spacings] = [0, 0];
     for [from, to] in outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to)) {
         let apart = ring.beams_from(from, to);
-        if apart == 1 || !is_at_opening([from, to].map(|at| ring.position_m(at)), openings) {
+        if apart == 1 || !is_at_opening([from, to].map(|at| ring.returns[at].number), openings) {
             (beams, spacings) = (beams + apart, spacings + 1);
         }
     }
     ring.step_rad * beams.max(1) as f64 / spacings.max(1) as f64
 }
 
-/// Whether an edge is that of an opening, or part of it: a stray return inside an opening splits its edge. The first
-/// part begins where the opening begins, the last ends where it ends.
-pub(crate) fn is_at_opening([from_m, to_m]: [Position; 2], openings: &[Opening]) -> bool {
-    let mut edges_m = openings.iter().map(|opening| opening.edge_m.map(|end_m| end_m.coords.xy()));
-    edges_m.any(|[begin_m, end_m]| begin_m == from_m || end_m == to_m)
+/// Whether the edge between two returns is an opening, or part of one.
+fn is_at_opening(returns: [u32; 2], openings: &[Opening]) -> bool {
+    openings.iter().any(|opening| opening.shares_end_with(returns))
 }
 
 /// What remains of the share of right answers when returns are this far apart: 1 up to [`COARSE_RAD`], half at 60
@@ -228,10 +233,10 @@ mod tests {
             bearing_rad: deg.to_radians(),
             width_m: 3.0,
             walls: [0, 1],
+            returns: [Some(0), Some(1)],
             evidence: crosscut_stage::Evidence::NoReturn,
             edge_m: [crosscut_stage::Point::origin(); 2],
             p: None,
-            cut_by_view: false,
         };
         let apart_deg = |bearings_deg: &[f64]| {
             let openings = bearings_deg.iter().map(opening).collect();

@@ -1,13 +1,17 @@
-//! Walls that stand free in front of others: pillars. These rules hold for walls of any affinity; `passage` has rules
-//! of its own (`crosscut_scan::Islands`), so that it does not join a pillar to what is behind it.
+//! Walls that stand free in front of others: pillars.
+//!
+//! `crosscut_scan::Islands` looks for them among pieces, before any wall is known. These rules look at whole walls, of any
+//! affinity, and know where each of them ends. Asked for whole walls, the rules for pieces do worse: of 8,400 development
+//! scenes they leave 17 more wrong, and one fewer.
 
 use crosscut_scan::{BEHIND_M, Position};
 use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 
+use crate::openings::WallEnd;
 use crate::outline::Outline;
 
-/// Walls that run out in directions no farther apart are the sides of one way on: two branches are farther apart.
-const ONE_WAY_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
+/// Walls that run out in directions no farther apart are the sides of one opening: two branches are farther apart.
+const ONE_OPENING_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// Sets `island` of the walls of `out` that are shorter than `island_m` and stand free, and takes them out of
 /// `outline`.
@@ -15,7 +19,7 @@ const ONE_WAY_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 /// A wall stands free if
 /// - on both sides the next wall, around the sensor, is farther away; or
 /// - on one side it is, on the other there is room for a vehicle, and both are long walls that run out past it side by
-///   side: it stands in the way on between them;
+///   side: it stands in the opening between them;
 /// - and where a limited view ends beside it, there is room to that end, or it is nearer than a vehicle lets a wall
 ///   come, and so part of the vehicle.
 ///
@@ -40,8 +44,8 @@ pub(crate) fn mark(
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
     loop {
-        let surroundings = Surroundings { outline, are_short: &are_short, vehicle_width_m };
-        let Some(free) = surroundings.first_free(&candidates).filter(|free| free.len() < others) else { return };
+        let search = Search { outline, are_short: &are_short, vehicle_width_m };
+        let Some(free) = search.first_free(&candidates).filter(|free| free.len() < others) else { return };
         others -= free.len();
         for id in free {
             out.walls[id as usize].island = true;
@@ -75,15 +79,15 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
     of_wall.map(|i| revolution.range_m(i)).fold(f64::INFINITY, f64::min)
 }
 
-/// What is around the walls that may stand free.
+/// One look for walls that stand free.
 #[derive(Clone, Copy)]
-struct Surroundings<'a> {
+struct Search<'a> {
     outline: &'a Outline,
     are_short: &'a [bool],
     vehicle_width_m: f64,
 }
 
-impl Surroundings<'_> {
+impl Search<'_> {
     /// The first of the walls that stands free; if there is none, the first two that do together.
     fn first_free(&self, walls: &[u32]) -> Option<Vec<u32>> {
         let alone = walls.iter().map(|&id| vec![id]);
@@ -123,76 +127,53 @@ impl Surroundings<'_> {
         if is_at_end && !are_of_vehicle() {
             return false;
         }
-        let borders: Vec<Border> = outline.pairs().filter_map(|pair| Border::at(pair, is_one)).collect();
-        match (&borders[..], borders.iter().filter(|border| self.is_behind(border)).count()) {
+        let ends: Vec<FreeEnd> = outline.pairs().filter_map(|pair| free_end(pair, is_one)).collect();
+        match (&ends[..], ends.iter().filter(|end| self.is_behind(end)).count()) {
             ([], _) => false,
             (all, behind) if behind == all.len() => true,
-            ([a, b], 1) => self.is_in_way_between(a, b),
+            ([a, b], 1) => self.is_in_opening_between(a, b),
             _ => false,
         }
     }
 
-    fn is_behind(&self, border: &Border) -> bool {
-        self.outline.range_m(border.outer) > self.outline.range_m(border.inner) + BEHIND_M
+    fn is_behind(&self, (end, neighbour): &FreeEnd) -> bool {
+        self.outline.range_m(neighbour.at) > self.outline.range_m(*end) + BEHIND_M
     }
 
     /// Whether long walls run out on both sides in one direction, with room for a vehicle to the line of either.
-    fn is_in_way_between(&self, a: &Border, b: &Border) -> bool {
-        let width_m = self.vehicle_width_m;
-        let has_room = |border: &Border| self.is_behind(border) || border.aside_m(self.outline) >= width_m;
-        let is_long = |border: &Border| !self.are_short[self.outline.wall(border.outer) as usize];
-        if ![a, b].into_iter().all(|border| has_room(border) && is_long(border)) {
+    fn is_in_opening_between(&self, a: &FreeEnd, b: &FreeEnd) -> bool {
+        let (outline, width_m) = (self.outline, self.vehicle_width_m);
+        let has_room = |end: &FreeEnd| self.is_behind(end) || self.aside_m(end) >= width_m;
+        let is_long = |(_, neighbour): &FreeEnd| !self.are_short[outline.wall(neighbour.at) as usize];
+        if ![a, b].into_iter().all(|end| has_room(end) && is_long(end)) {
             return false;
         }
-        let runs_out = |border: &Border| border.runs_out(self.outline, width_m);
+        let runs_out = |(_, neighbour): &FreeEnd| neighbour.runs_out(outline, width_m);
         let (Some(along_a), Some(along_b)) = (runs_out(a), runs_out(b)) else { return false };
-        let off_line_m = |border: &Border, along: Position| {
-            let [inner_m, outer_m] = [border.inner, border.outer].map(|at| self.outline.position_m(at));
-            along.perp(&(inner_m - outer_m)).abs()
+        let off_line_m = |(end, neighbour): &FreeEnd, along: Position| {
+            along.perp(&(outline.position_m(*end) - outline.position_m(neighbour.at))).abs()
         };
-        along_a.dot(&along_b) > ONE_WAY_RAD.cos()
+        along_a.dot(&along_b) > ONE_OPENING_RAD.cos()
             && off_line_m(a, along_a) >= width_m
             && off_line_m(b, along_b) >= width_m
     }
-}
-
-/// Where a wall that may stand free ends, and its neighbour begins.
-struct Border {
-    /// The return of the one.
-    inner: usize,
-    /// The return of the other.
-    outer: usize,
-    /// The neighbour runs on anticlockwise.
-    anticlockwise: bool,
-}
-
-impl Border {
-    /// The border between two neighbouring returns, if one of them alone `is_one` of the walls that may stand free.
-    fn at([at, next]: [usize; 2], is_one: impl Fn(usize) -> bool) -> Option<Self> {
-        match (is_one(at), is_one(next)) {
-            (true, false) => Some(Self { inner: at, outer: next, anticlockwise: true }),
-            (false, true) => Some(Self { inner: next, outer: at, anticlockwise: false }),
-            _ => None,
-        }
-    }
 
     /// How far the two returns are apart across the beams, at the nearer of them.
-    fn aside_m(&self, outline: &Outline) -> f64 {
-        let apart = outline.ring.beams_apart(self.inner, self.outer);
-        outline.range_m(self.inner).min(outline.range_m(self.outer)) * apart as f64 * outline.ring.step_rad
+    fn aside_m(&self, (end, neighbour): &FreeEnd) -> f64 {
+        let (outline, apart) = (self.outline, self.outline.ring.beams_apart(*end, neighbour.at));
+        outline.range_m(*end).min(outline.range_m(neighbour.at)) * apart as f64 * outline.ring.step_rad
     }
+}
 
-    /// The direction in which the neighbour runs towards its end here, over this length of it.
-    fn runs_out(&self, outline: &Outline, length_m: f64) -> Option<Position> {
-        let end_m = outline.position_m(self.outer);
-        let mut longest_m = Position::zeros();
-        for one in outline.wall_from(self.outer, self.anticlockwise) {
-            longest_m = end_m - one.position_m;
-            if longest_m.norm() >= length_m {
-                break;
-            }
-        }
-        longest_m.try_normalize(0.0)
+/// The return at which a wall that may stand free ends, and the end of its neighbour there.
+type FreeEnd = (usize, WallEnd);
+
+/// What is between two neighbouring returns, if one of them alone `is_one` of the walls that may stand free.
+fn free_end([at, next]: [usize; 2], is_one: impl Fn(usize) -> bool) -> Option<FreeEnd> {
+    match (is_one(at), is_one(next)) {
+        (true, false) => Some((at, WallEnd { at: next, is_clockwise: false })),
+        (false, true) => Some((next, WallEnd { at, is_clockwise: true })),
+        _ => None,
     }
 }
 
@@ -318,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_that_stand_in_one_way_on_are_islands() {
+    fn walls_that_stand_in_one_opening_are_islands() {
         assert!(piece_in_way([-0.9, -0.3], 0.0));
         assert!(piece_in_way([-0.9, -0.3], 20.0));
         assert!(!piece_in_way([-0.9, -0.3], 50.0), "the tip between two branches");

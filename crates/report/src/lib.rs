@@ -7,15 +7,17 @@
 //!
 //! - A **wall** is a cluster (`walls.rs`); `junctions`, the paper's count, is the number of walls, islands left out.
 //! - An **island** is a short wall in front of others (`islands.rs`), if `report.island_m` is more than 0.
-//! - An **opening** is an edge of the visible free space between two returns that follow each other around the
-//!   sensor, through which the vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
+//! - An **opening** is a gap where the affinity decided that a wall ends. For an affinity that decides nothing, it is an
+//!   edge of the visible free space between two returns that follow each other around the sensor, through which the
+//!   vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
-//! - **Confidence** is that of the zero rule, 1 - 10^-margin, or that of the scene, a share of right answers fitted to
+//! - **Confidence** is taken from the zero rule, 1 - 10^-margin, or from the scene, a share of right answers fitted to
 //!   the odds of its gaps and to how clear the most doubtful ones are ([`confidence`], [`odds`]).
 //!
 //! [`ResultsLine`] is the one JSON object that a revolution becomes.
 
 pub mod confidence;
+mod doorway;
 mod islands;
 pub mod odds;
 pub mod openings;

@@ -62,6 +62,16 @@ impl Outline {
         self.walls[at]
     }
 
+    /// The place in the ring of a return by its number in the revolution; `None` if it is of no wall.
+    pub(crate) fn place_of(&self, number: u32) -> Option<usize> {
+        self.ring.returns.iter().position(|one| one.number == number)
+    }
+
+    /// By this, the returns that follow one anticlockwise are in order. Returns are numbered in message order.
+    pub(crate) fn order_from(&self, from: u32, to: u32) -> u32 {
+        if self.ring.clockwise { from.wrapping_sub(to) } else { to.wrapping_sub(from) }
+    }
+
     pub(crate) fn position_m(&self, at: usize) -> Position {
         self.ring.position_m(at)
     }
@@ -86,15 +96,6 @@ impl Outline {
         let next = move |&at: &usize| Some(if anticlockwise { self.after(at) } else { self.before(at) });
         let onward = std::iter::successors(Some(at), next).take(count);
         onward.take_while(move |&other| self.walls[other] == self.walls[at]).map(|at| &self.ring.returns[at])
-    }
-
-    /// The first return after a wall, from one of its returns on; `None` if no other wall follows.
-    pub(crate) fn beyond(&self, at: usize, anticlockwise: bool) -> Option<usize> {
-        let returns = self.wall_from(at, anticlockwise).count();
-        let n = self.len();
-        let beyond = if anticlockwise { at + returns } else { at + n - returns };
-        let is_in_view = self.ring.full_turn || (if anticlockwise { beyond < n } else { beyond >= n });
-        (returns < n && is_in_view).then_some(beyond % n)
     }
 
     /// The next return anticlockwise.

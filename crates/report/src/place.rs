@@ -34,10 +34,10 @@ mod tests {
             bearing_rad: deg.to_radians(),
             width_m: 3.0,
             walls: [0, 0],
+            returns: [Some(0), Some(1)],
             evidence: Evidence::NoReturn,
             edge_m: [Point::origin(); 2],
             p: None,
-            cut_by_view: false,
         };
         name(sees_all, walls, &bearings_deg.iter().map(opening).collect::<Vec<_>>()).to_string()
     }

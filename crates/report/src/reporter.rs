@@ -8,7 +8,7 @@ use crosscut_stage::{
 
 use crate::openings::{self, OpeningRule};
 use crate::outline::Outline;
-use crate::{confidence, islands, odds, place, walls};
+use crate::{confidence, doorway, islands, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
@@ -54,6 +54,8 @@ pub struct Reporter {
     island_m: f64,
     max_range_m: f64,
     confidence_of_scene: bool,
+    /// Nothing was calibrated for the affinity.
+    uncalibrated: bool,
     vehicle_width_m: f64,
     vehicle_height_m: f64,
     view: LevelView,
@@ -69,6 +71,7 @@ impl Reporter {
             island_m: report.get(ISLAND_M),
             max_range_m: report.get(MAX_RANGE_M),
             confidence_of_scene: report.get(CONFIDENCE) == "scene",
+            uncalibrated: false,
             vehicle_width_m: vehicle.get(VEHICLE_WIDTH_M),
             vehicle_height_m: vehicle.get(VEHICLE_HEIGHT_M),
             view: LevelView::default(),
@@ -78,6 +81,12 @@ impl Reporter {
             },
             outline: Outline::default(),
         }
+    }
+
+    /// For the clusters of an affinity that no confidence was calibrated for: there is none, and a note says so.
+    pub fn without_confidence(mut self) -> Self {
+        self.uncalibrated = true;
+        self
     }
 
     /// Writes walls, openings, the name of the place and the confidence into `out`, whatever `out` held before.
@@ -117,11 +126,14 @@ impl Reporter {
         let (outline, vehicle_width_m) = (&mut self.outline, self.vehicle_width_m);
         outline.fill(revolution, sweep, &out.wall_of_return)?;
         islands::mark(revolution, self.island_m, vehicle_width_m, outline, out);
-        openings::find(self.openings, revolution, outline, vehicle_width_m, &mut out.openings);
+        openings::find(self.openings, revolution, verdicts, outline, vehicle_width_m, &mut out.openings);
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
-        odds::set_of_openings(verdicts, revolution, out);
-        out.confidence = if self.confidence_of_scene {
+        odds::set_of_openings(verdicts, out);
+        out.confidence = if self.uncalibrated {
+            notes.add("report: no confidence, as nothing was calibrated for an affinity of one's own");
+            None
+        } else if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
             if spacing_rad > confidence::COARSE_RAD && !out.walls.is_empty() {
                 let spacing_deg = spacing_rad.to_degrees();
@@ -129,16 +141,16 @@ impl Reporter {
                     "report: returns stand {spacing_deg:.1}° apart, too far to tell walls from gaps: less confidence"
                 ));
             }
-            let doorway = openings::doorway(outline, vehicle_width_m);
+            let doorway = doorway::doorway(outline, vehicle_width_m);
             if let Some(gap) = &doorway {
-                let [from_m, to_m] = gap.edge_m();
+                let [from_m, to_m] = gap.ends_m();
                 notes.add(format!(
                     "report: nothing is seen in {:.1} m of a wall, a doorway or a dark surface: less confidence",
                     (to_m - from_m).norm()
                 ));
             }
             let margin_decades = spectrum.margin_decades;
-            confidence::of_scene(
+            Some(confidence::of_scene(
                 revolution,
                 verdicts,
                 outline,
@@ -146,9 +158,9 @@ impl Reporter {
                 vehicle_width_m,
                 margin_decades,
                 out,
-            )
+            ))
         } else {
-            confidence::of_margin(spectrum.margin_decades)
+            Some(confidence::of_margin(spectrum.margin_decades))
         };
         out.openings.retain(|opening| opening.range_m() <= self.max_range_m);
         Ok(())
@@ -179,6 +191,9 @@ impl Reporter {
         let done = self.look_around(view.seen(), sweep, &verdicts, spectrum, &mut seen, notes);
         for (wall, seen) in out.walls.iter_mut().zip(&seen.walls) {
             wall.island = seen.island;
+        }
+        for number in seen.openings.iter_mut().flat_map(|opening| &mut opening.returns).flatten() {
+            *number = view.numbers()[*number as usize];
         }
         (out.openings, out.junctions) = (seen.openings, seen.junctions);
         (out.place, out.confidence) = (seen.place, seen.confidence);

@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use crosscut_stage::{Frame, Here};
+use crosscut_flight::{FlightAnswer, Here};
+use crosscut_stage::Frame;
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -29,8 +30,8 @@ pub struct ResultsLine {
     /// Decades by which the zero tolerance could be moved before `k` changes; null if no eigenvalue is known but exact
     /// zeros, as from `components`, or at n = 0.
     pub margin: Option<f64>,
-    /// 0 to 1.
-    pub confidence: f64,
+    /// 0 to 1; null where nothing was calibrated for the affinity.
+    pub confidence: Option<f64>,
     /// `closed`, `dead_end`, `corridor`, `bend`, `tee`, `cross`, `junction_5`..., `partial_view`.
     pub place: String,
     /// The smallest eigenvalues, ascending; at most [`MAX_EIGENVALUES`], so with as many zeros the next is not there.
@@ -147,7 +148,7 @@ impl HereLine {
 impl ResultsLine {
     /// The line of a finished frame.
     pub fn of(frame: &Frame) -> Self {
-        let (spectrum, junction) = (&frame.spectrum, &frame.junction);
+        let (spectrum, junction, flown) = (&frame.spectrum, &frame.junction, FlightAnswer::of(frame));
         Self {
             seq: frame.revolution.seq,
             stamp_ns: frame.revolution.stamp_ns,
@@ -173,11 +174,11 @@ impl ResultsLine {
                     p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
-                    cut_by_view: o.cut_by_view,
+                    cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
-            here: frame.here.as_ref().map(HereLine::of),
-            steady: frame.steady.as_ref().map(|steady| SteadyLine {
+            here: flown.here.as_ref().map(HereLine::of),
+            steady: flown.steady.as_ref().map(|steady| SteadyLine {
                 junctions: steady.junctions,
                 here: steady.here.as_ref().map(HereLine::of),
                 openings: steady
@@ -186,11 +187,11 @@ impl ResultsLine {
                     .map(|o| SteadyOpeningLine { track: o.track, bearing_rad: o.bearing_rad, width_m: o.width_m })
                     .collect(),
             }),
-            pose: frame.pose.map(|pose| PoseLine {
+            pose: flown.pose.map(|pose| PoseLine {
                 x_m: pose.translation.x,
                 y_m: pose.translation.y,
                 yaw_rad: pose.rotation.angle(),
-                sd_m: frame.pose_doubt.from_start_sd_m(pose.translation.vector.into()),
+                sd_m: flown.doubt.and_then(|doubt| doubt.from_start_sd_m(pose.translation.vector.into())),
             }),
             labels: frame.labels(),
             notes: frame.notes.iter().map(str::to_owned).collect(),
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!(
             String::from_utf8(out).expect("text"),
             concat!(
-                r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":0.0,"#,
+                r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":null,"#,
                 r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"here":null,"steady":null,"pose":null,"labels":[],"notes":[]}"#,
                 "\n"
             )

@@ -78,10 +78,10 @@ struct Basis {
 }
 
 impl Directions {
-    /// Forgets the directions of another revolution. From now on they are those of `ring`, over `stretch_m` of wall, or
+    /// Starts a new revolution: forgets all directions. The next ones are of `ring`, over `stretch_m` of wall, or
     /// more if the walls are rough.
     pub fn start(&mut self, ring: &Ring, roughness: &Roughness, stretch_m: f64) {
-        self.stretch_m = stretch_m.max(ROUGHNESSES * (roughness.off_m - ROUGH_M));
+        self.stretch_m = stretch_m.max(ROUGHNESSES * (roughness.sd_m - ROUGH_M));
         self.kept.clear();
         self.kept.resize(ring.len(), [None; 2]);
     }
@@ -163,7 +163,7 @@ fn direction_and_basis(
 /// The stretch that reaches past a prop at the end of a piece, at least `stretch_m`, and how many returns were read for
 /// it.
 fn past_prop_m(ring: &Ring, roughness: &Roughness, piece: &[usize], end: End, stretch_m: f64) -> (f64, usize) {
-    let prop_m = PROP_M.min(PROP_BUMPS * roughness.off_m);
+    let prop_m = PROP_M.min(PROP_BUMPS * roughness.sd_m);
     let tip_m = ring.position_m(end.at(piece, 0));
     let (mut here, mut here_m, mut widest_squared, mut read) = (end.at(piece, 0), tip_m, 0.0, 1);
     while read < piece.len().min(MOST_RETURNS) {
@@ -186,7 +186,7 @@ fn past_prop_m(ring: &Ring, roughness: &Roughness, piece: &[usize], end: End, st
 fn past_scatter_m(ring: &Ring, roughness: &Roughness, piece: &[usize], end: End, least_m: f64) -> f64 {
     let returns = piece.len().min(SCATTER_RETURNS);
     let is_exact = |share: f64| SCATTERS * share * ring.range_m(end.at(piece, 0)) < least_m;
-    if returns < SCATTER_LEAST_RETURNS || roughness.inexact_share.is_none_or(is_exact) {
+    if returns < SCATTER_LEAST_RETURNS || roughness.range_error.is_none_or(is_exact) {
         return 0.0;
     }
     let off_chord = |k: usize| ring.off_chord([k - 1, k, k + 1].map(|k| end.at(piece, k)));

@@ -23,7 +23,7 @@ pub(crate) struct Dust {
     /// The ranges of the ring, and [`REACH`] more on either side: those around the turn, or NaN beyond the end of the
     /// view.
     ranges_m: Vec<f64>,
-    hangs: Vec<bool>,
+    is_dust: Vec<bool>,
 }
 
 impl Dust {
@@ -32,21 +32,21 @@ impl Dust {
     /// its own neighbour none does.
     pub(crate) fn find(&mut self, ring: &Ring, lengths: &Lengths) -> &[bool] {
         let n = ring.len();
-        self.hangs.clear();
-        self.hangs.resize(n, false);
+        self.is_dust.clear();
+        self.is_dust.resize(n, false);
         if n <= REACH {
-            return &self.hangs;
+            return &self.is_dust;
         }
         let range_m = |i: usize| ring.range_m(i);
         let beyond_m = |i: usize| if ring.full_turn { ring.range_m(i) } else { f64::NAN };
         self.ranges_m.clear();
         self.ranges_m.extend((n - REACH..n).map(beyond_m).chain((0..n).map(range_m)).chain((0..REACH).map(beyond_m)));
-        for (i, (around_m, hangs)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.hangs).enumerate() {
+        for (i, (around_m, is_dust)) in self.ranges_m.windows(2 * REACH + 1).zip(&mut self.is_dust).enumerate() {
             let beside_m = [around_m[REACH - 1], around_m[REACH], around_m[REACH + 1]];
-            *hangs = (stands_out(around_m) && company(ring, i) < COMPANY)
+            *is_dust = (stands_out(around_m) && company(ring, i) < COMPANY)
                 || mixed::is_beside_pillar(ring, i, beside_m, lengths);
         }
-        &self.hangs
+        &self.is_dust
     }
 }
 

@@ -110,7 +110,7 @@ impl Search<'_> {
         let piece = |step: usize| &self.pieces[(first + step) % n];
         let are_of_vehicle = || (0..together).flat_map(piece).all(|&i| ring.range_m(i) < self.lengths.passage_m);
         let [begins_view, ends_view] = [first == 0, first + together >= n].map(|is_last| is_last && !ring.full_turn);
-        // A piece at the end of the view may go on as a wall, unless it is nearer than a vehicle lets a wall come.
+        // A piece at the end of the view may continue as a wall, unless it is nearer than a vehicle lets a wall come.
         if n <= together || ((begins_view || ends_view) && !are_of_vehicle()) {
             return false;
         }
@@ -150,7 +150,7 @@ impl Search<'_> {
             let outer = self.beside(at, end).next();
             outer.is_none_or(|outer| ring.range_m(outer) >= WELL_BEHIND * ring.range_m(end.at(&self.pieces[at], 0)))
         };
-        let rough_m = self.roughness.off_m;
+        let rough_m = self.roughness.sd_m;
         let near_m = if ends.into_iter().all(stands_well_before) {
             LEG_OFF_M + LEG_BUMPS * rough_m
         } else {

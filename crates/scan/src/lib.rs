@@ -11,16 +11,22 @@
 //! | [`Roughness`] | how far returns lie off the line of their wall, and how inexact ranges are |
 //! | size | the median range of the walls, at most 4.5 m |
 //!
+//! At the gap between two pieces, [`Clearance`] measures how far they leave each other's line, [`Doorway`] how wide a
+//! door there is, and [`LostBeams`] how many beams a lidar loses where there is a wall.
+//!
 //! [`direction()`] gives the direction in which a piece ends, and [`Directions`] keeps them while pieces are joined and
 //! cut. A cloud has no beams: [`LevelView`] makes the sweep of it that a level vehicle would have.
 //!
 //! A `Scan` is a function of the sweep alone, made in place and then only read. A stage that needs it holds one and
 //! makes it; frames and stage traits do not mention it, so that stages that need no geometry do not know of it.
 
+mod clearance;
 mod direction;
+mod doorway;
 mod dust;
 mod islands;
 mod level_view;
+mod lost;
 pub mod mixed;
 mod pieces;
 mod ring;
@@ -28,9 +34,12 @@ mod roughness;
 mod scan;
 mod vehicle;
 
+pub use clearance::Clearance;
 pub use direction::{Directions, direction};
+pub use doorway::{DOORWAY_TIMES, Doorway, beyond, lies_across};
 pub use islands::{BEHIND_M, Islands};
 pub use level_view::{LevelReturn, LevelView};
+pub use lost::LostBeams;
 pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};
 pub use ring::{Position, Return, Ring, turn_rad};
 pub use roughness::Roughness;

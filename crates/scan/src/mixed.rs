@@ -1,23 +1,23 @@
-//! Mixed returns, of beams that met two things at once: an edge, and what is behind it.
+//! Mixed returns: a beam meets an edge and the surface behind it at once.
 //!
-//! A beam has a width. If one part of it meets the edge and the other part what is behind, many lidars report a range
+//! A beam has a width. If one part of it meets the edge and the other part the surface behind, many lidars report a range
 //! in between ("mixed pixels"; Tuley, Vandapel and Hebert 2005, "Analysis and Removal of Artifacts in 3-D LADAR Data").
 //! One mixed return looks like a single return of a wall. So a return is taken for mixed only where it makes a
-//! difference: beside a pillar, which it would join to what is behind; and, by affinity `passage`, in a way on, which
+//! difference: beside a pillar, which it would join to the wall behind; and, by affinity `passage`, in an opening, which
 //! it would close.
 
 use crate::Lengths;
 use crate::pieces::LEAST_WALL_RETURNS;
 use crate::ring::Ring;
 
-/// A mixed return lies at least this far behind the edge, and this far in front of what is behind.
+/// A mixed return lies at least this far behind the edge, and this far in front of the surface behind.
 const BETWEEN_M: f64 = 0.5;
 /// Beside a pillar, a mixed return lies off the lines from this many returns to the neighbour on either side.
 const LINES: isize = 2;
 /// It lies off such a line by this share of its distance along the line, or more.
 const OFF_LINE_SHARE: f64 = 0.25;
 
-/// Whether a range is that of a mixed return between a near and a far one.
+/// Whether a range lies between a near and a far one, as the range of a mixed return does.
 pub fn is_between(near_m: f64, here_m: f64, far_m: f64) -> bool {
     near_m + BETWEEN_M < here_m && here_m + BETWEEN_M < far_m
 }

@@ -29,7 +29,7 @@ struct WallReturn {
     off_squared: f64,
 }
 
-/// What single returns show of the walls and of the lidar.
+/// The roughness of the walls, and the error of the ranges.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Roughness {
     /// The roughness ρ of the walls, metres: the root mean square distance of returns from the line of their stretch of
@@ -38,9 +38,9 @@ pub struct Roughness {
     ///
     /// What inexact ranges add is taken off. That is at most what single returns lie off the line of their neighbours,
     /// and at most what ranges add that are as inexact everywhere as those of dense returns.
-    pub off_m: f64,
-    /// The standard deviation of ranges as a share of them, by the dense returns; `None` if these are few.
-    pub inexact_share: Option<f64>,
+    pub sd_m: f64,
+    /// The standard deviation of a range as a share of the range, from the dense returns; `None` if these are few.
+    pub range_error: Option<f64>,
 }
 
 impl Roughness {
@@ -73,7 +73,7 @@ impl Roughness {
             take_stretches(wall.iter().rev(), inexact_squared.unwrap_or(0.0), &mut offs_m);
             rest = later;
         }
-        Self { off_m: median(&mut offs_m), inexact_share: inexact_squared.map(f64::sqrt) }
+        Self { sd_m: median(&mut offs_m), range_error: inexact_squared.map(f64::sqrt) }
     }
 }
 

@@ -18,7 +18,7 @@ const HALL_M: f64 = 4.5;
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
     /// Where two neighbouring returns are this far apart, a vehicle could pass, and the ring is cut. What is nearer to
-    /// the sensor than half of it is the vehicle itself, unless it goes on as a wall.
+    /// the sensor than half of it is the vehicle itself, unless it continues as a wall.
     pub passage_m: f64,
     /// Islands are shorter than this.
     pub island_m: f64,
@@ -40,10 +40,10 @@ pub struct Scan {
     pub roughness: Roughness,
     /// The size of the place: the median range of its walls, or 4.5 m if that is less.
     pub size_m: f64,
-    /// How many returns hang in the air: dust, and mixed returns beside pillars.
-    pub in_air: usize,
-    /// How many returns are of the vehicle itself.
-    pub of_vehicle: usize,
+    /// Number of returns in the air: dust, and mixed returns beside pillars.
+    pub dust_returns: usize,
+    /// Number of returns of the vehicle itself.
+    pub self_returns: usize,
     dust: Dust,
     /// For each return.
     are_of_vehicle: Vec<bool>,
@@ -57,11 +57,11 @@ impl Scan {
     pub fn make(&mut self, sweep: &Sweep, points_m: &[Point], lengths: &Lengths) -> Result<(), StageError> {
         let Self { ring, pieces, islands, dust, are_of_vehicle, .. } = self;
         ring.fill(sweep, points_m)?;
-        let hangs = dust.find(ring, lengths);
+        let is_dust = dust.find(ring, lengths);
         vehicle::find(ring, lengths.passage_m / 2.0, are_of_vehicle);
-        pieces.fill(ring, (0..ring.len()).filter(|&i| !hangs[i] && !are_of_vehicle[i]), lengths.passage_m);
-        self.in_air = hangs.iter().filter(|hangs| **hangs).count();
-        self.of_vehicle = ring.len() - self.in_air - pieces.returns().len();
+        pieces.fill(ring, (0..ring.len()).filter(|&i| !is_dust[i] && !are_of_vehicle[i]), lengths.passage_m);
+        self.dust_returns = is_dust.iter().filter(|is_dust| **is_dust).count();
+        self.self_returns = ring.len() - self.dust_returns - pieces.returns().len();
         self.roughness = Roughness::of(ring, pieces);
         islands.take(ring, &self.roughness, pieces, lengths);
         let mut ranges_m: Vec<f64> = pieces.returns().iter().map(|&i| ring.range_m(i)).collect();

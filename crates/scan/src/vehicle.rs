@@ -4,7 +4,7 @@ use crate::dust::touch;
 use crate::ring::Ring;
 
 /// Marks the returns that are of the vehicle: those no farther than `reach_m`, in stretches that step back to what is
-/// behind them at one end at least. A stretch that goes on as a wall at both ends is of that wall, which a vehicle that
+/// behind them at one end at least. A stretch that continues as a wall at both ends is of that wall, which a vehicle that
 /// is narrower has come near to.
 pub(crate) fn find(ring: &Ring, reach_m: f64, of_vehicle: &mut Vec<bool>) {
     let n = ring.len();

@@ -73,7 +73,6 @@ impl BlindSectors {
         let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
         let mut seen = Vec::new();
         for scan in scans {
-            notes.clear();
             sensor.revolution(scan, &mut revolution, &mut notes);
             let Some(sweep) = &revolution.sweep else { return Self::default() };
             seen.resize(sweep.len(), Seen::default());

@@ -12,12 +12,13 @@ const LEAST_WAY_M: f64 = 0.05;
 const LEAST_TURN_RAD: f64 = 0.01;
 
 impl Sensor {
-    /// Writes the returns of `cloud` into `out`, whatever `out` held before; there are no beams. Points that are not
-    /// finite are no returns, and neither are those at the sensor itself, by which many drivers say that nothing came
-    /// back. `notes` has what was turned or left out.
+    /// Writes the returns of `cloud` into `out`, and what was turned or left out into `notes`, whatever both held before;
+    /// there are no beams. Points that are not finite are no returns, and neither are those at the sensor itself, by which
+    /// many drivers say that nothing came back.
     ///
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the cloud has no stamp.
     pub fn cloud(&self, cloud: &Cloud, out: &mut Revolution, notes: &mut Notes) {
+        notes.clear();
         self.moving_cloud(cloud, None, out, notes);
     }
 

@@ -61,6 +61,7 @@
 mod before;
 mod blind;
 mod cloud;
+mod csv;
 mod directions;
 mod fan;
 mod limits;
@@ -72,6 +73,7 @@ mod turning;
 mod view;
 
 pub use before::Before;
+pub use csv::{CSV_PARAMS, CsvGeometry};
 pub use live::Live;
 pub use motion::{Motion, times_s};
 pub use odometry::{Odometry, pose_in};

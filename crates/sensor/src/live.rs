@@ -24,7 +24,7 @@ pub struct Live {
 
 impl Live {
     /// Writes the revolution that the next message shows into `out`, corrected for the motion of the vehicle, and the
-    /// vehicle's pose, by the poses in `odometry`. `notes` has what was corrected or left out.
+    /// vehicle's pose, by the poses in `odometry`. `notes` has what was corrected or left out. Both may hold anything before.
     ///
     /// `out.seq` is 0: only who counts the messages knows it. `out.stamp_ns` is 0 if the message has no stamp.
     pub fn show(
@@ -35,6 +35,7 @@ impl Live {
         out: &mut Revolution,
         notes: &mut Notes,
     ) {
+        notes.clear();
         let (mut rad_per_beam, mut beam_s) = (0.0, 0.0);
         if let ScanMessage::Scan(scan) = message {
             if sensor.deskews() {

@@ -183,11 +183,12 @@ impl Sensor {
         &self.odometry_topic
     }
 
-    /// Writes the revolution that `scan` shows into `out`, whatever `out` held before, and says in `notes` what was
-    /// turned, left out or repaired. The rules are in the documentation of this crate.
+    /// Writes the revolution that `scan` shows into `out`, and what was turned, left out or repaired into `notes`, whatever
+    /// both held before. The rules are in the documentation of this crate.
     ///
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
+        notes.clear();
         self.turning_revolution(scan, 0.0, &mut Directions::default(), out, notes);
     }
 

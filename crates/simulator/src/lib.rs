@@ -77,7 +77,7 @@ pub use driven::{Agility, Driven};
 pub use junction::Places;
 pub use mine::Mine;
 pub use plan::{Plan, PlanError};
-pub use recording::{RecordingError, SceneRecorder, read_description, read_mcap, write_mcap};
+pub use recording::{DESCRIPTION, RecordingError, SceneRecorder, write_mcap};
 pub use scenario::{Scenario, scenarios};
 pub use scene::{Flight, Scene};
 pub use suite::{SCENES, Split, Suite, suites};

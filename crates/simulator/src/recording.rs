@@ -1,23 +1,24 @@
 //! Scenes as an MCAP recording of ROS 2 messages, with truth.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crosscut_messages::{
     CDR_ENCODING, Endian, JSON_ENCODING, JSON_SCHEMA_ENCODING, LaserScan, Message, ODOMETRY_TOPIC, Odometry,
     SCAN_TOPIC, SCHEMA_ENCODING, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC,
-    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage, Truth, TruthMap,
+    TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage,
 };
-use mcap::records::{MessageHeader, Metadata, Record};
+use crosscut_outfile::{Growing, Keep, Whole};
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
 
 use crate::scene::Scene;
 
 /// Name of the metadata record that describes a flight.
-const DESCRIPTION: &str = "crosscut";
+pub const DESCRIPTION: &str = "crosscut";
 
-/// Why a recording could not be written or read.
+/// Why a recording could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -39,38 +40,26 @@ pub enum RecordingError {
         /// The cause.
         source: mcap::McapError,
     },
-    /// The file could not be read.
-    #[error("cannot read the recording {}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
-    /// The file has no scene of a simulated flight.
-    #[error("no scan with odometry and its true pose is in {}", path.display())]
-    NoFlight {
-        /// The file.
-        path: PathBuf,
-    },
 }
 
-/// Writes scenes to `path` one by one, and returns their number. The same scenes give the same bytes.
+/// Writes scenes to `path` one by one, and returns their number. The same scenes give the same bytes. What is there stays
+/// until the recording is whole.
 ///
 /// # Errors
 /// If the file cannot be created or written.
 pub fn write_mcap(path: &Path, scenes: impl Iterator<Item = Scene>) -> Result<u32, RecordingError> {
-    let mut recorder = SceneRecorder::create(path)?;
+    let whole = Whole::create(path, Keep::ThroughKill);
+    let mut recorder = SceneRecorder::begin(path, whole.map(Out::Whole), BTreeMap::new())?;
     for scene in scenes {
         recorder.add(&scene)?;
     }
     recorder.finish()
 }
 
-/// A recording that grows scene by scene.
+/// A recording that grows scene by scene. What is there stays until the first flush.
 pub struct SceneRecorder {
     path: PathBuf,
-    mcap: mcap::Writer<BufWriter<File>>,
+    mcap: mcap::Writer<NoSeek<Out>>,
     scan: u16,
     truth: u16,
     /// Channels for odometry and transforms appear with the first scene that has them.
@@ -87,12 +76,17 @@ impl SceneRecorder {
         Self::described(path, BTreeMap::new())
     }
 
-    /// Creates the file with values that describe the flight, for [`read_description`].
+    /// Creates the file with values that describe the flight, in the metadata record [`DESCRIPTION`].
     ///
     /// # Errors
     /// If it cannot be created or written.
     pub fn described(path: &Path, values: BTreeMap<String, String>) -> Result<Self, RecordingError> {
-        let file = created(path).map_err(|source| RecordingError::Create { path: path.into(), source })?;
+        let growing = Growing::create(path, Keep::ThroughKill);
+        Self::begin(path, growing.map(|file| Out::Growing(BufWriter::new(file))), values)
+    }
+
+    fn begin(path: &Path, out: io::Result<Out>, values: BTreeMap<String, String>) -> Result<Self, RecordingError> {
+        let out = out.map_err(|source| RecordingError::Create { path: path.into(), source })?;
         let begin = || -> Result<Self, mcap::McapError> {
             // Fixed texts and compression without threads keep the bytes the same in every run.
             let mut mcap = mcap::WriteOptions::new()
@@ -101,7 +95,8 @@ impl SceneRecorder {
                 .compression(Some(mcap::Compression::Zstd))
                 .compression_level(9)
                 .compression_threads(0)
-                .create(BufWriter::new(file))?;
+                .disable_seeking(true)
+                .create(NoSeek::new(out))?;
             if !values.is_empty() {
                 mcap.write_metadata(&Metadata { name: DESCRIPTION.to_owned(), metadata: values })?;
             }
@@ -164,7 +159,10 @@ impl SceneRecorder {
     /// If it cannot be written.
     pub fn finish(mut self) -> Result<u32, RecordingError> {
         self.mcap.finish().map_err(|source| self.failed(source))?;
-        Ok(self.written)
+        let Self { path, mcap, written, .. } = self;
+        let named = mcap.into_inner().into_inner().finish();
+        named.map_err(|error| RecordingError::Write { path, message: written, source: error.into() })?;
+        Ok(written)
     }
 
     fn failed(&self, source: mcap::McapError) -> RecordingError {
@@ -172,66 +170,39 @@ impl SceneRecorder {
     }
 }
 
-/// Reads the scenes of a flight that [`SceneRecorder`] wrote, as far as the file is whole.
-///
-/// # Errors
-/// If the file cannot be read, or has no scene with odometry and a true pose.
-pub fn read_mcap(path: &Path) -> Result<Vec<Scene>, RecordingError> {
-    let bytes = bytes_of(path)?;
-    let messages = mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into());
-    let mut scenes: Vec<Scene> = Vec::new();
-    // The last chunk of a file that was not finished is in pieces.
-    for message in messages.into_iter().flatten().map_while(Result::ok) {
-        let of = message.sequence as usize;
-        match (message.channel.topic.as_str(), of.checked_sub(scenes.len())) {
-            (SCAN_TOPIC, Some(0)) => {
-                let Ok(scan) = LaserScan::decode(&message.data) else { break };
-                scenes.push(Scene::of_scan(message.log_time, scan));
-            }
-            (TRUTH_TOPIC, None) => scenes[of].truth = Truth::from_json(&message.data).unwrap_or_default(),
-            (TRUTH_MAP_TOPIC, None) => scenes[of].map = TruthMap::from_json(&message.data).ok(),
-            (ODOMETRY_TOPIC, None) => scenes[of].odometry = Odometry::decode(&message.data).ok(),
-            _ => {}
+/// Where a recording goes.
+enum Out {
+    Whole(Whole),
+    Growing(BufWriter<Growing>),
+}
+
+impl Out {
+    fn finish(self) -> io::Result<()> {
+        match self {
+            Self::Whole(file) => file.finish(),
+            Self::Growing(mut file) => file.flush(),
         }
     }
-    let is_whole = |scene: &Scene| scene.odometry.is_some() && scene.truth.pose.is_some();
-    scenes.truncate(scenes.iter().take_while(|scene| is_whole(scene)).count());
-    if scenes.is_empty() { Err(RecordingError::NoFlight { path: path.into() }) } else { Ok(scenes) }
 }
 
-/// An empty file that no other program writes to.
-fn created(path: &Path) -> io::Result<File> {
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-    // On other systems a lock would exclude readers as well.
-    if cfg!(unix) && matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-        return Err(io::Error::new(io::ErrorKind::ResourceBusy, "another program is writing to it"));
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Whole(file) => file.write(bytes),
+            Self::Growing(file) => file.write(bytes),
+        }
     }
-    if file.metadata()?.is_file() {
-        file.set_len(0)?;
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Whole(file) => file.flush(),
+            Self::Growing(file) => file.flush(),
+        }
     }
-    Ok(file)
-}
-
-/// The values that describe a flight, as [`SceneRecorder::described`] wrote them; none if it was written without.
-///
-/// # Errors
-/// If the file cannot be read.
-pub fn read_description(path: &Path) -> Result<BTreeMap<String, String>, RecordingError> {
-    let bytes = bytes_of(path)?;
-    let records = mcap::read::LinearReader::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into());
-    let described = records.into_iter().flatten().map_while(Result::ok).find_map(|record| match record {
-        Record::Metadata(metadata) if metadata.name == DESCRIPTION => Some(metadata.metadata),
-        _ => None,
-    });
-    Ok(described.unwrap_or_default())
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>, RecordingError> {
-    std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })
 }
 
 fn json_channel(
-    mcap: &mut mcap::Writer<BufWriter<File>>,
+    mcap: &mut mcap::Writer<NoSeek<Out>>,
     topic: &str,
     [name, text]: [&str; 2],
 ) -> Result<u16, mcap::McapError> {
@@ -239,7 +210,7 @@ fn json_channel(
     mcap.add_channel(schema, topic, JSON_ENCODING, &BTreeMap::new())
 }
 
-fn ros_channel<M: Message>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str) -> Result<u16, mcap::McapError> {
+fn ros_channel<M: Message>(mcap: &mut mcap::Writer<NoSeek<Out>>, topic: &str) -> Result<u16, mcap::McapError> {
     let schema = mcap.add_schema(M::SCHEMA_NAME, SCHEMA_ENCODING, M::SCHEMA_TEXT.as_bytes())?;
     mcap.add_channel(schema, topic, CDR_ENCODING, &BTreeMap::new())
 }

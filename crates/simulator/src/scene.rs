@@ -60,7 +60,7 @@ impl<'a> View<'a> {
 
 impl Scene {
     /// A scan of which nothing else is known.
-    pub(crate) fn of_scan(stamp_ns: u64, scan: LaserScan) -> Self {
+    pub fn of_scan(stamp_ns: u64, scan: LaserScan) -> Self {
         Self { stamp_ns, scan, truth: Truth::default(), odometry: None, pose: None, map: None }
     }
 

@@ -1,5 +1,5 @@
 //! How the time of every solver grows with the number of returns: `cargo bench -p crosscut-spectral`;
-//! the sparse ones alone: `... -- sparse`.
+//! some of them: `... -- NAME...`.
 //!
 //! Four straight walls, 3.5 m apart, 20 m long, evenly sampled. The dense solvers get equation (1) with σ = 1.5 per m²,
 //! the sparse ones the graph of each return's 2 neighbours on either side. One line per solver and size, columns parted
@@ -10,7 +10,7 @@ use std::fs::read_to_string;
 use std::hint::black_box;
 use std::time::Instant;
 
-use crosscut_spectral::{blocks, components, faer_evd, nalgebra_evd, slicing};
+use crosscut_spectral::{blocks, components, faer_evd, slicing};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 
 const DENSE: [usize; 5] = [90, 180, 360, 720, 1440];
@@ -23,16 +23,16 @@ const RUNS_BETWEEN: u32 = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:<12},{:>8},{:>12}", "solver", "returns", "us");
-    let mut dense: [(&str, Box<dyn SpectralStage>); 4] = [
+    let mut dense: [(&str, Box<dyn SpectralStage>); 3] = [
         ("faer", faer_evd::KIND.with(&[])?),
-        ("nalgebra", nalgebra_evd::KIND.with(&[])?),
         ("slicing", slicing::KIND.with(&[])?),
         ("slicing16", slicing::KIND.with(&[("eigenvalues", 16.into())])?),
     ];
-    let dense_too = std::env::args().all(|arg| arg != "sparse");
-    for n in DENSE.into_iter().filter(|_| dense_too) {
+    let names: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
+    let is_asked_for = |name: &str| names.is_empty() || names.iter().any(|asked| asked == name);
+    for n in DENSE {
         let affinity = every_pair(n);
-        for (name, stage) in &mut dense {
+        for (name, stage) in dense.iter_mut().filter(|(name, _)| is_asked_for(name)) {
             print(name, n, stage.as_mut(), &affinity)?;
         }
     }
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [("blocks", blocks::KIND.with(&tolerance)?), ("components", components::KIND.with(&[])?)];
     for n in SPARSE {
         let affinity = neighbours(n);
-        for (name, stage) in &mut sparse {
+        for (name, stage) in sparse.iter_mut().filter(|(name, _)| is_asked_for(name)) {
             print(name, n, stage.as_mut(), &affinity)?;
         }
     }

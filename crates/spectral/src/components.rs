@@ -8,10 +8,9 @@
 //! the next one, so that there is no margin, and `tolerance` is the smallest normal number, which any positive number
 //! could replace.
 
-use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
+use crosscut_stage::{Affinity, DisjointSets, Eigenvalues, Kind, Notes, Number, SpectralStage, Spectrum, StageError};
 
-use crate::degrees::check_degrees;
-use crate::forest::{self, Forest};
+use crate::degrees::{check_degrees, sum_volumes};
 
 const LEAST_WEIGHT: Number = Number::new("least_weight", "", 1e-4)
     .from(0.0)
@@ -32,7 +31,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 #[derive(Default)]
 struct Components {
     least_weight: f64,
-    forest: Forest,
+    sets: DisjointSets,
     /// Σ of the edges at each return.
     degrees: Vec<f64>,
     /// Σ D_ii over the component of each number.
@@ -42,9 +41,9 @@ struct Components {
 impl Components {
     /// Joins the returns of each edge, and sums the edges at each return.
     fn follow_edges(&mut self, affinity: &Affinity) -> Result<(), StageError> {
-        let Self { least_weight, forest, degrees, .. } = self;
+        let Self { least_weight, sets, degrees, .. } = self;
         let n = affinity.weights.n();
-        forest.plant(n);
+        sets.reset(n);
         degrees.clear();
         degrees.resize(n, 0.0);
         let mut not_finite = None;
@@ -52,7 +51,7 @@ impl Components {
             if !weight.is_finite() {
                 not_finite.get_or_insert(i);
             } else if weight >= *least_weight && weight != 0.0 {
-                forest.join(i, j);
+                sets.join(i, j);
                 degrees[i] += weight;
             }
         });
@@ -64,9 +63,9 @@ impl SpectralStage for Components {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         self.follow_edges(affinity)?;
-        let Self { forest, degrees, volumes, .. } = self;
-        let component_of_return = forest.number_components();
-        forest::volumes(component_of_return, degrees, volumes);
+        let Self { sets, degrees, volumes, .. } = self;
+        let component_of_return = sets.number_components();
+        sum_volumes(component_of_return, degrees, volumes);
 
         out.k = volumes.len();
         out.eigenvalues.clear();

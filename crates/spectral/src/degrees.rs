@@ -1,4 +1,4 @@
-//! Degrees that a Laplacian can be made of.
+//! Degrees that a Laplacian can be made of, and their sums.
 
 use crosscut_stage::{Affinity, StageError};
 
@@ -22,4 +22,17 @@ pub(crate) fn check_degrees(affinity: &Affinity) -> Result<(), StageError> {
         }
     }
     Ok(())
+}
+
+/// Σ D_ii over each component, as [`DisjointSets::number_components`] numbers them.
+///
+/// [`DisjointSets::number_components`]: crosscut_stage::DisjointSets::number_components
+pub(crate) fn sum_volumes(component_of_return: &[u32], degrees: &[f64], out: &mut Vec<f64>) {
+    out.clear();
+    for (&component, &degree) in component_of_return.iter().zip(degrees) {
+        match out.get_mut(component as usize) {
+            Some(volume) => *volume += degree,
+            None => out.push(degree), // components appear in the order of their numbers
+        }
+    }
 }

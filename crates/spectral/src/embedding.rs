@@ -2,13 +2,13 @@
 
 use crosscut_stage::{Spectrum, StageError};
 
-use crate::zero_rule::ZeroRule;
+use crate::zeros::count_zeros;
 
-/// Counts the zeros among `out.eigenvalues` (all n, ascending) and makes U of the k eigenvectors that belong to them.
+/// Counts the zeros among `out.eigenvalues` (all n, ascending), those below `tolerance`, and makes U of the k eigenvectors that belong to them.
 ///
 /// `eigenvector(j)` gives the n entries of the unit eigenvector of λ_j.
 pub(crate) fn embed<'a>(
-    rule: ZeroRule,
+    tolerance: f64,
     eigenvector: impl Fn(usize) -> &'a [f64],
     out: &mut Spectrum,
 ) -> Result<(), StageError> {
@@ -16,7 +16,7 @@ pub(crate) fn embed<'a>(
     if !out.eigenvalues.iter().all(|eigenvalue| eigenvalue.is_finite()) {
         return Err(StageError::NoConvergence { n });
     }
-    rule.count(out, n);
+    count_zeros(out, n, tolerance);
     let columns = out.u.make_dense(n, out.k);
     for j in 0..out.k {
         let column = eigenvector(j);

@@ -7,33 +7,32 @@ use crosscut_stage::{Affinity, Eigenvalues, Kind, Notes, SpectralStage, Spectrum
 use crate::decomposition::Decomposition;
 use crate::embedding::embed;
 use crate::laplacian::{Laplacian, dense_bytes};
-use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use crate::zeros::ZERO_TOLERANCE;
 
-/// The paper's solver.
-pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
-    "faer",
-    "all eigenvalues by the full decomposition of the dense Laplacian, as in the paper",
-    |params| Box::new(FaerEvd::new(ZeroRule::of(params))),
-)
-.params(&[ZERO_TOLERANCE.spec])
-.eigenvalues(Eigenvalues::All);
+/// The full decomposition, against which the other solvers are checked.
+pub const KIND: Kind<dyn SpectralStage> =
+    Kind::spectral("faer", "all eigenvalues by the full decomposition of the dense Laplacian", |params| {
+        Box::new(FaerEvd::new(params.get(ZERO_TOLERANCE)))
+    })
+    .params(&[ZERO_TOLERANCE.spec])
+    .eigenvalues(Eigenvalues::All);
 
 pub(crate) struct FaerEvd {
-    rule: ZeroRule,
+    tolerance: f64,
     laplacian: Laplacian,
     decomposition: Decomposition,
 }
 
 impl FaerEvd {
-    pub(crate) fn new(rule: ZeroRule) -> Self {
-        Self { rule, laplacian: Laplacian::default(), decomposition: Decomposition::default() }
+    pub(crate) fn new(tolerance: f64) -> Self {
+        Self { tolerance, laplacian: Laplacian::default(), decomposition: Decomposition::default() }
     }
 }
 
 impl SpectralStage for FaerEvd {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, _: &mut Notes) -> Result<(), StageError> {
         self.decomposition.decompose(self.laplacian.form(affinity)?, &mut out.eigenvalues)?;
-        embed(self.rule, |j| self.decomposition.eigenvector(j), out)
+        embed(self.tolerance, |j| self.decomposition.eigenvector(j), out)
     }
 
     fn memory_bytes(&self, n: usize, _: usize) -> u64 {

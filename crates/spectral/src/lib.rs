@@ -9,9 +9,8 @@
 //!
 //! | kind | method | λ | for |
 //! |---|---|---|---|
-//! | `faer` | full decomposition, one thread, working memory kept | all n | the paper |
-//! | `nalgebra` | full decomposition by another library | all n | a second opinion |
-//! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper, faster |
+//! | `faer` | full decomposition, one thread, working memory kept | all n | the reference, and all eigenvalues |
+//! | `slicing` | inertia of L - τI, then block Krylov spaces of its inverse, connected part by part | as many as asked for | the paper |
 //! | `blocks` | weak edges set aside with a bound, banded factorisation of each block | the k zeros and the next | sparse graphs |
 //! | `components` | weak edges left out, union-find, no decomposition | the k zeros, exact | the baselines, and what the spectrum adds |
 //!
@@ -34,8 +33,7 @@
 //! ```
 //!
 //! To add one: a file with its parameters, a `KIND` and the stage, and here its `mod` and its entry in [`KINDS`];
-//! `tests/spectral/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared. To
-//! add a zero rule: a variant of `ZeroRule`.
+//! `tests/spectral/conformance.rs` then runs over it. [`Laplacian`] makes L; what follows a decomposition is shared.
 //!
 //! [`Affinity`]: crosscut_stage::Affinity
 //! [`Spectrum`]: crosscut_stage::Spectrum
@@ -44,21 +42,18 @@ mod decomposition;
 mod degrees;
 mod dot;
 mod embedding;
-mod forest;
 mod laplacian;
-mod zero_rule;
+mod zeros;
 
 pub mod blocks;
 pub mod components;
 pub mod faer_evd;
-pub mod nalgebra_evd;
 pub mod slicing;
 
 use crosscut_stage::{Kind, SpectralStage};
 
 pub use laplacian::Laplacian;
-pub use zero_rule::{ZERO_TOLERANCE, recount};
+pub use zeros::{ZERO_TOLERANCE, recount};
 
 /// The solvers that crosscut ships, in the order in which messages list them; the first is the default.
-pub const KINDS: &[Kind<dyn SpectralStage>] =
-    &[faer_evd::KIND, nalgebra_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];
+pub const KINDS: &[Kind<dyn SpectralStage>] = &[faer_evd::KIND, slicing::KIND, blocks::KIND, components::KIND];

@@ -9,7 +9,7 @@ pub struct Affinity {
     pub weights: Weights,
     /// D_ii = Σ_j W_ij, the diagonal of D; n entries, each at least 1.
     pub degrees: Vec<f64>,
-    /// What was decided at gaps, by kinds that decide whether a wall ends there.
+    /// The decisions at gaps, of kinds that decide whether a wall ends there.
     pub verdicts: Vec<Verdict>,
 }
 
@@ -33,7 +33,7 @@ pub struct Verdict {
     /// The two returns, anticlockwise.
     pub returns: [u32; 2],
     /// The wall ends there: the gap is an opening.
-    pub is_way: bool,
+    pub is_opening: bool,
     /// The room at the gap, divided by the room that an opening needs. The nearer to 1, the more doubtful.
     pub room_ratio: f64,
     /// p, the odds that a vehicle can pass, as a probability; `None` where too little is seen to say.

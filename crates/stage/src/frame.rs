@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::Isometry2;
-
-use crate::{Affinity, Beam, Here, Junction, Notes, Partition, PoseDoubt, Revolution, Spectrum, Steady};
+use crate::{Affinity, Beam, Extra, Junction, Notes, Partition, Revolution, Spectrum};
 
 /// All that is known of one revolution. It passes from stage to stage, each filling its part, then back to a pool.
 #[derive(Clone, Debug, Default)]
@@ -19,19 +17,11 @@ pub struct Frame {
     pub partition: Partition,
     /// Walls and openings, from the report stage.
     pub junction: Junction,
-    /// Where the revolution was taken, metres and radians in the frame of the flight's first pose, from the flight;
-    /// `None` where that is not known.
-    pub pose: Option<Isometry2<f64>>,
-    /// How far the pose may be off, from the flight.
-    pub pose_doubt: PoseDoubt,
-    /// The place that the vehicle is in, from the flight; `None` for a cloud, where no wall is in view, and
-    /// for a limited view that has not seen enough around it.
-    pub here: Option<Here>,
-    /// The answer over the last revolutions, from the flight.
-    pub steady: Option<Steady>,
+    /// What later work adds, which sees more than this revolution.
+    pub extra: Extra,
     /// What was dropped, repaired or fallen back to on the way.
     pub notes: Notes,
-    /// How long each step took, measured by the worker around it.
+    /// The time of each step, measured by the worker around it.
     pub timings: Timings,
     /// Set when a step failed; the parts after it are then not of this revolution.
     pub failure: Option<Failure>,
@@ -96,8 +86,10 @@ impl fmt::Display for Step {
 pub struct Timings {
     /// Of each step, in the order of [`Step::ALL`].
     steps_ns: [u64; Step::ALL.len()],
-    flight_ns: Option<u64>,
-    latency_ns: Option<u64>,
+    /// Of the flight; `None` without one.
+    pub flight_ns: Option<u64>,
+    /// From the arrival of the scan to its written results; `None` before that.
+    pub latency_ns: Option<u64>,
 }
 
 impl Timings {
@@ -109,26 +101,6 @@ impl Timings {
     /// The time of a step.
     pub fn ns(&self, step: Step) -> u64 {
         self.steps_ns[step as usize]
-    }
-
-    /// Sets the time that the flight took.
-    pub fn set_flight_ns(&mut self, ns: Option<u64>) {
-        self.flight_ns = ns;
-    }
-
-    /// The time that the flight took; `None` without a flight.
-    pub fn flight_ns(&self) -> Option<u64> {
-        self.flight_ns
-    }
-
-    /// Sets the latency, or that there is none.
-    pub fn set_latency_ns(&mut self, ns: Option<u64>) {
-        self.latency_ns = ns;
-    }
-
-    /// Time from the arrival of the scan to its written results; `None` before that.
-    pub fn latency_ns(&self) -> Option<u64> {
-        self.latency_ns
     }
 }
 

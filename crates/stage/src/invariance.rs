@@ -16,6 +16,6 @@ pub enum Invariance {
 }
 
 impl Invariance {
-    /// Every change there is: what an affinity is blind to that sees distances alone.
+    /// All invariances: those of an affinity that uses distances only.
     pub const ALL: &[Self] = &[Self::Translation, Self::Rotation, Self::Turn, Self::Mirror, Self::Permutation];
 }

@@ -20,8 +20,8 @@ pub struct Junction {
     pub wall_of_return: Vec<Option<u32>>,
     /// What kind of place this is.
     pub place: Place,
-    /// Estimated probability that the answer is right, 0 to 1.
-    pub confidence: f64,
+    /// Estimated probability that the answer is right, 0 to 1; `None` where nothing was calibrated for the affinity.
+    pub confidence: Option<f64>,
 }
 
 /// The returns between two consecutive openings.
@@ -44,20 +44,33 @@ pub struct Opening {
     pub bearing_rad: f64,
     /// Clear width across the branch, metres.
     pub width_m: f64,
-    /// The walls on its clockwise and anticlockwise side; the same twice at a dead end.
+    /// The walls on its clockwise and anticlockwise side; the same twice at a dead end, and where the end of the view
+    /// cuts it.
     pub walls: [u32; 2],
+    /// The returns of these walls beside it, as indices of [`Revolution::points_m`](crate::Revolution::points_m),
+    /// clockwise end first; `None` at the end of a limited view that cuts it.
+    pub returns: [Option<u32>; 2],
     /// Why it is believed.
     pub evidence: Evidence,
     /// The two ends of the edge of the visible free space that it is made of, metres, clockwise end first.
     pub edge_m: [Point; 2],
     /// The odds that a vehicle can pass, as a probability; `None` where too little is seen to say.
     pub p: Option<f64>,
-    /// The end of a limited view cuts it: only its one wall is in view, which stands twice in `walls`, and bearing and
-    /// width are those of the part in view.
-    pub cut_by_view: bool,
 }
 
 impl Opening {
+    /// The end of a limited view cuts it: only its one wall is in view, and bearing and width are those of the part in
+    /// view.
+    pub fn is_cut_by_view(&self) -> bool {
+        self.returns.contains(&None)
+    }
+
+    /// Whether a gap between two returns, anticlockwise, is this opening or part of it: a stray return inside an opening
+    /// splits its edge. The first part begins where the opening begins, the last ends where it ends.
+    pub fn shares_end_with(&self, [from, to]: [u32; 2]) -> bool {
+        self.returns[0] == Some(from) || self.returns[1] == Some(to)
+    }
+
     /// How far the nearer end of its edge is from the sensor, metres. What is far is a glimpse, and decided by few
     /// returns.
     pub fn range_m(&self) -> f64 {

@@ -1,4 +1,4 @@
-//! A stage that can be chosen by name, and what is known of it before it is built.
+//! A stage that can be chosen by name, and its properties, which are known before it is built.
 
 use crate::{AffinityStage, Invariance, KmeansStage, ParamError, ParamSpec, Params, SpectralStage, Storage, Value};
 
@@ -30,14 +30,14 @@ pub struct Kind<S: StageKind + ?Sized> {
     pub doc: &'static str,
     /// Its parameters.
     pub params: &'static [ParamSpec],
-    /// What is known of it before it is built.
+    /// Its properties, known before it is built.
     pub properties: S::Properties,
     build: fn(&Params) -> Box<S>,
 }
 
 impl<S: StageKind + ?Sized> Kind<S> {
     const fn new(name: &'static str, doc: &'static str, build: fn(&Params) -> Box<S>) -> Self {
-        Self { name, doc, params: &[], properties: S::UNKNOWN, build }
+        Self { name, doc, params: &[], properties: S::DEFAULT, build }
     }
 
     /// Its parameters, in the order in which the configuration prints them.
@@ -74,18 +74,18 @@ impl<S: StageKind + ?Sized> Copy for Kind<S> {}
 pub trait StageKind {
     /// The section of the configuration, which is the name of the step.
     const SECTION: &'static str;
-    /// What a kind states of itself; the shared tests hold it to that.
+    /// The properties that a kind declares; the shared tests check them.
     type Properties: Copy + 'static;
-    /// What a kind has that states nothing.
-    const UNKNOWN: Self::Properties;
+    /// The properties of a kind that declares none.
+    const DEFAULT: Self::Properties;
 }
 
-/// What a kind of affinity states of itself.
+/// The properties that a kind of affinity declares.
 #[derive(Clone, Copy, Debug)]
 pub struct AffinityProperties {
     /// How it stores W.
     pub storage: Storage,
-    /// It works on the beams of a sweep alone, and refuses a cloud.
+    /// It needs the beams of a sweep, and refuses a cloud.
     pub needs_beams: bool,
     /// Changes of a revolution that leave W alone.
     pub blind_to: &'static [Invariance],
@@ -94,7 +94,7 @@ pub struct AffinityProperties {
 impl StageKind for dyn AffinityStage {
     const SECTION: &'static str = "affinity";
     type Properties = AffinityProperties;
-    const UNKNOWN: AffinityProperties =
+    const DEFAULT: AffinityProperties =
         AffinityProperties { storage: Storage::Dense, needs_beams: false, blind_to: &[] };
 }
 
@@ -123,12 +123,12 @@ impl Kind<dyn AffinityStage> {
     }
 }
 
-/// What a kind of solver states of itself.
+/// The properties that a kind of solver declares.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralProperties {
     /// Which eigenvalues it gives.
     pub eigenvalues: Eigenvalues,
-    /// A sparse W of n returns takes it no matrix of n×n numbers.
+    /// Never allocates an n×n matrix for a sparse W.
     pub stays_sparse: bool,
 }
 
@@ -146,7 +146,7 @@ pub enum Eigenvalues {
 impl StageKind for dyn SpectralStage {
     const SECTION: &'static str = "spectral";
     type Properties = SpectralProperties;
-    const UNKNOWN: SpectralProperties = SpectralProperties { eigenvalues: Eigenvalues::Lowest, stays_sparse: false };
+    const DEFAULT: SpectralProperties = SpectralProperties { eigenvalues: Eigenvalues::Lowest, stays_sparse: false };
 }
 
 impl Kind<dyn SpectralStage> {
@@ -161,7 +161,7 @@ impl Kind<dyn SpectralStage> {
         self
     }
 
-    /// A sparse W takes it no dense matrix.
+    /// It never allocates a dense matrix for a sparse W.
     pub const fn stays_sparse(mut self) -> Self {
         self.properties.stays_sparse = true;
         self
@@ -171,7 +171,7 @@ impl Kind<dyn SpectralStage> {
 impl StageKind for dyn KmeansStage {
     const SECTION: &'static str = "kmeans";
     type Properties = ();
-    const UNKNOWN: () = ();
+    const DEFAULT: () = ();
 }
 
 impl Kind<dyn KmeansStage> {

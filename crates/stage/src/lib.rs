@@ -14,8 +14,9 @@
 //! registry. The report that follows them is fixed.
 
 mod affinity;
+mod disjoint_sets;
 mod embedding;
-mod flight;
+mod extra;
 mod frame;
 mod invariance;
 mod junction;
@@ -31,15 +32,16 @@ mod storage;
 mod traits;
 
 pub use affinity::{Affinity, Csr, Verdict, Weights};
+pub use disjoint_sets::DisjointSets;
 pub use embedding::Embedding;
-pub use flight::{Here, HereKind, Steady, SteadyOpening, Way};
+pub use extra::Extra;
 pub use frame::{Failure, FailureCause, Frame, Step, Timings};
 pub use invariance::Invariance;
 pub use junction::{Evidence, Junction, Opening, Place, SURE, Wall};
 pub use kind::{AffinityProperties, Eigenvalues, Kind, SpectralProperties, StageKind};
 pub use notes::{Notes, counted};
 pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, ParamSpec, Shape, Word};
-pub use params::{ParamError, ParamValue, Params, Value};
+pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
 pub use revolution::{Beam, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};

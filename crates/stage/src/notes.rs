@@ -7,23 +7,27 @@ pub fn counted(count: u64, what: &str) -> String {
 
 /// Sentences about one revolution: every drop, repair and fallback is reported in the results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Notes(Vec<String>);
+pub struct Notes {
+    sentences: Vec<String>,
+    /// How many are of the revolution itself, once stages have begun to work on it.
+    of_revolution: Option<usize>,
+}
 
 impl<S: Into<String>> Extend<S> for Notes {
     fn extend<I: IntoIterator<Item = S>>(&mut self, notes: I) {
-        self.0.extend(notes.into_iter().map(Into::into));
+        self.sentences.extend(notes.into_iter().map(Into::into));
     }
 }
 
 impl Notes {
     /// Adds a sentence.
     pub fn add(&mut self, note: impl Into<String>) {
-        self.0.push(note.into());
+        self.sentences.push(note.into());
     }
 
     /// All sentences, in the order in which they were added.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.0.iter().map(String::as_str)
+        self.sentences.iter().map(String::as_str)
     }
 
     /// `note` without its numbers and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
@@ -33,12 +37,19 @@ impl Notes {
 
     /// Whether there is no sentence.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.sentences.is_empty()
     }
 
     /// Removes all sentences.
     pub fn clear(&mut self) {
-        self.0.clear();
+        self.sentences.clear();
+        self.of_revolution = None;
+    }
+
+    /// Removes what stages added when they worked on this revolution before; what was noted of the revolution itself stays.
+    pub fn begin_stages(&mut self) {
+        let of_revolution = *self.of_revolution.get_or_insert(self.sentences.len());
+        self.sentences.truncate(of_revolution);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::{ParamError, Value};
+use crate::{ParamError, ParamErrorKind, Value};
 
 /// The key of a parameter whose value is a `T`.
 ///
@@ -304,12 +304,13 @@ impl ParamSpec {
             (Shape::Choice { of, .. }, Value::Text(word)) => of.contains(&word.as_str()),
             (Shape::Pairs { range }, Value::Pairs(pairs)) => pairs.iter().flatten().all(|&x| range.contains(x)),
             (Shape::Names { of }, Value::Names(names)) => names.iter().all(|name| of.contains(&name.as_str())),
-            _ => false,
+            _ => return Err(self.refuse(ParamErrorKind::WrongType, value.to_string())),
         };
-        if allowed {
-            Ok(value)
-        } else {
-            Err(ParamError { name: self.name.to_owned(), value: value.to_string(), expected: self.expected() })
-        }
+        if allowed { Ok(value) } else { Err(self.refuse(ParamErrorKind::OutOfRange, value.to_string())) }
+    }
+
+    /// The error of a value, as written, that is not allowed.
+    pub fn refuse(&self, kind: ParamErrorKind, value: String) -> ParamError {
+        ParamError { kind, name: self.name.to_owned(), value, expected: self.expected() }
     }
 }

@@ -20,12 +20,26 @@ pub enum Value {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} = {value} is not allowed: {expected}")]
 pub struct ParamError {
+    /// Why, for code.
+    pub kind: ParamErrorKind,
     /// The parameter.
     pub name: String,
     /// The value, as written.
     pub value: String,
     /// What is allowed.
     pub expected: String,
+}
+
+/// Why a value is not allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ParamErrorKind {
+    /// There is no parameter of this name.
+    NotFound,
+    /// The value is of another type than the parameter.
+    WrongType,
+    /// The type is right; the parameter allows other numbers, words or names.
+    OutOfRange,
 }
 
 /// As in TOML.
@@ -90,7 +104,8 @@ impl Params {
                 [] => "there are no parameters".to_owned(),
                 names => format!("there are the parameters {}", names.join(", ")),
             };
-            return Err(ParamError { name: name.to_owned(), value: value.to_string(), expected });
+            let (kind, name, value) = (ParamErrorKind::NotFound, name.to_owned(), value.to_string());
+            return Err(ParamError { kind, name, value, expected });
         };
         self.values[place] = self.specs[place].check(value)?;
         Ok(())

@@ -57,7 +57,7 @@ pub enum Beam {
     Unknown,
 }
 
-/// The beams of a sweep that look past the vehicle.
+/// The beams that the vehicle does not block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
     /// The first of them, in message order.
@@ -134,7 +134,7 @@ impl Sweep {
         self.beams.is_empty()
     }
 
-    /// The beams that look past the vehicle. A full turn with a blind sector is a limited view that begins after the widest one.
+    /// The beams that the vehicle does not block. A full turn with a blind sector is a limited view that begins after the widest one.
     pub fn view(&self) -> View {
         let clockwise = self.is_clockwise();
         let turn = self.len() + self.missing;

@@ -33,20 +33,29 @@ pub enum StageError {
 
 /// First stage: the weighted graph over the returns.
 pub trait AffinityStage: Send {
-    /// Writes W of `revolution`, whose points are finite, into `out.weights`, whatever that held before, and what the
-    /// stage decided at gaps, if it decides, into the empty `out.verdicts`. [`AffinityStage::affinity`] does the rest.
+    /// Writes W of `revolution`, whose points are finite, into `out.weights`, whatever that held before, and its verdicts,
+    /// if it makes any, into the empty `out.verdicts`. `affinity` calls it and does the rest,
+    /// for every kind alike.
     ///
     /// n = 0 gives an empty W. The result depends on nothing but `revolution` and the stage's parameters.
     ///
     /// # Errors
     /// When no graph can be made of the returns.
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError>;
+}
 
+/// What is done for every kind alike; no kind can override it.
+impl dyn AffinityStage + '_ {
     /// Writes W and D of `revolution` into `out`, whatever `out` held before.
     ///
     /// # Errors
-    /// When a point is not finite, or no graph can be made of the returns.
-    fn affinity(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
+    /// When a point is not finite, no graph can be made of the returns, or W has not a row for each.
+    pub fn affinity(
+        &mut self,
+        revolution: &Revolution,
+        out: &mut Affinity,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
         if let Some(index) = revolution.points_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(StageError::NotFinite { what: "the point", index });
         }
@@ -120,3 +129,49 @@ pub trait Observer: Send {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ObserverError(pub String);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Point, Verdict};
+
+    /// Writes W = 1 over as many rows as it has, and a verdict.
+    struct AllOnes(usize);
+
+    impl AffinityStage for AllOnes {
+        fn weigh(&mut self, _: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+            out.weights.make_dense(self.0).fill(1.0);
+            out.verdicts.push(Verdict { returns: [0, 1], is_opening: true, room_ratio: 1.0, p: None, reason: "" });
+            Ok(())
+        }
+    }
+
+    fn affinity(rows: usize, revolution: &Revolution, out: &mut Affinity) -> Result<(), StageError> {
+        let stage: &mut dyn AffinityStage = &mut AllOnes(rows);
+        stage.affinity(revolution, out, &mut Notes::default())
+    }
+
+    #[test]
+    fn a_point_that_is_not_finite_is_refused_by_its_index() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for (index, axis) in [(0, 0), (1, 1), (2, 2)] {
+                let mut revolution = Revolution { points_m: vec![Point::origin(); 3], ..Revolution::default() };
+                revolution.points_m[index][axis] = bad;
+                let refused = affinity(3, &revolution, &mut Affinity::default());
+                assert_eq!(refused, Err(StageError::NotFinite { what: "the point", index }));
+            }
+        }
+    }
+
+    #[test]
+    fn degrees_are_summed_and_nothing_is_left_of_an_earlier_revolution() {
+        let revolution = Revolution { points_m: vec![Point::origin(); 3], ..Revolution::default() };
+        let mut out = Affinity { degrees: vec![7.0; 5], ..Affinity::default() };
+        for _ in 0..2 {
+            affinity(3, &revolution, &mut out).expect("three rows for three returns");
+            assert_eq!((&out.degrees[..], out.verdicts.len()), (&[3.0; 3][..], 1));
+        }
+        let refused = affinity(2, &revolution, &mut out);
+        assert_eq!(refused, Err(StageError::Mismatch("W has 2 rows for 3 returns".to_owned())));
+    }
+}

@@ -11,8 +11,8 @@
 
 use std::process::ExitCode;
 
-use crosscut_pipeline::Registry;
-use crosscut_pipeline::stage::{
+use crosscut_detector::Registry;
+use crosscut_detector::stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage,
 };
 

@@ -2,36 +2,32 @@
 //!
 //! `cargo run` in this folder.
 
-use std::error::Error;
 use std::f32::consts::PI;
 
-use crosscut_pipeline::{Frame, LaserScan, Preset, Settings};
+use crosscut_detector::stage::Opening;
+use crosscut_detector::{Detector, LaserScan};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    // Once, at start: which stages to run, and how wide the vehicle is; `sensor_yaw_rad` and others say how the lidar is mounted.
-    let settings = Settings::new(Preset::Default).vehicle_width_m(0.8);
-    let (sensor, mut engine) = (settings.sensor()?, settings.engine()?);
-    let mut frame = Frame::default();
-
-    // For every `scan: LaserScan` that the driver delivers; the frame's buffers are used again.
-    for scan in [tunnel_scan(6.0), tunnel_scan(8.0)] {
-        frame.notes.clear();
-        sensor.revolution(&scan, &mut frame.revolution, &mut frame.notes);
-        if let Err(failure) = engine.process(&mut frame) {
-            eprintln!("{failure}"); // the next scan is as good as any
-            continue;
-        }
-        let junction = &frame.junction;
-        println!("{} walls, {}, confidence {:.2}", junction.junctions, junction.place, junction.confidence);
-        for opening in &junction.openings {
-            let bearing_deg = opening.bearing_rad.to_degrees();
-            println!("  an opening at {bearing_deg:.0}°, {:.1} m wide, {}", opening.width_m, opening.evidence);
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut detector = Detector::builder().vehicle_width_m(0.8).build()?;
+    for scan in driver() {
+        match detector.detect(&scan) {
+            Ok(answer) => answer.openings.iter().for_each(steer),
+            Err(failure) => eprintln!("{failure}"), // the next scan is as good as any
         }
     }
     Ok(())
 }
 
-/// What a lidar sees in the middle of a straight tunnel; a driver would deliver this.
+/// A robot's own program has better use for it.
+fn steer(opening: &Opening) {
+    println!("an opening at {:.0}°, {:.1} m wide", opening.bearing_rad.to_degrees(), opening.width_m);
+}
+
+/// What a lidar sees in the middle of straight tunnels 6 m and 8 m wide; a driver would deliver this.
+fn driver() -> impl Iterator<Item = LaserScan> {
+    [6.0, 8.0].into_iter().map(tunnel_scan)
+}
+
 fn tunnel_scan(width_m: f32) -> LaserScan {
     let (beams, range_max) = (360, 15.0);
     let angle_increment = 2.0 * PI / beams as f32;
@@ -57,11 +53,11 @@ mod tests {
 
     #[test]
     fn a_tunnel_has_two_walls_and_two_openings() {
-        let settings = Settings::new(Preset::Default);
-        let (sensor, mut engine) = (settings.sensor().expect("allowed"), settings.engine().expect("allowed"));
-        let mut frame = Frame::default();
-        sensor.revolution(&tunnel_scan(6.0), &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame).expect("a sound scan");
-        assert_eq!((frame.junction.junctions, frame.junction.openings.len()), (2, 2));
+        let mut detector = Detector::builder().build().expect("the preset");
+        for scan in driver() {
+            let answer = detector.detect(&scan).expect("a sound scan");
+            assert_eq!((answer.junctions, answer.openings.len()), (2, 2));
+        }
+        assert_eq!(detector.frame().affinity.weights.n(), 360);
     }
 }

@@ -6,18 +6,19 @@
 (1, 'closed')
 
 - :func:`count`: one scan. :class:`Engine`: many, also with stages of one's own.
-- :class:`FlightMap`: junctions, dead ends and passages of a flight.
+- :class:`Flight`: poses, and a :class:`Map` of junctions, dead ends and passages, by the scans of a flight in order.
 - :class:`Navigator`: commands for a vehicle that explores all of a mine, and comes home.
 - :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
-- :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own.
+- :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own. :mod:`crosscut.frames`:
+  stages one at a time.
 
 Bearings are in radians, anticlockwise from straight ahead; x is forward, y left; lengths are in metres.
 """
 
 from ._engine import Engine, Recording, count, read
-from ._errors import Error, LossWarning, ReadError, SettingsError, StageError
-from ._flight_map import FlightMap
+from ._errors import Error, LossWarning, MissingPackageError, ReadError, SettingsError, StageError
+from ._flight import Flight, Map
 from ._native import Scan, __version__
 from ._navigator import Command, Navigator
 from ._program import report, run, sweep
@@ -27,10 +28,12 @@ __all__ = [
     "Command",
     "Engine",
     "Error",
-    "FlightMap",
+    "Flight",
     "FollowedOpening",
     "Here",
     "LossWarning",
+    "Map",
+    "MissingPackageError",
     "Navigator",
     "Opening",
     "Pose",

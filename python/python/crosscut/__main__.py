@@ -13,8 +13,8 @@ from . import _named, _native
 def main() -> int:
     """Runs the command in the arguments of this process and returns its exit code.
 
-    ``--set affinity.kind=python:module.name``, or the like in a file of settings, takes a callable of one's own; modules are
-    found from the current folder.
+    ``--set affinity.kind=python:module.name`` takes a callable of one's own; modules are found in the current folder, too. A
+    file of settings may name a callable that the command line names as well: code comes from the command line alone.
     """
     if sys.argv[1:2] in (["run"], ["sweep"]) and "--on" in sys.argv:
         at = sys.argv.index("--on")

@@ -30,14 +30,18 @@ ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 
 
 class Bus:
-    """A participant in a domain. Its network interface, and hosts to look for, are those of $CYCLONEDDS_URI."""
+    """A participant in a domain. Its network interface, and hosts to look for, are those of $CYCLONEDDS_URI.
 
-    def __init__(self, domain: int) -> None:
+    ``fail`` takes an exception with which hearing ended.
+    """
+
+    def __init__(self, domain: int, fail: Callable[[BaseException], None]) -> None:
         try:
             self._participant = DomainParticipant(domain)
         except DDSException as error:
             told = "is the number below 233, and is the network that $CYCLONEDDS_URI names there?"
             raise Error(f"DDS does not start in domain {domain}; {told}") from error
+        self._fail = fail
         self._closed = threading.Event()
         self._threads: list[threading.Thread] = []
         self._writers: dict[str, DataWriter[Any]] = {}
@@ -45,7 +49,7 @@ class Bus:
     def hear(self, topic: str, take: Callable[[bytes, str, None], None]) -> None:
         """Gives ``take`` each message of a topic of ROS in CDR, its type, and None: Cyclone DDS does not tell what is missing,
         as it leaves the status SAMPLE_LOST at 0."""
-        thread = threading.Thread(target=self._hear, args=(f"rt/{topic}", take), name=f"dds {topic}", daemon=True)
+        thread = threading.Thread(target=self._run, args=(f"rt/{topic}", take), name=f"dds {topic}", daemon=True)
         self._threads.append(thread)
         thread.start()
 
@@ -72,6 +76,12 @@ class Bus:
         self._closed.set()
         for thread in self._threads:
             thread.join()
+
+    def _run(self, name: str, take: Callable[[bytes, str, None], None]) -> None:
+        try:
+            self._hear(name, take)
+        except BaseException as error:  # the thread ends with it
+            self._fail(error)
 
     def _hear(self, name: str, take: Callable[[bytes, str, None], None]) -> None:
         publications = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
@@ -168,8 +178,10 @@ _MARKER = _type(
     mesh_file=_MESH,
     mesh_use_embedded_materials=bool,
 )
+_TWIST = _type("geometry_msgs/Twist", linear=_VECTOR, angular=_VECTOR)
 _SENT = {
     "std_msgs/String": _type("std_msgs/String", data=str),
-    "geometry_msgs/Twist": _type("geometry_msgs/Twist", linear=_VECTOR, angular=_VECTOR),
+    "geometry_msgs/Twist": _TWIST,
+    "geometry_msgs/TwistStamped": _type("geometry_msgs/TwistStamped", header=_HEADER, twist=_TWIST),
     "visualization_msgs/MarkerArray": _type("visualization_msgs/MarkerArray", markers=_SEQUENCE[_MARKER]),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import numbers
+import operator
 import os
 import threading
 import warnings
@@ -23,6 +24,9 @@ Section: TypeAlias = "str | Mapping[str, object]"
 
 SECTIONS = ("ingest", "csv", "affinity", "spectral", "kmeans", "report", "vehicle", "flight", "pipeline")
 STAGES = ("affinity", "spectral", "kmeans")
+
+MOST_WORKERS = 256
+"""Each is a thread with an engine of its own."""
 
 
 class Engine:
@@ -54,7 +58,7 @@ class Engine:
         **sections: Section | Callable[..., Any],
     ) -> None:
         stages: list[Any] = [sections.pop(name) if callable(sections.get(name)) else None for name in STAGES]
-        self._made_of = (preset, setting_changes(settings, sections), stages, list(keep))
+        self._made_of = (preset, setting_changes(settings, sections), stages, texts("keep", keep))
         self._native = _native.Engine(*self._made_of)
 
     @classmethod
@@ -83,16 +87,15 @@ class Engine:
     def process_many(self, scans: Iterable[Any], *, workers: int | None = None) -> Iterator[Result]:
         """The answers for many scans, in their order, by this many threads (None: one for each processor).
 
-        A scan without a number has its place in ``scans``. With several workers scans are taken in small batches, ahead of
+        A scan without a number has its place in ``scans``. ``workers`` is at most 256. With several workers scans are taken in small batches, ahead of
         their results. If a stage fails, the results before it are given first.
         """
-        workers = os.cpu_count() or 1 if workers is None else workers
-        if workers < 1:
-            raise ValueError(f"workers is 1 or more, not {workers}")
+        workers = min(os.cpu_count() or 1, MOST_WORKERS) if workers is None else operator.index(workers)
+        if not 1 <= workers <= MOST_WORKERS:
+            raise ValueError(f"workers is 1 to {MOST_WORKERS}, not {workers}")
         if workers == 1:
             return (self._native.process(as_scan(scan), seq) for seq, scan in enumerate(scans))
-        engines = [_native.Engine(*self._made_of) for _ in range(workers)]
-        return _parallel.process(engines, map(as_scan, scans))
+        return _parallel.process(lambda: _native.Engine(*self._made_of), workers, map(as_scan, scans))
 
     def read(
         self,
@@ -106,7 +109,7 @@ class Engine:
     ) -> Recording:
         """The scans of a recording, with the settings of this engine (sections ``ingest`` and ``csv``). See :func:`read`."""
         one = isinstance(path, (str, os.PathLike))
-        topics = [] if topic is None else [topic] if isinstance(topic, str) else list(topic)
+        topics = [] if topic is None else [topic] if isinstance(topic, str) else texts("topic", topic)
         wanted = {
             "paths": [path] if one else list(path),  # type: ignore[arg-type]
             "topics": topics,
@@ -115,15 +118,19 @@ class Engine:
             "to_s": to_s,
             "every": every,
         }
-        return Recording(self._native.read(wanted))
+        return Recording(lambda: self._native.read(wanted))
 
 
 class Recording:
-    """The scans of a recording, each once. At its end, a :class:`LossWarning` reports each part that could not be read."""
+    """The scans of a recording; each loop reads it from its start.
 
-    def __init__(self, native: _native.Recording) -> None:
-        self._native = native
-        self._warned = False
+    At the end of a loop, a :class:`LossWarning` reports each part that could not be read.
+    """
+
+    def __init__(self, open_it: Callable[[], _native.Recording]) -> None:
+        self._open = open_it
+        self._native = open_it()
+        self._begun = False
 
     @property
     def topic(self) -> str:
@@ -132,21 +139,19 @@ class Recording:
 
     @property
     def losses(self) -> list[str]:
-        """What could not be read so far, and why."""
+        """What could not be read so far, and why, in the loop that began last."""
         return self._native.losses
 
     def __iter__(self) -> Iterator[Scan]:
-        return self
+        if self._begun:
+            self._native = self._open()
+        self._begun = True
+        return self._scans(self._native)
 
-    def __next__(self) -> Scan:
-        scan = next(self._native, None)
-        if scan is not None:
-            return scan
-        if not self._warned:
-            self._warned = True
-            for loss in self.losses:
-                warnings.warn(loss, LossWarning, stacklevel=2)
-        raise StopIteration
+    def _scans(self, native: _native.Recording) -> Iterator[Scan]:
+        yield from native
+        for loss in native.losses:
+            warnings.warn(loss, LossWarning, stacklevel=2)
 
 
 def count(
@@ -194,7 +199,7 @@ def read(
     settings: Mapping[str, object] | None = None,
     **sections: Section,
 ) -> Recording:
-    """Iterates over the scans of a recording of any format: MCAP, ROS 1 bag, rosbag2, CARMEN log, CSV, PCD or PLY.
+    """The scans of a recording of any format: MCAP, ROS 1 bag, rosbag2, CARMEN log, CSV, PCD or PLY.
 
     Several paths, or a folder, are the parts of one flight. Several topics are the scanners of one vehicle. ``from_s`` and
     ``to_s`` are seconds after the first scan. Section ``ingest`` sets how the sensor is mounted:
@@ -202,6 +207,13 @@ def read(
     """
     engine = Engine(preset, settings=settings, **sections)
     return engine.read(path, topic, read_as=read_as, from_s=from_s, to_s=to_s, every=every)
+
+
+def checked_engine(engine: Engine | None) -> Engine:
+    """The engine that was given; that of the default settings without one."""
+    if engine is not None and not isinstance(engine, Engine):
+        raise TypeError(f"engine is a crosscut.Engine, not {engine!r}")
+    return Engine() if engine is None else engine
 
 
 def as_scan(scan: Any) -> Scan:
@@ -225,8 +237,20 @@ def as_scan(scan: Any) -> Scan:
     return Scan.from_points(scan)
 
 
+def texts(name: str, values: Iterable[str]) -> list[str]:
+    """The values of an argument; the first that is no text ends it, however many there are."""
+    checked = []
+    for value in values:
+        if not isinstance(value, str):
+            raise TypeError(f"{name} has texts, not {value!r}")
+        checked.append(value)
+    return checked
+
+
 def setting_changes(settings: Mapping[str, object] | None, sections: Mapping[str, Any]) -> list[str]:
     """Each as ``section.key=value``, the value in TOML."""
+    if not (settings is None or isinstance(settings, Mapping)):
+        raise TypeError(f"settings is a mapping of names to values, not {settings!r}")
     changes = [f"{name}={toml(value)}" for name, value in (settings or {}).items()]
     for section, values in sections.items():
         if section not in SECTIONS:

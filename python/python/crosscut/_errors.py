@@ -20,5 +20,9 @@ class StageError(Error):
     """
 
 
+class MissingPackageError(Error, ImportError):
+    """A package that this part of crosscut needs and that is not installed, and how to install it."""
+
+
 class LossWarning(UserWarning):
     """A part of a recording that is damaged or missing; the rest was read."""

@@ -7,33 +7,44 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 from . import _native
 
-_NAMED = re.compile(r"\bpython:([\w.]+)\.(\w+)")
-_TEXT_OR_COMMENT = re.compile(r"""("(?:[^"\\\n]|\\.)*"|'[^'\n]*')|#.*""")
+_NAMED = re.compile(r"python:([\w.]+)\.(\w+)")
+_OPTIONS = ("--set", "--with", "--grid")
+"""The options that choose a kind."""
 
 
 def named(arguments: Iterable[str]) -> list[tuple[str, str]]:
-    """Module and name of each that the arguments of a command name, or the files of settings among them."""
-    texts = [text for argument in arguments for text in (argument, *_settings_in(argument))]
-    return sorted({found for text in texts for found in _NAMED.findall(text)})
+    """Module and name of each callable that the settings among the arguments of a command name.
+
+    Only these are imported: a file of settings, or the name of a recording, comes with data and runs no code.
+    """
+    found = (_NAMED.fullmatch(value.strip("\"' ")) for value in _values(arguments))
+    return sorted({(named[1], named[2]) for named in found if named})
 
 
-def _settings_in(argument: str) -> list[str]:
-    """The files of settings that an argument names, such as ``paper,A.toml`` or ``--config=B.toml``, without comments."""
-    parts = [*argument.split(","), *argument.partition("=")[2].split(",")]
-    paths = [Path(part) for part in parts if part.endswith(".toml")]
-    return [_TEXT_OR_COMMENT.sub(r"\1", path.read_text(errors="replace")) for path in paths if path.is_file()]
+def _values(arguments: Iterable[str]) -> Iterator[str]:
+    """The values in ``--set KEY=VALUE``, ``--with PRESET,KEY=VALUE`` and ``--grid KEY=VALUE,VALUE``."""
+    option = ""
+    for argument in arguments:
+        if argument.startswith("--"):
+            option, _, argument = argument.partition("=")
+        if option in _OPTIONS and argument:
+            for part in argument.split(","):
+                key, _, value = part.rpartition("=")
+                if key or option == "--grid":
+                    yield value
+            option = ""
 
 
 def find(module: str, name: str) -> Callable[..., Any]:
-    """The callable; modules are found from the current folder."""
+    """The callable; modules are found in the current folder, too, after those that are installed."""
     if os.getcwd() not in sys.path:
-        sys.path.insert(0, os.getcwd())
+        sys.path.append(os.getcwd())
     found = getattr(importlib.import_module(module), name)
     if not callable(found):
         raise TypeError("it is not callable")
@@ -52,5 +63,5 @@ def build(arguments: Iterable[str], *programs: str | None) -> str:
 def _source(module: str) -> str | None:
     """The file of a module; it is not imported."""
     relative = module.replace(".", "/")
-    paths = [Path(folder, relative + ending) for folder in (os.getcwd(), *sys.path) for ending in (".py", "/__init__.py")]
+    paths = [Path(folder, relative + ending) for folder in (*sys.path, os.getcwd()) for ending in (".py", "/__init__.py")]
     return next((str(path) for path in paths if path.is_file()), None)

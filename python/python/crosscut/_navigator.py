@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ._engine import Engine, as_scan
-from ._flight_map import FlightMap
+from ._engine import Engine, as_scan, checked_engine
+from ._flight import Map
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Navigator:
         speed_max_m_s: float = 1.5,
         turn_rate_max_rad_s: float = 1.0,
     ) -> None:
-        self._engine = (engine or Engine())._native
+        self._engine = checked_engine(engine)._native
         self._navigator = self._engine.navigator(planner, (speed_max_m_s, turn_rate_max_rad_s))
 
     def step(self, scan: Any, pose: tuple[float, float, float] | None = None) -> Command:
@@ -62,8 +62,12 @@ class Navigator:
         """
         return Command(*self._engine.navigate(as_scan(scan), pose, self._navigator))
 
-    def flight_map(self) -> FlightMap:
+    @property
+    def pose(self) -> tuple[float, float, float] | None:
+        """Where the vehicle was at the last step: x and y in metres, yaw in radians, in the frame of the start."""
+        return self._navigator.pose
+
+    @property
+    def map(self) -> Map:
         """The map up to now, in the frame of the start. Later steps do not change it."""
-        flight = FlightMap.__new__(FlightMap)
-        flight._engine, flight._map, flight._added = self._engine, self._navigator.flight_map(), 0
-        return flight
+        return Map(self._navigator.map())

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import os
 import queue
 import threading
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from . import _native
+from ._errors import Error
 from ._native import Scan
 from ._results import Result
 
@@ -55,40 +57,48 @@ class _Worker:
         ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
 
 
-def process(engines: list[_native.Engine], scans: Iterable[Scan]) -> Iterator[Result]:
-    """The results of ``scans`` in order; batch i goes to engine i mod N."""
+def process(make: Callable[[], _native.Engine], most: int, scans: Iterable[Scan]) -> Iterator[Result]:
+    """The results of ``scans`` in order, by at most this many threads; batch i goes to thread i mod N."""
     source = iter(scans)
-    workers = [_Worker(engine) for engine in engines]
+    process_id = os.getpid()
+    workers: list[_Worker] = []
     waiting: deque[_Worker] = deque()
     seq = 0
     failed_source: BaseException | None = None
     ended = False
     try:
         while True:
-            while not ended and len(waiting) < AHEAD * len(workers):
+            while not ended and len(waiting) < AHEAD * most:
                 batch, failed_source = _take(source)
                 ended = len(batch) < BATCH
                 if batch:
-                    following = workers[(seq // BATCH) % len(workers)]
+                    if len(workers) < most:
+                        workers.append(_Worker(make()))
+                    following = workers[(seq // BATCH) % most]
                     following.batches.put((batch, seq))
                     waiting.append(following)
                     seq += len(batch)
             if not waiting:
                 break
             results, error = waiting.popleft().done.get()
-            yield from results
+            for result in results:
+                yield result
+                if os.getpid() != process_id:
+                    raise Error("process_many() was begun before this process was forked, and its threads are not in it; begin anew here")
             if error is not None:
                 raise error
     except BaseException:
-        for worker in workers:
-            worker.interrupt()
+        if os.getpid() == process_id:
+            for worker in workers:
+                worker.interrupt()
         raise
     finally:
-        for worker in workers:
-            worker.batches.put(None)
-        # A thread of the interpreter that comes back from native code while the process ends would abort it.
-        for worker in workers:
-            worker.thread.join(LONGEST_STAGE_S)
+        if os.getpid() == process_id:
+            for worker in workers:
+                worker.batches.put(None)
+            # A thread of the interpreter that comes back from native code while the process ends would abort it.
+            for worker in workers:
+                worker.thread.join(LONGEST_STAGE_S)
     if failed_source is not None:
         raise failed_source
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ._engine import Section, setting_changes, toml
 from ._errors import Error, LossWarning, ReadError, SettingsError
+from ._extras import importing
 
 if TYPE_CHECKING:
     import pyarrow
@@ -24,8 +25,8 @@ StrPath: TypeAlias = "str | os.PathLike[str]"
 DONE, FAILED, WRONG_USAGE, SOMETHING_LOST, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
-COMMAND = (sys.executable, "-m", "crosscut")
-"""The program in this environment."""
+COMMAND = (sys.executable, *(["-P"] if sys.version_info >= (3, 11) else []), "-m", "crosscut")
+"""The program in this environment. ``-P``: no module of the current folder, which may hold data, stands for an installed one."""
 
 
 def run(
@@ -79,6 +80,8 @@ def sweep(
     ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
     kept, so that an interrupted one continues. ``jobs`` flights are processed at a time (None: one for each processor).
     """
+    if not isinstance(grid, Mapping):
+        raise TypeError(f"grid is a mapping of settings to lists of values, not {grid!r}")
     at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
     return swept(_paths(flights), Path(out), [*axes(grid), *configuration(preset, settings, sections), *at_a_time], COMMAND)
 
@@ -89,7 +92,8 @@ def axes(grid: Mapping[str, Sequence[object]]) -> list[str]:
 
 def swept(flights: Sequence[StrPath], out: Path, options: Sequence[str], command: Sequence[str]) -> pyarrow.Table:
     """Runs the sweep, but for what is in ``out`` already, and reads its table."""
-    import pyarrow.parquet
+    with importing("sweep()"):
+        import pyarrow.parquet
 
     parquet = out / "sweep.parquet"
     before = _written(parquet)

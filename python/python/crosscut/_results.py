@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._extras import importing, scipy_sparse
+
 if TYPE_CHECKING:
     import pyarrow
 
@@ -108,8 +110,8 @@ class Result:
     """The number of eigenvalues that count as zero."""
     margin: float | None
     """Decades by which the zero tolerance could be moved before ``k`` changes."""
-    confidence: float
-    """Probability that the answer is right, 0 to 1."""
+    confidence: float | None
+    """Probability that the answer is right, 0 to 1; None with an affinity of one's own, for which nothing was calibrated."""
     place: str
     """``closed``, ``dead_end``, ``corridor``, ``bend``, ``tee``, ``cross``, ``junction_5``..., ``partial_view``."""
     eigenvalues: NDArray[np.float64]
@@ -127,11 +129,11 @@ class Result:
     timings_ms: dict[str, float] = dataclasses.field(repr=False)
     """Milliseconds that each stage took."""
     here: Here | None = None
-    """The place that the vehicle is in, where that is known; of scans that a :class:`FlightMap` added."""
+    """The place that the vehicle is in, where that is known; of scans that a :class:`Flight` processed."""
     steady: Steady | None = None
-    """The answer over the last scans; of scans that a :class:`FlightMap` added."""
+    """The answer over the last scans; of scans that a :class:`Flight` processed."""
     pose: Pose | None = None
-    """Where the scan was taken; of scans that a :class:`FlightMap` added."""
+    """Where the scan was taken; of scans that a :class:`Flight` processed."""
     W: Any = dataclasses.field(default=None, repr=False)
     """The affinity matrix (n, n), an array or a ``scipy.sparse.csr_array``; with ``keep=("W",)``."""
     L: Any = dataclasses.field(default=None, repr=False)
@@ -194,8 +196,7 @@ def laplacian(w: Any, degrees: NDArray[np.float64]) -> Any:
     scale = 1.0 / np.sqrt(degrees)
     if isinstance(w, np.ndarray):
         return np.eye(len(degrees)) - scale[:, None] * w * scale
-    from scipy import sparse
-
+    sparse = scipy_sparse()
     d = sparse.diags_array(scale)
     return (sparse.eye_array(len(degrees)) - d @ w @ d).tocsr()
 
@@ -205,8 +206,9 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
 
     pandas, polars and DuckDB accept the table directly.
     """
-    import pyarrow as pa
-    from pyarrow import json
+    with importing("results()"):
+        import pyarrow as pa
+        from pyarrow import json
 
     here = pa.struct([("kind", pa.string()), ("ways", pa.list_(pa.int64())), ("confidence", pa.float64())])
     followed = pa.struct([("track", pa.int64()), ("bearing_rad", pa.float64()), ("width_m", pa.float64())])

@@ -1,10 +1,10 @@
 """A live robot: its scans in, the answers out. ROS need not be installed.
 
 >>> import crosscut, crosscut.live
->>> flight = crosscut.FlightMap(crosscut.Engine(keep=("markers",)))
+>>> flight = crosscut.Flight(crosscut.Engine(keep=("markers",)))
 >>> with crosscut.live.Robot("zenoh://robot.local:7447/scan", odometry="/odom") as robot:
 ...     for scan, pose in robot:
-...         result = flight.add(scan)
+...         result = flight.process(scan)
 ...         robot.publish("crosscut/results", result)
 ...         robot.draw("crosscut/markers", result)
 
@@ -30,7 +30,7 @@ import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -38,7 +38,8 @@ from typing import Any, TypeAlias
 
 from ._engine import Engine
 from ._errors import Error, LossWarning, SettingsError
-from ._flight_map import FlightMap
+from ._extras import importing
+from ._flight import Flight, Map
 from ._native import Odometry, Scan
 from ._results import Result
 
@@ -58,18 +59,20 @@ LEAST_INTERVALS = 5
 
 
 class Robot:
-    """The scans that a robot sends, and their poses by odometry, one after the other until :meth:`close`.
+    """The scans that a robot sends, and their poses by odometry, one after the other until :meth:`stop` or :meth:`close`.
 
     A scan brings the odometry around it along: a flight or a navigator that it is added to corrects it for the motion of the
     robot, and knows its pose. The pose beside it is that in the middle of the scan; None where odometry does not tell it.
 
     ``address``: "zenoh://HOST:PORT/TOPIC", the robot's Zenoh router (port 7447 if there is none) and the topic of its scans
     in the ROS domain ``domain``; or, with their ``message_type``, a key expression of plain messages in CDR.
-    "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or "/tf".
+    "ros2://DOMAIN/TOPIC" over DDS. ``odometry``: the topic of nav_msgs/Odometry, or "/tf". ``zenoh_config``: a configuration file
+    of Zenoh (JSON5), whose TLS settings and user are taken, and with "zenoh:///TOPIC" also its endpoint of the router.
 
     ``missed`` counts the scans that did not arrive, where their messages are numbered, or were left out; ``gaps`` counts those
     that are missing by the usual interval of the stamps, where messages are not numbered, as over DDS. ``clock_ns`` is how far
-    this computer's clock is ahead of the sensor's stamps, the way through the network included.
+    this computer's clock is ahead of the sensor's stamps, the way through the network included. ``losses`` are the messages that
+    cannot be read. Where the network can no longer be heard, the iteration ends with an :class:`Error`.
     """
 
     def __init__(
@@ -79,6 +82,7 @@ class Robot:
         odometry: str | None = None,
         domain: int = 0,
         message_type: str | None = None,
+        zenoh_config: str | os.PathLike[str] | None = None,
     ) -> None:
         self.missed = self.gaps = 0
         self.clock_ns: int | None = None
@@ -86,11 +90,12 @@ class Robot:
         self._odometry = None if odometry is None else Odometry()
         self._stamps = _Stamps()
         self._changed = threading.Condition()
-        self._unreadable: str | None = None
-        self._closed = False
+        self._unreadable: dict[str, tuple[int, str]] = {}  # by topic: how many, and why the first
+        self._failure: BaseException | None = None
+        self._stopped = self._closed = False
         scheme, _, rest = address.partition("://")
         host, _, topic = rest.partition("/")
-        self._bus = _bus(scheme, host, topic, domain, message_type)
+        self._bus = _bus(scheme, host, topic, domain, message_type, zenoh_config, self._fail)
         of_type = [] if message_type is None else [message_type]
         self._bus.hear(topic.strip("/"), partial(self._hear_scan, topic), *of_type)
         if odometry is not None:
@@ -100,7 +105,12 @@ class Robot:
         while (taken := self._next()) is not None:
             yield self._with_odometry(*taken)
 
-    def publish(self, key: str, what: Result | FlightMap | dict[str, Any]) -> None:
+    @property
+    def losses(self) -> list[str]:
+        """What could not be read so far: how many messages of each topic, and why."""
+        return [f"{count} messages on {topic} cannot be read; the first: {why}" for topic, (count, why) in self._unreadable.items()]
+
+    def publish(self, key: str, what: Result | Map | dict[str, Any]) -> None:
         """Sends a result, a map or anything else that JSON can hold to all who subscribe to ``key``.
 
         Over DDS it is a std_msgs/String on the topic of that name.
@@ -116,16 +126,35 @@ class Robot:
             raise ValueError('the result has no markers: the engine needs keep=("markers",)')
         self._bus.send(topic.strip("/"), "visualization_msgs/MarkerArray", result.markers)
 
-    def drive(self, topic: str, speed_m_s: float, turn_rate_rad_s: float) -> None:
-        """Sends a command to the base of the robot, as geometry_msgs/Twist on a topic of ROS such as "/cmd_vel"."""
-        twist = struct.pack("<4s6d", b"\0\1\0\0", speed_m_s, 0, 0, 0, 0, turn_rate_rad_s)
-        self._bus.send(topic.strip("/"), "geometry_msgs/Twist", twist)
+    def drive(
+        self, topic: str, speed_m_s: float, turn_rate_rad_s: float, *, stamped: bool = False, frame_id: str = "base_link"
+    ) -> None:
+        """Sends a command to the base of the robot, as geometry_msgs/Twist on a topic of ROS such as "/cmd_vel".
+
+        ``stamped``: as geometry_msgs/TwistStamped, which newer bases take, in this frame and by the robot's clock as far as it is
+        known (``clock_ns``).
+        """
+        header = b""
+        if stamped:
+            stamp_ns = time.time_ns() - (self.clock_ns or 0)
+            of_frame = frame_id.encode() + b"\0"
+            header = struct.pack("<iII", stamp_ns // 10**9, stamp_ns % 10**9, len(of_frame)) + of_frame
+            header += bytes(-len(header) % 8)
+        twist = b"\0\1\0\0" + header + struct.pack("<6d", speed_m_s, 0, 0, 0, 0, turn_rate_rad_s)
+        self._bus.send(topic.strip("/"), "geometry_msgs/TwistStamped" if stamped else "geometry_msgs/Twist", twist)
+
+    def stop(self) -> None:
+        """Ends the iteration; may be called from another thread and by a handler of signals. What is sent still arrives."""
+        with self._changed:
+            self._stopped = True
+            self._changed.notify_all()
 
     def close(self) -> None:
-        """Ends the iteration; may be called from another thread."""
-        with self._changed:
+        """Ends the iteration and the connection."""
+        self.stop()
+        if not self._closed:
             self._closed = True
-            self._changed.notify_all()
+            self._bus.close()
 
     def __enter__(self) -> Robot:
         return self
@@ -134,32 +163,46 @@ class Robot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-        self._bus.close()
 
     def _next(self) -> tuple[Scan, float] | None:
         silent_since = time.monotonic()
         with self._changed:
-            while not self._scans and not self._closed:
+            while not self._scans and not self._stopped:
+                if self._failure is not None:
+                    failure = self._failure
+                    raise Error(f"the robot can no longer be heard: {type(failure).__name__}: {failure}") from failure
                 self._changed.wait(0.1)
                 if time.monotonic() - silent_since > SILENCE_S:
                     silent_since = math.inf
-                    told = self._unreadable or "is the topic right, and is the robot up?"
+                    told = "; ".join(self.losses) or "is the topic right, and is the robot up?"
                     warnings.warn(f"no scan for {SILENCE_S:.0f} s; {told}", LossWarning, stacklevel=3)
-            return None if self._closed else self._scans.popleft()
+            return None if self._stopped else self._scans.popleft()
 
     def _with_odometry(self, scan: Scan, until: float) -> tuple[Scan, XyYaw | None]:
         if (odometry := self._odometry) is None:
             return scan, None
         with self._changed:
-            self._changed.wait_for(lambda: self._closed or odometry.reaches(scan), max(0.0, until - time.monotonic()))
+            self._changed.wait_for(lambda: self._stopped or odometry.reaches(scan), max(0.0, until - time.monotonic()))
         return odometry.beside(scan)
+
+    def _fail(self, failure: BaseException) -> None:
+        """Takes the exception with which hearing ended."""
+        with self._changed:
+            self._failure = failure
+            self._changed.notify_all()
+
+    def _lose(self, topic: str, why: Exception) -> None:
+        """Counts a message that cannot be read."""
+        with self._changed:
+            count, first = self._unreadable.get(topic, (0, str(why)))
+            self._unreadable[topic] = count + 1, first
 
     def _hear_scan(self, topic: str, message: bytes, message_type: str, skipped: int | None) -> None:
         arrived_ns = time.time_ns()
         try:
             scan = Scan.from_message(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
+            self._lose(topic, error)
             return
         with self._changed:
             self.clock_ns = arrived_ns - scan.stamp_ns
@@ -179,28 +222,38 @@ class Robot:
         try:
             self._odometry.add(message, message_type)
         except (Error, ValueError) as error:
-            self._unreadable = f"what arrives on {topic} cannot be read: {error}"
+            self._lose(topic, error)
             return
         with self._changed:
             self._changed.notify_all()
 
 
-def _bus(scheme: str, host: str, topic: str, domain: int, message_type: str | None) -> Any:
+def _bus(
+    scheme: str,
+    host: str,
+    topic: str,
+    domain: int,
+    message_type: str | None,
+    zenoh_config: str | os.PathLike[str] | None,
+    fail: Callable[[BaseException], None],
+) -> Any:
     """What hears and sends topics: a ``Bus`` of the module for this kind of network."""
     if scheme == "zenoh":
-        if not host or not topic:
+        if not topic or not (host or zenoh_config):
             raise SettingsError("zenoh://HOST[:PORT]/TOPIC has a host and a topic")
-        from . import _zenoh
+        with importing("zenoh://"):
+            from . import _zenoh
 
-        return _zenoh.Bus(host, domain)
+        return _zenoh.Bus(host, domain, zenoh_config, fail)
     if scheme == "ros2":
         if not host.isdecimal() or not topic:
             raise SettingsError("ros2://DOMAIN/TOPIC has a number and a topic")
-        if domain or message_type:
+        if domain or message_type or zenoh_config:
             raise SettingsError("a robot on DDS has its domain in ros2://DOMAIN/TOPIC, and tells its types itself")
-        from . import _dds
+        with importing("ros2://"):
+            from . import _dds
 
-        return _dds.Bus(int(host))
+        return _dds.Bus(int(host), fail)
     raise SettingsError(f"a live robot is zenoh:// or ros2://, not {scheme}://")
 
 
@@ -229,6 +282,8 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--odometry", metavar="TOPIC", help="of nav_msgs/Odometry, or /tf")
     parser.add_argument("--domain", type=int, default=0, help="ROS domain of a robot on Zenoh [default: 0]")
     parser.add_argument("--as", dest="message_type", metavar="TYPE", help="TOPIC is a key of plain messages of this type, CDR")
+    parser.add_argument("--zenoh-config", metavar="FILE.json5", type=Path,
+                        help="configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint")
     parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results and KEY/map, a drawing to topic KEY/markers")
     parser.add_argument("--results", metavar="FILE.jsonl", help="one JSON object per scan; - is standard output")
     parser.add_argument("--map", metavar="FLIGHT.json", type=Path, help="the map of the flight, renewed each second")
@@ -238,47 +293,49 @@ def main(arguments: Sequence[str]) -> int:
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     warnings.simplefilter("always", LossWarning)
     try:
-        flight = FlightMap(Engine.with_changes(args.preset, args.changes, ("markers",) if args.publish else ()))
-        with Robot(args.robot, odometry=args.odometry, domain=args.domain, message_type=args.message_type) as robot:
+        flight = Flight(Engine.with_changes(args.preset, args.changes, ("markers",) if args.publish else ()))
+        with Robot(args.robot, odometry=args.odometry, domain=args.domain, message_type=args.message_type,
+                   zenoh_config=args.zenoh_config) as robot:
             for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, lambda *_: robot.close())
+                signal.signal(number, lambda *_: robot.stop())
             return _answer(robot, flight, args)
-    except ImportError as error:
-        print(f"error: {error}; pip install 'crosscut[live]' for zenoh://, 'crosscut[dds]' for ros2://", file=sys.stderr)
-        return 2
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
-        return 2 if isinstance(error, ValueError) else 1
+        return 2 if isinstance(error, (ValueError, ImportError)) else 1
 
 
-def _answer(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> int:
+def _answer(robot: Robot, flight: Flight, args: argparse.Namespace) -> int:
     answered, mapped_at = 0, time.monotonic()
     with contextlib.ExitStack() as opened:
         lines = None
         if args.results:
             lines = sys.stdout if args.results == "-" else opened.enter_context(open(args.results, "w"))
-        for scan, _ in robot:
-            result = flight.add(scan)
-            answered += 1
-            if args.publish:
-                robot.publish(f"{args.publish}/results", result)
-                robot.draw(f"{args.publish}/markers", result)
-            if lines is not None:
-                print(json.dumps(result.to_dict()), file=lines, flush=True)
-            if time.monotonic() - mapped_at >= 1.0:
-                mapped_at = time.monotonic()
-                _write_map(robot, flight, args)
-    _write_map(robot, flight, args)
+        try:
+            for scan, _ in robot:
+                result = flight.process(scan)
+                answered += 1
+                if args.publish:
+                    robot.publish(f"{args.publish}/results", result)
+                    robot.draw(f"{args.publish}/markers", result)
+                if lines is not None:
+                    print(json.dumps(result.to_dict()), file=lines, flush=True)
+                if time.monotonic() - mapped_at >= 1.0:
+                    mapped_at = time.monotonic()
+                    _write_map(robot, flight.map, args)
+        finally:  # also what came before an error
+            _write_map(robot, flight.map, args)
     clock = "" if robot.clock_ns is None else f"; this clock is {robot.clock_ns / 1e9:.3f} s ahead of the stamps"
     gaps = f", about {robot.gaps} more by their stamps" if robot.gaps else ""
-    print(f"{answered} scans answered, {robot.missed} missed{gaps}{clock}; {flight.summary()}", file=sys.stderr)
-    return 3 if robot.missed else 0
+    for loss in robot.losses:
+        print(f"warning: {loss}", file=sys.stderr)
+    print(f"{answered} scans answered, {robot.missed} missed{gaps}{clock}; {flight.map.summary()}", file=sys.stderr)
+    return 3 if robot.missed or robot.losses else 0
 
 
-def _write_map(robot: Robot, flight: FlightMap, args: argparse.Namespace) -> None:
+def _write_map(robot: Robot, flight_map: Map, args: argparse.Namespace) -> None:
     if args.publish:
-        robot.publish(f"{args.publish}/map", flight)
+        robot.publish(f"{args.publish}/map", flight_map)
     if args.map:
         unfinished = args.map.with_name(f".{args.map.name}.{os.getpid()}")
-        unfinished.write_text(json.dumps(flight.to_dict()))
+        unfinished.write_text(flight_map.to_json())
         unfinished.replace(args.map)

@@ -34,7 +34,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import __version__, _named
 from ._engine import Section
-from ._errors import Error, LossWarning
+from ._errors import Error, LossWarning, MissingPackageError
+from ._extras import importing
 from ._program import COMMAND, DONE, SOMETHING_LOST, StrPath, axes, configuration, failure, swept
 
 if TYPE_CHECKING:
@@ -107,7 +108,8 @@ def run_here(
 
 def _joined(address: str | None) -> Any:
     """Ray, within a cluster."""
-    import ray
+    with importing("crosscut.ray"):
+        import ray
 
     if not ray.is_initialized():  # a cluster that the caller has joined is kept
         ray.init(address=address, log_to_driver=False)
@@ -288,8 +290,9 @@ def _figures(results: Path, map_file: Path) -> dict[str, Any]:
 
 def _write_tables(rows: list[dict[str, Any]], out: Path) -> pyarrow.Table:
     """All flights as Parquet, those that failed with the reason, and times, which differ from run to run."""
-    import pyarrow as pa
-    import pyarrow.parquet
+    with importing("crosscut.ray"):
+        import pyarrow as pa
+        import pyarrow.parquet
 
     numbers = ("revolutions", "most_walls", "junctions", "dead_ends", "passages", "ways_without_passage")
     fields = [("flight", pa.string()), ("code", pa.int32()), ("mean_confidence", pa.float64()), ("error", pa.string())]
@@ -324,9 +327,11 @@ def main(verb: str, arguments: Sequence[str]) -> int:
     args = parser.parse_args(arguments)
     settings = [part for change in args.changes for part in ("--set", change)]
     try:
-        import ray  # noqa: F401
-    except ImportError:
-        print("error: --on ray needs the package ray: pip install 'crosscut[ray]'", file=sys.stderr)
+        with importing("--on ray"):
+            import pyarrow  # noqa: F401
+            import ray  # noqa: F401
+    except MissingPackageError as error:
+        print(f"error: {error}", file=sys.stderr)
         return 2
     try:
         flights, out = _flights(args.flights), Path(args.out).absolute()

@@ -8,15 +8,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, sparse
-from scipy.spatial.distance import cdist
-from sklearn.base import BaseEstimator, ClusterMixin
-from sklearn.utils import Tags
-from sklearn.utils.validation import validate_data
 
 from ._engine import Engine
+from ._extras import importing
 from ._native import Scan
 from ._results import laplacian
+
+with importing("crosscut.sklearn"):
+    from scipy import linalg, sparse
+    from scipy.spatial.distance import cdist
+    from sklearn.base import BaseEstimator, ClusterMixin
+    from sklearn.utils import Tags
+    from sklearn.utils.validation import validate_data
 
 __all__ = ["SpectralJunctions"]
 

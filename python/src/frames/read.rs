@@ -131,20 +131,20 @@ fn read_graphs(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
 fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
     let rows = frames.len();
     let returns: Lists<u32> = columns.read_lists("verdict_returns", 2, rows)?;
-    let is_way: Lists<bool> = columns.read_lists("verdict_is_way", 1, rows)?;
+    let is_opening: Lists<bool> = columns.read_lists("verdict_is_opening", 1, rows)?;
     let room_ratio: Lists<f64> = columns.read_lists("verdict_room_ratio", 1, rows)?;
     let p: Lists<f64> = columns.read_lists("verdict_p", 1, rows)?;
     let reasons = columns.read_lists_of_texts("verdict_reason", rows)?;
     for (row, frame) in whole(frames) {
         let n = frame.revolution.len();
-        let count = is_way.row(row).len();
+        let count = is_opening.row(row).len();
         let lengths = [returns.row(row).len() / 2, room_ratio.row(row).len(), p.row(row).len(), reasons[row].len()];
         if lengths != [count; 4] || returns.row(row).iter().any(|&i| i as usize >= n) {
             return Err(wrong("verdict_returns", row, "does not fit the returns and the other columns of verdicts"));
         }
         frame.affinity.verdicts.extend((0..count).map(|at| Verdict {
             returns: [returns.row(row)[2 * at], returns.row(row)[2 * at + 1]],
-            is_way: is_way.row(row)[at],
+            is_opening: is_opening.row(row)[at],
             room_ratio: room_ratio.row(row)[at],
             p: Some(p.row(row)[at]).filter(|p| !p.is_nan()),
             reason: kept_reason(&reasons[row][at]),

@@ -58,7 +58,7 @@ pub(crate) fn write_step(step: Step, frames: &[Frame], out: &Columns<'_>) -> PyR
             write_matrices("w", &matrices, out)?;
             let verdicts = || frames.iter().map(|f| if done(f) { &f.affinity.verdicts } else { &no_verdicts }.iter());
             out.lists("verdict_returns", 2, verdicts().map(|of| of.flat_map(|verdict| verdict.returns)))?;
-            out.lists("verdict_is_way", 1, verdicts().map(|of| of.map(|verdict| verdict.is_way)))?;
+            out.lists("verdict_is_opening", 1, verdicts().map(|of| of.map(|verdict| verdict.is_opening)))?;
             out.lists("verdict_room_ratio", 1, verdicts().map(|of| of.map(|verdict| verdict.room_ratio)))?;
             out.lists("verdict_p", 1, verdicts().map(|of| of.map(|verdict| verdict.p.unwrap_or(f64::NAN))))?;
             out.lists_of_texts("verdict_reason", verdicts().map(|of| of.map(|verdict| verdict.reason)))?;

@@ -27,7 +27,11 @@ impl AffinityStage for PythonAffinity {
             return Ok(());
         }
         let points_m = &revolution.points_m;
-        let w = Callable::call(callable, |py| PyTuple::new(py, [arrays::points(py, points_m)?]), Matrix::of)?;
+        let w = Callable::call(
+            callable,
+            |py| PyTuple::new(py, [arrays::points(py, points_m)?]),
+            |returned| Matrix::of(returned, |shape| shape == [n, n]),
+        )?;
         check(&w, n).map_err(|what| Callable::refuse(callable, what))?;
         match &w {
             Matrix::Dense { .. } => {
@@ -37,12 +41,7 @@ impl AffinityStage for PythonAffinity {
             Matrix::Sparse { starts, columns, values, .. } => {
                 let sparse = out.weights.make_sparse();
                 for span in starts.windows(2) {
-                    let span = span[0] as usize..span[1] as usize;
-                    columns[span.clone()]
-                        .iter()
-                        .zip(&values[span])
-                        .for_each(|(&j, &value)| sparse.push(j as u32, value));
-                    sparse.end_row();
+                    sparse.push_row(&columns[span[0]..span[1]], &values[span[0]..span[1]]);
                 }
             }
         }

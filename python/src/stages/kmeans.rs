@@ -25,7 +25,8 @@ impl KmeansStage for PythonKmeans {
             Vec::new()
         } else {
             let u = &spectrum.u;
-            Callable::call(callable, |py| (arrays::embedding(py, u)?, k).into_pyobject(py), arrays::labels)?
+            let read = |returned: &Bound<'_, PyAny>| arrays::labels(returned, n);
+            Callable::call(callable, |py| (arrays::embedding(py, u)?, k).into_pyobject(py), read)?
         };
         if labels.len() != n {
             return Err(Callable::refuse(callable, format!("{} labels for {n} returns", labels.len())));

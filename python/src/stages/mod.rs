@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 use crosscut_stage::{Kind, ParamSpec, Params, Shape, StageError, StageKind, Word};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;

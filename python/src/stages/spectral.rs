@@ -28,7 +28,7 @@ impl SpectralStage for PythonSpectral {
             (Vec::new(), Matrix::Dense { shape: [0, 0], flat: Vec::new() })
         } else {
             let w = &affinity.weights;
-            Callable::call(callable, |py| PyTuple::new(py, [arrays::weights(py, w)?]), read)?
+            Callable::call(callable, |py| PyTuple::new(py, [arrays::weights(py, w)?]), |returned| read(returned, n))?
         };
         check(&eigenvalues, &u, n).map_err(|what| Callable::refuse(callable, what))?;
         let [_, k] = u.shape();
@@ -50,11 +50,12 @@ impl SpectralStage for PythonSpectral {
     }
 }
 
-fn read(returned: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Matrix)> {
+/// Eigenvalues and U of n returns.
+fn read(returned: &Bound<'_, PyAny>, n: usize) -> PyResult<(Vec<f64>, Matrix)> {
     let pair: PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>)> = returned.extract();
     let (eigenvalues, u) = pair
         .map_err(|_| PyTypeError::new_err(format!("{} is not a pair of eigenvalues and U", arrays::kind(returned))))?;
-    Ok((arrays::vector(&eigenvalues)?, Matrix::of(&u)?))
+    Ok((arrays::vector(&eigenvalues, n)?, Matrix::of(&u, |[rows, k]| rows == n && k <= n)?))
 }
 
 /// What is wrong with the spectrum of n returns.

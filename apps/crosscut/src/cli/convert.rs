@@ -4,25 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-use crosscut_messages::ScanType;
 
-use super::{mcap_path, scan_type};
+use super::{InputArgs, mcap_path};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// Recordings or folders of them: the parts of one flight, in this order.
-    #[arg(required = true)]
-    pub(crate) input: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
     #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: PathBuf,
-    /// Topic of the scans; may be omitted when there is only one.
-    #[arg(long)]
-    pub(crate) topic: Option<String>,
-    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
-    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
-    pub(crate) read_as: Option<ScanType>,
     /// File of settings, of which those of the section csv and ingest.echo count.
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
     pub(crate) config: Option<PathBuf>,

@@ -2,21 +2,22 @@
 
 pub(crate) mod convert;
 pub(crate) mod explore;
+pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
 pub(crate) mod sweep;
 
 use std::net::SocketAddr;
-use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use crosscut_messages::ScanType;
 
 use crate::maps::FORMATS;
 use convert::ConvertArgs;
 use explore::ExploreArgs;
+pub(crate) use input::InputArgs;
+use input::RecordingsArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
 use sweep::SweepArgs;
@@ -46,11 +47,13 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     /// Explore a simulated mine in closed loop: a vehicle that finds every way by its junctions, and comes home.
     Explore(ExploreArgs),
-    /// Compare the results of one or more configurations with the truth in recordings.
+    /// Compare the results of one or more configurations with the truth in recordings (/truth). Each file is a family of
+    /// scenes and gives it its name, so no two files may have the same name.
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
-    /// Try every combination of some settings on a set of flights: tables and pictures, with accuracy where there is truth.
+    /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
+    /// there is truth.
     Sweep(SweepArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
@@ -70,7 +73,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
-    pub(crate) flight: FlightArgs,
+    pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// Write one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
@@ -93,36 +96,10 @@ pub(crate) struct RunArgs {
     pub(crate) record: RecordArgs,
 }
 
-/// Selects a recorded flight, or a part of it.
-#[derive(Debug, Args)]
-pub(crate) struct FlightArgs {
-    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them: the parts of one flight, in this
-    /// order; `-` is standard input.
-    #[arg(required = true)]
-    pub(crate) input: Vec<PathBuf>,
-    /// Topic of the scans; may be omitted when there is only one. Given several times, the scans of these scanners become
-    /// one revolution, by the transforms in the recording (/tf, /tf_static).
-    #[arg(long)]
-    pub(crate) topic: Vec<String>,
-    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
-    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
-    pub(crate) read_as: Option<ScanType>,
-    /// Start this many seconds after the first scan. If no scan is left, the command fails (exit code 1).
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) from: Option<f64>,
-    /// Stop this many seconds after the first scan.
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) to: Option<f64>,
-    /// Process every N-th scan only.
-    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
-    pub(crate) every: NonZeroU64,
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct MapArgs {
     #[command(flatten)]
-    pub(crate) flight: FlightArgs,
+    pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
@@ -136,7 +113,7 @@ pub(crate) struct MapArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
     #[command(flatten)]
-    pub(crate) flight: FlightArgs,
+    pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The page. It needs no other file and no network.
@@ -229,25 +206,16 @@ pub(crate) enum SplitArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// MCAP recordings with /truth, or folders of them. Each file is a family of scenes and gives it its name, so no
-    /// two files may have the same name.
-    #[arg(required = true)]
-    pub(crate) input: Vec<PathBuf>,
-    /// Configuration to evaluate: a preset, a file of settings (TOML, or a recording made with `run --save`) over the
-    /// preset `default` or over another one (`paper,FILE.toml`), and single settings over either
-    /// (`paper,affinity.sigma_per_m2=3`). Repeat it to see configurations side by side.
-    #[arg(long, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Configuration to evaluate, in parts that commas separate: a preset, a file of settings over it (FILE.toml, or
+    /// FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
+    /// (`mine=paper,affinity.sigma_per_m2=3`). Repeat it to see configurations side by side.
+    #[arg(long, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Topic of the scans; may be omitted when there is only one.
-    #[arg(long)]
-    pub(crate) topic: Option<String>,
-    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
-    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
-    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
-    pub(crate) read_as: Option<ScanType>,
     /// Show tables of counts, labels, openings and confidence as well.
     #[arg(long)]
     pub(crate) details: bool,
@@ -269,11 +237,11 @@ pub(crate) struct EvaluateArgs {
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
-    pub(crate) flight: FlightArgs,
-    /// Configuration, given at least twice: a preset, a file of settings (TOML, or a recording made with `run --save`)
-    /// over the preset `default` or over another one (`paper,FILE.toml`), and single settings over either
-    /// (`paper,affinity.sigma_per_m2=3`). The others are compared with the first.
-    #[arg(long, required = true, value_name = "PRESET|FILE.toml|PRESET,FILE.toml[,SETTING]...")]
+    pub(crate) input: InputArgs,
+    /// Configuration, given at least twice, in parts that commas separate: a preset, a file of settings over it (FILE.toml,
+    /// or FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
+    /// (`mine=paper,affinity.sigma_per_m2=3`). The others are compared with the first.
+    #[arg(long, required = true, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
@@ -291,12 +259,8 @@ pub(crate) struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Recordings of any format, or folders of them.
-    #[arg(required = true)]
-    pub(crate) input: Vec<PathBuf>,
-    /// Type of the messages on topics without a schema, such as LaserScan.
-    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
-    pub(crate) read_as: Option<ScanType>,
+    #[command(flatten)]
+    pub(crate) recordings: RecordingsArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
 }
@@ -335,11 +299,6 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "a number, 0 or more".to_owned())
-}
-
-fn scan_type(name: &str) -> Result<ScanType, String> {
-    let names: Vec<_> = ScanType::ALL.into_iter().map(ScanType::name).collect();
-    ScanType::of_name(name).ok_or_else(|| format!("one of {}", names.join(", ")))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

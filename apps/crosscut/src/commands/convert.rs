@@ -1,41 +1,38 @@
 //! `crosscut convert`: any recording as an MCAP that other tools read.
 
-use std::io::BufWriter;
 use std::path::Path;
 
 use anyhow::Context;
-use crosscut_ingest::{CsvGeometry, ReadOptions, recordings_in};
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
+use crosscut_outfile::{Keep, Whole};
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
-use crate::cli::ConfigArgs;
 use crate::cli::convert::ConvertArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
+use crate::fly::files_read;
 use crate::say::say;
-use crate::unfinished::Unfinished;
-use crate::{config, outputs};
+use crate::{config, interrupt, outputs};
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
 pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     if args.out == Path::new("-") {
         return Err(UsageError("convert writes to a file, not to standard output".to_owned()).into());
     }
-    let settings = ConfigArgs { preset: "default".to_owned(), config: args.config.clone(), set: args.set.clone() };
-    let config = config::resolve(&settings, registry)?;
-    let mut read = recordings_in(&args.input)?;
-    read.extend(args.config.clone());
+    if args.input.topic.len() > 1 {
+        return Err(UsageError("convert takes the scans of one topic".to_owned()).into());
+    }
+    let config = config::resolve("default", args.config.as_deref(), &[("--set", &args.set)], registry)?;
+    let read = files_read(&args.input, args.config.clone())?;
     outputs::refuse(&[&args.out], &read)?;
-    let csv = CsvGeometry::new(config.params("csv"));
-    let options = ReadOptions { topic: args.topic.clone(), read_as: args.read_as, csv, ..ReadOptions::default() };
+    let options = args.input.read_options(&config);
     let echo = Sensor::new(config.params("ingest")).echo();
-    let unfinished = Unfinished::beside(&args.out);
-    unfinished.remove_on_interrupt()?;
     let cannot = || format!("cannot write {}", args.out.display());
-    let file = BufWriter::new(unfinished.create().with_context(cannot)?);
-    let converted = crosscut_ingest::convert(&args.input, &options, echo, file)?;
-    unfinished.finish().with_context(cannot)?;
+    let mut file = Whole::create(&args.out, Keep::ThroughKill).with_context(cannot)?;
+    interrupt::quit_without(&file)?;
+    let converted = crosscut_ingest::convert(&args.input.recordings.input, &options, echo, &mut file)?;
+    file.finish().with_context(cannot)?;
     let written = converted.messages.iter().map(|(topic, count)| format!("{} on {topic}", counted(*count, "message")));
     say(format_args!("{}: {}", args.out.display(), written.collect::<Vec<_>>().join(", ")));
     let mut diagnostics = Diagnostics::default();

@@ -1,36 +1,34 @@
 //! `crosscut info`: the contents of a recording, and how ingest reads its first scan.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
 
-use anyhow::Context;
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use crosscut_detector::Registry;
+use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{
     CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
-use crosscut_pipeline::Registry;
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
 use crate::cli::InfoArgs;
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
-use crate::say::printable;
+use crate::say::show;
+use crate::typeset::plain;
 
 /// Prints the description of every recording. One that cannot be read does not keep the others from being described.
 pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let config = config::resolve(&args.config, registry)?;
+    let config = args.config.resolve(registry)?;
     let sensor = Sensor::new(config.params("ingest"));
     let csv = CsvGeometry::new(config.params("csv"));
-    let options = ReadOptions { read_as: args.read_as, csv, ..ReadOptions::default() };
+    let options = ReadOptions { read_as: args.recordings.read_as, csv, ..ReadOptions::default() };
     let (mut diagnostics, mut described) = (Diagnostics::default(), 0);
-    let Parts { files, missing } = parts_in(&args.input)?;
+    let Parts { files, missing } = parts_in(&args.recordings.input)?;
     let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
         match describe(part, &sensor, &options) {
             Ok(description) => {
-                print(&format!("{}{}", if described > 0 { "\n" } else { "" }, text(&description)))?;
+                show(format!("{}{}", if described > 0 { "\n" } else { "" }, text(&description)))?;
                 diagnostics.lost_all(&description.losses);
                 for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
                     *scan_topics.entry(topic.info.name.clone()).or_default() += topic.info.messages.unwrap_or(1);
@@ -40,7 +38,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
                 described += 1;
             }
             Err(error) if files.len() == 1 => return Err(error.into()),
-            Err(error) => match error.as_loss(args.input.contains(part)) {
+            Err(error) => match error.as_loss(args.recordings.input.contains(part)) {
                 Some(loss) => diagnostics.lost(loss),
                 None => diagnostics.error(format_args!("{:#}", anyhow::Error::new(error))),
             },
@@ -48,27 +46,23 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     }
     diagnostics.lost_all(missing);
     if let Some(line) = run_line(args, &scan_topics) {
-        print(&format!("\nnext: {line}\n"))?;
-    } else if !unknown_topics.is_empty() && args.read_as.is_none() {
+        show(format!("\nnext: {line}\n"))?;
+    } else if !unknown_topics.is_empty() && args.recordings.read_as.is_none() {
         let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
-        print(&format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
+        show(format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
     }
     Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
-}
-
-fn print(text: &str) -> anyhow::Result<()> {
-    std::io::stdout().write_all(printable(text).as_bytes()).context("standard output")
 }
 
 /// The command that runs what was described, on the scan topic with the most messages if there are several.
 fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<String> {
     let (topic, _) = scan_topics.iter().max_by_key(|(_, messages)| **messages)?;
     let mut words = vec!["crosscut".to_owned(), "run".to_owned()];
-    words.extend(args.input.iter().map(|input| input.display().to_string()));
+    words.extend(args.recordings.input.iter().map(|input| input.display().to_string()));
     if scan_topics.len() > 1 {
         words.extend(["--topic".to_owned(), topic.clone()]);
     }
-    words.extend(args.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
+    words.extend(args.recordings.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
     if args.config.preset != "default" {
         words.extend(["--preset".to_owned(), args.config.preset.clone()]);
     }
@@ -115,21 +109,15 @@ fn size(bytes: u64) -> String {
 }
 
 fn topics(topics: &[TopicDescription]) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(["topic", "type", "encoding", "messages", "Hz"]);
-    for topic in topics {
-        let count = topic.info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
+    let row = |topic: &TopicDescription| {
+        let info = &topic.info;
+        let kind = if info.type_name.is_empty() { "(no schema)" } else { &info.type_name };
+        let count = info.messages.map_or_else(|| "?".to_owned(), |count| count.to_string());
         let rate = topic.rate_hz.map_or_else(String::new, |rate| format!("{rate:.1}"));
-        let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-        table.add_row([
-            Cell::new(&topic.info.name),
-            Cell::new(if topic.info.type_name.is_empty() { "(no schema)" } else { &topic.info.type_name }),
-            Cell::new(&topic.info.encoding),
-            right(count),
-            right(rate),
-        ]);
-    }
-    table.trim_fmt()
+        vec![info.name.clone(), kind.to_owned(), info.encoding.clone(), count, rate]
+    };
+    let header = ["topic", "type", "encoding", "messages", "Hz"].map(str::to_owned).to_vec();
+    plain(&Table { title: String::new(), header, rows: topics.iter().map(row).collect() })
 }
 
 fn first_scan(topic: &str, scan: &ScanDescription) -> String {

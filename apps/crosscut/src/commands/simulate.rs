@@ -1,6 +1,5 @@
 //! `crosscut simulate`: flights, and suites of scenes, with truth.
 
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
@@ -11,13 +10,12 @@ use crosscut_stage::counted;
 use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::say;
+use crate::say::{say, show};
 use crate::{outputs, progress};
 
 /// Writes a flight or suites, or lists what there is.
 pub(crate) fn simulate(args: &SimulateArgs) -> anyhow::Result<Outcome> {
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let stop = stop_on_interrupt()?;
     let out = args.out.as_deref();
     if out == Some(Path::new("-")) {
         return Err(UsageError("simulate writes to a file, not to standard output".to_owned()).into());
@@ -49,7 +47,7 @@ fn list() -> anyhow::Result<Outcome> {
     for suite in suites() {
         text += &format!("  {:<16}{}\n", suite.name, suite.doc);
     }
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    show(text)?;
     Ok(Outcome::Done)
 }
 

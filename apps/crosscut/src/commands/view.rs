@@ -1,6 +1,5 @@
 //! `crosscut view`: shows recordings made by `run --save` in the viewer.
 
-use crosscut_pipeline::StopFlag;
 use crosscut_recorder::{Served, Show};
 
 use crate::cli::ViewArgs;
@@ -20,8 +19,7 @@ pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
     let damages = match args.serve {
         None => show.in_viewer()?,
         Some(address) => {
-            let stop = StopFlag::default();
-            stop_on_interrupt(stop.clone())?;
+            let stop = stop_on_interrupt()?;
             show.served(address, say_where, || stop.is_set())?
         }
     };

@@ -13,9 +13,9 @@ use super::verdict::Decision;
 const NEAR_M: f64 = 3.0;
 /// The weight of that edge, and of one across a gap that is within a wall although a vehicle could pass.
 const WEAK: f64 = 0.1;
-/// The odds of a way on of which too little is seen to tell them.
+/// Odds assumed for an opening that cannot be measured.
 const UNKNOWN_ODDS: f64 = 81.0;
-/// A way on that is surer than this leaves no smaller eigenvalue: it stays far above what rounding makes of a zero.
+/// An opening that is surer than this leaves no smaller eigenvalue: it stays far above what rounding makes of a zero.
 const MOST_ODDS: f64 = 1e4;
 
 /// Writes W; holds its buffers. Walls and islands are chains of returns.
@@ -66,7 +66,7 @@ impl Chains {
     }
 
     /// Writes W and the verdicts of `walls`, in the order in which they follow each other around the sensor, and of
-    /// the islands of the scan. `left_over` are returns of no wall. A way on that could as well be none has an
+    /// the islands of the scan. `left_over` are returns of no wall. An opening that could as well be none has an
     /// eigenvalue of `leak`.
     pub(super) fn write(
         &mut self,
@@ -82,11 +82,11 @@ impl Chains {
         self.others.clear();
         self.measures.clear();
         out.verdicts.clear();
-        let scan = judge.site.scan;
+        let scan = judge.context.scan;
         for chain in walls.iter().chain(scan.islands.pieces.iter()) {
             self.connect_along(judge, chain, &mut out.verdicts);
         }
-        self.connect_across_ways(judge, walls, leak, &mut out.verdicts);
+        self.connect_across_openings(judge, walls, leak, &mut out.verdicts);
         if !left_over.is_empty() {
             self.connect_left_over(&scan.ring, walls.iter().chain(scan.islands.pieces.iter()), left_over);
         }
@@ -120,9 +120,9 @@ impl Chains {
 
     /// Edges along a chain, the stronger the cheaper its gaps were to close.
     fn connect_along(&mut self, judge: &mut Judge<'_>, chain: &[usize], verdicts: &mut Vec<Verdict>) {
-        let (ring, measures) = (&judge.site.scan.ring, &mut self.measures);
+        let (ring, measures) = (&judge.context.scan.ring, &mut self.measures);
         let link = |(at, pair): (usize, &[usize])| {
-            if !judge.site.is_gap(pair[0], pair[1]) {
+            if !judge.context.is_gap(pair[0], pair[1]) {
                 return 1.0;
             }
             let joint = judge.joint(&chain[..at], &chain[at..]);
@@ -158,26 +158,32 @@ impl Chains {
         self.chains.push(Chain { places: start..self.numbers.len(), volume });
     }
 
-    /// A weak edge over each way on from one wall to the next. An edge of weight w between walls A and B makes an
+    /// A weak edge over each opening from one wall to the next. An edge of weight w between walls A and B makes an
     /// eigenvalue w / vol A + w / vol B on its own. That is made half of `leak`, divided by the odds that a vehicle can
     /// pass; half, because two edges at one wall may add up. Where the odds are against what the rules decide it is
     /// half of `leak`. The gap between the two ends of an only wall has no edge.
-    fn connect_across_ways(&mut self, judge: &mut Judge<'_>, walls: &Pieces, leak: f64, verdicts: &mut Vec<Verdict>) {
-        let ring = &judge.site.scan.ring;
+    fn connect_across_openings(
+        &mut self,
+        judge: &mut Judge<'_>,
+        walls: &Pieces,
+        leak: f64,
+        verdicts: &mut Vec<Verdict>,
+    ) {
+        let ring = &judge.context.scan.ring;
         let gaps = if ring.full_turn { walls.len() } else { walls.len().saturating_sub(1) };
         for at in 0..gaps {
             let next = walls.next(at);
             let (a, b) = (&walls[at], &walls[next]);
             let ends = [a[a.len() - 1], b[0]];
             let is_only_wall = next == at;
-            let judged = if is_only_wall && judge.site.is_gap(ends[0], ends[1]) {
+            let judged = if is_only_wall && judge.context.is_gap(ends[0], ends[1]) {
                 judge.joint(a, b).verdict()
             } else {
                 (!is_only_wall).then(|| judge.least_room(a, b))
             };
             let Some((decision, measured)) = judged else { continue };
             self.measures.push(measured);
-            verdicts.push(verdict(ring, ends, decision.is_way(), decision, measured));
+            verdicts.push(verdict(ring, ends, decision.is_opening(), decision, measured));
             if !is_only_wall && leak > 0.0 {
                 let odds = measured.as_ref().map_or(UNKNOWN_ODDS, odds::odds);
                 let eigenvalue = 0.5 * leak / odds.clamp(1.0, MOST_ODDS);
@@ -241,8 +247,8 @@ impl Chains {
     }
 }
 
-fn verdict(ring: &Ring, ends: [usize; 2], is_way: bool, decision: Decision, measured: Option<Measures>) -> Verdict {
+fn verdict(ring: &Ring, ends: [usize; 2], is_opening: bool, decision: Decision, measured: Option<Measures>) -> Verdict {
     let Decision { room_ratio, reason } = decision;
     let p = measured.as_ref().map(odds::p);
-    Verdict { returns: ends.map(|i| ring.returns[i].number), is_way, room_ratio, reason, p }
+    Verdict { returns: ends.map(|i| ring.returns[i].number), is_opening, room_ratio, reason, p }
 }

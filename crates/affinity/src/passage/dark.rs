@@ -1,6 +1,8 @@
-//! Gaps in which nothing is seen: a way on, a door, or lost beams.
+//! Gaps in which nothing is seen: an opening, a door, or lost beams.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
+
+use crosscut_scan::lies_across;
 
 use super::gap::Gap;
 
@@ -10,45 +12,37 @@ const DARK_BEAMS: u32 = 4;
 const DARK_RAD: f64 = 3.5 * PI / 180.0;
 /// A return is about at the end of the sensor's range if it lies beyond this share of it.
 const FAR_SHARE: f64 = 0.8;
-/// Beams came back with nothing because there is nothing, if they are more than this many times those that are lost in
-/// a row where a wall clearly goes on.
-const LOST_TIMES: u32 = 2;
 
-/// A dark gap is a way on if the wall turns by at least this.
+/// A dark gap is an opening if the wall turns by at least this.
 const DARK_TURN_RAD: f64 = 15.0 * PI / 180.0;
-/// A dark way on that ends at the end of the range is at least this share of the place's size wide. Between two such
+/// A dark opening that ends at the end of the range is at least this share of the place's size wide. Between two such
 /// ends the chord counts: hardly a return shows how the farther wall runs.
 const DARK_SHARE: f64 = 0.45;
-/// A dark way on that ends nearer is at least this share of the place's size wide: a dark surface is as likely there.
+/// A dark opening that ends nearer is at least this share of the place's size wide: a dark surface is as likely there.
 const DARK_NEAR_SHARE: f64 = 0.7;
 
 /// No patch of lost beams is wider than this angle.
 const BLANK_RAD: f64 = 30.0 * PI / 180.0;
 /// Where the wall hardly turns, a blank angle is no wider than this many gaps at the end of the range: beams that slant
-/// into a way on meet its sides.
+/// into an opening meet its sides.
 const BEHIND_BLANK: f64 = 2.5;
 /// Beyond this many times the place's size, patches of lost beams are small.
 const FAR_OFF_SHARE: f64 = 2.5;
 /// A patch of lost beams that far off is no wider than this share of the place's size.
 const PATCH_SHARE: f64 = 0.78;
-/// A blank way on is at least this share of the place's size from end to end: no corner hides in it.
+/// A blank opening is at least this share of the place's size from end to end: no corner hides in it.
 const BLANK_SHARE: f64 = 0.9;
 
-/// A dark gap is a door where several beams in a row are lost at no more places than this. The door is such a place
-/// itself if the wall clearly goes on behind it.
-const LOSSY_PLACES: u32 = 1;
 /// A door is at least this many times as wide as the vehicle.
 const DOOR_TIMES: f64 = 1.75;
-/// A door lies across the line of sight: the sine of the angle between the two is more than this.
-const ACROSS: f64 = FRAC_1_SQRT_2;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
-/// apart.
+/// apart. The door is itself a place where beams are lost if the wall clearly continues behind it.
 pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
-    let is_door = !gap.turns_back() && gap.site.lost.places <= LOSSY_PLACES && gap.is_door();
-    if is_door { gap.chord_m() / (DOOR_TIMES * gap.site.passage_m()) } else { 0.0 }
+    let is_door = !gap.turns_back() && !gap.context.lost.are_anywhere() && gap.is_door();
+    if is_door { gap.chord_m() / (DOOR_TIMES * gap.context.passage_m()) } else { 0.0 }
 }
 
 /// How much room there is where nothing is seen over an angle, or far off over a patch, that no lost beams explain.
@@ -56,10 +50,10 @@ pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
     if gap.turns_back() {
         return 0.0;
     }
-    let (ring, size_m) = (&gap.site.scan.ring, gap.site.scan.size_m);
+    let (ring, size_m) = (&gap.context.scan.ring, gap.context.scan.size_m);
     let (chord_m, dark_rad) = (gap.chord_m(), gap.dark_rad());
-    let is_as_of_way = dark_rad * ring.range_max_m < BEHIND_BLANK * chord_m;
-    let is_wide = dark_rad > BLANK_RAD && (is_as_of_way || gap.turns.whole_rad > DARK_TURN_RAD);
+    let is_as_of_opening = dark_rad * ring.range_max_m < BEHIND_BLANK * chord_m;
+    let is_wide = dark_rad > BLANK_RAD && (is_as_of_opening || gap.turns.whole_rad > DARK_TURN_RAD);
     let patch_m = if gap.near_m > FAR_OFF_SHARE * size_m { dark_rad * gap.near_m } else { 0.0 };
     let is_blank = is_wide || (patch_m > PATCH_SHARE * size_m && gap.is_not_lost());
     if is_blank { chord_m / (BLANK_SHARE * size_m) } else { 0.0 }
@@ -68,12 +62,12 @@ pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
 /// How much room there is at the dark end of a tunnel.
 pub(super) fn room_at_dark_end(gap: &Gap<'_>) -> f64 {
     let is_end = !gap.turns_back() && gap.is_dark_end();
-    if is_end { gap.chord_m() / (DARK_SHARE * gap.site.scan.size_m) } else { 0.0 }
+    if is_end { gap.chord_m() / (DARK_SHARE * gap.context.scan.size_m) } else { 0.0 }
 }
 
 impl Gap<'_> {
-    /// How wide a dark way on is at least, as a share of the place's size; `None` if the gap is none.
-    pub(super) fn dark_way_share(&self) -> Option<f64> {
+    /// How wide a dark opening is at least, as a share of the place's size; `None` if the gap is none.
+    pub(super) fn dark_opening_share(&self) -> Option<f64> {
         if !self.is_dark || self.turns.whole_rad < DARK_TURN_RAD {
             return None;
         }
@@ -98,20 +92,21 @@ impl Gap<'_> {
     /// Whether nothing is seen across the line of sight, well before the end of the range, and the place behind need
     /// not be wider than this one for that.
     fn is_door(&self) -> bool {
-        let ring = &self.site.scan.ring;
-        let middle_m = ring.position_m(self.ends[0]) + 0.5 * self.chord;
-        let is_across = self.chord.perp(&middle_m).abs() > ACROSS * self.chord_m() * middle_m.norm();
+        let ring = &self.context.scan.ring;
         let behind_m = self.dark_rad() * ring.range_max_m;
         let is_empty = self.is_dark && !self.is_shaded;
-        is_empty && is_across && !self.is_far(self.near_m) && behind_m < BEHIND_DOOR_SHARE * self.site.scan.size_m
+        is_empty
+            && lies_across(ring, self.ends)
+            && !self.is_far(self.near_m)
+            && behind_m < BEHIND_DOOR_SHARE * self.context.scan.size_m
     }
 
     /// Whether more beams came back with nothing than lost beams explain.
     fn is_not_lost(&self) -> bool {
-        self.dark_beams > LOST_TIMES * self.site.lost.in_a_row
+        !self.context.lost.explain(self.dark_beams)
     }
 
     fn is_far(&self, range_m: f64) -> bool {
-        range_m > FAR_SHARE * self.site.scan.ring.range_max_m
+        range_m > FAR_SHARE * self.context.scan.ring.range_max_m
     }
 }

@@ -1,10 +1,10 @@
-//! A gap between two pieces of wall: what is measured at it.
+//! The measurements at a gap between two pieces of wall.
 
 use std::f64::consts::{PI, TAU};
 
-use crosscut_scan::{Directions, End, Position, direction, turn_rad};
+use crosscut_scan::{Clearance, Directions, End, Position, direction, turn_rad};
 
-use super::site::Site;
+use super::context::ScanContext;
 
 /// A gap with one beam in it is narrower than this, two steps of a lidar of 180 beams a turn.
 const ONE_BEAM_RAD: f64 = 4.5 * PI / 180.0;
@@ -52,11 +52,11 @@ pub(super) struct Turns {
     pub(super) whole_rad: f64,
 }
 
-/// A gap between two pieces that have directions there. The nearer wall is that of the end which is nearer to the
+/// A gap between two pieces that have directions there. The nearer wall is the one whose end is nearer to the
 /// sensor.
 #[derive(Clone, Copy)]
 pub(super) struct Gap<'p> {
-    pub(super) site: &'p Site<'p>,
+    pub(super) context: &'p ScanContext<'p>,
     /// The pieces clockwise and anticlockwise of it.
     pieces: [&'p [usize]; 2],
     /// The last return of the first piece, and the first of the second.
@@ -71,10 +71,8 @@ pub(super) struct Gap<'p> {
     /// From the first end to the second.
     pub(super) chord: Position,
     pub(super) turns: Turns,
-    /// The distance of the nearer end from the line of the farther wall. It is small at a bump, and at a corner of
-    /// which only the returns are missing; at a branch it is the width of the branch.
+    /// The two lengths of its [`Clearance`].
     pub(super) clear_m: f64,
-    /// How far behind the line of the nearer wall the farther one begins; negative in front of it.
     pub(super) depth_m: f64,
     /// How many beams into it came back with nothing.
     pub(super) dark_beams: u32,
@@ -91,45 +89,42 @@ pub(super) struct Gap<'p> {
 impl<'p> Gap<'p> {
     /// The gap between two pieces, anticlockwise; `None` if one of them has no direction.
     pub(super) fn between(
-        site: &'p Site<'p>,
+        context: &'p ScanContext<'p>,
         a: &'p [usize],
         b: &'p [usize],
         directions: &mut Directions,
     ) -> Option<Self> {
-        let [before, after] = ends_run(site, a, b, directions);
-        Some(Self::measure(site, [a, b], [before?, after?]))
+        let [before, after] = ends_run(context, a, b, directions);
+        Some(Self::measure(context, [a, b], [before?, after?]))
     }
 
     /// Measures the gap between two pieces whose ends run in these directions.
-    pub(super) fn measure(site: &'p Site<'p>, pieces: [&'p [usize]; 2], directions: [Position; 2]) -> Self {
-        let [p_m, q_m] = [pieces[0][pieces[0].len() - 1], pieces[1][0]].map(|end| site.scan.ring.range_m(end));
-        Self::measure_from(site, pieces, directions, p_m < q_m)
+    pub(super) fn measure(context: &'p ScanContext<'p>, pieces: [&'p [usize]; 2], directions: [Position; 2]) -> Self {
+        let [p_m, q_m] = [pieces[0][pieces[0].len() - 1], pieces[1][0]].map(|end| context.scan.ring.range_m(end));
+        Self::measure_from(context, pieces, directions, p_m < q_m)
     }
 
     /// The gap with the other wall as the nearer one, if its two ends are equally near.
     pub(super) fn by_other_end(&self) -> Option<Self> {
-        let other = || Self::measure_from(self.site, self.pieces, self.directions, !self.first_is_nearer);
+        let other = || Self::measure_from(self.context, self.pieces, self.directions, !self.first_is_nearer);
         (self.near_m == self.far_m).then(other)
     }
 
     fn measure_from(
-        site: &'p Site<'p>,
+        context: &'p ScanContext<'p>,
         pieces: [&'p [usize]; 2],
         directions: [Position; 2],
         first_is_nearer: bool,
     ) -> Self {
-        let ring = &site.scan.ring;
+        let ring = &context.scan.ring;
         let ends @ [p, q] = [pieces[0][pieces[0].len() - 1], pieces[1][0]];
         let chord = ring.position_m(q) - ring.position_m(p);
         let [p_m, q_m] = ends.map(|end| ring.range_m(end));
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
-        // How far each end lies to the left of the line of the other piece; right is behind that piece, out of sight.
-        let [second_left_m, first_left_m] = [directions[0].perp(&chord), directions[1].perp(&-chord)];
-        let (clear_m, depth_m) =
-            if first_is_nearer { (first_left_m.abs(), -second_left_m) } else { (second_left_m.abs(), -first_left_m) };
+        let Clearance { clear_m, depth_m } = Clearance::at(chord, directions, first_is_nearer);
         let mut gap = Self {
-            site,
+            context,
             pieces,
             ends,
             first_is_nearer,
@@ -142,7 +137,7 @@ impl<'p> Gap<'p> {
             depth_m,
             dark_beams: ring.dark_between(p, q),
             is_dark: false,
-            is_shaded: site.scan.islands.shade(ring, p, q),
+            is_shaded: context.scan.islands.shade(ring, p, q),
             bump_hides_m: f64::INFINITY,
             is_corner: false,
         };
@@ -166,17 +161,17 @@ impl<'p> Gap<'p> {
         }
         let bumps = if self.turns.whole_rad < CORNER_RAD { BUMP_HIDES_BUMPS } else { BUMP_HIDES_BUMPS_AT_CORNER };
         self.bump_hides_m = self.shadow_m(BUMP_HIDES_M, bumps);
-        self.is_corner = !self.site.thresholds.without.corners
+        self.is_corner = !self.context.thresholds.disabled.corners
             && self.turns_like_branch()
-            && self.clear_m < INNER_CORNER_SHARE * self.site.scan.size_m
-            && self.room_m() < self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
+            && self.clear_m < INNER_CORNER_SHARE * self.context.scan.size_m
+            && self.step_m() < self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
             && self.shows_other_side();
     }
 
     /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.
     /// The bump is `height_m` high, and by `bumps` times the roughness of the walls higher.
     pub(super) fn shadow_m(&self, height_m: f64, bumps: f64) -> f64 {
-        self.site.with_bumps_m(height_m, bumps) * self.far_m / self.near_m
+        self.context.with_bumps_m(height_m, bumps) * self.far_m / self.near_m
     }
 
     /// Something is seen in it.
@@ -186,11 +181,11 @@ impl<'p> Gap<'p> {
 
     /// The wall turns as it does at a branch, neither straight on nor back.
     pub(super) fn turns_like_branch(&self) -> bool {
-        (self.site.thresholds.straight_rad..self.site.thresholds.way_rad).contains(&self.turns.whole_rad)
+        (self.context.thresholds.straight_rad..self.context.thresholds.way_rad).contains(&self.turns.whole_rad)
     }
 
-    /// The clear width or the depth, whichever is less.
-    pub(super) fn room_m(&self) -> f64 {
+    /// The smallest step of a wall that closes the gap: the clear width or the depth, whichever is less.
+    pub(super) fn step_m(&self) -> f64 {
         self.clear_m.min(self.depth_m)
     }
 
@@ -201,7 +196,7 @@ impl<'p> Gap<'p> {
 
     /// The angle in which nothing is seen.
     pub(super) fn dark_rad(&self) -> f64 {
-        f64::from(self.dark_beams) * self.site.scan.ring.step_rad
+        f64::from(self.dark_beams) * self.context.scan.ring.step_rad
     }
 
     /// Whether the farther wall is the other side of the place, which runs back towards the line of the nearer one.
@@ -210,7 +205,7 @@ impl<'p> Gap<'p> {
         if run.dot(&self.chord) <= 0.0 {
             return false;
         }
-        let (scan, (far, end)) = (self.site.scan, self.farther());
+        let (scan, (far, end)) = (self.context.scan, self.farther());
         let span_rad = scan.ring.beams_from(far[0], far[far.len() - 1]) as f64 * scan.ring.step_rad;
         span_rad > OTHER_SIDE_RAD
             && direction(&scan.ring, &scan.roughness, far, end, OTHER_SIDE_M).dot(&self.chord) < 0.0
@@ -223,7 +218,7 @@ impl<'p> Gap<'p> {
 
     /// How much the wall turns in all by the directions of its ends over the stretch of a face.
     pub(super) fn face_turn_rad(&self) -> f64 {
-        let (scan, [a, b]) = (self.site.scan, self.pieces);
+        let (scan, [a, b]) = (self.context.scan, self.pieces);
         let directions = [(a, End::Last), (b, End::First)]
             .map(|(piece, end)| direction(&scan.ring, &scan.roughness, piece, end, FACE_M));
         whole_turn_rad(turns_rad(directions, self.chord))
@@ -232,7 +227,7 @@ impl<'p> Gap<'p> {
     /// Whether at most one beam looks into the gap, over an angle so narrow that this does not mean that nothing is
     /// seen: a beam that came back with nothing, from dust or from a small piece, shows nothing.
     pub(super) fn holds_one_beam_at_most(&self) -> bool {
-        let ring = &self.site.scan.ring;
+        let ring = &self.context.scan.ring;
         let steps = ring.beams_from(self.ends[0], self.ends[1]);
         steps == 1 || (steps == 2 && 2.0 * ring.step_rad < ONE_BEAM_RAD)
     }
@@ -245,7 +240,7 @@ impl<'p> Gap<'p> {
 
     /// The angle over which the nearer wall is seen.
     pub(super) fn near_span_rad(&self) -> f64 {
-        let (ring, (near, _)) = (&self.site.scan.ring, self.nearer());
+        let (ring, (near, _)) = (&self.context.scan.ring, self.nearer());
         ring.beams_from(near[0], near[near.len() - 1]) as f64 * ring.step_rad
     }
 
@@ -267,12 +262,12 @@ impl<'p> Gap<'p> {
 
 /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have one.
 pub(super) fn ends_run(
-    site: &Site<'_>,
+    context: &ScanContext<'_>,
     a: &[usize],
     b: &[usize],
     directions: &mut Directions,
 ) -> [Option<Position>; 2] {
-    let (ring, roughness) = (&site.scan.ring, &site.scan.roughness);
+    let (ring, roughness) = (&context.scan.ring, &context.scan.roughness);
     [(a, End::Last), (b, End::First)].map(|(piece, end)| directions.of(ring, roughness, piece, end))
 }
 

@@ -1,19 +1,19 @@
-//! Whether a wall goes on across a gap, at which cost, or a vehicle can pass.
+//! Whether a wall continues across a gap, at which cost, or a vehicle can pass.
 
 use std::f64::consts::PI;
 
 use crosscut_scan::{Directions, Position};
 
+use super::context::ScanContext;
 use super::gap::{Gap, ends_run};
 use super::odds::Measures;
-use super::site::Site;
 use super::verdict::Decision;
 
 /// Turns are known to within this much.
 const DOUBT_RAD: f64 = 5.0 * PI / 180.0;
-/// The room ratio of a way on is at least this.
+/// The room ratio of an opening is at least this.
 const LEAST_ROOM_RATIO: f64 = 1.05;
-/// The room ratio of a way on between pieces without directions.
+/// The room ratio of an opening between pieces without directions.
 const ROOM_RATIO_WITHOUT_DIRECTION: f64 = 3.0;
 
 /// A piece without a direction belongs to a wall if it lies within this of the line of the wall.
@@ -42,7 +42,7 @@ const COST_OF_TWO_SMALL_PER_M: f64 = 0.1;
 
 /// Judges the gaps of one scan.
 pub(super) struct Judge<'s> {
-    pub(super) site: &'s Site<'s>,
+    pub(super) context: &'s ScanContext<'s>,
     directions: &'s mut Directions,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Judge<'s> {
 pub(super) struct Joint<'p> {
     /// `None` where a vehicle could pass.
     pub(super) cost: Option<f64>,
-    /// The gap and what is decided at it; `None` if a piece has no direction.
+    /// The gap and the decision at it; `None` if a piece has no direction.
     judged: Option<(Gap<'p>, Decision)>,
 }
 
@@ -63,16 +63,16 @@ impl Joint<'_> {
 }
 
 impl<'s> Judge<'s> {
-    /// The judge of a site; the directions are those of its scan.
-    pub(super) fn new(site: &'s Site<'s>, directions: &'s mut Directions) -> Self {
-        Self { site, directions }
+    /// The judge of a context; the directions are those of its scan.
+    pub(super) fn new(context: &'s ScanContext<'s>, directions: &'s mut Directions) -> Self {
+        Self { context, directions }
     }
 
-    /// The cost at which a wall goes on from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
+    /// The cost at which a wall continues from the end of piece `a` to the start of piece `b`, anticlockwise; `None`
     /// where a vehicle could pass between them.
     #[inline]
     pub(super) fn cost(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        if self.site.is_gap(a[a.len() - 1], b[0]) { self.joint(a, b).cost } else { Some(0.0) }
+        if self.context.is_gap(a[a.len() - 1], b[0]) { self.joint(a, b).cost } else { Some(0.0) }
     }
 
     /// What it takes to join two pieces that have a gap between them.
@@ -83,21 +83,21 @@ impl<'s> Judge<'s> {
     {
         match self.directions(a, b) {
             [Some(before), Some(after)] => {
-                let gap = Gap::measure(self.site, [a, b], [before, after]);
+                let gap = Gap::measure(self.context, [a, b], [before, after]);
                 let decision = gap.decide();
                 let detour_rad = gap.turns.near_rad.abs().min(gap.turns.far_rad.abs());
                 let chord_m = gap.chord_m();
                 let long = if chord_m > LONG_GAP_M { COST_PER_M * chord_m } else { 0.0 };
                 let cost = COST + gap.turns.whole_rad.abs() + DETOUR_COST * detour_rad + long;
-                Joint { cost: (!decision.is_way()).then_some(cost), judged: Some((gap, decision)) }
+                Joint { cost: (!decision.is_opening()).then_some(cost), judged: Some((gap, decision)) }
             }
             [before, after] => Joint { cost: self.cost_of_small(a, b, before.or(after)), judged: None },
         }
     }
 
-    /// The cost of joining two pieces of which one alone has a direction, or none.
+    /// The cost of joining two pieces if at most one of them has a direction.
     fn cost_of_small(&self, a: &[usize], b: &[usize], line: Option<Position>) -> Option<f64> {
-        let ring = &self.site.scan.ring;
+        let ring = &self.context.scan.ring;
         let (p, q) = (a[a.len() - 1], b[0]);
         let chord = ring.position_m(q) - ring.position_m(p);
         let chord_m = chord.norm();
@@ -111,16 +111,16 @@ impl<'s> Judge<'s> {
         (along_m > 0.0 && off < 1.0).then_some(COST_OF_SMALL + off + COST_PER_M * chord_m)
     }
 
-    /// The room ratio between two pieces with directions, if that makes a way on.
-    pub(super) fn room_ratio_of_way(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let decision = Gap::between(self.site, a, b, self.directions)?.decide();
-        decision.is_way().then_some(decision.room_ratio)
+    /// The room ratio between two pieces with directions, if that makes an opening.
+    pub(super) fn room_ratio_of_opening(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
+        let decision = Gap::between(self.context, a, b, self.directions)?.decide();
+        decision.is_opening().then_some(decision.room_ratio)
     }
 
-    /// What makes the gap between two walls a way on, and the least room that there is, or would be if the wall turned
+    /// What makes the gap between two walls an opening, and the least room that there is, or would be if the wall turned
     /// by [`DOUBT_RAD`] less or more. With what its odds rest on, unless a piece has no direction.
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
-        let Some(gap) = Gap::between(self.site, a, b, self.directions) else {
+        let Some(gap) = Gap::between(self.context, a, b, self.directions) else {
             let reason = "too little is seen for a direction";
             return (Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason }, None);
         };
@@ -133,6 +133,6 @@ impl<'s> Judge<'s> {
     /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have
     /// one.
     pub(super) fn directions(&mut self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {
-        ends_run(self.site, a, b, self.directions)
+        ends_run(self.context, a, b, self.directions)
     }
 }

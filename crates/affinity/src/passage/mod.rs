@@ -2,6 +2,7 @@
 
 mod carrying;
 mod chains;
+mod context;
 mod dark;
 mod gap;
 mod joining;
@@ -10,7 +11,6 @@ mod line;
 mod mouth;
 mod odds;
 mod rules;
-mod site;
 mod terms;
 mod verdict;
 
@@ -22,9 +22,9 @@ use crosscut_stage::{
 
 use carrying::Carrying;
 use chains::Chains;
+use context::{ScanContext, Thresholds};
 use judge::Judge;
-use site::{Site, Thresholds};
-use verdict::Without;
+use verdict::DisabledRules;
 
 pub use odds::{MEASURES, Measures};
 
@@ -113,8 +113,8 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    With the directions t and t' of the two ends and the chord c between them, the wall turns by T = ∠(t, c) + ∠(c,
 ///    t').
 /// 3. A table (`verdict.rs`) lists the rules and the vetoes. Rules (`rules.rs`, `dark.rs`, `mouth.rs`) measure how much
-///    room there is for a way on, divided by how much one needs. At 1 and more a vehicle can pass. Vetoes (`line.rs`,
-///    `mouth.rs`) hold where the wall plainly goes on, or the gap is a slit. `without` leaves some of them out.
+///    room there is for an opening, divided by how much one needs. At 1 and more a vehicle can pass. Vetoes (`line.rs`,
+///    `mouth.rs`) hold where the wall plainly continues, or the gap is a slit. `without` leaves some of them out.
 /// 4. Pieces between which no vehicle can pass are joined, at the least |T| first, so that directions come from ever
 ///    longer walls (`joining.rs`). Then walls are cut where a vehicle can pass between all before a gap and all behind
 ///    it, and what is too small for a wall is joined again. What is left over goes to the nearer of the walls beside
@@ -122,7 +122,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 /// 5. Each wall and each island becomes a chain (`chains.rs`): W_ij = Π exp(-c_g) over the gaps g between i and j,
 ///    which were joined at cost c_g, for the `neighbours` returns on either side of i. These weights do not fall with
 ///    the spacing of returns, so the second eigenvalue of a wall's block does not either. From wall to wall there is
-///    one weak edge over each way on. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
+///    one weak edge over each opening. Its eigenvalue is half of `leak`, divided by the odds (`odds.rs`) that a vehicle can pass.
 ///
 /// A cloud is worked on by the sweep that a level vehicle sees of it ([`LevelView`]). Its walls are then carried on to
 /// the returns that are not seen (`carrying.rs`), by edges such that the second eigenvalue depends on the walls and not
@@ -160,7 +160,7 @@ impl Passage {
             straight_rad: params.get(STRAIGHT_DEG).to_radians(),
             way_rad: params.get(WAY_DEG).to_radians(),
             clear_share: params.get(CLEAR_SHARE),
-            without: Without::new(&params.get(WITHOUT)),
+            disabled: DisabledRules::new(&params.get(WITHOUT)),
         };
         Self {
             thresholds,
@@ -187,12 +187,12 @@ impl Passage {
         let Self { thresholds, scan, directions, walls, .. } = self;
         let lengths = &thresholds.lengths;
         scan.make(sweep, points_m, lengths)?;
-        if scan.in_air > 0 {
-            let in_air = counted(scan.in_air as u64, "return");
-            notes.add(format!("passage: {in_air} in the air (dust, edges of pillars), without edges"));
+        if scan.dust_returns > 0 {
+            let dust_returns = counted(scan.dust_returns as u64, "return");
+            notes.add(format!("passage: {dust_returns} in the air (dust, edges of pillars), without edges"));
         }
-        if scan.of_vehicle > 0 {
-            let (inside, inside_m) = (counted(scan.of_vehicle as u64, "return"), lengths.passage_m / 2.0);
+        if scan.self_returns > 0 {
+            let (inside, inside_m) = (counted(scan.self_returns as u64, "return"), lengths.passage_m / 2.0);
             notes.add(format!(
                 "passage: {inside} within the vehicle, nearer than {inside_m} m (half of affinity.passage_m, which is \
                  vehicle.width_m unless it is set), without edges"
@@ -202,11 +202,11 @@ impl Passage {
         // A step of 0 gives an infinite number: then no piece is a wall.
         let least_returns = ((self.wall_rad / scan.ring.step_rad).round() as usize).max(LEAST_WALL_RETURNS);
         directions.start(&scan.ring, &scan.roughness, lengths.stretch_m);
-        let site = Site::new(scan, *thresholds, directions);
-        let mut judge = Judge::new(&site, directions);
+        let context = ScanContext::new(scan, *thresholds, directions);
+        let mut judge = Judge::new(&context, directions);
         walls.clone_from(&scan.pieces);
         let mut left_over = joining::join(&mut judge, walls, least_returns);
-        if joining::cut_at_ways(&mut judge, walls) {
+        if joining::cut_at_openings(&mut judge, walls) {
             left_over.extend(joining::join(&mut judge, walls, least_returns));
         }
         self.chains.write(&mut judge, walls, &left_over, leak, out);

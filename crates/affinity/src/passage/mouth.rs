@@ -2,6 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crosscut_scan::{Doorway, beyond};
+
 use super::gap::Gap;
 
 /// What is seen across the line of the nearer wall at more than this angle, is seen through a mouth.
@@ -15,10 +17,6 @@ const SLANT_RAD: f64 = 20.0 * PI / 180.0;
 /// What is seen through a slanting mouth of rough walls lies deeper by this many times their roughness.
 const SLANT_BUMPS: f64 = 100.0;
 
-/// A doorway is at most this many times as wide as the vehicle.
-const DOORWAY_TIMES: f64 = 4.0;
-/// The nearer wall runs towards the other side of a doorway: the cosine of the angle between the two is at least this.
-const DOORWAY_ALONG: f64 = 0.8;
 /// What is seen through a doorway lies behind it by at least this many times the width of the vehicle.
 const BEHIND_DOORWAY_TIMES: f64 = 2.0;
 
@@ -26,82 +24,52 @@ const BEHIND_DOORWAY_TIMES: f64 = 2.0;
 const SLIT_RETURNS: u32 = 2;
 
 /// How much room there is where the farther wall is seen deep behind the nearer one, through a mouth or a doorway. It
-/// is another wall, however straight it goes on, unless the wall turns back by more than a right angle.
+/// is another wall, however straight it continues, unless the wall turns back by more than a right angle.
 pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> f64 {
-    let (site, deep_m) = (gap.site, gap.room_m());
-    let goes_on = (-FRAC_PI_2..site.thresholds.straight_rad).contains(&gap.turns.whole_rad);
-    if gap.is_shaded || !goes_on || deep_m < site.passage_m() || gap.shows_other_side() {
+    let (context, deep_m) = (gap.context, gap.step_m());
+    let goes_on = (-FRAC_PI_2..context.thresholds.straight_rad).contains(&gap.turns.whole_rad);
+    if gap.is_shaded || !goes_on || deep_m < context.passage_m() || gap.shows_other_side() {
         return 0.0;
     }
     let bumps = if gap.turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
-    let room_ratio = deep_m / site.with_bumps_m(MOUTH_M, bumps);
+    let room_ratio = deep_m / context.with_bumps_m(MOUTH_M, bumps);
     if gap.turns.near_rad < -SLANT_RAD && room_ratio >= 1.0 && gap.fits_vehicle() {
         return room_ratio;
     }
     if gap.is_dark {
         return 0.0;
     }
-    gap.behind_doorway_m().map_or(0.0, |behind_m| behind_m / (BEHIND_DOORWAY_TIMES * site.passage_m()))
+    gap.behind_doorway_m().map_or(0.0, |behind_m| behind_m / (BEHIND_DOORWAY_TIMES * context.passage_m()))
 }
 
 impl Gap<'_> {
     /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one
     /// on, as far as a quarter turn.
     pub(super) fn fits_vehicle(&self) -> bool {
-        self.leave_room().all(|leaves_room| leaves_room)
+        self.fits_beyond().all(|fits| fits)
     }
 
     /// Whether it is a slit between two pieces of a wall, which no vehicle passes.
     pub(super) fn is_slit(&self) -> bool {
         let mut in_a_row = 0;
-        self.leave_room().any(|leaves_room| {
-            in_a_row = if leaves_room { 0 } else { in_a_row + 1 };
+        self.fits_beyond().any(|fits| {
+            in_a_row = if fits { 0 } else { in_a_row + 1 };
             in_a_row == SLIT_RETURNS
         })
     }
 
     /// For each return after the farther end, whether a vehicle fits between it and the nearer end.
-    fn leave_room(&self) -> impl Iterator<Item = bool> {
-        let ([near, _], passage_m) = (self.near_and_far_end(), self.site.passage_m());
-        self.onward(passage_m).map(move |other| self.site.scan.ring.are_apart(near, other, passage_m))
+    fn fits_beyond(&self) -> impl Iterator<Item = bool> {
+        let (ring, ends, passage_m) = (&self.context.scan.ring, self.near_and_far_end(), self.context.passage_m());
+        let onward = beyond(ring, ends, self.first_is_nearer, passage_m);
+        onward.map(move |other| ring.are_apart(ends[0], other, passage_m))
     }
 
     /// How far behind a doorway everything lies that is seen through it, metres; `None` if the nearer wall does not end
-    /// at one. Beyond what is seen, the wall on the other side of the doorway is nearer again, and a vehicle fits
-    /// between the two.
+    /// at one.
     pub(super) fn behind_doorway_m(&self) -> Option<f64> {
-        let (ring, passage_m, [near, far]) = (&self.site.scan.ring, self.site.passage_m(), self.near_and_far_end());
-        let widest_m = DOORWAY_TIMES * passage_m;
-        let mut last = far;
-        let jamb = self.onward(widest_m).find(|&other| {
-            let before = std::mem::replace(&mut last, other);
-            let is_nearer = ring.range_m(other) < ring.range_m(before);
-            is_nearer && ring.are_apart(before, other, passage_m)
-        })?;
-        let near_m = ring.position_m(near);
-        let across = ring.position_m(jamb) - near_m;
-        let width_m = across.norm();
-        let is_doorway =
-            (passage_m..=widest_m).contains(&width_m) && self.nearer_onward().dot(&across) >= DOORWAY_ALONG * width_m;
-        // Seen anticlockwise along the doorway, right is behind it.
-        let left_m = |i: usize| across.perp(&(ring.position_m(i) - near_m)) / width_m;
-        let behind_m = |i: usize| if self.first_is_nearer { -left_m(i) } else { left_m(i) };
-        let seen = std::iter::once(far).chain(self.onward(widest_m)).take_while(|&i| i != jamb);
-        is_doorway.then(|| seen.map(behind_m).fold(f64::INFINITY, f64::min))
-    }
-
-    /// The returns after the farther end, away from the nearer one, as far as a quarter turn, and as far as a return
-    /// can be within `reach_m` of the nearer end.
-    fn onward(&self, reach_m: f64) -> impl Iterator<Item = usize> {
-        let (ring, direction) = (&self.site.scan.ring, if self.first_is_nearer { 1 } else { -1 });
-        let [near, far] = self.near_and_far_end();
-        let beams = |angle_rad: f64| (angle_rad / ring.step_rad) as usize;
-        let quarter_turn = beams(FRAC_PI_2);
-        let share = reach_m / ring.range_m(near);
-        let most_from_near = if share < 1.0 { beams(share.asin()) } else { usize::MAX };
-        let returns = (1..ring.len() as isize).map_while(move |steps| ring.after(far, direction * steps));
-        returns.take_while(move |&other| {
-            ring.beams_apart(far, other) < quarter_turn && ring.beams_apart(near, other) <= most_from_near
-        })
+        let (ring, ends) = (&self.context.scan.ring, self.near_and_far_end());
+        let doorway = Doorway::beside(ring, ends, self.first_is_nearer, self.nearer_onward(), self.context.passage_m());
+        doorway.map(|doorway| doorway.behind_m)
     }
 }

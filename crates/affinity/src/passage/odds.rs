@@ -11,7 +11,7 @@ use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
 use super::verdict::Decision;
 
-/// What is measured at a gap, in the order of the terms.
+/// The names of the measurements at a gap, in the order of the terms.
 pub const MEASURES: [&str; 12] =
     ["room", "reach", "face", "dark", "chord", "lost", "bumps", "doorway", "near_far", "range", "span", "ratio"];
 
@@ -69,17 +69,17 @@ impl Gap<'_> {
 
     /// What is measured from the nearer end. Ratios of lengths are logarithms, angles radians.
     fn measures_from_nearer(&self, decision: Decision) -> Measures {
-        let (site, size_m, passage_m) = (self.site, self.site.scan.size_m, self.site.passage_m());
+        let (context, size_m, passage_m) = (self.context, self.context.scan.size_m, self.context.passage_m());
         let ratio = |length_m: f64, to_m: f64| (length_m / to_m).clamp(1.0 / MOST, MOST).ln();
         let beams = |beams: u32| f64::from(beams + 1);
         [
-            ratio(self.room_m(), self.shadow_m(BUMP_HIDES_M, BUMP_HIDES_BUMPS_AT_CORNER)),
+            ratio(self.step_m(), self.shadow_m(BUMP_HIDES_M, BUMP_HIDES_BUMPS_AT_CORNER)),
             ratio(self.chord_m(), self.next_m()),
             self.face_turn_rad(),
             self.dark_rad() * self.near_m / size_m,
             ratio(self.chord_m(), passage_m),
-            (beams(self.dark_beams) / beams(site.lost.in_a_row)).ln(),
-            ratio(self.clear_m, site.with_bumps_m(passage_m, PLAIN_BUMPS)),
+            (beams(self.dark_beams) / beams(context.lost.in_a_row)).ln(),
+            ratio(self.clear_m, context.with_bumps_m(passage_m, PLAIN_BUMPS)),
             self.behind_doorway_m().map_or(0.0, |behind_m| behind_m.max(0.0) / passage_m),
             self.near_m / self.far_m,
             self.near_m / size_m,

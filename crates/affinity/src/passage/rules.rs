@@ -1,15 +1,15 @@
-//! The rules at a gap: how much room there is for a way on, divided by how much one needs.
+//! The rules at a gap: how much room there is for an opening, divided by how much one needs.
 
 use std::f64::consts::PI;
 
 use super::gap::{BUMP_HIDES_M, CORNER_RAD, Gap};
-use super::verdict::{Decision, Over, Room, WIDTH};
+use super::verdict::{Decision, RuleGroup, VetoPhase, WIDTH};
 
-/// A way on between two walls that recede is at least this share of the place's size wide.
-const WAY_SHARE: f64 = 0.3;
-/// A way on in the shadow of islands, where nothing is known, is at least this share of the place's size wide.
+/// An opening between two walls that recede is at least this share of the place's size wide.
+const OPENING_SHARE: f64 = 0.3;
+/// An opening in the shadow of islands, where nothing is known, is at least this share of the place's size wide.
 const SHADE_SHARE: f64 = 1.5;
-/// A way on whose inside is seen need not be wider or deeper than this share of the place's size.
+/// An opening whose inside is seen need not be wider or deeper than this share of the place's size.
 const SEEN_INSIDE_SHARE: f64 = 0.5;
 /// A gap before the face of a corner is at least this share of the place's size long.
 const FACE_SHARE: f64 = 0.75;
@@ -31,40 +31,40 @@ const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 impl Gap<'_> {
     /// How much room there is, by the rules and vetoes that are left.
     pub(super) fn decide(&self) -> Decision {
-        let without = self.site.thresholds.without;
-        if let Some(reason) = without.veto(Over::All, self) {
+        let disabled = self.context.thresholds.disabled;
+        if let Some(reason) = disabled.veto(VetoPhase::BeforeRules, self) {
             return Decision::no_room(reason);
         }
-        let clear = match without.veto(Over::Clear, self) {
+        let clear = match disabled.veto(VetoPhase::OfClearRules, self) {
             Some(reason) => Decision::no_room(reason),
             None => {
-                let none = if self.way_share().is_some() { WIDTH } else { "the wall turns too little" };
-                let most = Decision::no_room(none).or_by(without.rules(Room::Clear), self);
-                Decision { room_ratio: most.room_ratio.min(self.clear_m / self.site.passage_m()), ..most }
+                let none = if self.opening_share().is_some() { WIDTH } else { "the wall turns too little" };
+                let most = Decision::no_room(none).or_by(disabled.rules(RuleGroup::Clear), self);
+                Decision { room_ratio: most.room_ratio.min(self.clear_m / self.context.passage_m()), ..most }
             }
         };
-        let mut decision = clear.or_by(without.rules(Room::Dark), self);
-        if !decision.is_way() {
-            decision = decision.or_by(without.rules(Room::Last), self);
+        let mut decision = clear.or_by(disabled.rules(RuleGroup::Dark), self);
+        if !decision.is_opening() {
+            decision = decision.or_by(disabled.rules(RuleGroup::Last), self);
         }
-        let veto = if decision.is_way() { without.veto(Over::Ways, self) } else { None };
+        let veto = if decision.is_opening() { disabled.veto(VetoPhase::OfOpenings, self) } else { None };
         veto.map_or(decision, Decision::no_room)
     }
 
-    /// How wide a way on is at least, as a share of the place's size, where the wall turns like this; `None` where the
-    /// wall goes on whatever the width is.
-    fn way_share(&self) -> Option<f64> {
-        if self.turns.whole_rad >= self.site.thresholds.way_rad {
-            return Some(WAY_SHARE);
+    /// How wide an opening is at least, as a share of the place's size, where the wall turns like this; `None` where the
+    /// wall continues whatever the width is.
+    fn opening_share(&self) -> Option<f64> {
+        if self.turns.whole_rad >= self.context.thresholds.way_rad {
+            return Some(OPENING_SHARE);
         }
-        let turned = if self.is_shaded { SHADE_SHARE } else { self.site.thresholds.clear_share };
-        self.dark_way_share().or(self.turns_like_branch().then_some(turned))
+        let turned = if self.is_shaded { SHADE_SHARE } else { self.context.thresholds.clear_share };
+        self.dark_opening_share().or(self.turns_like_branch().then_some(turned))
     }
 }
 
 /// The clear width is enough for how much the walls turn.
 pub(super) fn room_in_width(gap: &Gap<'_>) -> f64 {
-    gap.way_share().map_or(0.0, |share| gap.clear_m / (share * gap.site.scan.size_m))
+    gap.opening_share().map_or(0.0, |share| gap.clear_m / (share * gap.context.scan.size_m))
 }
 
 /// The farther wall, the far side of a branch, is seen deep behind the nearer one: deeper than the clear width; or
@@ -73,23 +73,23 @@ pub(super) fn room_inside(gap: &Gap<'_>) -> f64 {
     if !gap.turns_like_branch() {
         return 0.0;
     }
-    let needed_m = gap.bump_hides_m.min(SEEN_INSIDE_SHARE * gap.site.scan.size_m);
-    (gap.depth_m / gap.clear_m).max(gap.room_m() / needed_m)
+    let needed_m = gap.bump_hides_m.min(SEEN_INSIDE_SHARE * gap.context.scan.size_m);
+    (gap.depth_m / gap.clear_m).max(gap.step_m() / needed_m)
 }
 
 /// The face of a corner is seen, the far side of a side passage, along the wall that it leaves. Behind the corner that
-/// wall goes on as if it had only been hidden. Where nothing is seen, the width decides, if a way on there has one.
+/// wall continues as if it had only been hidden. Where nothing is seen, the width decides, if an opening there has one.
 pub(super) fn room_before_face(gap: &Gap<'_>) -> f64 {
-    let room_ratio = gap.chord_m() / (FACE_SHARE * gap.site.scan.size_m);
-    let may_show_face = gap.is_clear() || gap.way_share().is_none();
+    let room_ratio = gap.chord_m() / (FACE_SHARE * gap.context.scan.size_m);
+    let may_show_face = gap.is_clear() || gap.opening_share().is_none();
     if room_ratio >= 1.0 && may_show_face && gap.turns_to_face() { room_ratio } else { 0.0 }
 }
 
-/// A vehicle fits between the nearer wall and a face that begins deep behind it, as that of no corner does, and no bump
-/// hides as much. The line of the farther wall shows little: it is that of the face, or of the wall behind it.
+/// A vehicle fits between the nearer wall and a face that begins deep behind it, deeper than the face of a corner, and no bump
+/// hides as much. The line of the farther wall shows little: it is the line of the face, or of the wall behind it.
 pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> f64 {
     let is_deep = gap.is_clear() && !gap.is_corner && gap.depth_m > BUMP_HIDES_M;
-    let room_ratio = gap.chord_m() / gap.site.with_bumps_m(SIDE_TIMES * gap.site.passage_m(), PLAIN_BUMPS);
+    let room_ratio = gap.chord_m() / gap.context.with_bumps_m(SIDE_TIMES * gap.context.passage_m(), PLAIN_BUMPS);
     let is_passage = is_deep && room_ratio >= 1.0 && gap.turns_to_face() && gap.fits_vehicle();
     if is_passage { room_ratio } else { 0.0 }
 }
@@ -97,20 +97,20 @@ pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> f64 {
 /// The farther wall of a dark gap begins so far in front of the nearer one that it is another wall.
 pub(super) fn room_behind_wall_in_front(gap: &Gap<'_>) -> f64 {
     let is_straight_and_dark = gap.is_dark && gap.turns.whole_rad < CORNER_RAD;
-    if is_straight_and_dark { -gap.depth_m / (IN_FRONT_SHARE * gap.site.scan.size_m) } else { 0.0 }
+    if is_straight_and_dark { -gap.depth_m / (IN_FRONT_SHARE * gap.context.scan.size_m) } else { 0.0 }
 }
 
 /// Hardly a beam looks into the gap, so that its width is plain to see.
 pub(super) fn room_in_plain_sight(gap: &Gap<'_>) -> f64 {
-    let (site, turn_rad) = (gap.site, gap.turns.whole_rad);
-    let turns_enough = (PLAIN_RAD..site.thresholds.way_rad).contains(&turn_rad);
+    let (context, turn_rad) = (gap.context, gap.turns.whole_rad);
+    let turns_enough = (PLAIN_RAD..context.thresholds.way_rad).contains(&turn_rad);
     if !turns_enough || !gap.is_clear() || !gap.holds_one_beam_at_most() {
         return 0.0;
     }
-    let needed_m = if turn_rad < site.thresholds.straight_rad {
-        site.with_bumps_m(site.passage_m(), PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * site.scan.size_m)
+    let needed_m = if turn_rad < context.thresholds.straight_rad {
+        context.with_bumps_m(context.passage_m(), PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * context.scan.size_m)
     } else {
-        site.with_bumps_m(site.passage_m(), PLAIN_BUMPS)
+        context.with_bumps_m(context.passage_m(), PLAIN_BUMPS)
     };
     gap.clear_m / needed_m
 }

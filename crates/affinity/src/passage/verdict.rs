@@ -1,4 +1,4 @@
-//! The table of rules and vetoes, and what is decided at a gap by it.
+//! The table of rules and vetoes, and the decision at a gap.
 
 use super::gap::Gap;
 use super::{dark, mouth, rules};
@@ -9,95 +9,105 @@ pub(super) struct Rule {
     name: &'static str,
     /// The reason in a few words.
     pub(super) words: &'static str,
-    /// How its room counts beside that of the others.
-    pub(super) room: Room,
-    /// The room that there is, divided by the room that a way on needs; 0 where the rule does not apply.
+    /// When it is asked.
+    pub(super) group: RuleGroup,
+    /// The room that there is, divided by the room that an opening needs; 0 where the rule does not apply.
     pub(super) room_ratio: fn(&Gap<'_>) -> f64,
 }
 
-/// How the room counts that a rule finds.
+/// When a rule is asked, and what its room is limited by.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Room {
-    /// Only where the clear width is that of a vehicle.
+pub(super) enum RuleGroup {
+    /// The room is at most the clear width, divided by the width of the vehicle.
     Clear,
-    /// Whatever the clear width is: no corner can be missing where nothing is seen.
+    /// The clear width does not matter: no corner can be missing where nothing is seen.
     Dark,
-    /// If no other rule finds enough.
+    /// Asked if no other rule finds enough room.
     Last,
 }
 
-/// What makes a gap no way on, whatever the rules find.
+/// What makes a gap no opening, whatever the rules find.
 pub(super) struct Veto {
     /// What `affinity.without` calls it.
     name: &'static str,
     /// The reason in a few words.
     words: &'static str,
-    over: Over,
+    phase: VetoPhase,
     holds: fn(&Gap<'_>) -> bool,
 }
 
-/// Which rules a veto is over.
+/// When a veto is asked.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Over {
-    /// All. It is asked first.
-    All,
-    /// Those of [`Room::Clear`].
-    Clear,
-    /// All. It is asked only of ways on, because it takes time.
-    Ways,
+pub(super) enum VetoPhase {
+    /// Before all rules.
+    BeforeRules,
+    /// Before the rules of [`RuleGroup::Clear`], for which alone it holds.
+    OfClearRules,
+    /// After the rules, if they find an opening, because it takes time.
+    OfOpenings,
 }
 
 /// The words of the rule that asks for a width.
 pub(super) const WIDTH: &str = "width for the turn";
 
-/// The rules. Of those whose room counts alike, the one that finds the most decides; of equal ones, the first.
+/// The rules. Of one group, the rule that finds the most room decides; of equal ones, the first.
 pub(super) const RULES: [Rule; 10] = [
-    Rule { name: "width", words: WIDTH, room: Room::Clear, room_ratio: rules::room_in_width },
-    Rule { name: "inside", words: "depth behind the nearer wall", room: Room::Clear, room_ratio: rules::room_inside },
-    Rule { name: "face", words: "the face of a corner", room: Room::Clear, room_ratio: rules::room_before_face },
+    Rule { name: "width", words: WIDTH, group: RuleGroup::Clear, room_ratio: rules::room_in_width },
+    Rule {
+        name: "inside",
+        words: "depth behind the nearer wall",
+        group: RuleGroup::Clear,
+        room_ratio: rules::room_inside,
+    },
+    Rule { name: "face", words: "the face of a corner", group: RuleGroup::Clear, room_ratio: rules::room_before_face },
     Rule {
         name: "in_front",
         words: "a wall in front",
-        room: Room::Clear,
+        group: RuleGroup::Clear,
         room_ratio: rules::room_behind_wall_in_front,
     },
     Rule {
         name: "plain_sight",
         words: "width in plain sight",
-        room: Room::Clear,
+        group: RuleGroup::Clear,
         room_ratio: rules::room_in_plain_sight,
     },
     Rule {
         name: "mouth",
         words: "depth behind a mouth or a door",
-        room: Room::Clear,
+        group: RuleGroup::Clear,
         room_ratio: mouth::room_behind_mouth,
     },
-    Rule { name: "doors", words: "nothing is seen in a door", room: Room::Dark, room_ratio: dark::room_in_door },
-    Rule { name: "blank", words: "nothing is seen", room: Room::Dark, room_ratio: dark::room_in_blank },
+    Rule { name: "doors", words: "nothing is seen in a door", group: RuleGroup::Dark, room_ratio: dark::room_in_door },
+    Rule { name: "blank", words: "nothing is seen", group: RuleGroup::Dark, room_ratio: dark::room_in_blank },
     Rule {
         name: "dark_end",
         words: "nothing is seen at the end of the range",
-        room: Room::Dark,
+        group: RuleGroup::Dark,
         room_ratio: dark::room_at_dark_end,
     },
     Rule {
         name: "side_passage",
         words: "the face of a side passage",
-        room: Room::Last,
+        group: RuleGroup::Last,
         room_ratio: rules::room_into_side_passage,
     },
 ];
 
 /// The vetoes. The first that holds decides.
 const VETOES: [Veto; 4] = [
-    Veto { name: "line", words: "the line of the nearer wall goes on", over: Over::All, holds: |gap| gap.is_in_line() },
-    Veto { name: CORNER, words: "an inner corner", over: Over::Clear, holds: |gap| gap.is_corner },
-    Veto { name: "slit", words: "a slit", over: Over::Ways, holds: |gap| gap.is_clear() && gap.is_slit() },
+    Veto {
+        name: "line",
+        words: "the line of the nearer wall goes on",
+        phase: VetoPhase::BeforeRules,
+        holds: |gap| gap.is_in_line(),
+    },
+    Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.is_corner },
+    Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.is_clear() && gap.is_slit() },
     Veto {
         name: "long_line",
         words: "the line of the nearer wall over 3 m goes on",
-        over: Over::Ways,
+        phase: VetoPhase::OfOpenings,
         holds: |gap| gap.is_in_long_line(),
     },
 ];
@@ -116,34 +126,34 @@ pub(super) const NAMES: [&str; RULES.len() + VETOES.len()] = {
     names
 };
 
-/// The rules and vetoes that are left out.
+/// The rules and vetoes that the configuration disables.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Without {
+pub(super) struct DisabledRules {
     /// For each of [`NAMES`].
     left_out: [bool; NAMES.len()],
     /// Whether inner corners are left out.
     pub(super) corners: bool,
 }
 
-impl Without {
+impl DisabledRules {
     /// Those of these names.
     pub(super) fn new(names: &[String]) -> Self {
         let has = |name: &str| names.iter().any(|other| other == name);
         Self { left_out: NAMES.map(has), corners: has(CORNER) }
     }
 
-    /// The rules that are left, of those whose room counts like this.
-    pub(super) fn rules(self, room: Room) -> impl Iterator<Item = &'static Rule> {
+    /// The enabled rules of a group.
+    pub(super) fn rules(self, group: RuleGroup) -> impl Iterator<Item = &'static Rule> {
         const { &RULES }
             .iter()
             .zip(self.left_out)
-            .filter_map(move |(rule, out)| (!out && rule.room == room).then_some(rule))
+            .filter_map(move |(rule, out)| (!out && rule.group == group).then_some(rule))
     }
 
-    /// The reason of the first veto that holds, of those that are left and over these rules.
-    pub(super) fn veto(self, over: Over, gap: &Gap<'_>) -> Option<&'static str> {
+    /// The reason of the first enabled veto of a phase that holds.
+    pub(super) fn veto(self, phase: VetoPhase, gap: &Gap<'_>) -> Option<&'static str> {
         let left = VETOES.iter().zip(&self.left_out[RULES.len()..]);
-        let mut asked = left.filter(|(veto, out)| !**out && veto.over == over);
+        let mut asked = left.filter(|(veto, out)| !**out && veto.phase == phase);
         asked.find(|(veto, _)| (veto.holds)(gap)).map(|(veto, _)| veto.words)
     }
 }
@@ -151,9 +161,9 @@ impl Without {
 /// How much room there is at a gap, by the rule that finds the most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decision {
-    /// The room that there is, divided by the room that a way on needs; 0 if the gap hides nothing.
+    /// The room that there is, divided by the room that an opening needs; 0 if the gap hides nothing.
     pub(super) room_ratio: f64,
-    /// What decides, in a few words: why it is a way on, or why it is none.
+    /// What decides, in a few words: why it is an opening, or why it is none.
     pub(super) reason: &'static str,
 }
 
@@ -163,7 +173,7 @@ impl Decision {
         Self { room_ratio: 0.0, reason }
     }
 
-    pub(super) fn is_way(self) -> bool {
+    pub(super) fn is_opening(self) -> bool {
         self.room_ratio >= 1.0
     }
 

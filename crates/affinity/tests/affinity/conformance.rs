@@ -14,10 +14,8 @@ macro_rules! every_kind {
 
 every_kind! {
     w_is_symmetric_with_entries_in_0_to_1_and_ones_on_the_diagonal
-    degrees_are_the_row_sums_of_w
     a_used_stage_and_a_used_buffer_give_the_same_bits_as_new_ones
     few_returns_and_returns_in_one_place_have_defined_graphs
-    a_point_that_is_not_finite_is_refused_by_its_index
     w_takes_no_more_memory_than_the_kind_states
     w_is_blind_to_what_the_kind_states
 }

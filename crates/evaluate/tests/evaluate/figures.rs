@@ -7,7 +7,7 @@ use crosscut_report::OpeningLine;
 use crate::scans::{answer, truth};
 
 fn score(true_labels: &[i32], reported: &[i32], confidence: f64) -> Score {
-    let answer = crosscut_report::ResultsLine { confidence, ..answer(reported, &[]) };
+    let answer = crosscut_report::ResultsLine { confidence: Some(confidence), ..answer(reported, &[]) };
     Score::of(&truth(true_labels, 0), &answer).expect("equally many labels")
 }
 

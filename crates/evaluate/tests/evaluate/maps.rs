@@ -3,9 +3,8 @@
 use crosscut_evaluate::maps::{
     Counts, MapFigures, MapTruth, TruePassage, TruePlace, WhereAt, every_change, within_radius,
 };
-use crosscut_flight::{Map, Node, NodeWay, Passage};
+use crosscut_flight::{HereKind, Map, Node, NodeWay, Passage};
 use crosscut_messages::{TruthEdge, TruthKind, TruthMap, TruthNode, TruthWay};
-use crosscut_stage::HereKind;
 use nalgebra::Point2;
 
 /// From 10 m before the first place to the third and back to the second, a metre and a nanosecond at a time; at stamp 100

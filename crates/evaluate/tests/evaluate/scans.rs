@@ -28,7 +28,7 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         junctions: walls.iter().filter(|wall| !wall.island).count(),
         k: walls.len(),
         margin: None,
-        confidence: 0.5,
+        confidence: Some(0.5),
         place: String::new(),
         eigenvalues: Vec::new(),
         walls,

@@ -3,18 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crosscut_stage::{Frame, PoseDoubt, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
-
-use crosscut_stage::{Frame, HereKind, PoseDoubt, wrap_angle_rad};
-
-use crate::line_points::line_points;
-use crate::{Edge, PoseGraph};
 
 use super::outline::Walls;
 use super::recognise::Guess;
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use super::{Map, Passage};
+use crate::line_points::line_points;
+use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 
 /// A visit has ended once the vehicle has moved this far in a passage: the place may be in doubt in between. One to a
 /// dead end, only once it is certain by which side the vehicle leaves.
@@ -130,15 +128,15 @@ pub(super) struct Departure {
 impl Mapper {
     /// Takes the next frame, with its pose and its steady place. A frame without a pose is passed over.
     pub fn add(&mut self, frame: &Frame) {
-        let (Some(pose), Some(steady)) = (frame.pose, frame.steady.as_ref().and_then(|steady| steady.here.as_ref()))
-        else {
+        let flown = FlightAnswer::of(frame);
+        let (Some(pose), Some(steady)) = (flown.pose, flown.steady_here()) else {
             return;
         };
-        let now_ns = frame.revolution.stamp_ns;
-        if frame.pose_doubt.stretch != self.doubt.stretch {
+        let (now_ns, doubt) = (frame.revolution.stamp_ns, flown.doubt.unwrap_or_default());
+        if doubt.stretch != self.doubt.stretch {
             self.end_stretch();
         }
-        self.doubt = frame.pose_doubt;
+        self.doubt = doubt;
         self.way.add(pose);
         self.settle(Point2::from(pose.translation.vector));
         let node = steady.node();
@@ -153,12 +151,12 @@ impl Mapper {
         if self.open.as_ref().is_some_and(has_ended) {
             self.end_visit(self.in_node_ns, Some(pose));
         }
-        let Some(seen) = &frame.here else { return };
+        let Some(seen) = &flown.here else { return };
         if let Some(node) = node {
             (self.in_node_ns, self.in_node_at_m) = (now_ns, self.way.way_m);
-            self.in_node_doubt = frame.pose_doubt;
+            self.in_node_doubt = doubt;
             if self.open.is_none() {
-                self.began_doubt = frame.pose_doubt;
+                self.began_doubt = doubt;
             }
             let came_from = self.way.came_from();
             let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from));

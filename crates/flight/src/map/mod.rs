@@ -10,9 +10,10 @@ mod visit;
 
 use std::collections::BTreeMap;
 
+use crosscut_stage::counted;
 use nalgebra::Point2;
 
-use crosscut_stage::{HereKind, counted};
+use crate::HereKind;
 
 pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};

@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crosscut_stage::wrap_angle_rad;
 use nalgebra::Point2;
-
-use crosscut_stage::{Way, wrap_angle_rad};
-
-use crate::Edge;
 
 use super::mapper::{Flown, Place, information, nearest_way};
 use super::outline::{Fit, Walls};
 use super::recognise::{Candidate, LEAST_LEAD, LEAST_SHARE};
 use super::visit::Visit;
 use super::{Mapper, Merge, Node, NodeWay};
+use crate::{Edge, Way};
 
 /// Once the drift is corrected, two nodes nearer than this may be one.
 const RECONSIDERED_M: f64 = 4.0;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crosscut_stage::{unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
-
-use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
 
 use crate::belief::{elapsed_s, independent, sure};
 use crate::line_points::LinePoint;
+use crate::{Here, HereKind, Way};
 
 /// The outline of a visit is taken each time the vehicle has moved this far.
 const OUTLINE_EVERY_M: f64 = 0.7;

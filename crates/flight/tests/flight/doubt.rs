@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::{Flight, Map, Mapper, PARAMS};
-use crosscut_pipeline::{Preset, Settings};
+use crosscut_detector::{Preset, Settings};
+use crosscut_flight::{Flight, FlightAnswer, Map, Mapper, PARAMS};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Plan, Scene};
 use crosscut_stage::{Frame, Params, PoseDoubt};
@@ -60,8 +60,8 @@ fn follow(scenes: impl Iterator<Item = Scene>, odometry: impl Fn(&Isometry2<f64>
         engine.process(&mut frame).expect("no failure");
         flight.add(&mut frame);
         mapper.add(&frame);
-        seen.poses.push([pose, frame.pose.expect("a pose")]);
-        seen.doubts.push(frame.pose_doubt);
+        seen.poses.push([pose, FlightAnswer::of(&frame).pose.expect("a pose")]);
+        seen.doubts.push(FlightAnswer::of(&frame).doubt.expect("with a pose"));
         seen.notes.extend(frame.notes.iter().map(str::to_owned));
     }
     seen.map = mapper.map();

@@ -9,8 +9,8 @@ mod scan_match;
 mod simulated;
 mod steady;
 
+use crosscut_detector::{Preset, Settings};
 use crosscut_flight::Flight;
-use crosscut_pipeline::{Preset, Settings};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scenario, Scene, scenarios};
 use crosscut_stage::{Frame, Params};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_flight::{Map, Mapper};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, Steady, Way};
 use crosscut_simulator::network::{Network, Point};
-use crosscut_stage::{Frame, Here, HereKind, Revolution, Steady, Way};
+use crosscut_stage::{Frame, Revolution};
 use nalgebra::{Isometry2, Vector2};
 
 use crate::{follow, scenario};
@@ -117,8 +117,10 @@ fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f
             let pose = Isometry2::translation(x_m, y_m);
             let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
             let revolution = Revolution { stamp_ns: 100_000_000 * u64::from(step as u32), ..Revolution::default() };
-            let (pose, here, steady) = (Some(pose), Some(here.clone()), Some(steady));
-            mapper.add(&Frame { revolution, pose, here, steady, ..Frame::default() });
+            let mut frame = Frame { revolution, ..Frame::default() };
+            FlightAnswer { pose: Some(pose), doubt: None, here: Some(here.clone()), steady: Some(steady) }
+                .put(&mut frame);
+            mapper.add(&frame);
             step += 1;
         }
     }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crosscut_flight::{FlightAnswer, Here};
 use crosscut_messages::TruthPlace;
 use crosscut_simulator::Scene;
-use crosscut_stage::Here;
 
 use crate::follow;
 
@@ -24,7 +24,7 @@ fn kind_and_ways_are_right_in_nine_of_ten_revolutions() {
             |_| {},
             |scene, frame| {
                 let Some(TruthPlace { kind, ways }) = scene.truth.here else { return };
-                let is_right = is_right(frame.here.as_ref().expect("a full turn"), scene.truth.here);
+                let is_right = is_right(FlightAnswer::of(frame).here.as_ref().expect("a full turn"), scene.truth.here);
                 let entry = right.entry(format!("{name} {kind:?} {ways}")).or_default();
                 entry[0] += usize::from(is_right);
                 entry[1] += 1;
@@ -62,8 +62,8 @@ fn a_limited_view_knows_what_earlier_scans_saw_behind() {
             usize::MAX,
             |scene| narrow(scene, 120.0),
             |scene, frame| {
-                unknown.push(frame.here.is_none());
-                if let Some(found) = frame.here.as_ref().filter(|_| scene.truth.here.is_some()) {
+                unknown.push(FlightAnswer::of(frame).here.is_none());
+                if let Some(found) = FlightAnswer::of(frame).here.as_ref().filter(|_| scene.truth.here.is_some()) {
                     judged.push(is_right(found, scene.truth.here));
                 }
             },
@@ -78,6 +78,6 @@ fn a_limited_view_knows_what_earlier_scans_saw_behind() {
 #[test]
 fn a_view_with_no_line_through_the_sensor_knows_no_place_at_first() {
     let mut here = Vec::new();
-    follow("tunnel", 1, 3, |scene| narrow(scene, 60.0), |_, frame| here.push(frame.here.clone()));
+    follow("tunnel", 1, 3, |scene| narrow(scene, 60.0), |_, frame| here.push(FlightAnswer::of(frame).here.clone()));
     assert_eq!(here, [None, None, None]);
 }

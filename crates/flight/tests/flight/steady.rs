@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crosscut_flight::{FlightAnswer, Steady};
 use crosscut_messages::Time;
 use crosscut_simulator::Scene;
-use crosscut_stage::Steady;
 
 use crate::follow;
 
@@ -18,8 +18,8 @@ struct Flown {
 fn fly(name: &str, seed: u64, revolutions: usize, edit: impl Fn(&mut Scene)) -> Vec<Flown> {
     let mut flown = Vec::new();
     follow(name, seed, revolutions, edit, |scene, frame| {
-        let here = frame.here.as_ref().map(|here| (here.kind.name(), here.ways.len()));
-        let steady = frame.steady.clone().expect("there are returns");
+        let here = FlightAnswer::of(frame).here.as_ref().map(|here| (here.kind.name(), here.ways.len()));
+        let steady = FlightAnswer::of(frame).steady.clone().expect("there are returns");
         flown.push(Flown { truth: scene.truth.walls as usize, single: frame.junction.junctions, here, steady });
     });
     flown

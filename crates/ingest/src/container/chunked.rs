@@ -5,7 +5,7 @@ use std::{io, mem};
 
 use super::contents::TimeSample;
 use super::{ChannelId, Container, Contents, Message, Topic};
-use crate::{Damage, Following, Loss, LossKind};
+use crate::{Damage, Following, Loss, LossKind, limits};
 
 /// A file whose messages stand in chunks, one after the other.
 pub(super) trait ChunkedFile: Send {
@@ -14,6 +14,9 @@ pub(super) trait ChunkedFile: Send {
 
     /// Goes back to the first record, and closes the file until it is read again.
     fn rest(&mut self) -> io::Result<()>;
+
+    /// Where the next record begins.
+    fn at_byte(&self) -> u64;
 
     /// Hands the next record, or all records of the next chunk, to `visitor`, and settles it.
     fn step(&mut self, visitor: &mut impl Visitor) -> Progress;
@@ -140,7 +143,10 @@ impl<F: ChunkedFile> Chunked<F> {
             let Some(chunk) = chunks.pop_front() else { return };
             let at_byte = chunk.at_byte;
             self.collector.chunk_at_byte = at_byte;
-            if let Err(damage) = self.file.chunk(at_byte, &mut self.collector) {
+            let read = self.file.chunk(at_byte, &mut self.collector);
+            if !self.lose_refused(at_byte)
+                && let Err(damage) = read
+            {
                 let scans = self.file.messages_in(&chunk, &self.collector.channels);
                 self.skipped += scans.unwrap_or(0);
                 self.lose(LossKind::Part { at_byte, scans, damage });
@@ -154,6 +160,7 @@ impl<F: ChunkedFile> Chunked<F> {
         while let Plan::InFileOrder { ended: ended @ false } = &mut self.plan
             && self.collector.queue.is_empty()
         {
+            let at_byte = self.file.at_byte();
             let progress = self.file.step(&mut self.collector);
             *ended = matches!(progress, Progress::End { .. } | Progress::Stopped { .. });
             match progress {
@@ -169,7 +176,19 @@ impl<F: ChunkedFile> Chunked<F> {
                 }
                 _ => {}
             }
+            self.lose_refused(at_byte);
         }
+    }
+
+    /// Reports messages of the chunk at `at_byte` for which there was no room; whether there were any.
+    fn lose_refused(&mut self, at_byte: u64) -> bool {
+        let refused = mem::take(&mut self.collector.refused);
+        if refused > 0 {
+            self.skipped += refused;
+            let damage = Damage::TooLarge { bytes: self.collector.bytes, limit: self.collector.most_bytes };
+            self.lose(LossKind::Part { at_byte, scans: Some(refused), damage });
+        }
+        refused > 0
     }
 }
 
@@ -197,8 +216,13 @@ impl<F: ChunkedFile> Container for Chunked<F> {
         self.is_followed
     }
 
+    fn limit_waiting(&mut self, bytes: u64) {
+        self.collector.most_bytes = bytes;
+    }
+
     fn select(&mut self, channels: &BTreeSet<ChannelId>) {
-        self.collector = Collector { channels: channels.clone(), ..Collector::default() };
+        let most_bytes = self.collector.most_bytes;
+        self.collector = Collector { channels: channels.clone(), most_bytes, ..Collector::default() };
         let rested = self.file.rest();
         let ended = rested.is_err();
         if let Err(error) = rested {
@@ -240,12 +264,16 @@ impl<F: ChunkedFile> Container for Chunked<F> {
 }
 
 /// Keeps the messages of the selected channels in the chunks that were read.
-#[derive(Default)]
 struct Collector {
     channels: BTreeSet<ChannelId>,
     queue: VecDeque<Queued>,
     /// How many of the queue are known to be whole.
     settled: usize,
+    /// Of the messages in the queue, and how many there may be.
+    bytes: u64,
+    most_bytes: u64,
+    /// Messages for which there was no room since the last chunk.
+    refused: u64,
     spare: Vec<Vec<u8>>,
     chunk_at_byte: u64,
     seen: u64,
@@ -258,6 +286,22 @@ struct Queued {
     order: (u64, u64),
 }
 
+impl Default for Collector {
+    fn default() -> Self {
+        Self {
+            channels: BTreeSet::new(),
+            queue: VecDeque::new(),
+            settled: 0,
+            bytes: 0,
+            most_bytes: limits::WAITING_BYTES,
+            refused: 0,
+            spare: Vec::new(),
+            chunk_at_byte: 0,
+            seen: 0,
+        }
+    }
+}
+
 impl Collector {
     fn sort(&mut self) {
         self.queue.make_contiguous().sort_by_key(|queued| (queued.message.log_time_ns, queued.order));
@@ -266,7 +310,9 @@ impl Collector {
     fn take(&mut self) -> Option<Message> {
         let queued = self.queue.pop_front();
         self.settled = self.queue.len();
-        queued.map(|queued| queued.message)
+        let message = queued?.message;
+        self.bytes -= message.data.len() as u64;
+        Some(message)
     }
 }
 
@@ -274,13 +320,15 @@ impl Visitor for Collector {
     fn channel(&mut self, _: ChannelId, _: Topic) {}
 
     fn wants(&self, channel: ChannelId) -> bool {
-        self.channels.contains(&channel)
+        self.channels.contains(&channel) && self.bytes < self.most_bytes
     }
 
     fn message(&mut self, channel: ChannelId, log_time_ns: u64, body: &mut Vec<u8>) {
         if !self.wants(channel) {
+            self.refused += u64::from(self.channels.contains(&channel));
             return;
         }
+        self.bytes += body.len() as u64;
         let data = mem::replace(body, self.spare.pop().unwrap_or_default());
         self.seen += 1;
         let order = (self.chunk_at_byte, self.seen);
@@ -289,7 +337,8 @@ impl Visitor for Collector {
 
     fn settle(&mut self, whole: bool) {
         if !whole {
-            self.queue.truncate(self.settled);
+            let faulty = self.queue.drain(self.settled..);
+            self.bytes -= faulty.map(|queued| queued.message.data.len() as u64).sum::<u64>();
         }
         self.settled = self.queue.len();
     }

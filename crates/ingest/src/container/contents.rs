@@ -90,6 +90,6 @@ impl Contents {
     /// How many messages these channels have, if they are counted.
     pub(crate) fn count(&self, channels: &BTreeSet<ChannelId>) -> Option<u64> {
         let counts = self.counts.as_ref()?;
-        Some(channels.iter().map(|id| counts.get(id).copied().unwrap_or(0)).sum())
+        Some(channels.iter().fold(0, |sum: u64, id| sum.saturating_add(counts.get(id).copied().unwrap_or(0))))
     }
 }

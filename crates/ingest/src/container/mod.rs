@@ -32,10 +32,10 @@ use self::rosbag2::Rosbag2;
 use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
-use crate::{Following, Found, IngestError, Loss, LossKind};
+use crate::{CsvGeometry, Following, Found, IngestError, Loss, LossKind};
 
+pub(crate) use self::mcap::metadata as mcap_metadata;
 pub use self::spool::KeptStandardInput;
-pub use self::table::{CSV_PARAMS, CsvGeometry};
 
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;
@@ -65,6 +65,9 @@ pub(crate) trait Container: Send {
     fn follow(&mut self, _: &Following) -> bool {
         false
     }
+
+    /// Messages that wait for those before them may take this much memory; what exceeds it is lost.
+    fn limit_waiting(&mut self, _: u64) {}
 
     /// The next message of the selected channels; give it back by [`recycle`](Self::recycle).
     fn next(&mut self) -> Option<Message>;
@@ -106,7 +109,7 @@ pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>,
     let mut file = File::open(path).map_err(failed)?;
     let start = start_of(&mut file).map_err(failed)?;
     if let Some(compression) = Compression::of(&start) {
-        let spooled = spool::decompress(file, compression).map_err(failed)?;
+        let spooled = spool::decompress(path, file, compression).map_err(failed)?;
         return open_spooled(path, spooled, Some(compression), csv);
     }
     open_plain(path, path, RestingFile::new(path.to_owned(), file), &start, csv)

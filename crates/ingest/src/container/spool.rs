@@ -1,14 +1,20 @@
-//! Files that cannot be read where they are: compressed ones, and standard input. They are copied to a temporary file.
+//! Files that cannot be read where they are: compressed ones, and standard input. They are copied to a temporary file: in
+//! `TMPDIR` if that is set, else in `/var/tmp`, else beside the file. `/tmp` is memory on many systems.
 
 use std::fs::File;
 use std::io::{self, Read, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::{Damage, limits};
 
 const BUFFER_BYTES: usize = 256 * 1024;
+/// The space on the disk is asked for again after this many bytes.
+const ASK_EVERY_BYTES: u64 = 16 << 20;
+/// This much space is left to others.
+const LEFT_BYTES: u64 = 256 << 20;
 
 /// A compression of whole files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,35 +79,33 @@ pub(super) fn standard_input() -> io::Result<Spooled> {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     match &mut *kept {
         Some(Some(copied)) => Ok(copied.clone()),
-        Some(empty) => Ok(empty.insert(copy(io::stdin().lock())?).clone()),
-        None => copy(io::stdin().lock()),
+        Some(empty) => Ok(empty.insert(copy(io::stdin().lock(), None, limits::SPOOLED_BYTES)?).clone()),
+        None => copy(io::stdin().lock(), None, limits::SPOOLED_BYTES),
     }
 }
 
-/// Decompresses a file up to where it is damaged.
+/// Decompresses the file at `path` up to where it is damaged, or larger than a recording of its size can be.
 ///
 /// # Errors
 /// When there is no place on the disk for it.
-pub(super) fn decompress(file: File, compression: Compression) -> io::Result<Spooled> {
+pub(super) fn decompress(path: &Path, file: File, compression: Compression) -> io::Result<Spooled> {
+    let most = file.metadata()?.len().saturating_mul(limits::EXPANSION).saturating_add(limits::ANY_EXPANSION_BYTES);
+    let (beside, limit) = (path.parent(), most.min(limits::SPOOLED_BYTES));
     match compression {
-        Compression::Zstd => copy(zstd::stream::read::Decoder::new(file)?),
-        Compression::Lz4 => copy(lz4::Decoder::new(io::BufReader::new(file))?),
-        Compression::Bzip2 => copy(bzip2::read::MultiBzDecoder::new(file)),
+        Compression::Zstd => copy(zstd::stream::read::Decoder::new(file)?, beside, limit),
+        Compression::Lz4 => copy(lz4::Decoder::new(io::BufReader::new(file))?, beside, limit),
+        Compression::Bzip2 => copy(bzip2::read::MultiBzDecoder::new(file), beside, limit),
     }
 }
 
-/// Copies `input` up to where it cannot be read any more.
+/// Copies `input` up to where it cannot be read any more, or to `limit` bytes.
 ///
 /// # Errors
 /// When there is no place on the disk for it.
-fn copy(input: impl Read) -> io::Result<Spooled> {
-    copy_up_to(input, limits::DECOMPRESSED_BYTES)
-}
-
-fn copy_up_to(mut input: impl Read, limit: u64) -> io::Result<Spooled> {
-    let mut file = NamedTempFile::new()?;
+fn copy(mut input: impl Read, beside: Option<&Path>, limit: u64) -> io::Result<Spooled> {
+    let mut file = temporary(beside)?;
     let mut buffer = vec![0; BUFFER_BYTES];
-    let mut bytes = 0;
+    let (mut bytes, mut asked) = (0, 0);
     let damage = loop {
         match input.read(&mut buffer) {
             Ok(0) => break None,
@@ -109,6 +113,10 @@ fn copy_up_to(mut input: impl Read, limit: u64) -> io::Result<Spooled> {
                 bytes += count as u64;
                 if bytes > limit {
                     break Some(Damage::TooLarge { bytes, limit });
+                }
+                if asked == 0 || bytes - asked > ASK_EVERY_BYTES {
+                    ask_for_space(file.path())?;
+                    asked = bytes;
                 }
                 file.write_all(&buffer[..count])?;
             }
@@ -119,13 +127,50 @@ fn copy_up_to(mut input: impl Read, limit: u64) -> io::Result<Spooled> {
     Ok(Spooled { path: Arc::new(file.into_temp_path()), damage })
 }
 
+/// A temporary file on a disk.
+fn temporary(beside: Option<&Path>) -> io::Result<NamedTempFile> {
+    let beside = beside.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let chosen = std::env::var_os("TMPDIR").filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    let folders = match chosen {
+        Some(folder) => vec![folder],
+        None => [Path::new("/var/tmp")]
+            .into_iter()
+            .chain(beside)
+            .map(Path::to_owned)
+            .chain([std::env::temp_dir()])
+            .collect(),
+    };
+    let mut in_folders = folders.iter().map(|folder| Builder::new().prefix("crosscut-").tempfile_in(folder));
+    let first = in_folders.next().unwrap_or_else(NamedTempFile::new);
+    first.or_else(|error| in_folders.find_map(Result::ok).ok_or(error))
+}
+
+/// Fails if the disk of a temporary file is nearly full.
+#[cfg(unix)]
+fn ask_for_space(path: &Path) -> io::Result<()> {
+    let Ok(disk) = rustix::fs::statvfs(path) else { return Ok(()) }; // writing tells as well
+    let free = disk.f_bavail.saturating_mul(disk.f_frsize);
+    if free > LEFT_BYTES {
+        return Ok(());
+    }
+    let folder = path.parent().unwrap_or(path).display();
+    let words =
+        format!("no room for a temporary copy in {folder}: {} MiB are free; set TMPDIR to another disk", free >> 20);
+    Err(io::Error::new(io::ErrorKind::StorageFull, words))
+}
+
+#[cfg(not(unix))]
+fn ask_for_space(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn an_endless_input_ends_at_the_limit() {
-        let spooled = copy_up_to(io::repeat(7), 1 << 20).expect("room on the disk");
+        let spooled = copy(io::repeat(7), None, 1 << 20).expect("room on the disk");
         assert_eq!(std::fs::metadata(&*spooled.path).expect("a file").len(), 1 << 20);
         assert!(matches!(spooled.damage, Some(Damage::TooLarge { limit: 0x10_0000, .. })));
     }

@@ -12,6 +12,7 @@ use crosscut_sensor::{LEARNED_SCANS, Motion, Sensor, View};
 use crosscut_stage::{Notes, Revolution};
 
 use self::segments::Joiner;
+use crate::limits;
 
 /// So many messages show whether they are parts of turns: some turns of those drivers that send the most of them.
 const LEARNED_MESSAGES: usize = 100;
@@ -52,6 +53,9 @@ pub(crate) struct Turns {
     knows_blind: bool,
     view: View,
     spare: Vec<ScanMessage>,
+    /// Of the ranges that wait, and how many may.
+    bytes: u64,
+    most_bytes: u64,
 }
 
 impl Turn {
@@ -90,7 +94,14 @@ impl Turns {
             knows_blind: !are_scans || !finds_blind,
             view: View::default(),
             spare: Vec::new(),
+            bytes: 0,
+            most_bytes: limits::WAITING_BYTES,
         }
+    }
+
+    /// With less memory for the messages that wait: fewer have to do, where they are large.
+    pub(crate) fn limited(self, most_bytes: u64) -> Self {
+        Self { most_bytes, ..self }
     }
 
     /// How many messages usually make a turn.
@@ -100,15 +111,20 @@ impl Turns {
 
     /// Takes a message.
     pub(crate) fn push(&mut self, message: Turn, sensor: &Sensor) {
+        if !self.is_settled() {
+            let ranges = message.laser_scan().map_or(0, |scan| scan.ranges.len() + scan.intensities.len());
+            self.bytes += (size_of::<f32>() * ranges) as u64;
+        }
+        let is_full = self.bytes >= self.most_bytes;
         if self.knows_parts {
             self.take(message);
         } else {
             self.waiting.push(message);
-            if self.waiting.len() >= LEARNED_MESSAGES {
+            if self.waiting.len() >= LEARNED_MESSAGES || is_full {
                 self.learn_parts();
             }
         }
-        if self.knows_parts && self.turns.len() >= LEARNED_SCANS {
+        if self.knows_parts && (self.turns.len() >= LEARNED_SCANS || is_full) {
             self.learn_blind(sensor);
         }
     }

@@ -1,6 +1,6 @@
 //! Files that exceed a limit: what is too large is lost, and takes no memory.
 
-use crosscut_ingest::{Damage, LossKind, Recording};
+use crosscut_ingest::{Damage, LossKind, ReadOptions, Recording};
 
 use crate::bags::{Built, ros1_bag};
 use crate::flight::{
@@ -15,9 +15,10 @@ fn place_of(bytes: &[u8], what: &[u8]) -> usize {
 
 fn is_too_large(recording: &Recording) -> bool {
     recording.losses().iter().any(|loss| match &loss.kind {
-        LossKind::Part { damage, .. } | LossKind::Rest { damage, .. } | LossKind::Index { damage } => {
-            matches!(damage, Damage::TooLarge { .. })
-        }
+        LossKind::Part { damage, .. }
+        | LossKind::Rest { damage, .. }
+        | LossKind::Index { damage }
+        | LossKind::Compressed { damage, .. } => matches!(damage, Damage::TooLarge { .. }),
         _ => false,
     })
 }
@@ -142,4 +143,47 @@ fn a_line_without_end_is_cut_and_the_lines_behind_it_are_read() {
     let text = [line(1), "9".repeat(16 << 20), line(2), line(3)].concat();
     let mut recording = open(&folder.add("log.clf", text.as_bytes())).expect("a log");
     assert_eq!(drain(&mut recording).len(), 3, "the second begins where the long line is cut");
+}
+
+#[test]
+fn a_record_of_the_index_that_is_too_large_costs_the_index_alone() {
+    let folder = Folder::new();
+    let mut bytes = Form::CHUNKED.write(&plain_flight(10));
+    // The footer: where the summary begins, where its offsets begin, its checksum; then the magic bytes.
+    let footer_at = bytes.len() - mcap::MAGIC.len() - 20;
+    let summary_at = u64::from_le_bytes(bytes[footer_at..footer_at + 8].try_into().expect("8 bytes")) as usize;
+    bytes[footer_at + 16..footer_at + 20].fill(0);
+    let record_bytes: u64 = (64 << 20) + 1;
+    let head = [&[mcap::records::op::STATISTICS][..], &record_bytes.to_le_bytes()].concat();
+    bytes.splice(summary_at..summary_at, head.into_iter().chain(std::iter::repeat_n(0, record_bytes as usize)));
+    let mut recording = open(&folder.add("flight.mcap", &bytes)).expect("a recording");
+    assert_eq!(drain(&mut recording), expected(10));
+    assert!(is_too_large(&recording), "{:?}", recording.losses());
+}
+
+#[test]
+fn a_file_that_decompresses_to_too_much_is_cut() {
+    let folder = Folder::new();
+    let flight = Form { summary: false, ..Form::CHUNKED }.write(&plain_flight(10));
+    let mut bomb = zstd::stream::Encoder::new(Vec::new(), 1).expect("in memory");
+    let zeros = std::io::Read::take(std::io::repeat(0), 200 << 20);
+    std::io::copy(&mut std::io::Read::chain(&flight[..], zeros), &mut bomb).expect("in memory");
+    let mut recording = open(&folder.add("flight.mcap.zstd", &bomb.finish().expect("in memory"))).expect("a recording");
+    assert_eq!(drain(&mut recording), expected(10));
+    assert!(is_too_large(&recording), "{:?}", recording.losses());
+}
+
+#[test]
+fn messages_that_wait_beyond_their_memory_are_lost_and_counted() {
+    let folder = Folder::new();
+    for summary in [true, false] {
+        let flight = Form { summary, ..Form::CHUNKED }.write(&plain_flight(10));
+        let path = folder.add("flight.mcap", &flight);
+        let one = plain_flight(1)[0].data.len() as u64;
+        let options = ReadOptions { waiting_bytes: 2 * one + 1, ..ReadOptions::default() };
+        let mut recording = Recording::open(&[path], &options, crate::flight::sensor(&[])).expect("a recording");
+        // Of five messages in a chunk three begin within the limit.
+        assert_eq!(drain(&mut recording).len(), 6, "index: {summary}");
+        assert!(is_too_large(&recording), "{:?}", recording.losses());
+    }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_flight::Mapper;
-use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
+use crosscut_flight::{Here, HereKind, Mapper, Way};
+use crosscut_stage::{unit, wrap_angle_rad};
 
 use super::following::freest;
 use super::{BEFORE_FACE_M, BEYOND_LOOK_M, Doing, Navigator};

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
+use crosscut_flight::{FlightAnswer, HereKind, Located};
+use crosscut_stage::{Beam, Frame, Revolution, unit, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
-
-use crosscut_flight::Located;
-use crosscut_stage::{Beam, Frame, HereKind, Revolution, unit, wrap_angle_rad};
 
 use super::answer::Decision;
 use super::{Doing, Left, Navigator};
@@ -35,7 +34,7 @@ impl Navigator {
         frame: &Frame,
         pose: &Isometry2<f64>,
     ) -> Decision {
-        let steady = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
+        let steady = FlightAnswer::of(frame).steady_here();
         let here_m = Point2::from(pose.translation.vector);
         let look_m = steady.map_or(3.0, |here| here.look_m);
         let (bearing_rad, place, why) = match &located {
@@ -117,7 +116,7 @@ impl Navigator {
 
     /// Notes the ways that are seen to end near by.
     fn note_ends(&mut self, located: &Located, frame: &Frame, yaw_rad: f64) {
-        let ways = frame.here.iter().flat_map(|here| &here.ways);
+        let ways = FlightAnswer::of(frame).here.iter().flat_map(|here| &here.ways);
         for way in ways.filter(|way| way.opening.is_none()) {
             if is_seen_to_end(&frame.revolution, way.bearing_rad) {
                 let way = WayEnd::new(located, wrap_angle_rad(way.bearing_rad + yaw_rad));

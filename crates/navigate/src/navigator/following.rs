@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry2, Point2};
 
-use crosscut_stage::{Here, HereKind, Way, unit, wrap_angle_rad};
+use crosscut_flight::{Here, HereKind, Way};
+use crosscut_stage::{unit, wrap_angle_rad};
 
 use super::{BEFORE_FACE_M, BEYOND_LOOK_M, Navigator};
 use crate::surround::Field;

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crosscut_stage::Here;
+use crosscut_flight::Here;
 
 use super::Navigator;
 use crate::surround::Field;

@@ -8,10 +8,9 @@ mod homing;
 
 use std::f64::consts::PI;
 
+use crosscut_flight::{FlightAnswer, HereKind, Mapper};
+use crosscut_stage::{Frame, wrap_angle_rad};
 use nalgebra::{Isometry2, Point2};
-
-use crosscut_flight::Mapper;
-use crosscut_stage::{Frame, HereKind, wrap_angle_rad};
 
 use crate::chart::{Chart, WayEnd};
 use crate::planner::Planner;
@@ -140,7 +139,8 @@ impl Navigator {
     /// The command after the next frame, which the flight has filled and the mapper has taken.
     pub fn step(&mut self, frame: &Frame, mapper: &Mapper) -> Step {
         self.now += 1;
-        let Some(pose) = frame.pose else {
+        let flown = FlightAnswer::of(frame);
+        let Some(pose) = flown.pose else {
             return self.rests("waits", self.limit());
         };
         let here_m = Point2::from(pose.translation.vector);
@@ -148,7 +148,7 @@ impl Navigator {
         let field = self.surround.field(here_m);
         self.move_to(here_m);
         self.trail.add(pose, mapper);
-        let steady = frame.steady.as_ref().and_then(|steady| steady.here.as_ref());
+        let steady = flown.steady_here();
         if self.is_home(here_m, steady) {
             return self.rests("is home", Some(End::Home));
         }
@@ -159,8 +159,8 @@ impl Navigator {
         }
         let (mut decision, mut stops) = (None, false);
         match self.doing {
-            Doing::Follow => self.follow(frame.here.as_ref(), steady, &pose, &field),
-            Doing::Leave { began } => self.leave(frame.here.as_ref(), steady, &pose, began),
+            Doing::Follow => self.follow(flown.here.as_ref(), steady, &pose, &field),
+            Doing::Leave { began } => self.leave(flown.here.as_ref(), steady, &pose, began),
             Doing::Arrive { kind, .. } => {
                 stops = true;
                 if self.is_to_decide(steady, &pose, &field, mapper) {

@@ -3,7 +3,8 @@
 use std::io;
 
 use crate::stages::{Count, STAGES, config, registry, run};
-use crosscut_pipeline::{Config, End, Engine, StopFlag, StreamOptions, stream};
+use crosscut_detector::{Config, Engine};
+use crosscut_pipeline::{End, StopFlag, StreamOptions, stream};
 use crosscut_stage::{FailureCause, Frame, Observer, ObserverError, Step};
 
 fn settings(workers: usize, in_flight: usize, more: &str) -> Config {
@@ -281,6 +282,20 @@ fn the_engine_alone_does_the_same_steps_and_recovers_after_a_failure() {
         assert_eq!(frame.failure, processed.err());
     }
     assert_eq!(frame.junction.junctions, 1);
+}
+
+#[test]
+fn an_affinity_that_nothing_was_calibrated_for_has_no_confidence() {
+    let answer = |kind: &str| {
+        let mut frame = Frame::default();
+        frame.revolution.points_m = vec![crosscut_stage::Point::origin()];
+        let mut engine = Engine::new(&config(&[&format!("affinity.kind={kind}")]), &registry());
+        engine.process(&mut frame).expect("nothing fails at x = 0");
+        (frame.junction.confidence, frame.notes.iter().any(|note| note.contains("nothing was calibrated")))
+    };
+    assert_eq!(answer("failing"), (None, true));
+    let (confidence, noted) = answer("rbf");
+    assert!(confidence.is_some() && !noted);
 }
 
 #[test]

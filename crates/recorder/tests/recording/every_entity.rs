@@ -137,7 +137,10 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         },
         ("/report/axis", _) => |value, _| is_f64s(value, &[2], vec![0.0, 5.0]),
         ("/report/junctions", _) => |value, frame| is_number(value, frame.junction.junctions as f64),
-        ("/report/confidence", _) => |value, frame| is_number(value, frame.junction.confidence),
+        ("/report/confidence", _) => |value, frame| match frame.junction.confidence {
+            Some(confidence) => is_number(value, confidence),
+            None => is_f64s(value, &[0], vec![]),
+        },
         ("/report/labels", _) => |value, frame| {
             let wall_of = |beam: &Beam| match beam {
                 Beam::Return(i) => frame.junction.wall_of_return[*i as usize].map_or(-2, i64::from),

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crosscut_flight::{Map, Mapper};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, Steady, Way};
 use crosscut_rrd::{Numbers, Value};
-use crosscut_stage::{Frame, Here, HereKind, Steady, Way};
+use crosscut_stage::Frame;
 use nalgebra::{Isometry2, Point2};
 
 use crate::drawings::{lines, points, texts, wholes};
@@ -20,9 +20,9 @@ pub(crate) fn fly(frame: &mut Frame) {
     let way = |bearing_rad: f64| Way { bearing_rad, width_m: 3.5, opening: None };
     let ways = [-PI / 2.0, PI / 2.0, PI].map(way).to_vec();
     let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, confidence: 1.0 };
-    frame.pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
-    frame.here = Some(here.clone());
-    frame.steady = Some(Steady { junctions: 3, here: Some(here), openings: Vec::new() });
+    let pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
+    let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings: Vec::new() });
+    FlightAnswer { pose, doubt: None, here: Some(here), steady }.put(frame);
 }
 
 /// Whether a value in the recording is that of the frame.
@@ -40,18 +40,18 @@ pub(crate) fn comparison<'a>(entity: &'a str, component: &'a str, frames: &[Fram
     let map_at = move |frame: &Frame| maps[(frame.revolution.seq - first) as usize].clone();
     Some(match (entity, component) {
         ("/flight/pose", "Tensor:data") => Box::new(|value, frame| {
-            let pose = frame.pose.expect("a pose");
+            let pose = FlightAnswer::of(frame).pose.expect("a pose");
             let Value::Numbers(array) = value else { return false };
             array.numbers == Numbers::F64(vec![pose.translation.x, pose.translation.y, pose.rotation.angle()])
         }),
         ("/flight/pose", "LineStrips2D:strips") => Box::new(|value, frame| {
-            let at_m = frame.pose.expect("a pose").translation;
+            let at_m = FlightAnswer::of(frame).pose.expect("a pose").translation;
             lines(value)[0].iter().all(|place| (place[0] - at_m.x).hypot(place[1] + at_m.y) < 1.5)
         }),
         ("/flight/here", "StateChange:state") => Box::new(|value, _| texts(value) == ["junction"]),
         ("/flight/path", "LineStrips2D:strips") => Box::new(|value, frame| {
             let last = lines(value)[0].last().expect("a place").clone();
-            last == drawn(&Point2::from(frame.pose.expect("a pose").translation.vector))
+            last == drawn(&Point2::from(FlightAnswer::of(frame).pose.expect("a pose").translation.vector))
         }),
         ("/flight/walls" | "/flight/walls/new", "Points2D:positions") => Box::new(|value, frame| {
             let far_m = STEP_M * frame.revolution.seq as f64 + 13.0;

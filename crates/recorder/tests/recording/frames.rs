@@ -194,15 +194,15 @@ fn fill_junction(seq: u64, walls: &[u32], out: &mut Junction) {
         bearing_rad,
         width_m: 2.0 * h,
         walls,
+        returns: [Some(0), Some(1)],
         evidence: Evidence::NoReturn,
         edge_m: [Point::new(a[0], a[1], 0.0), Point::new(b[0], b[1], 0.0)],
         p: None,
-        cut_by_view: false,
     };
     let side = f64::atan2(8.0, near + h);
     out.junctions = 3;
     out.place = Place::Tee;
-    out.confidence = 0.97;
+    out.confidence = Some(0.97);
     out.wall_of_return = walls.iter().copied().map(Some).collect();
     out.openings = vec![
         opening(-side, [0, 1], [near, -h], [far, -h]),

@@ -52,7 +52,7 @@ fn verdicts(revolution: &Revolution, walls: &[Option<u32>]) -> Vec<Verdict> {
         pairs.extend(of_walls.last().map(|&last| [last, of_walls[0]]));
     }
     pairs.retain(|pair| walls[pair[0] as usize] != walls[pair[1] as usize]);
-    let opening = |returns| Verdict { returns, is_way: true, room_ratio: 2.0, reason: "width", p: Some(P) };
+    let opening = |returns| Verdict { returns, is_opening: true, room_ratio: 2.0, reason: "width", p: Some(P) };
     pairs.into_iter().map(opening).collect()
 }
 
@@ -73,7 +73,10 @@ fn grounds(segments: &[(Segment, u32)]) -> (Grounds, f64) {
 
 fn grounds_of(scan: (Revolution, Vec<Option<u32>>)) -> (Grounds, f64) {
     let (revolution, junction) = answer(scan);
-    (Grounds::of(&revolution, &[], VEHICLE_WIDTH_M, None, &junction).expect("it has walls"), junction.confidence)
+    (
+        Grounds::of(&revolution, &[], VEHICLE_WIDTH_M, None, &junction).expect("it has walls"),
+        junction.confidence.expect("calibrated"),
+    )
 }
 
 /// A tunnel along x whose left wall opens between x = 1 and x = 1 + `mouth_m` into a pocket 4 m deep, all of one wall.
@@ -149,7 +152,7 @@ fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
             }
         }
         revolution.points_m = points_m;
-        answer((revolution, labels)).1.confidence
+        answer((revolution, labels)).1.confidence.expect("calibrated")
     };
     assert!(of_each(1) > 0.9 && of_each(3) > 0.9, "{} and {}", of_each(1), of_each(3));
     assert!(of_each(10) < 0.3, "{}", of_each(10));
@@ -158,14 +161,19 @@ fn an_answer_of_which_most_beams_are_lost_is_not_sure() {
 #[test]
 fn of_a_cloud_a_small_wall_that_the_level_view_does_not_see_is_no_island() {
     let (mut revolution, mut walls) = scan(&tunnel(), 360, |_| false);
+    let verdicts = verdicts(&revolution, &walls);
     revolution.sweep = None;
     for at in 0..5 {
         revolution.points_m.push(Point::new(0.1 * f64::from(at), 0.0, 2.0)); // the roof
         walls.push(Some(2));
     }
-    let (_, answer) = answer((revolution, walls));
+    let (revolution, answer) = answer_by(&[], (revolution, walls), None, &verdicts);
     assert_eq!(answer.walls.iter().map(|wall| wall.island).collect::<Vec<_>>(), [false; 3]);
     assert_eq!((answer.place, answer.openings.len()), (Place::Corridor, 2));
+    for opening in &answer.openings {
+        let ends_m = opening.returns.map(|number| revolution.points_m[number.expect("a return") as usize]);
+        assert_eq!(ends_m, opening.edge_m, "returns are those of the cloud");
+    }
 }
 
 #[test]
@@ -177,7 +185,7 @@ fn beams_far_apart_speak_against_any_answer() {
 
 #[test]
 fn an_opening_much_narrower_than_another_speaks_against_an_answer() {
-    // A dead end, the last 1.2 m of whose left wall did not come back: two walls, and a way on through the corner.
+    // A dead end, the last 1.2 m of whose left wall did not come back: two walls, and an opening through the corner.
     let dead_end = |end_m: f64, second: u32| {
         vec![
             (Segment([-30.0, 1.75], [end_m, 1.75]), 0),
@@ -209,7 +217,7 @@ fn of_tunnel(verdicts: &dyn Fn(&[Verdict]) -> Vec<Verdict>) -> (f64, Vec<Option<
     let (revolution, labels) = scan(&tunnel(), 360, |_| false);
     let verdicts = verdicts(&self::verdicts(&revolution, &labels));
     let (_, answer) = answer_by(&[], (revolution, labels), None, &verdicts);
-    (answer.confidence, answer.openings.iter().map(|opening| opening.p).collect())
+    (answer.confidence.expect("calibrated"), answer.openings.iter().map(|opening| opening.p).collect())
 }
 
 #[test]
@@ -219,7 +227,8 @@ fn odds_against_an_opening_or_for_a_gap_in_a_wall_make_no_answer_sure() {
     let within = |p: f64| {
         // Two neighbours of one wall.
         let returns = [within_wall(), within_wall() + 1];
-        of_tunnel(&|openings| [openings, &[Verdict { returns, p: Some(p), is_way: false, ..openings[0] }]].concat()).0
+        of_tunnel(&|openings| [openings, &[Verdict { returns, p: Some(p), is_opening: false, ..openings[0] }]].concat())
+            .0
     };
     assert!(plain > 0.9 && doubtful < plain, "{plain} and {doubtful}");
     assert!(within(0.9) < within(0.1) && within(0.1) < plain, "{} and {}", within(0.9), within(0.1));

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::scenes::{Segment, scan, tee, tunnel};
 use crosscut_report::Outline;
 use crosscut_report::openings::{OpeningRule, find};
-use crosscut_stage::{Beam, Evidence, Opening, Revolution};
+use crosscut_stage::{Beam, Evidence, Opening, Revolution, Verdict};
 
 fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
     openings_of(&scan(segments, 360, |_| false))
@@ -16,13 +16,30 @@ fn openings_of(scan: &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
     openings_by(OpeningRule::FreeSpace, scan)
 }
 
-fn openings_by(rule: OpeningRule, (revolution, walls): &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+fn openings_by(rule: OpeningRule, scan: &(Revolution, Vec<Option<u32>>)) -> Vec<Opening> {
+    openings_with(rule, scan, &[])
+}
+
+fn openings_with(
+    rule: OpeningRule,
+    (revolution, walls): &(Revolution, Vec<Option<u32>>),
+    verdicts: &[Verdict],
+) -> Vec<Opening> {
     let (mut outline, mut found) = (Outline::default(), Vec::new());
     if let Some(sweep) = &revolution.sweep {
         outline.fill(revolution, sweep, walls).expect("in message order");
     }
-    find(rule, revolution, &outline, 0.6, &mut found);
+    find(rule, revolution, verdicts, &outline, 0.6, &mut found);
     found
+}
+
+/// A verdict on the gap between the returns on both sides of a bearing.
+fn verdict(revolution: &Revolution, bearing_rad: f64, is_opening: bool) -> Verdict {
+    let turn_rad = |i: u32| (revolution.bearing_rad(i as usize) - bearing_rad).rem_euclid(2.0 * PI);
+    let returns = || 0..revolution.len() as u32;
+    let by_turn = |a: &u32, b: &u32| turn_rad(*a).total_cmp(&turn_rad(*b));
+    let (before, after) = (returns().max_by(by_turn).expect("a return"), returns().min_by(by_turn).expect("a return"));
+    Verdict { returns: [before, after], is_opening, room_ratio: 2.0, p: None, reason: "width" }
 }
 
 fn dead_end() -> Vec<(Segment, u32)> {
@@ -106,35 +123,48 @@ fn one_wall_with_nothing_over_half_a_turn_is_open_there() {
     }
     let masked = scan(&[(Segment([12.0, 2.0], [-12.0, 2.0]), 0)], 360, |bearing_rad| bearing_rad < 0.0);
     let found = openings_by(OpeningRule::BetweenWalls, &masked);
-    assert!(found.iter().all(|opening| opening.cut_by_view), "of the masked side nothing is known: {found:#?}");
-}
-
-/// A closed room with a gap in the right-hand wall, and, in the left-hand one, gaps of this width.
-fn room_with_door(door_m: f64, others_m: f64) -> Vec<(Segment, u32)> {
-    let [door, other] = [door_m / 2.0, others_m / 2.0];
-    vec![
-        (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
-        (Segment([3.0, 3.0], [3.0, door]), 0),
-        (Segment([3.0, -door], [3.0, -3.0]), 0),
-        (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
-        (Segment([-3.0, -3.0], [-3.0, -1.0 - other]), 0),
-        (Segment([-3.0, -1.0 + other], [-3.0, 1.0 - other]), 0),
-        (Segment([-3.0, 1.0 + other], [-3.0, 3.0]), 0),
-    ]
+    assert!(found.iter().all(Opening::is_cut_by_view), "of the masked side nothing is known: {found:#?}");
 }
 
 #[test]
-fn a_room_whose_one_dark_gap_lets_the_vehicle_pass_is_open_there() {
-    for door_m in [0.7, 1.0, 2.0, 3.0] {
-        let found = openings_by(OpeningRule::BetweenWalls, &scan(&room_with_door(door_m, 0.0), 720, |_| false));
-        assert_eq!(found.len(), 1, "{door_m} m");
-        assert_opening(&found[0], 0.0, door_m);
-    }
-    let closed = |door_m, others_m| {
-        openings_by(OpeningRule::BetweenWalls, &scan(&room_with_door(door_m, others_m), 720, |_| false)).is_empty()
+fn openings_are_the_verdicts_and_know_their_returns() {
+    let door_m = 1.0;
+    let room = [
+        (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
+        (Segment([3.0, 3.0], [3.0, door_m / 2.0]), 0),
+        (Segment([3.0, -door_m / 2.0], [3.0, -3.0]), 0),
+        (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
+        (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
+    ];
+    let scan = scan(&room, 720, |_| false);
+    let by = |is_opening: bool| {
+        let verdict = verdict(&scan.0, 0.0, is_opening);
+        (openings_with(OpeningRule::BetweenWalls, &scan, &[verdict]), verdict)
     };
-    assert!(closed(0.4, 0.0), "no vehicle passes");
-    assert!(closed(1.0, 0.5), "other beams get lost as well");
+    let (open, verdict) = by(true);
+    assert_eq!(open.len(), 1, "{open:#?}");
+    assert_opening(&open[0], 0.0, door_m);
+    assert_eq!((open[0].returns, open[0].walls), (verdict.returns.map(Some), [0, 0]));
+    assert!(by(false).0.is_empty(), "the affinity decides");
+}
+
+#[test]
+fn an_island_in_an_opening_leaves_one_opening_and_a_wall_makes_it_two() {
+    // Ahead, a piece of no wall stands in the tunnel: the affinity found an opening on both sides of it.
+    let mut with_piece = tunnel();
+    with_piece.push((Segment([8.0, -0.4], [8.0, 0.4]), 2));
+    let (revolution, walls) = scan(&with_piece, 360, |_| false);
+    let verdicts = [PI, -0.06, 0.06].map(|bearing_rad| verdict(&revolution, bearing_rad, true));
+    let across = Verdict { returns: [verdicts[1].returns[0], verdicts[2].returns[1]], ..verdicts[1] };
+    let with_wall = (revolution.clone(), walls.clone());
+    let found = openings_with(OpeningRule::BetweenWalls, &with_wall, &[verdicts[0], across]);
+    assert_eq!(found.len(), 3, "a wall that stands in a gap splits it: {found:#?}");
+    let without_piece = (revolution, walls.into_iter().map(|wall| wall.filter(|&wall| wall != 2)).collect());
+    let found = openings_with(OpeningRule::BetweenWalls, &without_piece, &verdicts);
+    assert_eq!(found.len(), 2, "{found:#?}");
+    let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
+    assert_opening(ahead, 0.0, 3.5);
+    assert_eq!(ahead.returns, across.returns.map(Some));
 }
 
 #[test]
@@ -254,7 +284,7 @@ fn outside_a_limited_view_is_not_an_opening() {
     let found = openings_of(&part(scan(&tunnel(), 360, |_| false), -2.0..2.0));
     assert_eq!(found.len(), 1, "the way behind lies outside: {found:#?}");
     assert_opening(&found[0], 0.0, 3.5);
-    assert!(!found[0].cut_by_view);
+    assert!(!found[0].is_cut_by_view());
 }
 
 #[test]
@@ -263,7 +293,7 @@ fn an_opening_that_the_end_of_the_view_cuts_is_one_as_far_as_it_is_seen() {
     let [ahead] = found.as_slice() else { panic!("only ahead is in view: {found:#?}") };
     // The view ends on the axis, 1.75 m from the left wall, of which the last return is 7.5° off.
     assert_opening(ahead, 4_f64.to_radians(), 1.75);
-    assert!(ahead.cut_by_view && ahead.walls == [0, 0], "{ahead:?}");
+    assert!(ahead.is_cut_by_view() && ahead.walls == [0, 0], "{ahead:?}");
     assert_eq!(ahead.evidence, Evidence::NoReturn);
     let mirrored = openings_of(&part(scan(&tunnel(), 360, |_| false), -2.0..0.0));
     assert!((mirrored[0].bearing_rad + ahead.bearing_rad).abs() < 0.01, "{mirrored:#?}");
@@ -291,8 +321,11 @@ fn the_end_of_the_view_is_no_opening_where_a_wall_reaches_it_or_nothing_is_known
 #[test]
 fn listing_the_beams_clockwise_changes_nothing() {
     let (mut revolution, mut walls) = scan(&tee(), 360, |_| false);
-    let expected = openings_of(&(revolution.clone(), walls.clone()));
+    let mut expected = openings_of(&(revolution.clone(), walls.clone()));
     let n = revolution.points_m.len() as u32;
+    for number in expected.iter_mut().flat_map(|opening| &mut opening.returns).flatten() {
+        *number = n - 1 - *number;
+    }
     revolution.points_m.reverse();
     walls.reverse();
     let sweep = revolution.sweep.as_mut().expect("a sweep");
@@ -325,54 +358,6 @@ fn a_stray_return_at_the_end_of_what_is_seen_of_a_wall_does_not_narrow_the_way_o
     let found = openings(&with_stray);
     assert_eq!(found.len(), 2, "{found:#?}");
     assert_opening(found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead"), 0.0, 3.5);
-}
-
-#[test]
-fn the_way_out_of_a_dead_end_is_the_one_that_is_seen_to_be_dark_and_not_a_wider_hidden_corner() {
-    let corners = [
-        [-30.0, 1.75],
-        [0.5, 1.75],
-        [0.5, 6.0], // a bay whose near side is hidden
-        [7.0, 6.0],
-        [7.0, 1.75],
-        [8.0, 1.75],
-        [8.0, -4.0],
-        [-2.0, -4.0],
-        [-2.0, -1.75],
-        [-30.0, -1.75],
-    ];
-    let wall: Vec<_> = corners.windows(2).map(|ends| (Segment(ends[0], ends[1]), 0)).collect();
-    let scan = scan(&wall, 360, |_| false);
-    let hidden = openings_of(&scan).iter().map(|opening| opening.width_m).fold(0.0, f64::max);
-    assert!(hidden > 4.0, "the bay is wider than the tunnel: {hidden}");
-    let found = openings_by(OpeningRule::BetweenWalls, &scan);
-    assert_eq!(found.len(), 1, "{found:#?}");
-    assert_opening(&found[0], PI, 3.5);
-}
-
-/// One wall, and a pillar ahead, half as wide as this.
-fn with_pillar(corners: &[[f64; 2]], ahead_m: f64, half_m: f64) -> (Revolution, Vec<Option<u32>>) {
-    const PILLAR: u32 = 1;
-    let mut place: Vec<_> = corners.windows(2).map(|ends| (Segment(ends[0], ends[1]), 0)).collect();
-    place.push((Segment([ahead_m, -half_m], [ahead_m, half_m]), PILLAR));
-    let (revolution, walls) = scan(&place, 360, |_| false);
-    (revolution, walls.into_iter().map(|wall| wall.filter(|&wall| wall != PILLAR)).collect())
-}
-
-#[test]
-fn what_a_pillar_hides_behind_one_wall_is_a_way_on_only_if_it_is_several_vehicles_wide() {
-    let stepped_room = [[-5.0, -4.0], [6.0, -4.0], [6.0, 0.0], [7.2, 0.0], [7.2, 4.0], [-5.0, 4.0], [-5.0, -4.0]];
-    let found = openings_by(OpeningRule::BetweenWalls, &with_pillar(&stepped_room, 3.0, 0.4));
-    assert!(found.is_empty(), "the step lies in the shadow: {found:#?}");
-    for lost in [172, 180, 187] {
-        let scan = without(with_pillar(&stepped_room, 3.0, 0.4), lost..lost + 1);
-        let found = openings_by(OpeningRule::BetweenWalls, &scan);
-        assert!(found.is_empty(), "and one beam is lost at the pillar, {lost}: {found:#?}");
-    }
-    let dead_end = [[30.0, 1.2], [-5.0, 1.2], [-5.0, -1.2], [30.0, -1.2]];
-    let found = openings_by(OpeningRule::BetweenWalls, &with_pillar(&dead_end, 1.0, 0.5));
-    assert_eq!(found.len(), 1, "the way out lies in the shadow: {found:#?}");
-    assert_opening(&found[0], 0.0, 2.4);
 }
 
 #[test]

@@ -12,13 +12,13 @@ use usual::Usual;
 
 /// The beams of a level view; each is at least half a degree wide.
 const MOST_LEVEL_BEAMS: usize = 720;
-/// A sector without any return that is wider than this was not looked at: no way on is as wide.
+/// A sector without any return that is wider than this was not looked at: no opening is as wide.
 const UNSEEN_RAD: f64 = FRAC_PI_2;
 
 /// The nearest returns of a cloud at the height of the vehicle.
 ///
 /// A cloud has no beams. A level vehicle could meet its returns with |z| <= height/2, where z = 0 is the height of the
-/// sensor; floor and roof bound no way on. These *level* returns are dealt by bearing to as many beams as there are of
+/// sensor; floor and roof bound no opening. These *level* returns are dealt by bearing to as many beams as there are of
 /// them, at most 720, and each beam sees at most one of them. So a cloud of any size becomes a sweep of bounded size,
 /// on which everything works that works on sweeps.
 ///
@@ -50,7 +50,7 @@ pub struct LevelView {
     undealt: Vec<LevelReturn>,
     fan: Fan,
     usual: Usual,
-    /// The return that each beam sees; the first beam is that of the nearest level return.
+    /// The return that each beam sees; the first beam sees the nearest level return.
     met: Vec<Option<LevelReturn>>,
     /// What each beam saw, if it sees no return.
     blank: Vec<Beam>,

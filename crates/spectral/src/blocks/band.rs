@@ -24,7 +24,7 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Takes one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
+    /// Forms one block of `graph`, with edges as long as `width` in the order of its returns. `leaks` are the weights
     /// of each return's edges to other blocks, which are set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, leaks: &[f64], order: &Order, block: usize, width: usize) {
         let (members, rank) = (order.members(block), order.ranks(block));
@@ -43,8 +43,8 @@ impl Band {
         }
     }
 
-    /// Takes one of the blocks that are narrow.
-    pub(crate) fn take(&mut self, narrow: &NarrowBands, order: &Order, block: usize) {
+    /// Copies one of the blocks that are narrow.
+    pub(crate) fn copy_narrow(&mut self, narrow: &NarrowBands, order: &Order, block: usize) {
         let span = order.span(block);
         (self.n, self.stride) = (span.len(), NARROW);
         self.entries.clear();
@@ -62,7 +62,7 @@ pub(crate) struct NarrowBands {
 }
 
 impl NarrowBands {
-    /// Takes the blocks of `graph`, the edges between them set aside.
+    /// Forms the blocks of `graph`, the edges between them set aside.
     pub(crate) fn form(&mut self, graph: &Graph<'_>, split: &Split, order: &Order) {
         let (places, leaks) = (order.places(), split.leaks());
         self.too_long.clear();

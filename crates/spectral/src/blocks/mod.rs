@@ -13,7 +13,7 @@ use crosscut_stage::{Affinity, Embedding, Kind, Notes, Number, SpectralStage, Sp
 use crate::degrees::check_degrees;
 use crate::faer_evd::FaerEvd;
 use crate::laplacian::dense_bytes;
-use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use crate::zeros::ZERO_TOLERANCE;
 use band::{Band, NarrowBands};
 use fiedler::{Fiedler, ShiftInvert};
 use graph::{Edge, Graph, GraphBuffers};
@@ -36,13 +36,13 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "blocks",
     "the zero eigenvalues and the next, block by block by a banded factorisation, for sparse graphs",
     |params| {
-        let rule = ZeroRule::of(params);
+        let tolerance = params.get(ZERO_TOLERANCE);
         Box::new(Blocks {
-            rule,
+            tolerance,
             weak_link: params.get(WEAK_LINK),
             graph: GraphBuffers::default(),
             solver: Solver::default(),
-            full: FaerEvd::new(rule),
+            full: FaerEvd::new(tolerance),
         })
     },
 )
@@ -65,7 +65,7 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 ///
 /// Returns with the same edges, of which a cloud has many, are first taken together, which changes no eigenvalue.
 struct Blocks {
-    rule: ZeroRule,
+    tolerance: f64,
     weak_link: f64,
     graph: GraphBuffers,
     solver: Solver,
@@ -137,7 +137,7 @@ impl Solver {
                 continue;
             }
             let Self { split, order, narrow, band, sparse, fiedler, zero, .. } = self;
-            let laplacian = take(graph, split, order, block, (narrow, band, sparse))?;
+            let laplacian = matrix_of_block(graph, split, order, block, (narrow, band, sparse))?;
             if self.next.is_some_and(|next| laplacian.count_below(next).is_some_and(|below| below <= 1)) {
                 continue;
             }
@@ -195,7 +195,7 @@ impl Solver {
 
 /// The Laplacian of a block, the edges to others set aside: a band, or sparse if the block's edges are long in every
 /// order that was found.
-fn take<'a>(
+fn matrix_of_block<'a>(
     graph: &Graph<'_>,
     split: &Split,
     order: &mut Order,
@@ -203,7 +203,7 @@ fn take<'a>(
     (narrow, band, sparse): (&NarrowBands, &'a mut Band, &'a mut Sparse),
 ) -> Result<&'a mut dyn ShiftInvert, StageError> {
     let Some(longest) = narrow.too_long(block) else {
-        band.take(narrow, order, block);
+        band.copy_narrow(narrow, order, block);
         return Ok(band);
     };
     let longest = order.shorten(graph, block, longest);
@@ -235,8 +235,7 @@ impl SpectralStage for Blocks {
     fn spectrum(&mut self, affinity: &Affinity, out: &mut Spectrum, notes: &mut Notes) -> Result<(), StageError> {
         check_degrees(affinity)?;
         let degrees = &affinity.degrees;
-        let Self { rule: ZeroRule::Tolerance(tolerance), weak_link, ref mut graph, ref mut solver, ref mut full } =
-            *self;
+        let Self { tolerance, weak_link, ref mut graph, ref mut solver, ref mut full } = *self;
         let graph = graph.graph(affinity, tolerance)?;
         solver.solve(&graph, weak_link, tolerance)?;
         if solver.split.has_weak_edges() && !solver.several.is_empty() {

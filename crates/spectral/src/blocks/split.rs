@@ -1,12 +1,12 @@
 //! The graph split into blocks along its weak edges, and the eigenvalues near zero that these edges make.
 
-use crosscut_stage::StageError;
+use crosscut_stage::{DisjointSets, StageError};
 use faer::Mat;
 
 use super::graph::{Edge, Graph};
 use super::sparse::MOST_BYTES;
 use crate::decomposition::Decomposition;
-use crate::forest::{self, Forest};
+use crate::degrees::sum_volumes;
 use crate::laplacian::dense_bytes;
 
 /// The returns in m blocks, each connected by edges that are not weak, and the weak edges between them.
@@ -25,7 +25,7 @@ use crate::laplacian::dense_bytes;
 /// known here. With r = ‖EZ‖, θ_j - r² / (μ - θ_j) <= λ_j <= θ_j, and the sine of the largest angle between the columns
 /// of Z and the eigenvectors is at most r / (μ - θ_m) (Davis, Kahan).
 pub(crate) struct Split {
-    forest: Forest,
+    sets: DisjointSets,
     /// Edges between blocks, which are set aside.
     between: Vec<Edge>,
     /// Those within blocks.
@@ -45,7 +45,7 @@ pub(crate) struct Split {
 impl Default for Split {
     fn default() -> Self {
         Self {
-            forest: Forest::default(),
+            sets: DisjointSets::default(),
             between: Vec::new(),
             within: Vec::new(),
             block_of_return: Vec::new(),
@@ -142,13 +142,13 @@ impl Split {
     /// Joins the returns of edges that are not weak, and keeps the others.
     fn cut(&mut self, graph: &Graph<'_>, weak: f64) {
         let n = graph.degrees.len();
-        self.forest.plant(n);
+        self.sets.reset(n);
         self.between.clear();
         self.within.clear();
         for i in 0..n {
             for edge in graph.edges_back(i) {
                 if edge.scaled >= weak {
-                    self.forest.join(i, edge.to as usize);
+                    self.sets.join(i, edge.to as usize);
                     self.within.push(edge);
                 } else {
                     self.between.push(edge);
@@ -160,8 +160,8 @@ impl Split {
     /// Numbers the current blocks, and moves the weak edges within a block to the others.
     fn number_blocks(&mut self, degrees: &[f64]) {
         self.block_of_return.clear();
-        self.block_of_return.extend_from_slice(self.forest.number_components());
-        forest::volumes(&self.block_of_return, degrees, &mut self.volumes);
+        self.block_of_return.extend_from_slice(self.sets.number_components());
+        sum_volumes(&self.block_of_return, degrees, &mut self.volumes);
         let block = &self.block_of_return;
         let is_within = |edge: &mut Edge| block[edge.from as usize] == block[edge.to as usize];
         self.within.extend(self.between.extract_if(.., is_within));
@@ -221,16 +221,16 @@ impl Split {
             let others = (0..q.nrows()).filter(|&b| b != a);
             strongest[a] = others.min_by(|&b, &c| q[(b, a)].total_cmp(&q[(c, a)]));
         }
-        // The forest was used up by the numbering.
-        self.forest.plant(self.block_of_return.len());
+        // The numbering consumed the sets.
+        self.sets.reset(self.block_of_return.len());
         let mut first_return = vec![None; self.volumes.len()];
         for (i, &block) in self.block_of_return.iter().enumerate() {
-            self.forest.join(i, *first_return[block as usize].get_or_insert(i));
+            self.sets.join(i, *first_return[block as usize].get_or_insert(i));
         }
         for edge in &self.between {
             let (a, b) = (self.place_and_volume(edge.from).0, self.place_and_volume(edge.to).0);
             if strongest[a] == Some(b) || strongest[b] == Some(a) {
-                self.forest.join(edge.from as usize, edge.to as usize);
+                self.sets.join(edge.from as usize, edge.to as usize);
             }
         }
     }

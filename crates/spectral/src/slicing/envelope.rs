@@ -9,7 +9,6 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
 use super::connected::Unseen;
 use super::normalised::Normalised;
-use super::tall;
 use crate::decomposition::make_room;
 
 /// Columns that are processed together.
@@ -227,7 +226,8 @@ impl Envelope {
             let (top, bottom) = x.as_mut().split_at_row_mut(panel.next);
             let mut of_panel = top.get_mut(panel.start.., ..);
             let mut solved = work.submatrix_mut(0, 0, panel.columns(), of_panel.ncols());
-            tall::add_transposed(of_panel.rb_mut(), -1.0, panel.lower(factor), bottom.rb().get(..panel.below(), ..));
+            let below = bottom.rb().get(..panel.below(), ..);
+            add(of_panel.rb_mut(), -1.0, panel.lower(factor).transpose(), below);
             set(solved.rb_mut(), panel.inverse(inverses).transpose(), of_panel.rb());
             of_panel.copy_from(solved);
         }

@@ -2,12 +2,11 @@
 
 use crosscut_stage::StageError;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColRef, Mat, MatRef, Par, concat, unzip, zip};
+use faer::{Accum, Mat, Par, concat, unzip, zip};
 
 use super::envelope::Envelope;
 use super::normalised::{Normalised, product};
-use super::tall;
-use super::tridiagonal::Tridiagonal;
+use crate::decomposition::Decomposition;
 use crate::dot::dot;
 
 /// The least number of columns of a block.
@@ -18,18 +17,16 @@ const SPARE: usize = 2;
 const LEAST_BLOCKS: usize = 4;
 /// If more than the zeros and the next are wanted, the first check waits for this many further columns an eigenvalue.
 const LEAST_SHARE: usize = 2;
+/// The space is checked again when it has grown by this share.
+const GROWTH: f64 = 0.1;
 /// The largest number of columns of the space, for each eigenvalue.
 const MOST_SHARE: usize = 6;
 /// The largest number of columns of the space beyond that.
 const MOST_BESIDE: usize = 48;
 /// Largest error of an eigenvalue that is not zero.
-const ERROR: f64 = 1e-10;
-/// A residual below this is small enough, whatever other eigenvalue is near.
-const RESIDUAL: f64 = 1e-8;
+const ERROR: f64 = 1e-13;
 /// A column of which less than this share is left is made orthogonal once more.
 const CANCELLED: f64 = 0.1;
-/// Up to this many eigenvalues that are not zero are settled like the zeros: checking them costs as much.
-const SMALL_REQUEST: usize = 2;
 /// The largest number of corrections of the eigenvectors, after an inaccurate factorisation.
 const CORRECTIONS: usize = 2;
 /// A column of which less than this share is left depends on those before it.
@@ -39,27 +36,13 @@ const DEPENDENT: f64 = 1e-10;
 #[derive(Default)]
 pub(crate) struct Krylov {
     space: Space,
-    small: Tridiagonal,
-    values: Vec<f64>,
+    small: Decomposition,
 }
 
-/// The lowest eigenvalues, ascending, and a unit eigenvector of each that counts as zero.
+/// The lowest eigenvalues, ascending, and a unit eigenvector of each.
 pub(crate) struct Lowest {
     pub(crate) eigenvalues: Vec<f64>,
     pub(crate) vectors: Mat<f64>,
-}
-
-/// The basis V, and X in it: X V = V H + (the next block) R.
-struct Space {
-    /// V, n×dimension, orthonormal columns.
-    basis: Mat<f64>,
-    /// H, of all columns but those of the last block.
-    projected: Mat<f64>,
-    /// R, of the last block.
-    remainder: Mat<f64>,
-    columns: usize,
-    dimension: usize,
-    noise: u64,
 }
 
 impl Krylov {
@@ -68,19 +51,10 @@ impl Krylov {
     /// shift.
     ///
     /// Random columns and D^1/2, which L maps to 0, are multiplied by X again and again, each time made orthonormal
-    /// against all before (so an eigenvalue may be repeated as often as there are columns in a block). In their span V
-    /// the eigenvectors y of X are approximated: H y = ν y, λ = shift + 1/ν. One more step of inverse iteration needs
-    /// no solution,
-    ///
-    /// z = X V y / ν = V y + (the next block) R y / ν, with (L - λ) z = (V y - z) / ν,
-    ///
-    /// so the residual of z is known before z is: ‖R y‖ / ν², and its Rayleigh quotient is
-    ///
-    /// λ = shift + 1 / (ν (1 + ‖R y / ν‖²)).
-    ///
-    /// The zeros are the eigenvalues of L in the span of their vectors (Rayleigh, Ritz), whose residuals are computed. The
-    /// others are checked by (L - shift) z = V y / ν for a random sum of them: an error of the factorisation or of the
-    /// decomposition shows there.
+    /// against all before (so an eigenvalue may be repeated as often as there are columns in a block). Their span V holds
+    /// approximations of the eigenvectors. Once the wanted ones have small residuals, the eigenvalues are those of L itself
+    /// in the span of their vectors (Rayleigh, Ritz), and the residuals are computed: whatever rounding the factorisation and
+    /// the large values of X caused shows there.
     ///
     /// # Errors
     /// When a small decomposition does not converge.
@@ -92,96 +66,80 @@ impl Krylov {
     ) -> Result<Option<Lowest>, StageError> {
         let columns = (envelope.below() + SPARE).max(COLUMNS);
         let beyond = if wanted > envelope.zeros() + 1 { LEAST_SHARE * wanted } else { 0 };
-        let least = LEAST_BLOCKS * columns + beyond;
+        let mut least = LEAST_BLOCKS * columns + beyond;
         self.space.begin(envelope.roots(), columns, MOST_SHARE * wanted + MOST_BESIDE);
-        while self.space.grow(envelope) {
-            if self.space.dimension >= least
-                && let Some(lowest) = self.try_at(l, envelope, wanted)?
-            {
-                return Ok(Some(lowest));
+        loop {
+            let is_last = !self.space.grow(envelope);
+            if !is_last && self.space.dimension < least {
+                continue;
             }
+            if let Some(candidates) = self.candidates(envelope, wanted)?
+                && let Some(lowest) = self.settle(l, envelope, candidates)?
+            {
+                let below = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
+                return Ok((below == envelope.below()).then_some(lowest));
+            }
+            if is_last {
+                return Ok(None);
+            }
+            least = self.space.dimension + (GROWTH * self.space.dimension as f64) as usize;
         }
-        Ok(None)
     }
 
-    /// The eigenvalues in the current space, if they have settled.
-    fn try_at(
-        &mut self,
-        l: &Normalised<'_>,
-        envelope: &mut Envelope,
-        wanted: usize,
-    ) -> Result<Option<Lowest>, StageError> {
-        let Self { space, small, values } = self;
-        let dimension = space.dimension - space.columns;
-        small.decompose(space.projected.submatrix(0, 0, dimension, dimension), values)?;
+    /// Approximations of the eigenvectors in the current space, if their residuals are small.
+    ///
+    /// The eigenvectors y of H, H y = ν y, give λ = shift + 1/ν. One more step of inverse iteration needs no solution,
+    ///
+    /// z = X V y / ν = V y + (the next block) R y / ν, with (L - λ) z = (V y - z) / ν,
+    ///
+    /// so the residual of z is known before z is: ‖R y‖ / ν².
+    fn candidates(&mut self, envelope: &Envelope, wanted: usize) -> Result<Option<Candidates>, StageError> {
+        let Self { space, small } = self;
+        let (dimension, columns) = (space.dimension - space.columns, space.columns);
+        let mut values = Vec::new();
+        small.decompose(space.projected.submatrix(0, 0, dimension, dimension), &mut values)?;
         // λ = shift + 1/ν ascends as ν descends from just below 0 to -∞, and then from ∞ to 0.
         let negative = values.partition_point(|&nu| nu < 0.0);
         let mut order = (0..negative).rev().chain((negative..dimension).rev());
         let chosen: Vec<usize> = order.by_ref().take(wanted).collect();
         let Some(outside) = order.next().map(|j| envelope.shift() + values[j].recip()) else { return Ok(None) };
-        let zeros = envelope.zeros().min(wanted);
-        let needed = Needed { n: envelope.n(), zeros, outside };
+        let needed = Needed { n: envelope.n(), zeros: envelope.zeros().min(wanted), outside };
 
-        let inverses: Vec<f64> = chosen.iter().map(|&j| values[j].recip()).collect();
-        let beyond = space.beyond(&small.last_rows(space.columns, &chosen), &inverses);
-        let lengths: Vec<f64> = (0..wanted).map(|j| beyond.col(j).norm_l2()).collect();
-        let small_enough = |j: usize| needed.is_met(j, envelope.shift() + inverses[j], lengths[j] * inverses[j].abs());
-        if !(0..wanted).all(small_enough) {
-            return Ok(None);
+        let y = Mat::from_fn(dimension, wanted, |i, j| small.eigenvector(chosen[j])[i]);
+        let mut beyond = product(space.remainder.as_ref(), y.subrows(dimension - columns, columns));
+        for (j, &at) in chosen.iter().enumerate() {
+            let inverse = values[at].recip();
+            beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
+            if !needed.is_met(j, envelope.shift() + inverse, norm(beyond.col_as_slice(j)) * inverse.abs()) {
+                return Ok(None);
+            }
         }
-        // Sums of y, and those of z = V y + (the next block) R y / ν in the basis.
-        let sums = |weights: MatRef<'_, f64>| {
-            let y = small.sums(&chosen, weights);
-            let z = concat![[y], [product(beyond.as_ref(), weights)]];
-            (y, z)
-        };
-        // Each of the zeros; of the others random sums of the vectors, and of the vectors / ν.
-        let signs: Vec<f64> = (0..wanted).map(|_| random(&mut space.noise).signum()).collect();
-        let weights = Mat::from_fn(wanted, zeros + 2, |j, column| match (j < zeros, column.checked_sub(zeros)) {
-            (true, None) => f64::from(u8::from(j == column)),
-            (false, Some(0)) => signs[j],
-            (false, Some(_)) => signs[j] * inverses[j],
-            _ => 0.0,
-        });
-        let (y, z) = sums(weights.as_ref());
-        let sound =
-            wanted - zeros > SMALL_REQUEST && space.step_error(l, envelope, z.col(zeros), y.col(zeros + 1)) <= ERROR;
-        let (unsettled, mut turn) = if sound {
-            (zeros, z.subcols(0, zeros).to_owned())
-        } else {
-            (wanted, sums(Mat::<f64>::identity(wanted, wanted).as_ref()).1)
-        };
+        let mut turn = concat![[y], [beyond]];
         make_orthonormal(&mut turn, &mut space.noise);
         let vectors = product(space.basis.subcols(0, space.dimension), turn.as_ref());
-        let Some(mut lowest) = self.settle(l, envelope, vectors, &needed)? else { return Ok(None) };
-        let quotient = |j: usize| envelope.shift() + inverses[j] / (1.0 + lengths[j] * lengths[j]);
-        lowest.eigenvalues.extend((unsettled..wanted).map(quotient));
-        let found = lowest.eigenvalues.iter().filter(|&&eigenvalue| eigenvalue < envelope.shift()).count();
-        Ok((found == envelope.below()).then_some(lowest))
+        Ok(Some(Candidates { vectors, needed }))
     }
 
-    /// The eigenvalues of L in the span of `vectors` (Rayleigh, Ritz), if their residuals r are small; else each vector
+    /// The eigenvalues of L in the span of the vectors (Rayleigh, Ritz), if their residuals r are small; else each vector
     /// is corrected first by (L - shift·I)⁻¹ r. As r is small, so is what an inaccurate factorisation makes of it.
     fn settle(
         &mut self,
         l: &Normalised<'_>,
         envelope: &mut Envelope,
-        mut vectors: Mat<f64>,
-        needed: &Needed,
+        Candidates { mut vectors, needed }: Candidates,
     ) -> Result<Option<Lowest>, StageError> {
         let wanted = vectors.ncols();
         let mut eigenvalues = Vec::new();
         for _ in 0..=CORRECTIONS {
             let image = l.times(envelope.members(), &vectors);
             self.small.decompose(product(vectors.transpose(), image.as_ref()).as_ref(), &mut eigenvalues)?;
-            let all: Vec<usize> = (0..wanted).collect();
-            let turn = self.small.sums(&all, Mat::<f64>::identity(wanted, wanted).as_ref());
+            let turn = Mat::from_fn(wanted, wanted, |i, j| self.small.eigenvector(j)[i]);
             vectors = product(vectors.as_ref(), turn.as_ref());
             let mut residuals = product(image.as_ref(), turn.as_ref());
             let mut settled = true;
             for (j, &eigenvalue) in eigenvalues.iter().enumerate() {
                 zip!(residuals.col_mut(j), vectors.col(j)).for_each(|unzip!(image, x)| *image -= eigenvalue * x);
-                settled &= needed.is_met(j, eigenvalue, residuals.col(j).norm_l2());
+                settled &= needed.is_met(j, eigenvalue, norm(residuals.col_as_slice(j)));
             }
             if settled {
                 return Ok(Some(Lowest { eigenvalues, vectors }));
@@ -192,6 +150,12 @@ impl Krylov {
         }
         Ok(None)
     }
+}
+
+/// Approximate eigenvectors, orthonormal, and how small their residuals have to be.
+struct Candidates {
+    vectors: Mat<f64>,
+    needed: Needed,
 }
 
 /// What residuals have to be.
@@ -205,13 +169,27 @@ struct Needed {
 
 impl Needed {
     /// Whether the residual of eigenvalue `j` is small enough. The span of the zeros is off by no more than their
-    /// residuals over the gap. The others are off by residual² over the distance of what is outside.
+    /// residuals over the gap. The others are off by their residual at most, and by residual² over the distance of what is
+    /// outside.
     fn is_met(&self, j: usize, eigenvalue: f64, residual: f64) -> bool {
         if j < self.zeros {
             return residual <= 10.0 * self.n as f64 * f64::EPSILON;
         }
-        residual <= RESIDUAL || residual * residual <= ERROR * (self.outside - eigenvalue)
+        residual <= ERROR || residual * residual <= ERROR * (self.outside - eigenvalue)
     }
+}
+
+/// The basis V, and X in it: X V = V H + (the next block) R.
+struct Space {
+    /// V, n×dimension, orthonormal columns.
+    basis: Mat<f64>,
+    /// H, of all columns but those of the last block.
+    projected: Mat<f64>,
+    /// R, of the last block.
+    remainder: Mat<f64>,
+    columns: usize,
+    dimension: usize,
+    noise: u64,
 }
 
 impl Default for Space {
@@ -247,7 +225,7 @@ impl Space {
         // X is symmetric: of the blocks before the last two there is no more in the image than what rounding leaves.
         let back = from.saturating_sub(*columns);
         let basis = basis.subcols(back, *dimension - back);
-        let known = projection(basis, image.as_ref());
+        let known = product(basis.transpose(), image.as_ref());
         for j in 0..*columns {
             for (i, row) in (back..*dimension).enumerate() {
                 projected[(row, from + j)] = known[(i, j)];
@@ -259,41 +237,16 @@ impl Space {
         true
     }
 
-    /// R y / ν of each y, of which `last` are the last rows.
-    fn beyond(&self, last: &Mat<f64>, inverses: &[f64]) -> Mat<f64> {
-        let mut beyond = product(self.remainder.as_ref(), last.as_ref());
-        for (j, inverse) in inverses.iter().enumerate() {
-            beyond.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= inverse);
-        }
-        beyond
-    }
-
-    /// How far (L - shift·I) z is from V y / ν, for a sum of such z and of such y / ν.
-    fn step_error(
-        &self,
-        l: &Normalised<'_>,
-        envelope: &Envelope,
-        z: ColRef<'_, f64>,
-        quotient: ColRef<'_, f64>,
-    ) -> f64 {
-        let sum = product(self.basis.subcols(0, self.dimension), z.as_mat());
-        let expected = product(self.basis.subcols(0, quotient.nrows()), quotient.as_mat());
-        let mut image = l.times(envelope.members(), &sum);
-        zip!(image.as_mut(), sum.as_ref(), expected.as_ref())
-            .for_each(|unzip!(image, z, expected)| *image -= envelope.shift() * z + expected);
-        image.norm_l2()
-    }
-
     /// Makes `block` orthonormal, against the basis too, of which there is little left in it, and adds it.
     fn append(&mut self, mut block: Mat<f64>) {
         let basis = self.basis.subcols(0, self.dimension);
         let project = |block: &mut Mat<f64>| {
-            let along = projection(basis, block.as_ref());
+            let along = product(basis.transpose(), block.as_ref());
             matmul(block.as_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
         };
         // X makes what rounding leaves of the zeros large again; once more is enough.
         project(&mut block);
-        let lengths: Vec<f64> = (0..block.ncols()).map(|j| block.col(j).norm_l2()).collect();
+        let lengths: Vec<f64> = (0..block.ncols()).map(|j| norm(block.col_as_slice(j))).collect();
         self.remainder = make_orthonormal(&mut block, &mut self.noise);
         if (0..block.ncols()).any(|j| self.remainder[(j, j)] < CANCELLED * lengths[j]) {
             project(&mut block);
@@ -304,29 +257,22 @@ impl Space {
     }
 }
 
-/// aᵀ x.
-fn projection(a: MatRef<'_, f64>, x: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.ncols(), x.ncols());
-    tall::add_transposed(out.as_mut(), 1.0, a, x);
-    out
-}
-
 /// Makes the columns of `block` orthonormal; returns R, `block` was what it is now times R. A column in which nothing
 /// is left is random instead, and R has a 0 there.
 fn make_orthonormal(block: &mut Mat<f64>, noise: &mut u64) -> Mat<f64> {
     let mut triangle = Mat::zeros(block.ncols(), block.ncols());
     for j in 0..block.ncols() {
-        let length = block.col(j).norm_l2();
+        let length = norm(block.col_as_slice(j));
         for i in 0..j {
             triangle[(i, j)] = take_out(block, i, j);
         }
-        let left = block.col(j).norm_l2();
+        let left = norm(block.col_as_slice(j));
         if left > DEPENDENT * length {
             triangle[(j, j)] = left;
         } else {
             block.col_as_slice_mut(j).iter_mut().for_each(|x| *x = random(noise));
         }
-        let scale = block.col(j).norm_l2().recip();
+        let scale = norm(block.col_as_slice(j)).recip();
         block.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
     }
     triangle
@@ -338,6 +284,12 @@ fn take_out(block: &mut Mat<f64>, i: usize, j: usize) -> f64 {
     let (units, rest) = block.as_mut().split_at_col_mut(j);
     zip!(rest.col_mut(0), units.as_ref().col(i)).for_each(|unzip!(x, unit)| *x -= along * unit);
     along
+}
+
+/// ‖x‖, of numbers whose squares are neither too large nor too small. The library's norm, which takes any, costs a fifth of
+/// the solver.
+fn norm(x: &[f64]) -> f64 {
+    dot(x, x).sqrt()
 }
 
 /// In -0.5..0.5.

@@ -4,8 +4,6 @@ mod connected;
 mod envelope;
 mod krylov;
 mod normalised;
-mod tall;
-mod tridiagonal;
 
 use crosscut_stage::{Affinity, Count, Kind, Notes, SpectralStage, Spectrum, StageError, Weights};
 use faer::Mat;
@@ -13,7 +11,7 @@ use faer::Mat;
 use crate::decomposition::Decomposition;
 use crate::embedding::sign_of_largest;
 use crate::laplacian::dense_bytes;
-use crate::zero_rule::{ZERO_TOLERANCE, ZeroRule};
+use crate::zeros::{ZERO_TOLERANCE, count_zeros};
 use connected::Unseen;
 use envelope::Envelope;
 use krylov::{Krylov, Lowest};
@@ -34,10 +32,10 @@ const EIGENVALUES: Count = Count::new("eigenvalues", "", 1)
 /// The fast solver of dense graphs.
 pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
     "slicing",
-    "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert: the paper's, faster",
+    "the lowest eigenvalues of a dense Laplacian, by the inertia of L - τI and shift-and-invert, as in the paper",
     |params| {
         Box::new(Slicing {
-            rule: ZeroRule::of(params),
+            tolerance: params.get(ZERO_TOLERANCE),
             eigenvalues: params.get(EIGENVALUES),
             envelope: Envelope::default(),
             krylov: Krylov::default(),
@@ -53,17 +51,19 @@ pub const KIND: Kind<dyn SpectralStage> = Kind::spectral(
 /// 2. D^1/2 (L_B - τI) D^1/2 = M Δ Mᵀ; as many eigenvalues are below τ as Δ has negative entries (Sylvester's law of
 ///    inertia). So k is known before any eigenvector.
 /// 3. Block Krylov spaces of (L_B - τI)⁻¹ from random columns give the lowest eigenvalues and their eigenvectors, until
-///    all residuals are small. They must agree with the count; a block in which they do not, or a pivot is 0, is
-///    decomposed in full, with a note.
+///    all residuals are small. They must agree with the count; a block in which they do not, as where τ is near rounding, or
+///    in which a pivot is 0, is decomposed in full, with a note.
+///
+/// A block of few returns for the eigenvalues that are wanted of it, as where it has many zeros, is decomposed in full: that is
+/// faster.
 ///
 /// Of the eigenvalues that are asked for, a block first computes its share of the trace of D^-1/2 W D^-1/2, and all of them
 /// only if it may have more.
 ///
-/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-10, or to 1e-8
-/// where the next one that is not asked for is within 1e-6. k is that of a full decomposition unless an eigenvalue is
-/// within 100·n·ε of τ.
+/// The zeros are found to 100·n·ε, and their span to 100·n·ε / (λ_k+1 - λ_k); the other eigenvalues to 1e-12. k is that
+/// of a full decomposition unless an eigenvalue is within 100·n·ε of τ.
 struct Slicing {
-    rule: ZeroRule,
+    tolerance: f64,
     eigenvalues: usize,
     envelope: Envelope,
     krylov: Krylov,
@@ -94,8 +94,8 @@ impl Slicing {
         unseen: &mut Unseen,
         notes: &mut Notes,
     ) -> Result<Part, StageError> {
-        let Self { envelope, krylov, full, .. } = self;
-        let ZeroRule::Tolerance(tolerance) = self.rule;
+        let Self { tolerance, envelope, krylov, full, .. } = self;
+        let tolerance = *tolerance;
         let factorised = envelope.factorise(l, first, unseen, tolerance);
         if !factorised {
             l.check_finite()?;
@@ -174,7 +174,7 @@ impl Slicing {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         out.eigenvalues.clear();
         out.eigenvalues.extend(all.iter().map(|(eigenvalue, ..)| eigenvalue));
-        self.rule.count(out, n);
+        count_zeros(out, n, self.tolerance);
         // Every part gave these; a larger one may be missing in some part.
         out.eigenvalues.truncate(self.eigenvalues.max(out.k + 1));
         let u = out.u.make_dense(n, out.k);

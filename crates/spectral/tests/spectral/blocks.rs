@@ -3,9 +3,10 @@
 
 use std::cell::Cell;
 
+use crate::independent;
 use crate::solving::{solver, spectrum};
 use crosscut_conformance::for_many;
-use crosscut_spectral::{blocks, faer_evd, nalgebra_evd};
+use crosscut_spectral::{blocks, faer_evd};
 use crosscut_stage::{Affinity, Notes, SpectralStage, Spectrum};
 use faer::Mat;
 use proptest::collection::vec;
@@ -43,7 +44,7 @@ fn chains_need_no_full_decomposition_and_the_next_eigenvalue_is_that_of_one() {
         let affinity = chains(lengths, reach);
         let tolerance = 1e-8;
         let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
-        let (all, _) = spectrum(solver(&nalgebra_evd::KIND, tolerance).as_mut(), &affinity);
+        let all = independent::spectrum(&affinity, tolerance);
         assert_eq!((found.k, notes), (lengths.len(), 0), "{lengths:?}");
         let (next, expected) = (found.eigenvalues[found.k], all.eigenvalues[all.k]);
         assert!((next - expected).abs() < 1e-13, "{lengths:?}: {next} is {expected} by full decomposition");
@@ -98,7 +99,7 @@ fn with_weak_links_k_is_that_of_a_full_decomposition_and_eigenvalues_and_span_ar
     for_many("blocks", 400, &linked_chains(), |affinity| {
         let rounding = 100.0 * affinity.degrees.len() as f64 * f64::EPSILON;
         let (found, notes) = spectrum(blocks(tolerance, 1e-3).as_mut(), &affinity);
-        let (all, _) = spectrum(solver(&nalgebra_evd::KIND, tolerance).as_mut(), &affinity);
+        let all = independent::spectrum(&affinity, tolerance);
         if all.eigenvalues.iter().any(|lambda| (lambda - all.tolerance).abs() <= rounding) {
             undecided.set(undecided.get() + 1);
             return;

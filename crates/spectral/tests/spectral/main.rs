@@ -3,5 +3,6 @@
 mod blocks;
 mod conformance;
 mod graphs;
+mod independent;
 mod slicing;
 mod solving;

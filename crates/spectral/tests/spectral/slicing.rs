@@ -66,7 +66,7 @@ fn zeros_span_k_and_the_lowest_eigenvalues_are_those_of_the_full_decomposition()
             (0..notes).for_each(|_| count(&fallbacks));
             assert_eq!(found.eigenvalues.len(), eigenvalues.max(found.k + 1).min(n));
             for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
-                let allowed = if j < all.k { rounding.min(1e-10) } else { 1e-10 };
+                let allowed = if j < all.k { rounding.min(1e-12) } else { 1e-12 };
                 assert!((ours - full).abs() <= allowed, "λ_{j} of {n}: {ours} is {full}");
             }
             if all.eigenvalues.iter().any(|lambda| (lambda - TOLERANCE).abs() <= rounding) {
@@ -110,7 +110,7 @@ fn a_part_that_has_more_of_the_smallest_eigenvalues_than_its_share_gives_them_al
         let (found, _) = spectrum(slicing(eigenvalues).as_mut(), &affinity);
         assert_eq!((found.k, found.eigenvalues.len()), (2, eigenvalues.max(3)));
         for (j, (ours, full)) in found.eigenvalues.iter().zip(&all.eigenvalues).enumerate() {
-            assert!((ours - full).abs() <= 1e-10, "λ_{j} of {eigenvalues}: {ours} is {full}");
+            assert!((ours - full).abs() <= 1e-12, "λ_{j} of {eigenvalues}: {ours} is {full}");
         }
     }
 }

@@ -6,7 +6,7 @@
 //! one level ring of 4000 beams, and in one of 64 rings over 45° of 1500 beams. Walls stand upright and the lidar is
 //! level. The truth is that of the 2D scan.
 
-use crosscut_pipeline::{Engine, Preset, Settings};
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Rings, Split, suites};
 use crosscut_stage::{Frame, Point};

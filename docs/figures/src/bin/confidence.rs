@@ -11,12 +11,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::tables;
 use crosscut_evaluate::{Score, Scoreboard};
 use crosscut_figures::markdown;
 use crosscut_ingest::{ReadOptions, Recording, Truths, recordings_in};
 use crosscut_messages::Truth;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_report::confidence::{BETA, Grounds};
 use crosscut_sensor::Sensor;

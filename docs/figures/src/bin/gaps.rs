@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_affinity::passage::{self, MEASURES, measured_gaps};
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::Score;
 use crosscut_ingest::{ReadOptions, Recording, Truths, recordings_in};
 use crosscut_messages::Truth;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::{ResultsLine, odds};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Split, suites};
@@ -60,7 +60,7 @@ struct Gaps {
 impl Gaps {
     fn new(file: &str) -> anyhow::Result<Self> {
         let mut out = BufWriter::new(File::create(file).with_context(|| format!("cannot write {file}"))?);
-        writeln!(out, "set,family,scene,right,is_way,truth,{}", MEASURES.join(","))?;
+        writeln!(out, "set,family,scene,right,is_opening,truth,{}", MEASURES.join(","))?;
         let (engine, params) = (Settings::new(Preset::Default).engine()?, Params::defaults(passage::KIND.params));
         Ok(Self { engine, params, sensor: Sensor::default(), frame: Frame::default(), scene: 0, out })
     }
@@ -74,9 +74,10 @@ impl Gaps {
         *scene += 1;
         let revolution = &frame.revolution;
         for (verdict, measures) in measured_gaps(revolution, params)? {
-            let Some(is_way) = odds::has_opening(&verdict, revolution, &frame.junction) else { continue };
-            let truth = is_truly_way(&verdict, revolution, truth).map_or("", |is_way| if is_way { "1" } else { "0" });
-            write!(out, "{set},{family},{scene},{right},{},{truth}", u8::from(is_way))?;
+            let Some(is_opening) = odds::has_opening(&verdict, &frame.junction) else { continue };
+            let truth = is_truly_opening(&verdict, revolution, truth)
+                .map_or("", |is_opening| if is_opening { "1" } else { "0" });
+            write!(out, "{set},{family},{scene},{right},{},{truth}", u8::from(is_opening))?;
             for measure in measures.unwrap_or([f64::NAN; MEASURES.len()]) {
                 write!(out, ",{measure:.4}")?;
             }
@@ -88,7 +89,7 @@ impl Gaps {
 
 /// Whether a vehicle can pass at a gap: its two returns are of two true walls, or of the only wall of a place whose
 /// opening lies between them. `None` where a return is of no wall or of an island.
-fn is_truly_way(verdict: &Verdict, revolution: &Revolution, truth: &Truth) -> Option<bool> {
+fn is_truly_opening(verdict: &Verdict, revolution: &Revolution, truth: &Truth) -> Option<bool> {
     let sweep = revolution.as_sweep()?;
     let beam = |number: u32| sweep.beams.iter().position(|beam| *beam == Beam::Return(number));
     let [from, to] = [beam(verdict.returns[0])?, beam(verdict.returns[1])?];

@@ -2,26 +2,29 @@
 
 mod shown;
 
-use std::io::{self, Write};
+use std::io;
 use std::iter::Peekable;
 use std::path::Path;
 use std::thread::{Builder, ScopedJoinHandle};
 
 use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
+use crosscut_detector::Registry;
 use crosscut_evaluate::{Agreement, Differences};
-use crosscut_ingest::{Recording, recordings_in};
-use crosscut_pipeline::{End, Registry, StopFlag, StreamOptions, Summary, stream};
+use crosscut_outfile::Keep;
+use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;
-use crosscut_stage::{Frame, counted};
 use indicatif::ProgressBar;
 
 use crate::cli::CompareArgs;
 use crate::configurations::{self, Configuration};
-use crate::diagnostics::{Diagnostics, NO_RETURN};
+use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
+use crate::fly::{Flight, Flown, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
-use crate::{flight, outputs, progress, typeset};
+use crate::outputs::Document;
+use crate::say::show;
+use crate::{progress, typeset};
 
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
@@ -34,12 +37,10 @@ type Answers = Peekable<IntoIter<Option<ResultsLine>>>;
 struct Compared {
     /// Differences of every configuration but the first from the first.
     differences: Vec<Differences>,
-    /// Summaries of every configuration.
-    summaries: Vec<Summary>,
+    /// The flight by every configuration.
+    flown: Vec<Flown>,
     /// Stamp of the first scan that was compared.
     first_stamp_ns: u64,
-    /// Whether any scan has a return.
-    any_return: bool,
 }
 
 /// Runs every configuration over the flight at the same time, and compares the answers scan by scan.
@@ -49,30 +50,25 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         let usage = "compare needs at least two configurations: --with default --with paper";
         return Err(UsageError(usage.to_owned()).into());
     }
-    let recordings = configurations.iter().map(|of| flight::open(&args.flight, &of.config));
-    let mut recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
-    let mut read = recordings_in(&args.flight.input)?;
-    read.extend(configurations::files(&args.with));
-    let mut json = args.json.as_ref().map(|path| outputs::create(path, &read)).transpose()?;
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let read = files_read(&args.input, configurations::files(&args.with))?;
+    let input = &args.input.recordings.input;
+    let flights = configurations.iter().map(|of| Flight::open(input, &args.input, &of.config));
+    let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
+    let stop = stop_on_interrupt()?;
+    let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
 
-    let bar = progress::bar(recordings[0].total_revolutions(), args.quiet);
-    let compared = side_by_side(&configurations, &mut recordings, registry, &stop, &bar)?;
+    let bar = progress::bar(flights[0].total_revolutions(), args.quiet);
+    let compared = side_by_side(&configurations, flights, registry, &stop, &bar)?;
     bar.finish_and_clear();
 
     let mut diagnostics = Diagnostics::default();
-    report(&configurations, &recordings[0], &compared, &mut diagnostics);
-    let failed = "the comparison cannot be written";
+    report(&configurations, &compared, &mut diagnostics);
     if let Some(out) = &mut json {
         let document = shown::json(&configurations, &compared, diagnostics.problems());
-        out.write_all(document.as_bytes()).context(failed)?;
+        out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        // Configurations may begin with different scans (`ingest.frame_id`).
-        let starts_at_s = recordings.iter().filter_map(Recording::starts_at_s).reduce(f64::min).unwrap_or(0.0);
-        let tables = shown::tables(&configurations, &compared, starts_at_s, args.all);
-        io::stdout().write_all(typeset::text(&tables).as_bytes()).context(failed)?;
+        show(typeset::text(&shown::tables(&configurations, &compared, args.all)))?;
     }
     Ok(diagnostics.outcome())
 }
@@ -81,45 +77,45 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
 /// one configuration stops, all stop.
 fn side_by_side(
     configurations: &[Configuration],
-    recordings: &mut [Recording],
+    flights: Vec<Flight>,
     registry: &Registry,
     stop: &StopFlag,
     bar: &ProgressBar,
 ) -> anyhow::Result<Compared> {
+    let no_bar = ProgressBar::hidden();
+    let how = How { registry, stop, bar: &no_bar, rate: None, has_poses: false };
     std::thread::scope(|scope| {
         let (mut answers, mut streams) = (Vec::new(), Vec::new());
-        for (Configuration { name, config }, recording) in configurations.iter().zip(recordings) {
+        for (Configuration { name, config }, flight) in configurations.iter().zip(flights) {
             let (answer, answers_of_one) = bounded(AHEAD);
-            let options = StreamOptions { stop: stop.clone(), ..StreamOptions::default() };
             let run = move || {
-                let mut results = |frame: &Frame| answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other);
-                let summary = stream(recording, config, registry, &mut results, &mut [], &options)?;
-                if matches!(summary.end, End::Complete) {
+                let flown = fly(flight, config, &how, &mut [], &mut |frame, _| {
+                    answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other)
+                })?;
+                if matches!(flown.summary.end, End::Complete) {
                     answer.send(None).ok(); // the receiver is gone if another configuration stopped
                 }
-                Ok(summary)
+                Ok(flown)
             };
-            streams.push(Builder::new().name(format!("compare {name}")).spawn_scoped(scope, run)?);
+            let thread = Builder::new().name(format!("compare {name}"));
+            streams.push(thread.spawn_scoped(scope, run).context("a thread could not be started")?);
             answers.push(answers_of_one.into_iter().peekable());
         }
-        let (differences, first_stamp_ns, any_return) = pair(answers, bar)?;
-        let joined = |stream: ScopedJoinHandle<'_, io::Result<Summary>>| stream.join().expect("streams catch panics");
-        let summaries = streams.into_iter().map(joined).collect::<io::Result<_>>();
-        let summaries = summaries.context("a thread could not be started")?;
-        Ok(Compared { differences, summaries, first_stamp_ns, any_return })
+        let (differences, first_stamp_ns) = pair(answers, bar)?;
+        let joined = |stream: ScopedJoinHandle<'_, anyhow::Result<Flown>>| stream.join().expect("streams catch panics");
+        let flown = streams.into_iter().map(joined).collect::<anyhow::Result<_>>()?;
+        Ok(Compared { differences, flown, first_stamp_ns })
     })
 }
 
-/// Returns the differences of every configuration from the first, the stamp of the first scan, and whether any scan has
-/// a return. Answers are paired by `seq`, because a setting may leave out scans (`ingest.frame_id`).
-fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64, bool)> {
+/// Returns the differences of every configuration from the first, and the stamp of the first scan. Answers are paired by `seq`, because a setting may leave out scans (`ingest.frame_id`).
+fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
-    let (mut first_stamp_ns, mut any_return) = (None, false);
+    let mut first_stamp_ns = None;
     while let Some(seq) = next_seq(&mut answers) {
         let is_next = |answer: &Option<ResultsLine>| answer.as_ref().is_some_and(|line| line.seq == seq);
         let lines: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
         first_stamp_ns = first_stamp_ns.or_else(|| lines.iter().flatten().map(|line| line.stamp_ns).next());
-        any_return |= lines.iter().flatten().any(|line| line.returns > 0);
         let (first, others) = lines.split_first().expect("there are two configurations at least");
         for (other, differences) in others.iter().zip(&mut differences) {
             match (first, other) {
@@ -131,7 +127,7 @@ fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Dif
         }
         bar.inc(1);
     }
-    Ok((differences, first_stamp_ns.unwrap_or(0), any_return))
+    Ok((differences, first_stamp_ns.unwrap_or(0)))
 }
 
 /// The next revolution that any configuration answered; `None` at the end of the flight, or if one stopped early.
@@ -140,36 +136,17 @@ fn next_seq(answers: &mut [Answers]) -> Option<u64> {
     next.collect::<Option<Vec<_>>>()?.into_iter().flatten().min()
 }
 
-/// Reports what is missing from the comparison, and why it ended early. Every configuration reads the same recording.
-fn report(configurations: &[Configuration], recording: &Recording, compared: &Compared, diagnostics: &mut Diagnostics) {
-    let named = || configurations.iter().map(|of| &of.name).zip(&compared.summaries);
-    diagnostics.lost_all(recording.losses());
-    if recording.reordered() > 0 {
-        let scans = counted(recording.reordered(), "scan");
-        diagnostics.note(format_args!(
-            "time goes back at {scans}; times mean little if these are not the parts of one flight, in order"
-        ));
-    }
-    if named().any(|(_, summary)| matches!(summary.end, End::Interrupted)) {
-        diagnostics.interrupted("by Ctrl-C: the figures cover the revolutions before that");
-    }
-    for (name, summary) in named() {
-        if let End::Failed(failure) = &summary.end {
-            diagnostics.error(format_args!("{name}: {failure}; the revolutions before it are compared"));
-        }
-    }
+/// Reports what is missing from the comparison, and why it ended early.
+fn report(configurations: &[Configuration], compared: &Compared, diagnostics: &mut Diagnostics) {
+    let named = || configurations.iter().map(|of| &of.name).zip(&compared.flown);
+    // Every configuration reads the same recording.
+    named().for_each(|(_, flown)| flown.report_missing(diagnostics));
     // Where one configuration stops, the others end with `ResultsLost`: that is no failure of theirs.
-    if !diagnostics.ended_early() {
-        for (name, summary) in named() {
-            if let End::ResultsLost(error) = &summary.end {
-                diagnostics.error(format_args!("{name}: its answers cannot be compared: {error}"));
-            }
-        }
-        if named().all(|(_, summary)| summary.revolutions == 0) {
-            diagnostics.error("no scan could be read");
-        }
-    }
-    if !compared.any_return && named().any(|(_, summary)| summary.revolutions > 0) {
-        diagnostics.note(NO_RETURN);
+    let is_lost = |flown: &Flown| matches!(flown.summary.end, End::ResultsLost(_));
+    let any_stopped = named().any(|(_, flown)| matches!(flown.summary.end, End::Failed(_) | End::Interrupted));
+    for (name, flown) in named().filter(|(_, flown)| !(any_stopped && is_lost(flown))) {
+        // That nothing can be read is reported once.
+        let whose = (!matches!(flown.summary.end, End::Complete)).then_some(name.as_str());
+        flown.report_end(whose, diagnostics);
     }
 }

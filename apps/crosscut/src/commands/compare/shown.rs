@@ -14,8 +14,10 @@ use crate::configurations::Configuration;
 const STRETCHES: usize = 15;
 
 /// Tables of settings, agreement, counts, times, and stretches where the walls differ. Times in the flight are seconds
-/// after its first scan; the first scan that was compared is at `starts_at_s`.
-pub(super) fn tables(configurations: &[Configuration], compared: &Compared, starts_at_s: f64, all: bool) -> Vec<Table> {
+/// after its first scan.
+pub(super) fn tables(configurations: &[Configuration], compared: &Compared, all: bool) -> Vec<Table> {
+    // Configurations may begin with different scans (`ingest.frame_id`).
+    let starts_at_s = compared.flown.iter().map(|flown| flown.starts_at_s).reduce(f64::min).unwrap_or(0.0);
     let first = &configurations[0].name;
     let others = || configurations[1..].iter().map(|other| other.name.as_str()).zip(&compared.differences);
     let mut tables = vec![settings(configurations), agreement(first, others())];
@@ -89,7 +91,7 @@ fn counts(first: &str, other: &str, differences: &Differences) -> Table {
 
 fn times(configurations: &[Configuration], compared: &Compared) -> Table {
     let row = |step: Step| {
-        let medians = compared.summaries.iter().map(|summary| summary.times.median_and_p99_ns(step));
+        let medians = compared.flown.iter().map(|flown| flown.summary.times.median_and_p99_ns(step));
         let ms = medians.map(|of| of.map_or_else(|| "-".to_owned(), |(ns, _)| format!("{:.3}", ns as f64 / 1e6)));
         [step.name().to_owned()].into_iter().chain(ms).collect()
     };
@@ -119,7 +121,8 @@ fn stretches(
     }
     let row = |of: &&Stretch| {
         let [from_s, to_s] = of.stamp_ns.map(|stamp_ns| format!("{:.2}", since_start_s(stamp_ns)));
-        let [confidence, of_other] = of.confidence.map(|confidence| format!("{confidence:.2}"));
+        let [confidence, of_other] =
+            of.confidence.map(|of| of.map_or("-".to_owned(), |confidence| format!("{confidence:.2}")));
         let [walls, walls_of_other] = of.junctions.map(|walls| walls.to_string());
         let [from, to] = of.seq.map(|seq| seq.to_string());
         vec![from, to, from_s, to_s, walls, walls_of_other, confidence, of_other]

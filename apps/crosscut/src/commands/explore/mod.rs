@@ -5,27 +5,27 @@ mod outcome;
 mod save;
 mod table;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::Context;
+use crosscut_detector::{Config, Registry, nearest_and_all};
 use crosscut_flight::check_live;
 use crosscut_missions::{About, Flown, Journal, Moment, ResumeError, Setup, fly};
 use crosscut_navigate::{PlannerKind, planners};
-use crosscut_pipeline::{Config, Registry, StopFlag, nearest_and_all};
+use crosscut_outfile::Keep;
+use crosscut_pipeline::StopFlag;
 use crosscut_simulator::{Agility, Family, Plan, Scene, World, families};
 use indicatif::ProgressBar;
 use serde_json::Value;
 
 use self::save::Saved;
 use crate::cli::explore::ExploreArgs;
-use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
-use crate::say::say;
+use crate::outputs::Document;
+use crate::say::{say, show};
 use crate::{outputs, progress};
 
 /// Flies missions, or lists what there is.
@@ -33,16 +33,15 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    let config = config::resolve(&args.config, registry)?;
+    let config = args.config.resolve(registry)?;
     check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
     let read: Vec<PathBuf> = args.plan.iter().chain(&args.config.config).chain(&args.resume).cloned().collect();
     let written: Vec<&Path> = args.json.iter().chain(&args.save).chain(&args.journal).map(PathBuf::as_path).collect();
     outputs::refuse(&written, &read)?;
-    let mut json = args.json.as_deref().map(|path| outputs::create(path, &read)).transpose()?;
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let stop = stop_on_interrupt()?;
+    let mut json = args.json.as_deref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
     let fleet = Fleet { config: &config, registry, planner: *planner, stop: &stop };
     let bar = progress::bar(None, args.quiet);
     let mut diagnostics = Diagnostics::default();
@@ -54,18 +53,18 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     bar.finish_and_clear();
     let missions: Vec<(&Job, &Flown)> =
         jobs.iter().zip(&flown).filter_map(|(job, flown)| Some((job, flown.as_ref()?))).collect();
-    if let (Some(out), Some(path)) = (&mut json, &args.json) {
+    if let Some(out) = &mut json {
         let outcome = match &missions[..] {
             [(job, flown)] if jobs.len() == 1 => outcome::whole(job, flown),
             several => Value::Array(several.iter().map(|(job, flown)| outcome::figures(job, flown)).collect()),
         };
-        let written = writeln!(out, "{outcome}").and_then(|()| out.flush());
-        written.with_context(|| format!("cannot write {}", path.display()))?;
+        out.write(&format!("{outcome}\n"))?;
     }
     if !args.quiet {
         match &missions[..] {
             [(_, flown)] if jobs.len() == 1 => say(outcome::words(flown)),
-            several => say(table::table(several)),
+            several if args.json.as_deref() != Some(Path::new("-")) => show(table::table(several))?,
+            _ => {}
         }
     }
     if let Some((job, failure)) = missions.iter().find_map(|(job, flown)| Some((job, flown.failure.as_ref()?))) {
@@ -158,7 +157,8 @@ impl Fleet<'_> {
                 saved.add(moment);
             }
         });
-        diagnostics.lost_all(journal.and_then(|journal| journal.finish().err()));
+        let lost = journal.and_then(|journal| journal.finish().err());
+        diagnostics.lost_all(lost.map(|error| format!("{:#}", anyhow::Error::from(error))));
         diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
         Ok(flown)
     }
@@ -212,6 +212,7 @@ fn refused(error: ResumeError) -> anyhow::Error {
     match error {
         ResumeError::OtherMission { .. } => UsageError(error.to_string()).into(),
         ResumeError::Unreadable(error) => error.into(),
+        ResumeError::NoFlight { .. } => error.into(),
     }
 }
 
@@ -237,6 +238,6 @@ fn list() -> anyhow::Result<Outcome> {
     for planner in planners() {
         text += &format!("  {:<18}{}\n", planner.name, planner.doc);
     }
-    std::io::stdout().write_all(text.as_bytes()).context("standard output")?;
+    show(text)?;
     Ok(Outcome::Done)
 }

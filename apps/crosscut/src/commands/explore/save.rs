@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crosscut_detector::Config;
+use crosscut_flight::FlightAnswer;
 use crosscut_missions::Moment;
-use crosscut_pipeline::Config;
 use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError};
 use crosscut_simulator::World;
 use nalgebra::{Isometry2, Point2};
@@ -51,7 +52,7 @@ impl Saved {
         }
         let frame = moment.frame;
         let map = frame.revolution.seq.is_multiple_of(MAP_EVERY).then(|| moment.mapper.map());
-        let (tracked, correction) = (frame.pose.unwrap_or_default(), moment.step.correction);
+        let (tracked, correction) = (FlightAnswer::of(frame).pose.unwrap_or_default(), moment.step.correction);
         let decision = moment.step.decision.as_ref().map(|decision| MissionDecision {
             place: decision.place,
             bearing_rad: decision.bearing_rad + correction.rotation.angle(),

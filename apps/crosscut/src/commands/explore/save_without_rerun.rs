@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use crosscut_detector::Config;
 use crosscut_missions::Moment;
-use crosscut_pipeline::Config;
 use crosscut_simulator::World;
 
 use crate::diagnostics::Diagnostics;

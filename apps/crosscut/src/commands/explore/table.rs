@@ -1,15 +1,14 @@
 //! Many missions, a line for each family.
 
-use comfy_table::{CellAlignment, Table, presets};
+use crosscut_evaluate::tables::Table;
 use crosscut_missions::Flown;
 
 use super::Job;
+use crate::typeset::plain;
 
 /// The table.
 pub(super) fn table(missions: &[(&Job, &Flown)]) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header([
+    let header = [
         "mission",
         "flown",
         "success %",
@@ -20,25 +19,21 @@ pub(super) fn table(missions: &[(&Job, &Flown)]) -> String {
         "way / least",
         "way / depth-first",
         "wrong count %",
-    ]);
+    ];
     let mut names: Vec<&str> = Vec::new();
     for (job, _) in missions {
         if !names.contains(&job.name.as_str()) {
             names.push(&job.name);
         }
     }
-    for name in &names {
-        let of: Vec<&Flown> = missions.iter().filter(|(job, _)| job.name == **name).map(|(_, flown)| *flown).collect();
-        table.add_row(row(name, &of));
-    }
+    let of = |name: &str| -> Vec<&Flown> {
+        missions.iter().filter(|(job, _)| job.name == name).map(|(_, flown)| *flown).collect()
+    };
+    let mut rows: Vec<_> = names.iter().map(|name| row(name, &of(name))).collect();
     if names.len() > 1 {
-        table.add_row(row("all", &missions.iter().map(|(_, flown)| *flown).collect::<Vec<_>>()));
+        rows.push(row("all", &missions.iter().map(|(_, flown)| *flown).collect::<Vec<_>>()));
     }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    let lines: Vec<String> = table.to_string().lines().map(|line| line.trim_end().to_owned()).collect();
-    lines.join("\n")
+    plain(&Table { title: String::new(), header: header.map(str::to_owned).to_vec(), rows }) + "\n"
 }
 
 fn row(name: &str, of: &[&Flown]) -> Vec<String> {

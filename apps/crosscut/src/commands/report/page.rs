@@ -1,11 +1,13 @@
 //! The page: its sections in order.
 
+use crosscut_detector::Config;
 use crosscut_evaluate::tables::Table;
 use crosscut_evaluate::{AROUND, Evaluation};
 use crosscut_pipeline::End;
 use crosscut_stage::{SURE, counted};
 
-use super::Flown;
+use super::Shown;
+use crate::fly::Flown;
 use crate::maps;
 use crate::summary::{counts, notes, times};
 use crate::typeset::{escaped, html as table};
@@ -15,13 +17,14 @@ const STYLE: &str = include_str!("style.css");
 /// At most this many kinds of notes are listed.
 const MOST_NOTES: usize = 30;
 
-pub(super) fn html(flown: &Flown) -> String {
-    let Flown { title, config, summary, course, mapper, places, evaluation, lost } = flown;
+pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool) -> String {
+    let Shown { course, mapper, places, evaluation } = shown;
+    let summary = &flown.summary;
     let failure = match &summary.end {
         End::Failed(failure) => Some(failure.to_string()),
         _ => None,
     };
-    let lost: Vec<String> = failure.into_iter().chain(lost.iter().cloned()).collect();
+    let lost: Vec<String> = failure.into_iter().chain(flown.losses.iter().cloned()).collect();
     let map = mapper.map();
     let title = escaped(title);
     let revolutions = counted(summary.revolutions, "revolution");
@@ -41,7 +44,7 @@ pub(super) fn html(flown: &Flown) -> String {
                 table(&counts(summary))
             ),
         )),
-        evaluation.as_ref().map(|evaluation| ("Against the truth in the recording", accuracy(evaluation))),
+        has_truth.then(|| ("Against the truth in the recording", accuracy(evaluation))),
         Some((
             "Over time",
             format!("<div class=\"wide\">{over_time}</div>\n<p>Dots: revolutions whose count differs.</p>\n"),

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use crosscut_evaluate::chart::{Axis, COLOURS, Chart, INK, line, page, text};
-use crosscut_flight::Map;
-use crosscut_stage::{Frame, Here, HereKind, Steady, counted};
+use crosscut_evaluate::panel::{Panel, sheet};
+use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Steady};
+use crosscut_stage::{Frame, counted};
 
 use crate::typeset::escaped;
-use crosscut_evaluate::panel::{Panel, sheet};
 
 /// At most this many places are shown.
 const MOST_PLACES: usize = 60;
@@ -36,7 +36,7 @@ struct Stay {
 /// The scan of a stay that is shown.
 struct Scan {
     seq: u64,
-    confidence: f64,
+    confidence: Option<f64>,
     panel: Panel,
     eigenvalues: Vec<f64>,
     tolerance: f64,
@@ -49,7 +49,7 @@ struct Scan {
 impl Places {
     /// Adds the next revolution of the flight.
     pub(super) fn take(&mut self, frame: &Frame) {
-        let Some(what) = frame.steady.as_ref().and_then(name) else {
+        let Some(what) = FlightAnswer::of(frame).steady.as_ref().and_then(name) else {
             self.is_open = false;
             return;
         };
@@ -106,13 +106,14 @@ impl Stay {
         let [from, to] = self.seqs;
         let Scan { seq, confidence, k, margin_decades, .. } = self.clearest;
         let margin = margin_decades.map(|decades| format!(", margin {decades:.1} decades")).unwrap_or_default();
+        let confidence = confidence.map_or("unknown".to_owned(), |confidence| format!("{confidence:.2}"));
         let openings = self.clearest.openings.iter().map(|[bearing_rad, width_m, range_m]| {
             format!("<li>{:+.0}°, {width_m:.1} m wide, {range_m:.1} m away</li>", bearing_rad.to_degrees())
         });
         let notes = self.clearest.notes.iter().map(|note| format!("<li>{}</li>", escaped(note)));
         format!(
             "<figure>\n<figcaption><b>{}</b>{node}<br>revolutions {from} to {to}; shown {seq}: k = {k}{margin}, confidence \
-             {confidence:.2}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
+             {confidence}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
             escaped(&self.what),
             sheet(std::slice::from_ref(&self.clearest.panel), 1),
             self.clearest.spectrum(),

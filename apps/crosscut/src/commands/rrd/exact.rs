@@ -5,8 +5,8 @@ use std::iter::Peekable;
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use crosscut_detector::{Config, Engine, Layer, Registry};
 use crosscut_messages::{Header, LaserScan, Time};
-use crosscut_pipeline::{Config, Engine, Layer, Registry};
 use crosscut_rrd::schema::{self, Entity};
 use crosscut_rrd::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
 use crosscut_sensor::{Sensor, UPSIDE_DOWN};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Context;
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 use crosscut_rrd::{ReadError, Recording, Rows, Value, is_picture, schema};
 use crosscut_stage::counted;
 
@@ -13,13 +13,14 @@ use super::selection::Selection;
 use super::{open, say_damages};
 use crate::cli::rrd::RrdGetArgs;
 use crate::exit::{Outcome, UsageError};
+use crate::fly::refuse_empty_span;
+use crate::outputs;
 use crate::say::say;
-use crate::{flight, outputs};
 
 /// Writes the values that were asked for. The exit code is 3 if the recording is damaged, or recomputed values disagree
 /// with it.
 pub(super) fn get(args: &RrdGetArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    flight::refuse_empty_span(args.from, args.to)?;
+    refuse_empty_span(args.from, args.to)?;
     outputs::refuse(&[&args.out], std::slice::from_ref(&args.recording))?;
     let recording = open(&args.recording, args.id.as_deref())?;
     let selection = Selection::new(args, &recording)?;

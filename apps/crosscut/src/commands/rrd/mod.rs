@@ -11,7 +11,7 @@ mod table;
 
 use std::path::Path;
 
-use crosscut_pipeline::Registry;
+use crosscut_detector::Registry;
 use crosscut_rrd::{ReadError, Recording};
 
 use crate::cli::rrd::RrdCommand;

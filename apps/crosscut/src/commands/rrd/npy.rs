@@ -3,10 +3,10 @@
 //! Own code, because the crates for it bring a parser of Python literals and a compiled assembly file for one line of
 //! text. The cross-checks read these files with NumPy.
 
-use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{Seek, Write};
 
 use anyhow::bail;
+use crosscut_outfile::Whole;
 use crosscut_rrd::{Array, Numbers};
 
 use crate::exit::UsageError;
@@ -16,7 +16,7 @@ const HEADER_BYTES: usize = 192;
 
 /// An array that grows along its first dimension, the revolutions.
 pub(super) struct NpyFile {
-    file: BufWriter<File>,
+    file: Whole,
     one: bool,
     count: usize,
     /// Type and shape of every revolution, set by the first one.
@@ -25,8 +25,7 @@ pub(super) struct NpyFile {
 
 impl NpyFile {
     /// An empty file. The array of `one` revolution has no dimension for revolutions.
-    pub(super) fn new(file: File, one: bool) -> anyhow::Result<Self> {
-        let mut file = BufWriter::new(file);
+    pub(super) fn new(mut file: Whole, one: bool) -> anyhow::Result<Self> {
         file.write_all(&[0; HEADER_BYTES])?;
         Ok(Self { file, one, count: 0, each: None })
     }
@@ -48,13 +47,13 @@ impl NpyFile {
         Ok(())
     }
 
-    /// Writes the header, now that the shape is known.
+    /// Writes the header, now that the shape is known, and gives the file its name.
     pub(super) fn finish(mut self) -> anyhow::Result<()> {
         let (descr, each) = self.each.unwrap_or(("<f8", Vec::new()));
         let shape: Vec<usize> = if self.one { each } else { [self.count].into_iter().chain(each).collect() };
         self.file.rewind()?;
         self.file.write_all(&header(descr, &shape))?;
-        Ok(self.file.flush()?)
+        Ok(self.file.finish()?)
     }
 }
 

@@ -1,21 +1,20 @@
 //! Values as files: NumPy arrays, CSV and texts.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{Stdout, Write};
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use crosscut_outfile::{Keep, Whole};
 use crosscut_rrd::{Row, Value};
 
 use super::npy::NpyFile;
 use super::table;
 use crate::exit::UsageError;
-use crate::unfinished::Unfinished;
+use crate::interrupt;
 
 /// Where values are written: a file, which replaces an older one when it is finished, or standard output.
 pub(super) struct Output {
     format: Format,
-    file: Option<Unfinished>,
     /// How many values were written.
     pub(super) values: usize,
 }
@@ -25,31 +24,49 @@ enum Format {
     /// One array; of several revolutions along its first dimension.
     Npy(NpyFile),
     /// One number or text a line, with revolution, stamp and indices before it; 0 columns before the first value.
-    Csv { file: BufWriter<File>, columns: usize },
+    Csv { file: Whole, columns: usize },
     /// Texts, those of several revolutions under headings.
-    Markdown { out: Box<dyn Write>, one: bool },
+    Markdown { out: Texts, one: bool },
+}
+
+/// Where texts go.
+enum Texts {
+    File(Whole),
+    StandardOutput(Stdout),
+}
+
+impl Texts {
+    fn as_write(&mut self) -> &mut dyn Write {
+        match self {
+            Self::File(file) => file,
+            Self::StandardOutput(out) => out,
+        }
+    }
 }
 
 impl Output {
     /// Opens the file at `path`, or standard output for `-`. An array of `one` revolution has no dimension for revolutions.
     pub(super) fn create(path: &Path, one: bool) -> anyhow::Result<Self> {
         if path == Path::new("-") {
-            let format = Format::Markdown { out: Box::new(std::io::stdout()), one };
-            return Ok(Self { format, file: None, values: 0 });
+            let format = Format::Markdown { out: Texts::StandardOutput(std::io::stdout()), one };
+            return Ok(Self { format, values: 0 });
         }
-        let file = Unfinished::beside(path);
-        file.remove_on_interrupt()?;
-        let create = || file.create().with_context(|| format!("cannot write {}", path.display()));
+        let create = || {
+            let created = Whole::create(path, Keep::ThroughKill);
+            let file = created.with_context(|| format!("cannot write {}", path.display()))?;
+            interrupt::quit_without(&file)?;
+            Ok::<_, anyhow::Error>(file)
+        };
         let format = match path.extension().and_then(|ending| ending.to_str()) {
             Some("npy") => Format::Npy(NpyFile::new(create()?, one)?),
-            Some("csv") => Format::Csv { file: BufWriter::new(create()?), columns: 0 },
-            Some("md") => Format::Markdown { out: Box::new(BufWriter::new(create()?)), one },
+            Some("csv") => Format::Csv { file: create()?, columns: 0 },
+            Some("md") => Format::Markdown { out: Texts::File(create()?), one },
             _ => {
                 let text = format!("{}: --out takes a file that ends in .npy, .csv or .md", path.display());
                 return Err(UsageError(text).into());
             }
         };
-        Ok(Self { format, file: Some(file), values: 0 })
+        Ok(Self { format, values: 0 })
     }
 
     /// Adds the value of a revolution, or of the whole flight.
@@ -67,11 +84,10 @@ impl Output {
     /// Ends the file and gives it the name that was asked for.
     pub(super) fn finish(self) -> anyhow::Result<()> {
         match self.format {
-            Format::Npy(file) => file.finish()?,
-            Format::Csv { mut file, .. } => file.flush()?,
-            Format::Markdown { mut out, .. } => out.flush()?,
+            Format::Npy(file) => file.finish(),
+            Format::Csv { file, .. } | Format::Markdown { out: Texts::File(file), .. } => Ok(file.finish()?),
+            Format::Markdown { out: Texts::StandardOutput(mut out), .. } => Ok(out.flush()?),
         }
-        Ok(self.file.map_or(Ok(()), Unfinished::finish)?)
     }
 }
 
@@ -95,6 +111,7 @@ impl Format {
             }
             Self::Markdown { out, one } => match value {
                 Value::Texts(texts) => {
+                    let out = out.as_write();
                     if let Some(revolution) = revolution.filter(|_| !*one) {
                         writeln!(out, "# Revolution {revolution}\n")?;
                     }

@@ -1,6 +1,6 @@
 //! The settings that are tried, and their combinations.
 
-use crosscut_pipeline::{Config, Registry};
+use crosscut_detector::{Config, Registry};
 
 use crate::cli::ConfigArgs;
 use crate::config;
@@ -46,18 +46,16 @@ impl Grid {
     /// The configuration of each combination, over that of the command line.
     pub(super) fn configs(&self, args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Vec<Config>> {
         let config = |point: &Vec<String>| {
-            let mut layers =
-                ConfigArgs { preset: args.preset.clone(), config: args.config.clone(), set: args.set.clone() };
-            for (key, value) in self.keys.iter().zip(point) {
-                if key == PRESET {
-                    layers.preset.clone_from(value);
-                } else {
-                    layers.set.push(format!("{key}={value}"));
-                }
-            }
-            let named = self.keys.iter().zip(point).map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>();
-            config::resolve(&layers, registry)
-                .map_err(|error| UsageError(format!("--grid at {}: {error}", named.join(", "))).into())
+            let named = |(key, value): (&String, &String)| format!("{key}={value}");
+            let of_point = self.keys.iter().zip(point);
+            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(&args.preset, |(_, value)| value);
+            // One layer: a kind of the grid may have parameters that --set gives.
+            let settings =
+                args.set.iter().cloned().chain(of_point.clone().filter(|(key, _)| *key != PRESET).map(named));
+            let settings: Vec<String> = settings.collect();
+            config::resolve(preset, args.config.as_deref(), &[("--set", &settings)], registry).map_err(|error| {
+                UsageError(format!("--grid at {}: {error}", of_point.map(named).collect::<Vec<_>>().join(", "))).into()
+            })
         };
         self.points.iter().map(config).collect()
     }

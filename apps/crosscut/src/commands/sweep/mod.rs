@@ -12,25 +12,29 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
 use anyhow::Context;
-use crosscut_ingest::{CsvGeometry, ReadOptions, Recording, Truths, recordings_in};
-use crosscut_pipeline::{Config, Frame, Registry, StopFlag, Variants, settings_of_step};
-use crosscut_sensor::Sensor;
-use crosscut_stage::{Source as _, Step};
+use crosscut_detector::{Config, Frame, Registry};
+use crosscut_evaluate::{Score, Variants, settings_of_step};
+use crosscut_ingest::Truths;
+use crosscut_pipeline::StopFlag;
+use crosscut_report::ResultsLine;
+use crosscut_stage::Step;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use self::grid::Grid;
 use self::store::{Store, hash, hash_of_file};
 use self::tally::Tally;
+use crate::cli::InputArgs;
 use crate::cli::sweep::SweepArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
+use crate::fly::{self, Judge, files_read};
 use crate::interrupt::stop_on_interrupt;
 use crate::progress;
-use crate::say::say;
+use crate::say::{say, show};
 
-/// A flight, and what is known of it.
-struct Flight {
+/// A recording, and what is known of it.
+struct Input {
     path: PathBuf,
     name: String,
     hash: String,
@@ -38,7 +42,7 @@ struct Flight {
 
 /// A flight with combinations that read its scans in one way, and the names under which their results are kept.
 struct Task<'a> {
-    flight: &'a Flight,
+    flight: &'a Input,
     points: Vec<(usize, String)>,
 }
 
@@ -46,12 +50,15 @@ struct Task<'a> {
 pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) -> anyhow::Result<Outcome> {
     let grid = Grid::parse(&args.grid)?;
     let configs = grid.configs(&args.config, registry)?;
+    let paths = files_read(&args.input, [])?;
+    output::refuse_overwriting(&args.out, &grid, paths.iter().cloned().chain(args.config.config.clone()))?;
     let store = Store::open(args.out.join("rows"))?;
     let mut diagnostics = Diagnostics::default();
-    let flights = flights(recordings_in(&args.input)?, &mut diagnostics);
+    let flights = flights(paths, &mut diagnostics);
     let program = program(build);
-    let read = format!("{:?} {:?}", args.topic, args.read_as);
-    let name_of = |flight: &Flight, config: &Config| {
+    let InputArgs { recordings, topic, from, to, every } = &args.input;
+    let read = format!("{topic:?} {:?} {from:?} {to:?} {every}", recordings.read_as);
+    let name_of = |flight: &Input, config: &Config| {
         let settings: String = config.settings().map(|(key, value)| format!("{key}={value}\n")).collect();
         hash(&[&program, &flight.hash, &read, &settings])
     };
@@ -62,8 +69,7 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
     if !args.quiet && missing < all {
         say(format_args!("{} of {all} are there from an earlier sweep", all - missing));
     }
-    let stop = StopFlag::default();
-    stop_on_interrupt(stop.clone())?;
+    let stop = stop_on_interrupt()?;
     let sweep = Sweep { args, configs: &configs, registry, store: &store, stop: &stop };
     sweep.run(&tasks, &mut diagnostics)?;
 
@@ -72,14 +78,16 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
         for (point, name) in grid.points.iter().zip(names) {
             if let Some(result) = store.get(name) {
                 // Also for a row that is there from an earlier sweep: its figures lack the scans that were lost.
-                diagnostics.lost_all(result["lost"].as_array().into_iter().flatten().filter_map(Value::as_str));
+                let texts = |field: &str| result[field].as_array().into_iter().flatten().filter_map(Value::as_str);
+                diagnostics.lost_all(texts("lost"));
+                texts("left_out").for_each(|note| diagnostics.note(note));
                 rows.push(output::Row { flight: &flight.name, input: &flight.hash, point, result });
             }
         }
     }
     output::write(&args.out, &program, &grid, &rows)?;
     if !args.quiet {
-        output::show(&grid, &rows)?;
+        show(output::table(&grid, &rows))?;
     }
     if stop.is_set() {
         let left = all - rows.len();
@@ -96,7 +104,7 @@ fn program(build: Option<&str>) -> String {
 }
 
 /// The flights that can be read, each with a name of its own.
-fn flights(paths: Vec<PathBuf>, diagnostics: &mut Diagnostics) -> Vec<Flight> {
+fn flights(paths: Vec<PathBuf>, diagnostics: &mut Diagnostics) -> Vec<Input> {
     let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let stems: Vec<String> = paths.iter().map(stem).collect();
     let is_single = |name: &String| stems.iter().filter(|other| *other == name).count() == 1;
@@ -104,7 +112,7 @@ fn flights(paths: Vec<PathBuf>, diagnostics: &mut Diagnostics) -> Vec<Flight> {
     for (path, stem) in paths.into_iter().zip(&stems) {
         let name = if is_single(stem) { stem.clone() } else { path.display().to_string() };
         match hash_of_file(&path) {
-            Ok(hash) => flights.push(Flight { path, name, hash }),
+            Ok(hash) => flights.push(Input { path, name, hash }),
             Err(error) => diagnostics.error(format_args!("left out: {error}: {}", path.display())),
         }
     }
@@ -112,7 +120,7 @@ fn flights(paths: Vec<PathBuf>, diagnostics: &mut Diagnostics) -> Vec<Flight> {
 }
 
 /// What is not there yet, by flight and by how its scans are read.
-fn tasks<'a>(flights: &'a [Flight], configs: &[Config], names: &[Vec<String>], store: &Store) -> Vec<Task<'a>> {
+fn tasks<'a>(flights: &'a [Input], configs: &[Config], names: &[Vec<String>], store: &Store) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
     for (flight, names) in flights.iter().zip(names) {
         let mut by_reading: BTreeMap<String, Vec<(usize, String)>> = BTreeMap::new();
@@ -168,37 +176,43 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    fn open(&self, task: &Task<'_>) -> anyhow::Result<Recording> {
+    fn open(&self, task: &Task<'_>) -> anyhow::Result<fly::Flight> {
         let config = &self.configs[task.points[0].0];
-        let csv = CsvGeometry::new(config.params("csv"));
-        let options =
-            ReadOptions { topic: self.args.topic.clone(), read_as: self.args.read_as, csv, ..ReadOptions::default() };
-        let sensor = Sensor::new(config.params("ingest"));
-        Ok(Recording::open(std::slice::from_ref(&task.flight.path), &options, sensor)?)
+        fly::Flight::open(std::slice::from_ref(&task.flight.path), &self.args.input, config)
     }
 
     /// Runs the combinations of a task together, and keeps their results; none of them if it is interrupted or the flight
     /// cannot be read to its end.
     fn work(&self, task: &Task<'_>, bar: &ProgressBar) -> anyhow::Result<()> {
-        let mut recording = self.open(task)?;
-        let mut truths = Truths::open(&task.flight.path).ok();
+        let mut flight = self.open(task)?.with_truths(Truths::open(&task.flight.path).ok());
         let configs: Vec<&Config> = task.points.iter().map(|(place, _)| &self.configs[*place]).collect();
         let mut variants = Variants::new(&configs, self.registry);
         let mut tallies: Vec<Tally> = configs.iter().map(|_| Tally::default()).collect();
-        let mut frame = Frame::default();
-        while recording.next(&mut frame.revolution, &mut frame.notes)? {
+        let (mut frame, mut judge, mut revolutions) = (Frame::default(), Judge::default(), 0);
+        while let Some(truth) = flight.next(&mut frame.revolution, &mut frame.notes)? {
             if self.stop.is_set() {
                 return Ok(());
             }
-            // A truth that cannot be read is none.
-            let truth = truths.as_mut().and_then(|truths| truths.at(recording.last_log_time_ns()).ok().flatten());
-            variants.process(&mut frame, &mut |place, frame| tallies[place].add(frame, truth.as_ref()));
+            let truth = judge.truth(truth, frame.revolution.seq);
+            let mut refused = None;
+            variants.process(&mut frame, &mut |place, frame| {
+                let truth = truth.as_ref().filter(|_| frame.failure.is_none());
+                let score = truth.map(|truth| Score::of(truth, &ResultsLine::of(frame)));
+                tallies[place].add(frame, score.as_ref().and_then(|score| score.as_ref().ok()));
+                refused = refused.take().or(score.and_then(Result::err));
+            });
+            refused.into_iter().for_each(|error| judge.cannot(error.to_string()));
             frame.notes.clear();
+            revolutions += 1;
             bar.inc(1);
         }
-        let losses: Vec<String> = recording.losses().iter().map(ToString::to_string).collect();
+        if revolutions == 0 {
+            anyhow::bail!("no scan could be read");
+        }
+        let (left_out, losses) = (flight.left_out(), flight.losses(judge));
         for ((_, name), tally) in task.points.iter().zip(tallies) {
-            let row: Value = json!({"figures": tally.figures(), "times_ms": tally.times_ms(), "lost": losses});
+            let row: Value =
+                json!({"figures": tally.figures(), "times_ms": tally.times_ms(), "lost": losses, "left_out": left_out});
             self.store.put(name, &row)?;
         }
         Ok(())

@@ -1,7 +1,6 @@
 //! The results of a sweep as files, and as a table on the terminal.
 
-use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_evaluate::tables::Table;
@@ -9,9 +8,9 @@ use crosscut_stage::Step;
 use serde_json::Value;
 
 use super::grid::Grid;
-use super::picture;
-use crate::typeset;
-use crate::unfinished::Unfinished;
+use super::{picture, store};
+use crate::exit::UsageError;
+use crate::{outputs, typeset};
 
 /// The figures, in the order of their columns.
 pub(super) const FIGURES: [&str; 13] = [
@@ -55,19 +54,34 @@ impl Row<'_> {
 pub(super) fn write(folder: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
     let file = |name: &str, text: String| {
         let path = folder.join(name);
-        Unfinished::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+        store::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
     };
     file("sweep.csv", csv(program, grid, rows))?;
     file("times.csv", times(grid, rows))?;
     for place in 0..grid.keys.len() {
-        let name = grid.keys[place].replace(['/', '\\'], "_");
-        file(&format!("{name}.svg"), picture::svg(grid, place, rows))?;
+        file(&picture_name(grid, place), picture::svg(grid, place, rows))?;
     }
     Ok(())
 }
 
-/// Shows the mean over all flights of each combination.
-pub(super) fn show(grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
+/// Refuses a folder in which the sweep would replace one of the files `read`.
+pub(super) fn refuse_overwriting(
+    folder: &Path,
+    grid: &Grid,
+    read: impl Iterator<Item = PathBuf>,
+) -> Result<(), UsageError> {
+    let pictures = (0..grid.keys.len()).map(|place| picture_name(grid, place));
+    let names = ["sweep.csv", "times.csv"].map(str::to_owned).into_iter().chain(pictures);
+    let read: Vec<PathBuf> = read.collect();
+    names.map(|name| folder.join(name)).try_for_each(|file| outputs::refuse(&[&file], &read))
+}
+
+fn picture_name(grid: &Grid, place: usize) -> String {
+    format!("{}.svg", grid.keys[place].replace(['/', '\\'], "_"))
+}
+
+/// The mean over all flights of each combination, as a table.
+pub(super) fn table(grid: &Grid, rows: &[Row<'_>]) -> String {
     let header =
         grid.keys.iter().map(String::as_str).chain(["flights", "right %", "sure %", "right of sure %", "flips", "ms"]);
     let line = |point: &Vec<String>| {
@@ -88,7 +102,7 @@ pub(super) fn show(grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
     };
     let rows = grid.points.iter().map(line).collect();
     let table = Table { title: String::new(), header: header.map(str::to_owned).collect(), rows };
-    writeln!(std::io::stdout(), "{}", typeset::plain(&table)).context("standard output")
+    typeset::plain(&table) + "\n"
 }
 
 /// Mean of those that are there; `None` if none is.

@@ -5,12 +5,16 @@ use std::fs::File;
 use std::hash::Hasher as _;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use serde_json::Value;
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
-use crate::unfinished::Unfinished;
+/// Another sweep has this long to write a file that both write.
+const PATIENCE: Duration = Duration::from_secs(5);
+const PAUSE: Duration = Duration::from_millis(10);
 
 /// The folder with the files.
 pub(super) struct Store {
@@ -31,11 +35,22 @@ impl Store {
     /// Keeps what was computed. A file is there as a whole or not at all.
     pub(super) fn put(&self, name: &str, row: &Value) -> anyhow::Result<()> {
         let path = self.path(name);
-        Unfinished::write(&path, format!("{row}\n")).with_context(|| format!("cannot write {}", path.display()))
+        write(&path, format!("{row}\n")).with_context(|| format!("cannot write {}", path.display()))
     }
 
     fn path(&self, name: &str) -> PathBuf {
         self.folder.join(format!("{name}.json"))
+    }
+}
+
+/// Writes a whole file. Another sweep may be writing the same answers to it: it is done soon.
+pub(super) fn write(path: &Path, text: String) -> io::Result<()> {
+    let begun = Instant::now();
+    loop {
+        match crosscut_outfile::write(path, &text) {
+            Err(error) if error.kind() == io::ErrorKind::ResourceBusy && begun.elapsed() < PATIENCE => sleep(PAUSE),
+            written => return written,
+        }
     }
 }
 

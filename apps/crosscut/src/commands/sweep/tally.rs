@@ -1,8 +1,6 @@
 //! What is counted of one configuration on one flight.
 
 use crosscut_evaluate::{Evaluation, Score, flips};
-use crosscut_messages::Truth;
-use crosscut_report::ResultsLine;
 use crosscut_stage::{Frame, SURE, Step};
 use serde_json::{Value, json};
 
@@ -10,7 +8,8 @@ use serde_json::{Value, json};
 #[derive(Default)]
 pub(super) struct Tally {
     junctions: Vec<usize>,
-    confidence: f64,
+    /// Sum and number of those that are known.
+    confidence: (f64, u64),
     sure: u64,
     failed: u64,
     evaluation: Evaluation,
@@ -19,20 +18,22 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Adds the answer to a revolution, compared with its truth if there is one.
-    pub(super) fn add(&mut self, frame: &Frame, truth: Option<&Truth>) {
+    /// Adds the answer to a revolution, with its score if there is a truth.
+    pub(super) fn add(&mut self, frame: &Frame, score: Option<&Score>) {
         if frame.failure.is_some() {
             self.failed += 1;
             return;
         }
         self.junctions.push(frame.junction.junctions);
-        self.confidence += frame.junction.confidence;
-        self.sure += u64::from(frame.junction.confidence >= SURE);
+        if let Some(confidence) = frame.junction.confidence {
+            self.confidence = (self.confidence.0 + confidence, self.confidence.1 + 1);
+            self.sure += u64::from(confidence >= SURE);
+        }
         for (step, times_ns) in Step::ALL.into_iter().zip(&mut self.times_ns) {
             times_ns.push(frame.timings.ns(step));
         }
-        if let Some(Ok(score)) = truth.map(|truth| Score::of(truth, &ResultsLine::of(frame))) {
-            self.evaluation.add(&score);
+        if let Some(score) = score {
+            self.evaluation.add(score);
         }
     }
 
@@ -40,6 +41,7 @@ impl Tally {
     pub(super) fn figures(&self) -> Value {
         let revolutions = self.junctions.len();
         let mean = |sum: f64| (revolutions > 0).then(|| sum / revolutions as f64);
+        let (sum, known) = self.confidence;
         let figures = self.evaluation.figures();
         let share = |proportion: crosscut_evaluate::Proportion| proportion.value();
         json!({
@@ -47,8 +49,8 @@ impl Tally {
             "failed": self.failed,
             "mean_junctions": mean(self.junctions.iter().sum::<usize>() as f64),
             "flips": flips(&self.junctions).len(),
-            "mean_confidence": mean(self.confidence),
-            "sure": mean(self.sure as f64),
+            "mean_confidence": (known > 0).then(|| sum / known as f64),
+            "sure": (known > 0).then(|| self.sure as f64 / known as f64),
             "compared": figures.revolutions,
             "right": share(figures.right),
             "right_count": share(figures.right_count),

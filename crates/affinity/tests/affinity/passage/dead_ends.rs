@@ -28,7 +28,7 @@ fn a_dead_end_is_one_wall_though_single_beams_are_lost_along_its_sides() {
 
 #[test]
 fn narrow_dead_ends_with_bumps_seldom_have_a_way_on() {
-    // 2 m wide, its end 4 to 5 widths ahead, with bumps of up to 6 cm: 141 of these had a way on where one hides the wall.
+    // 2 m wide, its end 4 to 5 widths ahead, with bumps of up to 6 cm: 141 of these had an opening where one hides the wall.
     let mut wrong = 0;
     for (place, end_m) in (0..200).zip([8.0, 8.5, 9.0, 9.5, 10.0].into_iter().cycle()) {
         let bump_m = |x: f64, phase: f64| {
@@ -43,7 +43,7 @@ fn narrow_dead_ends_with_bumps_seldom_have_a_way_on() {
         let segments = [side(1.0), side(-1.0), vec![[[end_m, -1.1], [end_m, 1.1]]]].concat();
         wrong += usize::from(components(&scan_by(720, &segments, all), &[]).len() != 1);
     }
-    assert!(wrong <= 8, "{wrong} of 200 dead ends have a way on");
+    assert!(wrong <= 8, "{wrong} of 200 dead ends have an opening");
 }
 
 #[test]

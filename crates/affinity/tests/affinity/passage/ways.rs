@@ -131,7 +131,9 @@ fn a_gap_much_narrower_than_the_place_ends_no_wall_whose_bumps_may_hide_it_and_o
 #[test]
 fn a_side_passage_is_a_way_on_also_where_only_the_face_of_its_corner_tells_it_from_a_hidden_stretch_of_wall() {
     // Its far side, 10 m ahead, is seen over half a metre; behind that corner the wall goes straight on.
-    assert_eq!(components(&scan(&with_branch_at(8.0, 2.25), all), &[]), [164, 158, 6]);
+    let sizes = components(&scan(&with_branch_at(8.0, 2.25), all), &[]);
+    let [.., face] = sizes[..] else { panic!("no walls") };
+    assert!(sizes.len() == 3 && sizes[1] > 100 && face < 20, "two long walls and a face: {sizes:?}");
 }
 
 #[test]
@@ -189,7 +191,8 @@ fn walls_that_two_far_returns_have_joined_are_cut_where_a_vehicle_passes_between
     // closed by what lies on a line; then both walls of the tunnel are one, and its end is a gap between two long
     // walls.
     let end_of_wall_lost = |beam: usize, range_m| if (195..215).contains(&beam) { None } else { range_m };
-    assert_eq!(components(&scan(&with_branch_at(7.25, 7.5), end_of_wall_lost), &[]), [164, 139]);
+    let sizes = components(&scan(&with_branch_at(7.25, 7.5), end_of_wall_lost), &[]);
+    assert!(sizes.len() == 2 && sizes[1] > 100, "two long walls: {sizes:?}");
 }
 
 #[test]

@@ -104,6 +104,10 @@ impl ChunkedFile for BagFile {
         self.input.get_mut().rest()
     }
 
+    fn at_byte(&self) -> u64 {
+        self.at_byte
+    }
+
     fn step(&mut self, visitor: &mut impl Visitor) -> Progress {
         let at_byte = self.at_byte;
         if self.index_at > 0 && at_byte >= self.index_at && self.index_at < self.length {

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use super::records::{Schemas, read_body, read_head, skip, visit};
+use super::records::{Schemas, read_head, read_record, skip, visit};
 use crate::container::chunked::Visitor;
 use crate::{Damage, limits};
 
@@ -24,7 +24,7 @@ impl ChunkHeader {
         let checksum = u32::from_le_bytes(read_array(input)?);
         let name_bytes = u32::from_le_bytes(read_array(input)?);
         let mut name = Vec::new();
-        read_body(input, u64::from(name_bytes), &mut name)?;
+        read_record(input, u64::from(name_bytes), &mut name)?;
         let compression = String::from_utf8_lossy(&name).into_owned();
         Ok(Self { uncompressed_bytes, checksum, compression, compressed_bytes: u64::from_le_bytes(read_array(input)?) })
     }

@@ -1,13 +1,13 @@
 //! The records of a file, from one to the next or where the index says.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::mem;
 
 use mcap::records::{Record, op};
 
 use super::chunk::{Checked, check, visit_chunk};
-use super::records::{HEAD_BYTES, Schemas, parse, read_body, read_head, skip, visit};
+use super::records::{HEAD_BYTES, Schemas, parse, read_head, read_record, skip, visit};
 use crate::container::ChannelId;
 use crate::container::chunked::{ChunkPlace, ChunkedFile, Progress, Visitor};
 use crate::container::resting_file::RestingFile;
@@ -119,10 +119,29 @@ impl DataSection {
         }
     }
 
+    /// The metadata record of this name, if it is before the first message.
+    pub(super) fn metadata(&mut self, name: &str) -> Option<BTreeMap<String, String>> {
+        loop {
+            let (opcode, length) = read_head(&mut self.input).ok()??;
+            if matches!(opcode, op::CHUNK | op::MESSAGE | op::DATA_END | op::FOOTER) {
+                return None;
+            }
+            if opcode != op::METADATA {
+                skip(&mut self.input, length).ok()?;
+                continue;
+            }
+            read_record(&mut self.input, length, &mut self.body).ok()?;
+            match parse(opcode, &self.body).ok()? {
+                Record::Metadata(found) if found.name == name => return Some(found.metadata),
+                _ => {}
+            }
+        }
+    }
+
     /// Reads the whole record at `at_byte`, which must be of type `opcode`.
     pub(super) fn record(&mut self, at_byte: u64, opcode: u8) -> Result<Record<'_>, Damage> {
         let length = self.head_of(at_byte, opcode)?;
-        read_body(&mut self.input, length, &mut self.body)?;
+        read_record(&mut self.input, length, &mut self.body)?;
         parse(opcode, &self.body)
     }
 
@@ -147,6 +166,10 @@ impl ChunkedFile for DataSection {
     fn rest(&mut self) -> io::Result<()> {
         self.rewind()?;
         self.input.get_mut().rest()
+    }
+
+    fn at_byte(&self) -> u64 {
+        self.at_byte
     }
 
     fn step(&mut self, visitor: &mut impl Visitor) -> Progress {

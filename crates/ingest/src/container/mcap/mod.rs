@@ -9,7 +9,8 @@ mod data_section;
 mod records;
 mod summary;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -24,6 +25,13 @@ use super::contents::{Contents, TimeSample};
 use super::resting_file::RestingFile;
 use super::survey::Survey;
 use crate::{Loss, LossKind};
+
+/// The metadata record of this name in the file at `path`, if it is before the first message.
+pub(crate) fn metadata(path: &Path, name: &str) -> io::Result<Option<BTreeMap<String, String>>> {
+    let file = RestingFile::new(path.to_owned(), File::open(path)?);
+    let bytes = file.length()?;
+    Ok(DataSection::new(file, bytes)?.metadata(name))
+}
 
 /// Files of up to this many chunks have the log times of all messages sampled.
 const FEW_CHUNKS: usize = 16;

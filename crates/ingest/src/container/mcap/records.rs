@@ -41,6 +41,14 @@ pub(super) fn read_body(input: &mut impl Read, length: u64, body: &mut Vec<u8>) 
     if body.len() as u64 == length { Ok(()) } else { Err(Damage::Ended) }
 }
 
+/// Reads a record that is no message into `body`.
+pub(super) fn read_record(input: &mut impl Read, length: u64, body: &mut Vec<u8>) -> Result<(), Damage> {
+    if length > limits::RECORD_BYTES {
+        return Err(Damage::TooLarge { bytes: length, limit: limits::RECORD_BYTES });
+    }
+    read_body(input, length, body)
+}
+
 /// Reads past `length` bytes.
 pub(super) fn skip(input: &mut impl Read, length: u64) -> Result<(), Damage> {
     if io::copy(&mut input.take(length), &mut io::sink())? == length { Ok(()) } else { Err(Damage::Ended) }
@@ -62,18 +70,18 @@ fn lengths_fit(opcode: u8, body: &[u8]) -> bool {
         let end = at + 4 + length as usize;
         (end <= body.len()).then_some(end)
     };
+    let map_end = |map: usize| {
+        let (mut at, end) = (map + 4, text_end(map)?);
+        while at < end {
+            at = text_end(at)?;
+        }
+        Some(at)
+    };
     let last_end = || match opcode {
         op::HEADER => text_end(text_end(0)?),
         op::SCHEMA => text_end(text_end(2)?),
-        op::CHANNEL => {
-            let metadata = text_end(text_end(4)?)?;
-            let metadata_end = text_end(metadata)?;
-            let mut at = metadata + 4;
-            while at < metadata_end {
-                at = text_end(at)?;
-            }
-            Some(at)
-        }
+        op::CHANNEL => map_end(text_end(text_end(4)?)?),
+        op::METADATA => map_end(text_end(0)?),
         op::CHUNK_INDEX => text_end(text_end(32)? + 8),
         _ => Some(0),
     };
@@ -89,11 +97,8 @@ pub(super) fn visit(
 ) -> Result<(), Damage> {
     match opcode {
         0 => Err(Damage::Record("a record of type 0 cannot be".to_owned())),
-        op::SCHEMA | op::CHANNEL if length > limits::RECORD_BYTES => {
-            Err(Damage::TooLarge { bytes: length, limit: limits::RECORD_BYTES })
-        }
         op::SCHEMA | op::CHANNEL => {
-            read_body(input, length, body)?;
+            read_record(input, length, body)?;
             match parse(opcode, body)? {
                 Record::Schema { header, .. } => {
                     schemas.entry(header.id).or_insert([header.name, header.encoding]);

@@ -6,7 +6,7 @@ use mcap::records::{Channel, ChunkIndex, Record, Statistics, op};
 
 use super::chunk::{Checked, check};
 use super::data_section::FOOTER_BYTES;
-use super::records::{HEAD_BYTES, Schemas, parse, read_body, read_head, skip};
+use super::records::{HEAD_BYTES, Schemas, parse, read_body, read_head, read_record, skip};
 use crate::Damage;
 use crate::container::resting_file::RestingFile;
 
@@ -61,7 +61,7 @@ impl Summary {
                 skip(input, length)?;
                 continue;
             }
-            read_body(input, length, &mut body)?;
+            read_record(input, length, &mut body)?;
             match parse(opcode, &body)? {
                 Record::Schema { header, .. } => {
                     summary.schemas.entry(header.id).or_insert([header.name, header.encoding]);

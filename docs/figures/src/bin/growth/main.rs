@@ -10,7 +10,7 @@
 mod plot;
 
 use anyhow::Context;
-use crosscut_pipeline::{Engine, Preset, Settings};
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Places, Rings, lidar::Lidar};
 use crosscut_stage::{Frame, Revolution};

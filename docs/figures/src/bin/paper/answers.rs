@@ -1,38 +1,33 @@
 //! The answer of a preset to a scene, as a panel of a figure.
 
+use crosscut_detector::{Detector, Preset};
 use crosscut_evaluate::Score;
 use crosscut_evaluate::panel::Panel;
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
 use crosscut_stage::Frame;
 
 /// A preset that answers scenes.
-pub(crate) struct Answers {
-    sensor: Sensor,
-    engine: Engine,
-}
+pub(crate) struct Answers(Detector);
 
 impl Answers {
     pub(crate) fn of(preset: Preset) -> anyhow::Result<Self> {
-        let settings = Settings::new(preset);
-        Ok(Self { sensor: settings.sensor()?, engine: settings.engine()? })
+        Ok(Self(Detector::builder().preset(preset).build()?))
     }
 
     /// Draws the answer, with the count above it.
     pub(crate) fn panel(&mut self, scene: &Scene) -> anyhow::Result<Panel> {
-        let mut frame = Frame::default();
-        self.sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-        self.engine.process(&mut frame)?;
-        let score = Score::of(&scene.truth, &ResultsLine::of(&frame))?;
+        self.0.detect(&scene.scan)?;
+        let frame = self.0.frame();
+        let score = Score::of(&scene.truth, &ResultsLine::of(frame))?;
         let count = score.reported_walls;
         let title = match (score.right, score.right_count()) {
             (true, _) => count.to_string(),
             (false, true) => format!("{count}, other walls"),
             (false, false) => format!("{count}, true: {}", score.true_walls),
         };
-        Ok(Panel::of_answer(title, &frame))
+        Ok(Panel::of_answer(title, frame))
     }
 }
 

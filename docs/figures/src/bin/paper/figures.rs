@@ -1,9 +1,9 @@
 //! The figures and their captions. Rules select the scenes; none is picked by hand.
 
 use anyhow::Context;
+use crosscut_detector::Preset;
 use crosscut_evaluate::panel::{Panel, sheet};
 use crosscut_messages::{Truth, TruthOpening};
-use crosscut_pipeline::Preset;
 use crosscut_simulator::{Scene, Split, Suite, scenarios, suites};
 use crosscut_stage::wrap_angle_rad;
 

@@ -11,8 +11,9 @@ mod tolerance;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crosscut_pipeline::{Config, Preset, Registry, ZERO_TOLERANCE};
+use crosscut_detector::{Config, Preset, Registry};
 use crosscut_simulator::SCENES;
+use crosscut_spectral::ZERO_TOLERANCE;
 
 fn main() -> anyhow::Result<()> {
     let mut args = std::env::args().skip(1);

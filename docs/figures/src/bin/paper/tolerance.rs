@@ -5,8 +5,8 @@
 //! verdict holds at every such τ. This is exact: the counts are those of the preset `paper` with
 //! `spectral.zero_tolerance` set to τ.
 
+use crosscut_detector::{Preset, Registry, Settings};
 use crosscut_evaluate::{Proportion, Score};
-use crosscut_pipeline::{Preset, Registry, Settings};
 use crosscut_report::{Reporter, ResultsLine};
 use crosscut_sensor::Sensor;
 use crosscut_simulator::{Scene, Split, suites};
@@ -56,7 +56,8 @@ impl Method {
     fn new(registry: &Registry) -> anyhow::Result<Self> {
         // The eigenvalues of an L whose W has ones on its diagonal are below 2: every one counts as zero, and U holds
         // all eigenvectors.
-        let config = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 2.0).config(registry)?;
+        let settings = Settings::new(Preset::Paper).set("spectral.kind", "faer").set("spectral.zero_tolerance", 2.0);
+        let config = settings.config(registry)?;
         Ok(Self {
             sensor: Sensor::new(config.params("ingest")),
             affinity: config.build(&registry.affinity),
@@ -102,11 +103,9 @@ mod tests {
                 let (right_counts, walls_right) = method.judge(&scene).expect("it answers");
                 for (exponent, right_count) in EXPONENTS.into_iter().zip(right_counts).skip(2) {
                     let settings = Settings::new(Preset::Paper).set("spectral.zero_tolerance", 10_f64.powi(exponent));
-                    let mut frame = Frame::default();
-                    let sensor = settings.sensor().expect("allowed");
-                    sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-                    settings.engine().expect("allowed").process(&mut frame).expect("it answers");
-                    let score = Score::of(&scene.truth, &ResultsLine::of(&frame)).expect("the same scan");
+                    let mut detector = settings.build().expect("allowed");
+                    detector.detect(&scene.scan).expect("it answers");
+                    let score = Score::of(&scene.truth, &ResultsLine::of(detector.frame())).expect("the same scan");
                     let verdict = (score.right_count(), score.right);
                     assert_eq!((right_count, right_count && walls_right), verdict, "{}, 1e{exponent}", suite.name);
                     *if score.right { &mut right } else { &mut wrong } += 1;

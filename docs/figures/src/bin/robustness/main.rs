@@ -10,8 +10,8 @@ mod mixture;
 use std::path::Path;
 
 use anyhow::Context;
+use crosscut_detector::{Engine, Preset, Settings};
 use crosscut_evaluate::{Evaluation, Score};
-use crosscut_pipeline::{Engine, Preset, Settings};
 use crosscut_report::ResultsLine;
 use crosscut_sensor::Sensor;
 use crosscut_simulator::lidar::Lidar;

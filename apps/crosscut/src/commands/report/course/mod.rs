@@ -20,7 +20,7 @@ struct Moment {
     stamp_ns: u64,
     junctions: usize,
     margin: Option<f64>,
-    confidence: f64,
+    confidence: Option<f64>,
     walls: Vec<WallArc>,
     limited_view: bool,
 }

@@ -59,7 +59,12 @@ fn lanes(moments: &[Moment]) -> [Lane; 3] {
     [
         Lane { name: "walls", top: most + 0.5, colour: INK, values: walls },
         Lane { name: "margin", top: MARGIN_DECADES, colour: COLOURS[0], values: margins },
-        Lane { name: "confidence", top: 1.0, colour: COLOURS[2], values: values(|moment| moment.confidence) },
+        Lane {
+            name: "confidence",
+            top: 1.0,
+            colour: COLOURS[2],
+            values: values(|moment| moment.confidence.unwrap_or(0.0)),
+        },
     ]
 }
 

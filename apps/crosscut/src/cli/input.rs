@@ -1,0 +1,63 @@
+//! The recordings that a command reads, and the scans in them.
+
+use std::num::NonZeroU64;
+use std::path::PathBuf;
+
+use clap::Args;
+use crosscut_detector::Config;
+use crosscut_ingest::{CsvGeometry, ReadOptions};
+use crosscut_messages::ScanType;
+
+use super::seconds;
+
+#[derive(Debug, Args)]
+pub(crate) struct RecordingsArgs {
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them; `-` is standard input.
+    #[arg(required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
+    /// MultiEchoLaserScan or PointCloud2; in JSON or protobuf those of Foxglove.
+    #[arg(long = "as", value_name = "TYPE", value_parser = scan_type)]
+    pub(crate) read_as: Option<ScanType>,
+}
+
+/// Selects scans of recordings: the parts of one flight, in this order, or flights of their own, as the command says.
+#[derive(Debug, Args)]
+pub(crate) struct InputArgs {
+    #[command(flatten)]
+    pub(crate) recordings: RecordingsArgs,
+    /// Topic of the scans; may be omitted when there is only one. Given several times, the scans of these scanners become
+    /// one revolution, by the transforms in the recording (/tf, /tf_static).
+    #[arg(long)]
+    pub(crate) topic: Vec<String>,
+    /// Start this many seconds after the first scan. If no scan is left, the command fails (exit code 1).
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) from: Option<f64>,
+    /// Stop this many seconds after the first scan.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) to: Option<f64>,
+    /// Take every N-th scan only.
+    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
+    pub(crate) every: NonZeroU64,
+}
+
+impl InputArgs {
+    /// Which scans are read, and how.
+    pub(crate) fn read_options(&self, config: &Config) -> ReadOptions {
+        ReadOptions {
+            topic: self.topic.first().cloned(),
+            beside: self.topic.iter().skip(1).cloned().collect(),
+            read_as: self.recordings.read_as,
+            from_s: self.from,
+            to_s: self.to,
+            every: self.every,
+            csv: CsvGeometry::new(config.params("csv")),
+            waiting_bytes: config.waiting_bytes(),
+        }
+    }
+}
+
+fn scan_type(name: &str) -> Result<ScanType, String> {
+    let names: Vec<_> = ScanType::ALL.into_iter().map(ScanType::name).collect();
+    ScanType::of_name(name).ok_or_else(|| format!("one of {}", names.join(", ")))
+}

@@ -1,0 +1,145 @@
+//! Where settings come from.
+
+use std::path::Path;
+
+use crosscut_stage::Value as Setting;
+use toml::{Table, Value};
+
+use super::error::{ConfigError, nearest};
+
+/// Settings that ship with the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// Algorithm 1 of the paper to the letter.
+    Paper,
+    /// The best there is.
+    #[default]
+    Default,
+    /// A baseline: returns within a radius of each other are of one wall.
+    Threshold,
+    /// A baseline: adaptive breakpoints.
+    Breakpoint,
+    /// A baseline: DBSCAN.
+    Dbscan,
+}
+
+impl Preset {
+    /// All presets, in the order in which messages list them.
+    pub const ALL: [Self; 5] = [Self::Paper, Self::Default, Self::Threshold, Self::Breakpoint, Self::Dbscan];
+
+    /// The preset of this name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn named(name: &str) -> Result<Self, ConfigError> {
+        Self::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| ConfigError::UnknownPreset {
+            name: name.to_owned(),
+            nearest: nearest(name, Self::ALL.into_iter().map(Self::name)),
+        })
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Default => "default",
+            Self::Threshold => "threshold",
+            Self::Breakpoint => "breakpoint",
+            Self::Dbscan => "dbscan",
+        }
+    }
+
+    fn toml(self) -> &'static str {
+        match self {
+            Self::Paper => include_str!("presets/paper.toml"),
+            Self::Default => include_str!("presets/default.toml"),
+            Self::Threshold => include_str!("presets/threshold.toml"),
+            Self::Breakpoint => include_str!("presets/breakpoint.toml"),
+            Self::Dbscan => include_str!("presets/dbscan.toml"),
+        }
+    }
+}
+
+impl From<Preset> for Layer {
+    fn from(preset: Preset) -> Self {
+        Self::parse(format!("preset {}", preset.name()), preset.toml()).expect("a preset that ships is TOML")
+    }
+}
+
+/// Settings from one place.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    pub(super) name: String,
+    pub(super) table: Table,
+}
+
+impl Layer {
+    /// The text of a configuration file; `path` is for messages.
+    ///
+    /// # Errors
+    /// When it is not TOML.
+    pub fn file(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        Self::parse(path.display().to_string(), text)
+    }
+
+    /// Single settings, each `section.key=value`. The value is TOML; what is not TOML is a word. Messages call the layer by
+    /// its `name`.
+    ///
+    /// # Errors
+    /// When a setting is not of this form.
+    pub fn settings(name: &str, settings: &[String]) -> Result<Self, ConfigError> {
+        let mut layer = Self { name: name.to_owned(), table: Table::new() };
+        for setting in settings {
+            let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
+            let (path, value) = setting.split_once('=').ok_or_else(malformed)?;
+            layer.insert(path.trim(), value_or_word(value.trim())).ok_or_else(malformed)?;
+        }
+        Ok(layer)
+    }
+
+    /// Values of settings, each named `section.key`. Messages call the layer by its `name`.
+    ///
+    /// # Errors
+    /// When a name is not of this form.
+    pub fn values(name: &str, values: &[(String, Setting)]) -> Result<Self, ConfigError> {
+        let mut layer = Self { name: name.to_owned(), table: Table::new() };
+        for (setting, value) in values {
+            let malformed = || ConfigError::MalformedSetting { layer: name.to_owned(), setting: setting.clone() };
+            layer.insert(setting, to_toml(value)).ok_or_else(malformed)?;
+        }
+        Ok(layer)
+    }
+
+    /// Sets `section.key`; `None` if `path` is not of this form.
+    fn insert(&mut self, path: &str, value: Value) -> Option<()> {
+        let (section, key) = path.split_once('.')?;
+        let section = self.table.entry(section).or_insert_with(|| Value::Table(Table::new()));
+        section.as_table_mut()?.insert(key.to_owned(), value);
+        Some(())
+    }
+
+    fn parse(name: String, text: &str) -> Result<Self, ConfigError> {
+        match text.parse::<Table>() {
+            Ok(table) => Ok(Self { name, table }),
+            Err(error) => Err(ConfigError::Syntax { layer: name, message: error.to_string() }),
+        }
+    }
+}
+
+fn value_or_word(text: &str) -> Value {
+    let parsed = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
+    parsed.unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+fn to_toml(setting: &Setting) -> Value {
+    match setting {
+        Setting::Flag(flag) => Value::Boolean(*flag),
+        Setting::Integer(i) => Value::Integer(*i),
+        Setting::Number(x) => Value::Float(*x),
+        Setting::Text(text) => Value::String(text.clone()),
+        Setting::Names(names) => names.iter().cloned().map(Value::String).collect::<Vec<_>>().into(),
+        Setting::Pairs(pairs) => {
+            pairs.iter().map(|pair| pair.map(Value::Float).to_vec().into()).collect::<Vec<Value>>().into()
+        }
+    }
+}

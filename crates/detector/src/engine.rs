@@ -1,0 +1,194 @@
+//! All stages of the method on one revolution.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+use crosscut_report::Reporter;
+use crosscut_stage::{
+    AffinityStage, Failure, FailureCause, Frame, KmeansStage, SpectralStage, StageError, Step, Storage,
+};
+
+use crate::memory::MemoryBudget;
+use crate::{Config, Registry};
+
+/// Runs the paper's Algorithm 1, and the report after it, on one revolution in the calling thread.
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use crosscut_detector::{Frame, Preset, Settings};
+/// use crosscut_stage::Point;
+///
+/// let mut engine = Settings::new(Preset::Paper).engine()?;
+///
+/// // Two walls, 6 m apart: each a row of returns 20 cm apart.
+/// let mut frame = Frame::default();
+/// let rows = [-3.0, 3.0].into_iter().flat_map(|y| (0..20).map(move |i| Point::new(0.2 * f64::from(i), y, 0.0)));
+/// frame.revolution.points_m.extend(rows);
+///
+/// engine.process(&mut frame)?;
+/// assert_eq!(frame.junction.junctions, 2);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Engine {
+    weigh: Worker,
+    decompose: Worker,
+    cluster: Worker,
+    report: Worker,
+}
+
+/// The stages that come in several kinds, and what is known of the first.
+pub(crate) struct Stages {
+    pub(crate) affinity: Box<dyn AffinityStage>,
+    pub(crate) storage: Storage,
+    /// It is one of the program's own, for which confidences were calibrated.
+    pub(crate) is_calibrated: bool,
+    pub(crate) spectral: Box<dyn SpectralStage>,
+    pub(crate) kmeans: Box<dyn KmeansStage>,
+}
+
+impl Stages {
+    /// Those that `config` chose.
+    pub(crate) fn chosen(config: &Config, registry: &Registry) -> Self {
+        let kind = config.kind(&registry.affinity);
+        Self {
+            affinity: config.build(&registry.affinity),
+            storage: kind.properties.storage,
+            is_calibrated: crosscut_affinity::KINDS.iter().any(|shipped| shipped.name == kind.name),
+            spectral: config.build(&registry.spectral),
+            kmeans: config.build(&registry.kmeans),
+        }
+    }
+}
+
+impl Engine {
+    /// The stages that `config` chose.
+    pub fn new(config: &Config, registry: &Registry) -> Self {
+        Self::for_many(config, registry, 1, 1)
+    }
+
+    /// One of `workers` engines that share this many frames, and the memory that `config` allows.
+    pub fn for_many(config: &Config, registry: &Registry, frames: usize, workers: usize) -> Self {
+        Self::of(Stages::chosen(config, registry), config, frames, workers)
+    }
+
+    pub(crate) fn of(stages: Stages, config: &Config, frames: usize, workers: usize) -> Self {
+        let Stages { mut affinity, storage, is_calibrated, mut spectral, mut kmeans } = stages;
+        let budget = MemoryBudget::new(config, storage, frames, workers);
+        let mut reporter = Reporter::new(config.params("report"), config.params("vehicle"));
+        if !is_calibrated {
+            reporter = reporter.without_confidence();
+        }
+        let budget_of_w = budget.clone();
+        Self {
+            weigh: Worker::new(Step::Affinity, move |f| {
+                budget_of_w.admit_affinity(f.revolution.len())?;
+                affinity.affinity(&f.revolution, &mut f.affinity, &mut f.notes)
+            }),
+            decompose: Worker::new(Step::Spectral, move |f| {
+                budget.admit_spectral(spectral.as_ref(), &f.affinity)?;
+                spectral.spectrum(&f.affinity, &mut f.spectrum, &mut f.notes)
+            }),
+            cluster: Worker::new(Step::Kmeans, move |f| kmeans.partition(&f.spectrum, &mut f.partition, &mut f.notes)),
+            report: Worker::new(Step::Report, move |f| {
+                let Frame { revolution, affinity, spectrum, partition, junction, notes, .. } = f;
+                reporter.report(revolution, &affinity.verdicts, spectrum, partition, junction, notes)
+            }),
+        }
+    }
+
+    /// Fills every part of `frame` after its revolution, whatever they held before. What was noted of the revolution itself
+    /// stays.
+    ///
+    /// # Errors
+    /// When a stage returns an error or panics; the same failure is left in `frame.failure`.
+    pub fn process(&mut self, frame: &mut Frame) -> Result<(), Failure> {
+        frame.failure = None;
+        frame.notes.begin_stages();
+        // Line 1: the adjacency W_ij = exp(-σ ‖x_i - x_j‖²), equation (1).
+        self.weigh.work(frame)?;
+        // Lines 2 to 4: L = I - D^-1/2 W D^-1/2, equation (2); its eigenvalues ascending, equation (3); k zeros.
+        self.decompose.work(frame)?;
+        // Line 5: k-means++ on the rows of U, equation (4).
+        self.cluster.work(frame)?;
+        // "The number of junctions, which is equal to the number of walls", and the openings between them.
+        self.report.work(frame)
+    }
+
+    /// Runs one step of [`Engine::process`] alone, for steps that run in processes of their own. `frame` holds what the
+    /// steps before it gave; ingest does nothing here.
+    ///
+    /// # Errors
+    /// When the stage returns an error or panics, or `frame` has failed before; the failure is in `frame.failure`.
+    pub fn run_step(&mut self, step: Step, frame: &mut Frame) -> Result<(), Failure> {
+        let worker = match step {
+            Step::Ingest => return Ok(()),
+            Step::Affinity => &mut self.weigh,
+            Step::Spectral => &mut self.decompose,
+            Step::Kmeans => &mut self.cluster,
+            Step::Report => &mut self.report,
+        };
+        worker.work(frame)
+    }
+}
+
+/// The steps of [`Engine::process`], in order, for threads of their own.
+impl From<Engine> for [Worker; 4] {
+    fn from(engine: Engine) -> Self {
+        let Engine { weigh, decompose, cluster, report } = engine;
+        [weigh, decompose, cluster, report]
+    }
+}
+
+/// Reads and writes the parts of a frame that belong to a stage.
+type Run = dyn FnMut(&mut Frame) -> Result<(), StageError> + Send;
+
+/// A stage with the parts of a frame that it reads and writes.
+pub struct Worker {
+    step: Step,
+    run: Box<Run>,
+}
+
+impl Worker {
+    /// What `run` does, as the work of a step.
+    pub fn new(step: Step, run: impl FnMut(&mut Frame) -> Result<(), StageError> + Send + 'static) -> Self {
+        Self { step, run: Box::new(run) }
+    }
+
+    /// Which step it is.
+    pub fn step(&self) -> Step {
+        self.step
+    }
+
+    /// Runs the stage and times it. A failure, also a panic, is left in the frame. A frame that has failed before is not
+    /// worked on.
+    ///
+    /// # Errors
+    /// The failure in the frame.
+    pub fn work(&mut self, frame: &mut Frame) -> Result<(), Failure> {
+        if let Some(failure) = &frame.failure {
+            return Err(failure.clone());
+        }
+        let (step, seq, start) = (self.step, frame.revolution.seq, Instant::now());
+        let done = catch_unwind(AssertUnwindSafe(|| (self.run)(frame)));
+        frame.timings.set_ns(step, elapsed_ns(start));
+        let cause = match done {
+            Ok(Ok(())) => return Ok(()),
+            Ok(Err(error)) => FailureCause::Error(error.to_string()),
+            Err(panic) => FailureCause::Panic(panic_text(panic.as_ref())),
+        };
+        Err(frame.failure.insert(Failure { step, seq, cause }).clone())
+    }
+}
+
+/// The time since `start`, nanoseconds.
+pub fn elapsed_ns(start: Instant) -> u64 {
+    u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// The message of a caught panic.
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let message = panic.downcast_ref::<&str>().map(ToString::to_string);
+    message.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}

@@ -1,0 +1,7 @@
+//! The door, the configuration, and whole scans through two solvers and through the default method.
+
+mod config;
+mod door;
+mod scenes;
+mod slicing;
+mod symmetry;

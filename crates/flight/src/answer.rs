@@ -1,0 +1,121 @@
+//! What the flight so far adds to the answer for one revolution.
+
+use crosscut_stage::{Frame, PoseDoubt};
+use nalgebra::Isometry2;
+
+/// What the flight so far adds to the answer for one revolution. [`Flight`](crate::Flight) leaves it in the frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlightAnswer {
+    /// Where the revolution was taken, metres and radians in the frame of the flight's first pose; `None` where that is not
+    /// known.
+    pub pose: Option<Isometry2<f64>>,
+    /// How far it may be off.
+    pub doubt: Option<PoseDoubt>,
+    /// The place that the vehicle is in; `None` for a cloud, where no wall is in view, and for a limited view that has not
+    /// seen enough around it.
+    pub here: Option<Here>,
+    /// The answer over the last revolutions.
+    pub steady: Option<Steady>,
+}
+
+static NONE: FlightAnswer = FlightAnswer { pose: None, doubt: None, here: None, steady: None };
+
+impl FlightAnswer {
+    /// That of a frame; an empty one if no flight saw the frame.
+    pub fn of(frame: &Frame) -> &Self {
+        frame.extra.get().unwrap_or(&NONE)
+    }
+
+    /// The place by the steady answer.
+    pub fn steady_here(&self) -> Option<&Here> {
+        self.steady.as_ref()?.here.as_ref()
+    }
+
+    /// Leaves it in a frame.
+    pub fn put(self, frame: &mut Frame) {
+        frame.extra.set(self);
+    }
+}
+
+/// The kind of place that the vehicle is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum HereKind {
+    /// Three or more ways.
+    Junction,
+    /// Two ways.
+    Passage,
+    /// One way.
+    DeadEnd,
+    /// No way, or much wider than its one or two ways.
+    Chamber,
+}
+
+impl HereKind {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Junction => "junction",
+            Self::Passage => "passage",
+            Self::DeadEnd => "dead_end",
+            Self::Chamber => "chamber",
+        }
+    }
+}
+
+/// The place that the vehicle is in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Here {
+    /// Its kind, by the number of its ways.
+    pub kind: HereKind,
+    /// What was looked at: everything within this distance of the sensor, metres.
+    pub look_m: f64,
+    /// Where the place continues, by bearing ascending.
+    pub ways: Vec<Way>,
+    /// The confidence of the revolution, less where a shorter or a longer look sees another place. 0 to 1.
+    pub confidence: f64,
+}
+
+impl Here {
+    /// What a map takes the place to be: a chamber with one way is a dead end; passages, also those through chambers, are
+    /// no node.
+    pub fn node(&self) -> Option<HereKind> {
+        match (self.kind, self.ways.len()) {
+            (HereKind::Junction, _) => Some(HereKind::Junction),
+            (HereKind::DeadEnd, _) | (HereKind::Chamber, 1) => Some(HereKind::DeadEnd),
+            (HereKind::Passage | HereKind::Chamber, _) => None,
+        }
+    }
+}
+
+/// Where a place continues.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Direction of the middle of its mouth.
+    pub bearing_rad: f64,
+    /// Width of its mouth, metres.
+    pub width_m: f64,
+    /// Index of the opening that it leads to; `None` if no opening lies behind the mouth: the passage is seen to end.
+    pub opening: Option<usize>,
+}
+
+/// The answer over the last revolutions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// The number of walls, as [`Junction::junctions`](crosscut_stage::Junction::junctions).
+    pub junctions: usize,
+    /// The place; its ways lead to the openings below.
+    pub here: Option<Here>,
+    /// The openings, by bearing ascending.
+    pub openings: Vec<SteadyOpening>,
+}
+
+/// An opening that is followed from revolution to revolution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyOpening {
+    /// Its number in the flight.
+    pub track: u64,
+    /// Direction towards the branch.
+    pub bearing_rad: f64,
+    /// Clear width across the branch, metres.
+    pub width_m: f64,
+}
