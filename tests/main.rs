@@ -4,6 +4,7 @@ mod comparison;
 mod configuration;
 mod evaluation;
 mod exploring;
+mod field;
 mod figures;
 mod flight;
 mod flying;

@@ -35,7 +35,8 @@ pub(crate) fn json(map: &Map) -> Value {
     };
     let edge = |(id, edge): (usize, &crosscut_flight::Passage)| {
         let via_m: Vec<[f64; 2]> = edge.via_m.iter().map(|place_m| [place_m.x, place_m.y]).collect();
-        json!({"id": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m, "width_m": edge.width_m,
+        json!({"id": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m,
+               "length_sd_m": edge.length_sd_m, "width_m": edge.width_m,
                "stretch_ns": edge.stretch_ns, "via_m": via_m})
     };
     let merge = |merge: &crosscut_flight::Merge| {
@@ -103,7 +104,7 @@ fn geojson(map: &Map) -> Value {
         let course: Vec<[f64; 2]> = map.course_m(edge).map(|place_m| [place_m.x, place_m.y]).collect();
         json!({"type": "Feature", "geometry": {"type": "LineString", "coordinates": course},
                "properties": {"edge": id, "from": edge.from, "to": edge.to, "length_m": edge.length_m,
-                              "width_m": edge.width_m}})
+                              "length_sd_m": edge.length_sd_m, "width_m": edge.width_m}})
     };
     let nodes = map.nodes.iter().enumerate().map(node);
     let features: Vec<Value> = nodes.chain(map.passages.iter().enumerate().map(edge)).collect();

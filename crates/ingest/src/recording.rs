@@ -11,7 +11,7 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
-use crate::scanners::Scanners;
+use crate::scanners::{Mount, Scanners};
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, limits, parts_in};
@@ -80,6 +80,8 @@ pub struct Recording {
     turning: Turning,
     /// The other scanners of the vehicle.
     scanners: Option<Scanners>,
+    /// How the recording mounts its sensor, until the first scan.
+    mount: Option<Mount>,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -96,7 +98,9 @@ impl Recording {
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
         let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
-        Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
+        let is_single = scanners.is_none();
+        let mount = is_single.then(|| Mount::read(&containers, &options.csv, &sensor)).flatten();
+        Ok(Self { scanners, mount, ..Self::of(containers, losses, options, sensor)? })
     }
 
     /// Revolutions have no pose.
@@ -145,6 +149,7 @@ impl Recording {
             before: Before::default(),
             turning: Turning::default(),
             scanners: None,
+            mount: None,
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
@@ -211,7 +216,15 @@ impl Recording {
                 self.last_other_frame.clone_from(&scan.header().frame_id);
                 self.start(&message);
             }
-            _ => self.turns.push(message, &self.sensor),
+            (scan, _) => {
+                if let Ok(scan) = scan
+                    && let Some((yaw_rad, upside_down)) =
+                        self.mount.take().and_then(|mount| mount.of(&scan.header().frame_id))
+                {
+                    self.sensor = self.sensor.clone().mounted(yaw_rad, upside_down);
+                }
+                self.turns.push(message, &self.sensor);
+            }
         }
         true
     }

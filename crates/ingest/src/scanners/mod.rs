@@ -5,12 +5,14 @@
 
 mod around;
 mod frames;
+mod mount;
 
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
+pub(crate) use self::mount::Mount;
 use crate::container::{self, Container};
 use crate::{IngestError, Loss, ReadOptions, Recording};
 
