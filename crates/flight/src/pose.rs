@@ -28,10 +28,15 @@ pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, 
 /// A motion farther than this many standard deviations from the predicted one is noted as a slip or a jump.
 const SURPRISING: f64 = 6.0;
 
-/// Errors of poses that are matched to walls, and of the heading by odometry, for each metre of the way (variances).
+/// Errors of poses that are matched to walls, for each metre of the way and for each radian that the vehicle turns; of the
+/// heading by odometry, for each metre (variances).
 const WALLS_M2_PER_M: f64 = 0.03 * 0.03;
 const WALLS_RAD2_PER_M: f64 = 0.0015 * 0.0015;
+const WALLS_RAD2_PER_RAD: f64 = 0.015 * 0.015;
 const ODOMETRY_RAD2_PER_M: f64 = 0.009 * 0.009;
+
+/// A turn of a standing vehicle from scan to scan is less than this: it trembles, and no error adds up.
+const TREMBLES_RAD: f64 = 0.005;
 
 /// Gives each revolution of a flight its pose.
 #[derive(Clone, Debug)]
@@ -176,9 +181,10 @@ impl PoseTracker {
     fn by_scan(&self, matched: &Matched, has_odometry: bool) -> MotionDoubt {
         let moved_m = matched.pose.translation.vector - self.pose.translation.vector;
         let (way_m, share) = (moved_m.norm(), self.agreement.share(self.odometry_share));
+        let turned_rad = (self.pose.rotation.angle_to(&matched.pose.rotation).abs() - TREMBLES_RAD).max(0.0);
         let by_walls = MotionDoubt {
             independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m,
-            turn_rad2: WALLS_RAD2_PER_M * way_m,
+            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad,
             ..MotionDoubt::default()
         };
         match matched.held {

@@ -9,7 +9,7 @@
 //! with ρ of Geman and McClure and x̂, P the predicted pose and its covariance. The second term decides where the walls
 //! do not: along a straight smooth tunnel. There the first would hold the vehicle back, as noise of the normals looks like
 //! walls across: what the noise makes by itself is taken off the curvature in the direction in which the walls hold the
-//! position least (compare the degeneracy of Zhang, Kaess and Singh 2016). Where nothing is left, the direction is not held
+//! position least (compare the degeneracy of Zhang, Kaess and Singh 2016). Where little is left, the direction is not held
 //! ([`Held`]), and odometry holds the pose there as tightly as it is known to. Where the walls hold, odometry may be wrong,
 //! as after a wheel slipped: P is then at least that of a vehicle that moves on steadily, and where steady motion fits the
 //! walls much better, odometry is left out.
@@ -48,8 +48,11 @@ const MOST_POINTS: usize = 200;
 /// A start at which fewer of them than this share match is not followed.
 const LEAST_AT_START: f64 = 0.15;
 
-/// The walls hold a direction by the curvature beyond this many times what noise of the normals makes there.
+/// What noise of the normals makes of the curvature is taken off this many times.
 const NOISE_TIMES: f64 = 2.0;
+
+/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
+const HELD_M: f64 = 0.1;
 
 /// Odometry is left out for a revolution if the sum is lower by this much without it.
 const ODOMETRY_LEAD: f64 = 4.0;
@@ -89,8 +92,8 @@ pub struct Matched {
     pub covariance: Matrix3<f64>,
     /// Share of the line points of the revolution that have one of the map beside them.
     pub matched: f64,
-    /// How far the motion lies from the predicted one, in standard deviations of the two together, where the walls hold it. Far above 3 after a
-    /// wheel slipped, or when scans are missing.
+    /// How far the motion lies from the predicted one, in standard deviations of the two together, where the walls hold it.
+    /// Far above 3 after a wheel slipped, or when scans are missing.
     pub surprise: f64,
     /// Too few were matched: the pose is the predicted one, and the map begins here.
     pub lost: bool,
@@ -157,7 +160,9 @@ impl ScanMatcher {
                 off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
             };
             let others = others.iter().filter(is_far).map(|(other, _)| self.align(other.pose, other));
-            let best = others.fold(first, |best, other| if other.0 < best.0 { other } else { best });
+            // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
+            let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
+            let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
             Matched { surprise: prediction.surprise(&difference(&best.1.pose, &prediction.pose)), ..best.1 }
         };
         self.last_step = if matched.lost { Isometry2::identity() } else { self.pose.inv_mul(&matched.pose) };
@@ -295,7 +300,8 @@ fn take_noise_off(evidence: &mut Evidence) -> Held {
     let scale = Matrix3::identity() + along_3 * along_3.transpose() * (share.sqrt() - 1.0);
     evidence.information = scale * evidence.information * scale;
     evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
-    if share > 0.0 { Held::Everywhere } else { Held::ButAlong(along) }
+    let left = share * least / (DEVIATION_M * DEVIATION_M);
+    if left > 1.0 / (HELD_M * HELD_M) { Held::Everywhere } else { Held::ButAlong(along) }
 }
 
 /// Covariance of a motion that is predicted from the one before.

@@ -22,10 +22,11 @@ const LEFT_DEAD_END_M: f64 = 5.0;
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
 
-/// Two visits in a row are one stay if they are nearer to each other than this many looks, and the way is no longer
-/// than WANDERS of them.
-pub(super) const NEAR_LOOKS: f64 = 1.2;
-pub(super) const WANDERS: f64 = 1.5;
+/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks.
+const NEAR_LOOKS: f64 = 1.2;
+
+/// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
+const TURN_LOOKS: f64 = 1.5;
 
 /// Two visits in a row that are nearer to each other than this many looks are one stay, whatever ways they saw.
 const SURELY_NEAR_LOOKS: f64 = 0.5;
@@ -270,11 +271,14 @@ impl Mapper {
         let apart = self.graph.poses[last.visit].inv_mul(predicted);
         let look_m = last.look_m.min(visit.look_m);
         let is_alike = self.map.nodes[last.node].kind == visit.kind;
+        let is_near = |off_m: f64| off_m < NEAR_LOOKS * look_m;
+        let mut between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
+        let to_last = last.tracked.inverse();
         is_alike
             && self.flown_sd_m(last, visit).is_some()
             && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || has_mouths_of(last, visit))
-            && apart.translation.vector.norm() < NEAR_LOOKS * look_m
-            && visit.reached_at_m - last.at_m < WANDERS * look_m
+            && is_near(apart.translation.vector.norm())
+            && between.all(|(_, place_m)| is_near((to_last * place_m).coords.norm()))
     }
 
     /// Standard deviation of a visit's anchor as seen from that of the last one.
@@ -345,7 +349,7 @@ impl Mapper {
         let from = (last.node, last.way);
         let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
         let length_m = (visit.reached_at_m - last.at_m).max(0.0);
-        let is_turn = from.0 == to.0 && length_m < TURN_M.max(WANDERS * visit.look_m);
+        let is_turn = from.0 == to.0 && length_m < TURN_M.max(TURN_LOOKS * visit.look_m);
         if known != [None, None] || from == to || is_turn {
             return;
         }

@@ -12,9 +12,10 @@ use super::outline::{Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
 
-/// Anchors of one place lie within this of each other, and within this many standard deviations of the pose more. Those of
-/// all that was flown since the place add up, as a heading that is off is so for all that follows.
+/// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
+/// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
 const ANCHORS_M: f64 = 2.5;
+const ANCHORS_LOOKS: f64 = 0.75;
 const DEVIATIONS: f64 = 3.0;
 
 /// Headings are known to within this, and by this much less for each metre of the way since.
@@ -87,7 +88,8 @@ impl Mapper {
                 );
                 continue;
             };
-            if apart.translation.vector.norm() > ANCHORS_M + DEVIATIONS * sd_m {
+            let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
+            if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
             let yaw_off_rad = (DRIFT_RAD + DRIFT_RAD_PER_M * since_m).min(PI);
