@@ -1,6 +1,6 @@
 //! Wrong usage and configuration are refused before anything runs (exit code 2).
 
-use crate::program::{run, shipped_flight};
+use crate::program::{Ran, crosscut, run, shipped_flight};
 
 #[test]
 fn the_printed_configuration_is_a_configuration_file() {
@@ -75,5 +75,60 @@ fn a_build_without_recordings_names_the_line_that_brings_them() {
     for asked in [&["run", &flight, "--save", "tee.rrd"][..], &["run", &flight, "--view"], &["view", "tee.rrd"]] {
         let refused = run(asked).expect_code(2).stderr;
         assert!(refused.contains("`cargo install --locked --path apps/crosscut`"), "{refused}");
+    }
+}
+
+#[test]
+fn crosscut_toml_applies_below_its_folder_and_above_the_preset() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let below = folder.path().join("a/b");
+    std::fs::create_dir_all(&below).expect("created");
+    let found = crate::flight::file(folder.path(), "crosscut.toml", b"[vehicle]\nwidth_m = 1.1\n");
+    let width = |more: &[&str], variable: Option<&str>| {
+        let mut command = crosscut([&["config"][..], more].concat());
+        command.current_dir(&below).env_remove("CROSSCUT_CONFIG");
+        variable.map(|file| command.env("CROSSCUT_CONFIG", file));
+        let ran = Ran::from(command.output().expect("the program starts")).expect_code(0);
+        ran.stdout.lines().find(|line| line.starts_with("width_m")).map(str::to_owned).expect("a line")
+    };
+    assert_eq!(width(&[], None), format!("width_m = 1.1  # {}", found.display()));
+    assert!(width(&["--set", "vehicle.width_m=0.9"], None).starts_with("width_m = 0.9"));
+    assert!(width(&[], Some("")).starts_with("width_m = 0.6"), "an empty variable looks for no file");
+    let named = crate::flight::file(folder.path(), "other.toml", b"[vehicle]\nwidth_m = 2.0\n");
+    assert!(width(&[], named.to_str()).starts_with("width_m = 2.0"));
+    let mut command = crosscut(["info", shipped_flight().to_str().expect("UTF-8")]);
+    let ran = Ran::from(command.current_dir(&below).output().expect("the program starts")).expect_code(0);
+    assert!(ran.stderr.contains(&format!("settings of {}", found.display())), "{}", ran.stderr);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_tilde_that_the_shell_left_is_the_home_folder() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let mut command = crosscut(["run", shipped_flight().to_str().expect("UTF-8"), "--results=~/lines.jsonl"]);
+    Ran::from(command.env("HOME", home.path()).output().expect("the program starts")).expect_code(0);
+    assert!(home.path().join("lines.jsonl").is_file());
+}
+
+#[test]
+fn info_as_json_says_what_the_text_says() {
+    let input = shipped_flight();
+    let ran = run(["info", input.to_str().expect("UTF-8"), "--json", "-"]).expect_code(0);
+    let info: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON alone");
+    let topics = info["recordings"][0]["topics"].as_array().expect("topics");
+    let scans = topics.iter().find(|topic| topic["name"] == "/scan").expect("the scans");
+    assert_eq!((&scans["messages"], &scans["first_scan"]["beams"]), (&141.into(), &360.into()));
+    assert!(info["next"].as_str().is_some_and(|line| line.starts_with("crosscut run ")), "{info}");
+}
+
+#[test]
+fn completions_and_pages_for_man_name_every_option_of_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let script = run(["completions", "bash"]).expect_code(0).stdout;
+    run(["man".as_ref(), folder.path().as_os_str()]).expect_code(0);
+    let page = std::fs::read_to_string(folder.path().join("crosscut-run.1")).expect("a page");
+    for option in ["results", "preset", "save", "follow"] {
+        assert!(script.contains(&format!("--{option}")), "no --{option} in the completions");
+        assert!(page.contains(option), "no {option} on the page");
     }
 }

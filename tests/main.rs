@@ -2,6 +2,7 @@
 
 mod comparison;
 mod configuration;
+mod documented;
 mod evaluation;
 mod exploring;
 mod field;

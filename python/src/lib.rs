@@ -14,6 +14,7 @@ mod navigator;
 mod odometry;
 mod program;
 mod recording;
+mod robots;
 mod scan;
 mod sparse;
 mod stages;
@@ -40,6 +41,8 @@ mod _native {
     use crate::program::program;
     #[pymodule_export]
     use crate::recording::Recording;
+    #[pymodule_export]
+    use crate::robots::Feed;
     #[pymodule_export]
     use crate::scan::Scan;
     #[pymodule_export]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 import sysconfig
 from pathlib import Path
 
@@ -42,6 +43,15 @@ def program() -> str:
 def in_wheel() -> str:
     """The program that the wheel installed."""
     return str(Path(sysconfig.get_path("scripts")) / "crosscut")
+
+
+def has_recordings() -> bool:
+    """Whether the wheel was built with Rerun; `python/run --dev` builds it without."""
+    said = subprocess.run([in_wheel(), "rrd", "ls", "none.rrd"], capture_output=True, text=True).stderr
+    return "built without recordings" not in said
+
+
+needs_recordings = pytest.mark.skipif("not __import__('conftest').has_recordings()", reason="built without recordings")
 
 
 def free_port() -> int:

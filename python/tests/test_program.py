@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from conftest import in_wheel
+from conftest import in_wheel, needs_recordings
 
 HERE = Path(__file__).resolve().parent
 
@@ -25,10 +26,24 @@ def test_exit_codes_are_those_of_the_program(tee: Path, tmp_path: Path) -> None:
     assert run("run", tee, "--set", "affinity.kind=rbv").stderr.count("did you mean rbf") == 1
 
 
-def test_recordings_need_another_build_and_it_says_which(tee: Path, tmp_path: Path) -> None:
-    saved = run("run", tee, "--save", tmp_path / "tee.rrd")
-    assert saved.returncode == 2
-    assert "built without recordings" in saved.stderr and "cargo install" in saved.stderr
+@needs_recordings
+def test_the_wheel_records_and_reads_recordings(tee: Path, tmp_path: Path) -> None:
+    saved = run("run", tee, "--preset", "paper", "--save", tmp_path / "tee.rrd")
+    assert saved.returncode == 0, saved.stderr
+    assert "/affinity/W" in run("rrd", "ls", tmp_path / "tee.rrd").stdout
+
+
+def test_live_inputs_are_in_the_help_of_run() -> None:
+    said = run("run", "--help").stdout
+    assert all(word in said for word in ("zenoh://HOST[:PORT]/TOPIC", "ros2://DOMAIN/TOPIC", "--zenoh-config", "--publish"))
+
+
+@pytest.mark.parametrize("module, package", [("zenoh", "eclipse-zenoh"), ("cyclonedds", "cyclonedds")])
+def test_a_live_robot_without_its_extra_names_it(module: str, package: str) -> None:
+    address = {"zenoh": "zenoh://robot/scan", "cyclonedds": "ros2://0/scan"}[module]
+    script = f"import sys; sys.modules['{module}'] = None; import crosscut.__main__ as main; sys.exit(main.main())"
+    done = subprocess.run([sys.executable, "-c", script, "run", address], capture_output=True, text=True)
+    assert (done.returncode, f"pip install {package}" in done.stderr) == (2, True), done.stderr
 
 
 def test_a_stage_of_ones_own_is_chosen_by_name(tee: Path) -> None:

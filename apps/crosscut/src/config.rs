@@ -1,7 +1,7 @@
 //! `crosscut config`, and the configuration of every command.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crosscut_detector::{Config, Layer, Preset, Registry};
 
@@ -15,7 +15,12 @@ pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Ou
     Ok(Outcome::Done)
 }
 
-/// Resolves the layers preset < file < single settings; messages name the option of the settings.
+/// Settings of a folder and all below it.
+const FILE_NAME: &str = "crosscut.toml";
+/// Names a file of settings in place of [`FILE_NAME`].
+const VARIABLE: &str = "CROSSCUT_CONFIG";
+
+/// Resolves the layers preset < the file that is found < `file` < single settings; messages name the option of the settings.
 pub(crate) fn resolve(
     preset: &str,
     file: Option<&Path>,
@@ -23,13 +28,23 @@ pub(crate) fn resolve(
     registry: &Registry,
 ) -> Result<Config, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
-    if let Some(path) = file {
+    for path in found().as_deref().into_iter().chain(file) {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
     }
     for (option, settings) in settings {
         layers.push(Layer::settings(option, settings).map_err(usage)?);
     }
     Config::resolve(registry, &layers).map_err(usage)
+}
+
+/// The file that every configuration starts with: the one that the environment names, or the nearest of its name in this folder
+/// and those above it.
+pub(crate) fn found() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os(VARIABLE) {
+        return if named.is_empty() { None } else { Some(named.into()) };
+    }
+    let folder = std::env::current_dir().ok()?;
+    folder.ancestors().map(|folder| folder.join(FILE_NAME)).find(|file| file.is_file())
 }
 
 impl ConfigArgs {

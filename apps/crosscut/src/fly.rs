@@ -11,7 +11,7 @@ use anyhow::Context;
 use crosscut_detector::{Config, Registry};
 use crosscut_evaluate::Score;
 use crosscut_flight::check_live;
-use crosscut_ingest::{Following, Recording, Truths, recordings_in};
+use crosscut_ingest::{Following, LiveFeed, ReadOptions, Recording, Truths, recordings_in};
 use crosscut_messages::{Truth, TruthError};
 use crosscut_pipeline::{End, StopFlag, StreamOptions, Summary, stream};
 use crosscut_report::ResultsLine;
@@ -22,6 +22,7 @@ use indicatif::ProgressBar;
 use crate::cli::InputArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{UsageError, is_closed_pipe};
+use crate::live::{RobotAddress, refuse_live};
 
 /// The recordings that a command reads and its files of settings, which no output may replace.
 pub(crate) fn files_read(
@@ -31,6 +32,15 @@ pub(crate) fn files_read(
     refuse_empty_span(args.from, args.to)?;
     refuse_live(args)?;
     Ok(recordings_in(&args.recordings.input)?.into_iter().chain(settings).collect())
+}
+
+/// The same for inputs that are read as they come, which need not be there yet.
+pub(crate) fn files_to_come(
+    args: &InputArgs,
+    settings: impl IntoIterator<Item = PathBuf>,
+) -> anyhow::Result<Vec<PathBuf>> {
+    refuse_empty_span(args.from, args.to)?;
+    Ok(recordings_in(&args.recordings.input).unwrap_or_default().into_iter().chain(settings).collect())
 }
 
 /// A flight that is open.
@@ -51,26 +61,61 @@ impl Flight {
         Ok(Self { recording, truths: None, path: parts.last().cloned().unwrap_or_default() })
     }
 
-    /// Opens a recording that is still being written, which ends at the latest when `stop` is set.
-    pub(crate) fn follow(args: &InputArgs, config: &Config, stop: StopFlag) -> anyhow::Result<Self> {
-        let usage = |text: &str| Err(UsageError(text.to_owned()).into());
-        let [path] = &args.recordings.input[..] else { return usage("--follow reads one MCAP") };
-        if args.topic.len() > 1 {
-            return usage("--follow reads one topic");
-        }
-        if path.as_os_str() == "-" {
-            return usage("--follow reads a file; standard input is read up to its end anyway");
+    /// Opens what is read as it comes: files that are still being written, or appear one after the other. It ends at the latest
+    /// when `following` is over.
+    pub(crate) fn follow(args: &InputArgs, config: &Config, following: &Following) -> anyhow::Result<Self> {
+        let inputs = &args.recordings.input;
+        if inputs.iter().any(|input| input.as_os_str() == "-") {
+            return Err(UsageError("--follow reads files; standard input is read as it comes anyway".to_owned()).into());
         }
         check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
-        let following = Following::until(move || stop.is_set());
         let sensor = Sensor::new(config.params("ingest"));
-        let recording = Recording::follow(path, &args.read_options(config), &sensor, &following)?;
-        Ok(Self { recording, truths: None, path: path.clone() })
+        let recording = Recording::follow(inputs, &args.read_options(config), &sensor, following)?;
+        Ok(Self { recording, truths: None, path: inputs.last().cloned().unwrap_or_default() })
+    }
+
+    /// Opens standard input, to be read as it comes if it is an MCAP.
+    pub(crate) fn of_standard_input(args: &InputArgs, config: &Config, following: &Following) -> anyhow::Result<Self> {
+        let sensor = Sensor::new(config.params("ingest"));
+        let streamed = match check_live(config.params("flight")) {
+            Ok(()) => Recording::of_standard_input(&args.read_options(config), &sensor, following)?,
+            Err(_) => None, // later scans are known once all of it is there
+        };
+        match streamed {
+            Some(recording) => Ok(Self { recording, truths: None, path: PathBuf::from("-") }),
+            None => Self::open(&args.recordings.input, args, config),
+        }
+    }
+
+    /// Opens what `messages` has of a live robot.
+    pub(crate) fn of_robot(
+        robot: &RobotAddress,
+        messages: LiveFeed,
+        args: &InputArgs,
+        config: &Config,
+        following: &Following,
+    ) -> anyhow::Result<Self> {
+        check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
+        let sensor = Sensor::new(config.params("ingest"));
+        // The topic is named by the address; those of --topic are scanners beside it.
+        let options = ReadOptions {
+            topic: Some(robot.topic.clone()),
+            beside: args.topic.clone(),
+            read_as: None,
+            ..args.read_options(config)
+        };
+        let recording = Recording::of_robot(&robot.address, messages, &options, &sensor, following)?;
+        Ok(Self { recording, truths: None, path: PathBuf::from(&robot.address) })
     }
 
     /// This flight with the truth of its scans, which its recording holds.
     pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
         Self { truths, ..self }
+    }
+
+    /// Whether it is read as it comes.
+    pub(crate) fn is_stream(&self) -> bool {
+        self.recording.is_stream()
     }
 
     /// How many revolutions there will be, if that is known.
@@ -298,17 +343,6 @@ fn report_lost_results(of: &str, error: &io::Error, done: &str, diagnostics: &mu
         diagnostics.interrupt();
     } else {
         diagnostics.error(format_args!("{of}the results cannot be written after {done}: {error}"));
-    }
-}
-
-/// Refuses a live robot, which the program of the Python package hears.
-fn refuse_live(args: &InputArgs) -> Result<(), UsageError> {
-    let is_live = |path: &&str| path.starts_with("zenoh://") || path.starts_with("ros2://");
-    match args.recordings.input.iter().filter_map(|path| path.to_str()).find(is_live) {
-        Some(robot) => Err(UsageError(format!(
-            "{robot} is a live robot, which `crosscut run` of the Python package hears: see docs/deployment.md"
-        ))),
-        None => Ok(()),
     }
 }
 

@@ -18,6 +18,7 @@ mod diagnostics;
 mod exit;
 mod fly;
 mod interrupt;
+mod live;
 mod map_file;
 mod maps;
 mod observers;
@@ -31,23 +32,32 @@ mod written;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches;
 use crosscut_detector::Registry;
 use crosscut_flight::Map;
 use crosscut_ingest::KeptStandardInput;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
+pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    run(std::env::args_os(), registry, None).into()
+    run(std::env::args_os(), registry, None, None).into()
 }
 
 /// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. `build` identifies
 /// the code that runs, where that is not in the executable file alone: `sweep` computes what another build has computed again.
-pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build: Option<&str>) -> u8 {
-    let command = match Cli::try_parse_from(args) {
+/// `robots` hears live robots.
+pub fn run(
+    args: impl IntoIterator<Item = OsString>,
+    registry: &Registry,
+    build: Option<&str>,
+    robots: Option<&dyn Robots>,
+) -> u8 {
+    let args = args.into_iter().map(with_home);
+    let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
+    {
         Ok(cli) => cli.command,
         Err(refused) => {
             refused.print().ok(); // help, or what is wrong; a closed pipe changes no exit code
@@ -56,8 +66,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
     };
     interrupt::limit_is_an_error();
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
+    command.say_settings_found();
     let outcome = match command {
-        Command::Run(args) => commands::run::run(&args, registry),
+        Command::Run(args) => commands::run::run(&args, registry, robots),
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),
         Command::Explore(args) => commands::explore::explore(&args, registry),
@@ -70,10 +81,24 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, build:
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         Command::Config(args) => config::print(&args, registry),
+        Command::Completions { shell } => commands::shell::completions(shell),
+        Command::Man { folder } => commands::shell::man(&folder),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
         Err(error) => exit::report(&error),
+    }
+}
+
+/// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.
+fn with_home(arg: OsString) -> OsString {
+    let home = std::env::home_dir().and_then(|home| home.into_os_string().into_string().ok());
+    let (Some(text), Some(home)) = (arg.to_str(), home) else { return arg };
+    match text.split_once("~/") {
+        Some((option, rest)) if option.is_empty() || (option.starts_with("--") && option.ends_with('=')) => {
+            format!("{option}{home}/{rest}").into()
+        }
+        _ => arg,
     }
 }
 

@@ -41,7 +41,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
-        live: run.rate.is_some(),
+        live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },

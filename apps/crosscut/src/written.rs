@@ -43,6 +43,11 @@ impl Written {
         self.mapper.map().summary()
     }
 
+    /// The map so far.
+    pub(crate) fn mapper(&self) -> &Mapper {
+        &self.mapper
+    }
+
     pub(crate) fn is_nothing(&self) -> bool {
         self.results.is_none() && self.map.is_none()
     }

@@ -178,7 +178,7 @@ struct Sample {
 impl Sample {
     /// Looks at the revolutions that are complete. One with missing messages counts only if there is no other.
     fn take(&mut self, turns: &mut Turns, sensor: &Sensor) {
-        while let Some(turn) = turns.pop() {
+        while let Some(turn) = turns.pop(sensor) {
             let is_partial = turn.missing.contains(&true);
             if let Ok(scan) = &turn.scan
                 && (self.first.is_none() || !is_partial)

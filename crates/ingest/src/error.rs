@@ -102,6 +102,14 @@ pub enum IngestError {
         /// All topics.
         topics: TopicList,
     },
+    /// A live robot can no longer be heard.
+    #[error("{cause}: {}", path.display())]
+    NotHeard {
+        /// Its address.
+        path: PathBuf,
+        /// Why.
+        cause: String,
+    },
     /// The scan topic has no messages.
     #[error("{topic} has no messages{}", because(losses))]
     NoScans {

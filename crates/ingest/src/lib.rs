@@ -6,7 +6,8 @@
 //! body frame (metres; x forward, y left) in message beam order, and what every beam saw. Everything that was turned,
 //! left out, repaired or replaced is a note on its revolution; everything that could not be read is a [`Loss`].
 //!
-//! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source).
+//! - [`Recording`] reads the scans of a flight, from one file or several, as a [`Source`](crosscut_stage::Source); also from files
+//!   that are still being written, standard input, and a live robot by its [`Feed`].
 //! - [`describe`] tells what is in a file; [`Truths`] reads the truth beside the scans, [`truth_map`] that of a flight's mine.
 //! - [`convert()`] writes any recording as an MCAP of ROS 2.
 //!
@@ -66,6 +67,7 @@ mod odometry_reader;
 mod recording;
 mod scanners;
 mod stored;
+mod stream;
 mod topics;
 mod truths;
 mod turns;
@@ -81,5 +83,6 @@ pub use inputs::{Parts, parts_in, recordings_in};
 pub use loss::{Damage, Loss, LossKind};
 pub use recording::{ReadOptions, Recording};
 pub use stored::{Stored, StoredMessage};
+pub use stream::{Feed, LiveFeed, StreamEnded};
 pub use topics::{TopicInfo, TopicList};
 pub use truths::{Truths, truth_map};

@@ -115,6 +115,22 @@ pub enum LossKind {
         /// Which checksum is wrong.
         damage: Damage,
     },
+    /// Messages of a live robot that it sent and that did not arrive, by their numbers.
+    #[error("{} of {topic} did not arrive", counted(*count, "message"))]
+    NotArrived {
+        /// The topic.
+        topic: String,
+        /// How many.
+        count: u64,
+    },
+    /// Messages of a live robot for which there was no time.
+    #[error("{} of {topic} came faster than they could be answered, and were left out", counted(*count, "message"))]
+    TooLate {
+        /// The topic.
+        topic: String,
+        /// How many.
+        count: u64,
+    },
     /// One of several files of a flight is of no use.
     #[error("left out: {cause}")]
     File {

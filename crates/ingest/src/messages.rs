@@ -7,6 +7,7 @@ use crosscut_messages::{DecodeError, ScanDecoder, ScanMessage};
 
 use crate::clock::{Clock, Times};
 use crate::container::{Container, Message, TopicReader};
+use crate::stream::Wait;
 use crate::topics::TopicInfo;
 use crate::turns::Turn;
 use crate::{Loss, LossKind};
@@ -91,11 +92,17 @@ impl Messages {
         }
     }
 
+    /// Adds a loss of the first file.
+    pub(crate) fn lose_in_first(&mut self, kind: LossKind) {
+        let file = self.files.first().cloned().unwrap_or_default();
+        self.losses.push(Loss { file, kind });
+    }
+
     /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are.
     pub(crate) fn lose(&mut self, part: usize, seq: u64, cause: DecodeError) {
         let file = &self.files[part];
         let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
-            LossKind::Messages { count, .. } => Some(count),
+            LossKind::Messages { topic, count, .. } if *topic == self.topic => Some(count),
             _ => None,
         });
         match known {
@@ -129,6 +136,23 @@ impl Messages {
         Some(Turn { log_time_ns, recorded_ns, odd_time, scan, ..Turn::new(seq, self.part) })
     }
 
+    /// How long [`Messages::next`] waits for messages of a stream from now on.
+    pub(crate) fn wait(&mut self, wait: Wait) {
+        if let Some(part) = self.parts.front_mut() {
+            part.wait(wait);
+        }
+    }
+
+    /// Whether there was no message in time, rather than no more.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.parts.front().is_some_and(TopicReader::is_waiting)
+    }
+
+    /// Why the stream can no longer be read, if that ended it.
+    pub(crate) fn failure(&self) -> Option<String> {
+        self.parts.front().and_then(TopicReader::failure)
+    }
+
     /// Leaves out the rest of a part, if it is the one that is read and its messages come by their times.
     pub(crate) fn leave_part(&mut self, part: usize) {
         if part == self.part
@@ -151,6 +175,9 @@ impl Messages {
         loop {
             if let Some(message) = self.ahead.pop_front().or_else(|| self.read()) {
                 return Some(message);
+            }
+            if self.is_waiting() || self.failure().is_some() {
+                return None;
             }
             self.next_part()?;
         }
@@ -176,7 +203,9 @@ impl Messages {
                     bytes += message.1.data.len() as u64;
                     self.ahead.push_back(message);
                 }
-                None if self.ahead.is_empty() => drop(self.next_part()),
+                None if self.ahead.is_empty() && !self.is_waiting() && self.failure().is_none() => {
+                    drop(self.next_part())
+                }
                 None => break,
             }
         }

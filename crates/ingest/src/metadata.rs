@@ -20,6 +20,11 @@ pub(crate) fn parts_of(folder: &Path) -> Vec<PathBuf> {
     names_in(&text).iter().filter_map(|name| Some(folder.join(name.rsplit(['/', '\\']).next()?))).collect()
 }
 
+/// Whether `folder` has such a file: then its recorder has closed the bag.
+pub(crate) fn is_there(folder: &Path) -> bool {
+    folder.join(FILE).is_file()
+}
+
 fn names_in(text: &str) -> Vec<String> {
     let Ok(documents) = Yaml::load_from_str(text) else { return Vec::new() };
     let bag = documents.first().and_then(|document| document.as_mapping_get("rosbag2_bagfile_information"));

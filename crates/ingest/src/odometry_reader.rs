@@ -2,13 +2,14 @@
 
 use std::collections::VecDeque;
 
-use crosscut_messages::ODOMETRY_TOPIC;
+use crosscut_messages::{DecodeError, ODOMETRY_TOPIC};
 use crosscut_sensor::{Odometry, pose_in};
 use nalgebra::Isometry2;
 
 use crate::container::{self, Container, Contents, Message, TopicReader};
+use crate::stream::Wait;
 use crate::topics::topics_of;
-use crate::{CsvGeometry, TopicInfo};
+use crate::{CsvGeometry, LossKind, TopicInfo};
 
 /// Odometry recorded this long after a scan is not read for it: its stamps are of another clock.
 const AHEAD_NS: u64 = 2_000_000_000;
@@ -24,6 +25,8 @@ pub(crate) struct OdometryReader {
     files: VecDeque<Contents>,
     reader: Option<TopicReader>,
     poses: Odometry,
+    /// How many messages cannot be read, and why the first cannot.
+    unreadable: Option<(u64, DecodeError)>,
 }
 
 impl OdometryReader {
@@ -38,8 +41,15 @@ impl OdometryReader {
         let is_wanted = |topic: &&TopicInfo| wanted.is_empty() || topic.name == wanted;
         let rank = |topic: &&TopicInfo| (!topic.has_odometry(), topic.name != ODOMETRY_TOPIC);
         let topic = candidates.filter(is_wanted).min_by_key(rank)?.clone();
-        let files = contents().filter(|contents| !topic.channels_in(contents).is_empty()).cloned().collect();
-        Some(Self { topic, csv: *csv, files, reader: None, poses: Odometry::default() })
+        // A stream is one, and cannot be opened again.
+        let stream = containers.iter().find_map(|container| container.again());
+        let reader = stream.map(|stream| {
+            let channels = topic.channels_in(stream.contents());
+            TopicReader::new(stream, channels)
+        });
+        let has_topic = |contents: &&Contents| reader.is_none() && !topic.channels_in(contents).is_empty();
+        let files = contents().filter(has_topic).cloned().collect();
+        Some(Self { topic, csv: *csv, files, reader, poses: Odometry::default(), unreadable: None })
     }
 
     /// The poses at the first and last of `stamps_ns`, which are times of a scan that was recorded at `recorded_ns`. Scans are
@@ -47,11 +57,18 @@ impl OdometryReader {
     pub(crate) fn at(&mut self, stamps_ns: [u64; 2], recorded_ns: u64) -> Option<[Isometry2<f64>; 2]> {
         let [first_ns, last_ns] = stamps_ns;
         self.poses.forget_before(first_ns);
+        if let Some(reader) = &mut self.reader {
+            reader.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
+        }
         while self.poses.last_ns().is_none_or(|read_ns| read_ns < last_ns) && self.poses.len() < MOST_AHEAD {
             let Some(message) = self.next_message() else { break };
             let log_time_ns = message.log_time_ns;
-            if let Ok(Some((pose_ns, pose))) = pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
-                self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
+            match pose_in(self.topic.has_odometry(), &self.topic.encoding, &message.data) {
+                Ok(Some((pose_ns, pose))) => {
+                    self.poses.push(if pose_ns == 0 { log_time_ns } else { pose_ns }, pose);
+                }
+                Ok(None) => {}
+                Err(cause) => self.unreadable.get_or_insert((0, cause)).0 += 1,
             }
             if let Some(reader) = &mut self.reader {
                 reader.recycle(message);
@@ -63,6 +80,12 @@ impl OdometryReader {
         Some([self.poses.at(first_ns)?, self.poses.at(last_ns)?])
     }
 
+    /// What could not be read of it, once it is read: how many messages of which topic, and why the first.
+    pub(crate) fn unreadable(&mut self) -> Option<LossKind> {
+        let (count, cause) = self.unreadable.take()?;
+        Some(LossKind::Messages { topic: self.topic.name.clone(), first_seq: 0, count, cause })
+    }
+
     /// The next message, from whichever file is at hand. A file that can no longer be opened has none.
     fn next_message(&mut self) -> Option<Message> {
         loop {
@@ -71,7 +94,8 @@ impl OdometryReader {
             }
             let contents = self.files.pop_front()?;
             let channels = self.topic.channels_in(&contents);
-            self.reader = container::reopen(&contents, &self.csv).ok().map(|file| TopicReader::new(file, channels));
+            self.reader =
+                container::reopen_file(&contents, &self.csv).ok().map(|file| TopicReader::new(file, channels));
         }
     }
 }

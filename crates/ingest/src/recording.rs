@@ -1,6 +1,7 @@
 //! One flight, from one file or several, revolution by revolution.
 
 use std::collections::VecDeque;
+use std::mem;
 use std::num::NonZero;
 use std::path::PathBuf;
 
@@ -12,6 +13,7 @@ use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
 use crate::scanners::{Mount, Scanners};
+use crate::stream::Wait;
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
 use crate::{CsvGeometry, IngestError, Loss, Parts, TopicInfo, limits, parts_in};
@@ -65,6 +67,8 @@ pub struct Recording {
     topic: TopicInfo,
     /// Whether all messages were read.
     has_ended: bool,
+    /// Whether they come as they come.
+    is_stream: bool,
     /// Selected turns. Those before the first one that can be decoded wait here: if there is none, nothing is given.
     selected: VecDeque<Turn>,
     any_decoded: bool,
@@ -82,6 +86,10 @@ pub struct Recording {
     scanners: Option<Scanners>,
     /// How the recording mounts its sensor, until the first scan.
     mount: Option<Mount>,
+    /// How long it waits for messages of a stream once it is known what they are.
+    wait: Wait,
+    /// Whether that was learned from fewer messages than usual, because no more came in time.
+    is_hurried: bool,
     last_log_time_ns: u64,
     reordered: u64,
     of_other_frames: u64,
@@ -103,9 +111,25 @@ impl Recording {
         Ok(Self { scanners, mount, ..Self::of(containers, losses, options, sensor)? })
     }
 
-    /// Revolutions have no pose.
-    pub(crate) fn without_odometry(self) -> Self {
-        Self { odometry: None, ..self }
+    /// Of a stream: how many messages there will be is not known.
+    pub(crate) fn streamed(self, scanners: Option<Scanners>, mount: Option<Mount>) -> Self {
+        let topic = TopicInfo { messages: None, ..self.topic };
+        Self { scanners, mount, topic, is_stream: true, ..self }
+    }
+
+    /// Whether its messages are read as they come.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
+    }
+
+    /// From now on, revolutions of a stream are waited for up to this time of recording.
+    pub(crate) fn wait(&mut self, wait: Wait) {
+        self.wait = wait;
+    }
+
+    /// Whether there was no revolution in time, rather than no more.
+    pub(crate) fn is_waiting(&self) -> bool {
+        !self.has_ended && self.messages.is_waiting()
     }
 
     /// One scanner of the vehicle.
@@ -140,6 +164,7 @@ impl Recording {
             sensor,
             topic,
             has_ended: false,
+            is_stream: false,
             selected: VecDeque::new(),
             any_decoded: false,
             first_ns: None,
@@ -150,6 +175,8 @@ impl Recording {
             turning: Turning::default(),
             scanners: None,
             mount: None,
+            wait: Wait::Always,
+            is_hurried: false,
             last_log_time_ns: 0,
             reordered: 0,
             of_other_frames: 0,
@@ -219,7 +246,7 @@ impl Recording {
             (scan, _) => {
                 if let Ok(scan) = scan
                     && let Some((yaw_rad, upside_down)) =
-                        self.mount.take().and_then(|mount| mount.of(&scan.header().frame_id))
+                        self.mount.take().and_then(|mut mount| mount.of(&scan.header().frame_id))
                 {
                     self.sensor = self.sensor.clone().mounted(yaw_rad, upside_down);
                 }
@@ -232,7 +259,7 @@ impl Recording {
     /// The next turn, whether it is asked for or not.
     fn next_turn(&mut self) -> Option<Turn> {
         loop {
-            if let Some(mut turn) = self.turns.pop() {
+            if let Some(mut turn) = self.turns.pop(&self.sensor) {
                 if self.sensor.deskews()
                     && let Some(scan) = turn.laser_scan()
                 {
@@ -243,9 +270,18 @@ impl Recording {
             if self.has_ended {
                 return None;
             }
-            if !self.read_message() {
+            let is_learning = !self.turns.is_settled() && self.wait == Wait::Always && !self.is_hurried;
+            self.messages.wait(if is_learning { Wait::Learning } else { self.wait });
+            if self.read_message() {
+                continue;
+            }
+            if !self.messages.is_waiting() {
                 self.turns.finish(&self.sensor);
                 self.has_ended = true;
+            } else if mem::replace(&mut self.is_hurried, true) {
+                return None;
+            } else {
+                self.turns.hurry();
             }
         }
     }
@@ -267,6 +303,7 @@ impl Recording {
         let first_ns = self.start(turn);
         let since_first_s = (i128::from(turn.recorded_ns) - i128::from(first_ns)) as f64 / NS_PER_S;
         if self.options.to_s.is_some_and(|to_s| since_first_s > to_s) {
+            self.has_ended |= self.is_stream;
             if turn.odd_time.is_none() {
                 self.messages.leave_part(turn.part);
             }
@@ -362,7 +399,7 @@ impl Source for Recording {
             {
                 self.give(&turn, out, notes);
                 if let Some(scanners) = &mut self.scanners {
-                    scanners.join(out, notes);
+                    scanners.join(out, turn.recorded_ns, notes);
                     self.messages.add_losses(scanners.losses());
                 }
                 self.turns.recycle(turn);
@@ -379,6 +416,19 @@ impl Source for Recording {
             }
             self.any_decoded |= turn.scan.is_ok();
             self.selected.push_back(turn);
+        }
+        // Of files, odometry is read a second time, after whose end nobody asks.
+        if self.is_stream
+            && !self.is_waiting()
+            && let Some(kind) = self.odometry.as_mut().and_then(OdometryReader::unreadable)
+        {
+            self.messages.lose_in_first(kind);
+        }
+        if let Some(why) = self.messages.failure() {
+            return Err(SourceError(why));
+        }
+        if self.is_waiting() {
+            return Ok(false);
         }
         match self.selected.front().and_then(|turn| turn.scan.as_ref().err()) {
             Some(cause) => Err(SourceError(format!(

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use crosscut_scan::Position;
 use crosscut_stage::{Junction, Notes, Partition, Revolution, Wall, counted};
 
 /// Writes `out.walls` and `out.wall_of_return`: one wall per cluster of at least `min_returns` returns, numbered by
@@ -42,63 +41,34 @@ pub(crate) fn from_partition(
 
 /// Gives each wall the smallest arc that holds all its returns, anticlockwise.
 fn set_bearings(revolution: &Revolution, out: &mut Junction) {
-    // All returns, wall by wall.
+    // All bearings, wall by wall.
     let mut next = Vec::with_capacity(out.walls.len());
     let mut count = 0;
     for wall in &out.walls {
         next.push(count);
         count += wall.returns;
     }
-    let mut directions = vec![Direction::default(); count];
+    let mut bearings_rad = vec![0.0; count];
     for (point, wall) in revolution.points_m.iter().zip(&out.wall_of_return) {
         if let Some(wall) = wall {
-            directions[next[*wall as usize]] = Direction::of(point.coords.xy());
+            bearings_rad[next[*wall as usize]] = point.y.atan2(point.x);
             next[*wall as usize] += 1;
         }
     }
     // Where the next wall would start, each has ended.
     for (wall, end) in out.walls.iter_mut().zip(next) {
-        wall.bearing_rad = arc(&mut directions[end - wall.returns..end]);
-    }
-}
-
-/// Where a return lies, seen from the sensor.
-#[derive(Clone, Copy, Debug, Default)]
-struct Direction {
-    position_m: Position,
-    /// y / (|x| + |y|), continued around the turn: it grows with the bearing from -2 to 2, at least half as fast and at
-    /// most as fast, and needs no arc tangent.
-    key: f64,
-}
-
-impl Direction {
-    fn of(position_m: Position) -> Self {
-        let (x, y) = (position_m.x, position_m.y);
-        let rise = y / (x.abs() + y.abs()).max(f64::MIN_POSITIVE);
-        let key = if x >= 0.0 { rise } else { 2.0f64.copysign(y) - rise };
-        Self { position_m, key }
-    }
-
-    fn bearing_rad(&self) -> f64 {
-        self.position_m.y.atan2(self.position_m.x)
+        wall.bearing_rad = arc(&mut bearings_rad[end - wall.returns..end]);
     }
 }
 
 /// The arc is what remains of the circle when the widest gap between neighbouring bearings is left out.
-fn arc(directions: &mut [Direction]) -> [f64; 2] {
-    directions.sort_by(|a, b| a.key.total_cmp(&b.key));
-    let (Some(first), Some(last)) = (directions.first(), directions.last()) else { return [0.0; 2] };
-    let across = first.key + 4.0 - last.key;
-    let pairs = || directions.windows(2).map(|pair| (pair[1].key - pair[0].key, pair));
-    let widest_key = pairs().map(|(gap, _)| gap).fold(across, f64::max);
-    // A gap of less than half of that key is narrower for certain.
-    let is_wide = |gap: f64| gap >= 0.499 * widest_key;
-    let (first_rad, last_rad) = (first.bearing_rad(), last.bearing_rad());
-    let mut widest = (first_rad + TAU - last_rad, [first_rad, last_rad]);
-    for (_, pair) in pairs().filter(|&(gap, _)| is_wide(gap)) {
-        let [from_rad, to_rad] = [pair[0].bearing_rad(), pair[1].bearing_rad()];
-        if to_rad - from_rad > widest.0 {
-            widest = (to_rad - from_rad, [to_rad, from_rad]);
+fn arc(bearings_rad: &mut [f64]) -> [f64; 2] {
+    bearings_rad.sort_by(f64::total_cmp);
+    let (Some(&first), Some(&last)) = (bearings_rad.first(), bearings_rad.last()) else { return [0.0; 2] };
+    let mut widest = (first + TAU - last, [first, last]);
+    for pair in bearings_rad.windows(2) {
+        if pair[1] - pair[0] > widest.0 {
+            widest = (pair[1] - pair[0], [pair[1], pair[0]]);
         }
     }
     widest.1

@@ -25,10 +25,6 @@ def main() -> int:
         from . import ray
 
         return ray.main(sys.argv[1], arguments)
-    if sys.argv[1:2] == ["run"] and any(argument.startswith(("zenoh://", "ros2://")) for argument in sys.argv):
-        from . import live
-
-        return live.main(sys.argv[2:])
     stages: dict[str, Callable[..., Any]] = {}
     for module, name in _named.named(sys.argv[1:]):
         try:
@@ -41,7 +37,14 @@ def main() -> int:
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
-    return _native.program(["crosscut", *sys.argv[1:]], stages, build)
+    return _native.program(["crosscut", *sys.argv[1:]], stages, build, _hear)
+
+
+def _hear(address: str, options: dict[str, Any], feed: Any) -> Any:
+    """Hears a live robot for the program."""
+    from . import live
+
+    return live.Source(address, options, feed)
 
 
 if __name__ == "__main__":

@@ -17,29 +17,23 @@ so are those that speak DDS (``ros2://``, needs cyclonedds). From a shell:
 
 from __future__ import annotations
 
-import argparse
-import contextlib
 import json
 import math
 import os
-import signal
 import statistics
 import struct
-import sys
 import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeAlias
 
-from ._engine import Engine
 from ._errors import Error, LossWarning, SettingsError
 from ._extras import importing
-from ._flight import Flight, Map
+from ._flight import Map
 from ._native import Odometry, Scan
 from ._results import Result
 
@@ -275,67 +269,36 @@ class _Stamps:
         return max(0, round((stamp_ns - last_ns) / usual_ns) - 1) if is_known else 0
 
 
-def main(arguments: Sequence[str]) -> int:
-    """``crosscut run`` on a live robot; returns the exit code of the program."""
-    parser = argparse.ArgumentParser(prog="crosscut run", description="Answers to a live robot, until Ctrl-C.")
-    parser.add_argument("robot", metavar="ADDRESS", help="zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC")
-    parser.add_argument("--odometry", metavar="TOPIC", help="of nav_msgs/Odometry, or /tf")
-    parser.add_argument("--domain", type=int, default=0, help="ROS domain of a robot on Zenoh [default: 0]")
-    parser.add_argument("--as", dest="message_type", metavar="TYPE", help="TOPIC is a key of plain messages of this type, CDR")
-    parser.add_argument("--zenoh-config", metavar="FILE.json5", type=Path,
-                        help="configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint")
-    parser.add_argument("--publish", metavar="KEY", help="send JSON to KEY/results and KEY/map, a drawing to topic KEY/markers")
-    parser.add_argument("--results", metavar="FILE.jsonl", help="one JSON object per scan; - is standard output")
-    parser.add_argument("--map", metavar="FLIGHT.json", type=Path, help="the map of the flight, renewed each second")
-    parser.add_argument("--preset", default="default")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="changes")
-    args = parser.parse_args(arguments)
-    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
-    warnings.simplefilter("always", LossWarning)
-    try:
-        flight = Flight(Engine.with_changes(args.preset, args.changes, ("markers",) if args.publish else ()))
-        with Robot(args.robot, odometry=args.odometry, domain=args.domain, message_type=args.message_type,
-                   zenoh_config=args.zenoh_config) as robot:
-            for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, lambda *_: robot.stop())
-            return _answer(robot, flight, args)
-    except Error as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2 if isinstance(error, (ValueError, ImportError)) else 1
+class Source:
+    """The messages of a robot on their way into the program, which decodes them as those of a recording, and its answers.
 
+    ``options`` are those of ``crosscut run``; ``feed`` takes the messages.
+    """
 
-def _answer(robot: Robot, flight: Flight, args: argparse.Namespace) -> int:
-    answered, mapped_at = 0, time.monotonic()
-    with contextlib.ExitStack() as opened:
-        lines = None
-        if args.results:
-            lines = sys.stdout if args.results == "-" else opened.enter_context(open(args.results, "w"))
-        try:
-            for scan, _ in robot:
-                result = flight.process(scan)
-                answered += 1
-                if args.publish:
-                    robot.publish(f"{args.publish}/results", result)
-                    robot.draw(f"{args.publish}/markers", result)
-                if lines is not None:
-                    print(json.dumps(result.to_dict()), file=lines, flush=True)
-                if time.monotonic() - mapped_at >= 1.0:
-                    mapped_at = time.monotonic()
-                    _write_map(robot, flight.map, args)
-        finally:  # also what came before an error
-            _write_map(robot, flight.map, args)
-    clock = "" if robot.clock_ns is None else f"; this clock is {robot.clock_ns / 1e9:.3f} s ahead of the stamps"
-    gaps = f", about {robot.gaps} more by their stamps" if robot.gaps else ""
-    for loss in robot.losses:
-        print(f"warning: {loss}", file=sys.stderr)
-    print(f"{answered} scans answered, {robot.missed} missed{gaps}{clock}; {flight.map.summary()}", file=sys.stderr)
-    return 3 if robot.missed or robot.losses else 0
+    def __init__(self, address: str, options: dict[str, Any], feed: Any) -> None:
+        scheme, _, rest = address.partition("://")
+        host, _, topic = rest.partition("/")
+        self._feed, self._publish = feed, options["publish"]
+        message_type, zenoh_config = options["message_type"], options["zenoh_config"]
+        self._bus = _bus(scheme, host, topic, options["domain"], message_type, zenoh_config, self._fail)
+        # A key expression of plain messages may stand for several keys, which are one topic here.
+        self._bus.hear(topic.strip("/"), partial(self._hear, options["topic"]), *([] if message_type is None else [message_type]))
+        for name in options["beside"]:
+            self._bus.hear(name.strip("/"), partial(self._hear, name))
 
+    def send(self, name: str, what: str | bytes) -> None:
+        """Sends JSON, or a drawing, to those who subscribe to it."""
+        topic = f"{self._publish}/{name}".strip("/")
+        if isinstance(what, str):
+            self._bus.send_text(topic, what)
+        else:
+            self._bus.send(topic, "visualization_msgs/MarkerArray", what)
 
-def _write_map(robot: Robot, flight_map: Map, args: argparse.Namespace) -> None:
-    if args.publish:
-        robot.publish(f"{args.publish}/map", flight_map)
-    if args.map:
-        unfinished = args.map.with_name(f".{args.map.name}.{os.getpid()}")
-        unfinished.write_text(flight_map.to_json())
-        unfinished.replace(args.map)
+    def close(self) -> None:
+        self._bus.close()
+
+    def _hear(self, topic: str, message: bytes, message_type: str, skipped: int | None) -> None:
+        self._feed.hear(topic, message_type, message, skipped or 0)
+
+    def _fail(self, failure: BaseException) -> None:
+        self._feed.fail(f"the robot can no longer be heard: {type(failure).__name__}: {failure}")

@@ -12,7 +12,7 @@ pub(crate) struct ConvertArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
     /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
-    #[arg(long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    #[arg(short, long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: PathBuf,
     /// File of settings, of which those of the section csv and ingest.echo count.
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]

@@ -48,6 +48,6 @@ pub(crate) struct ExploreArgs {
     #[arg(long)]
     pub(crate) list: bool,
     /// Show no progress bar and no summary.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }

@@ -13,6 +13,7 @@ use super::seconds;
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {
     /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them; `-` is standard input.
+    /// For `run` also a live robot: zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,
@@ -28,7 +29,7 @@ pub(crate) struct InputArgs {
     pub(crate) recordings: RecordingsArgs,
     /// Topic of the scans; may be omitted when there is only one. Given several times, the scans of these scanners become
     /// one revolution, by the transforms in the recording (/tf, /tf_static).
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) topic: Vec<String>,
     /// Start this many seconds after the first scan. If no scan is left, the command fails (exit code 1).
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]

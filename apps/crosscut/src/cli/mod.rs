@@ -2,6 +2,7 @@
 
 pub(crate) mod convert;
 pub(crate) mod explore;
+pub(crate) mod help;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
@@ -12,8 +13,11 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 
+use crate::config;
 use crate::maps::FORMATS;
+use crate::say::say;
 use convert::ConvertArgs;
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
@@ -39,7 +43,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Count the walls in every scan of a recorded flight, and find the openings.
+    /// Count the walls in every scan of a flight, recorded or live, and find the openings.
     Run(RunArgs),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
@@ -68,32 +72,82 @@ pub(crate) enum Command {
     Rrd(RrdCommand),
     /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
+    /// Print a script that lets a shell complete commands and options.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Write pages for `man`, one for each command.
+    Man {
+        /// Folder for the pages, such as ~/.local/share/man/man1.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+impl Command {
+    /// Names the file of settings that nobody gave on the command line, before a command that reads it.
+    pub(crate) fn say_settings_found(&self) {
+        let reads_none = matches!(
+            self,
+            Self::View(_)
+                | Self::Simulate(_)
+                | Self::Rrd(_)
+                | Self::Config(_)
+                | Self::Completions { .. }
+                | Self::Man { .. }
+        );
+        if let (false, Some(path)) = (reads_none, config::found()) {
+            say(format_args!("settings of {}", path.display()));
+        }
+    }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    #[command(flatten)]
-    pub(crate) config: ConfigArgs,
     /// Write one JSON object per scan; `-` is standard output. FILE.mcap has the scans beside them, and drawings for
     /// Foxglove.
-    #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
+    #[arg(short = 'o', long, value_name = "FILE.jsonl|FILE.mcap")]
     pub(crate) results: Option<PathBuf>,
     /// Write the map of the flight: junctions, dead ends and the passages between them.
     #[arg(long, value_name = "FLIGHT.json", value_parser = PathBufValueParser::new().try_map(map_path))]
     pub(crate) map: Option<PathBuf>,
-    /// Show no progress bar and no summary.
-    #[arg(long)]
-    pub(crate) quiet: bool,
-    /// Read on at the end of an MCAP that is still being written, until its recorder closes it or Ctrl-C.
+    #[command(flatten)]
+    pub(crate) config: ConfigArgs,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// Read on while recordings are written: an MCAP, or a folder in which MCAPs appear, until their recorder closes them or
+    /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
+    /// Show no progress bar and no summary.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) live: LiveArgs,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Live robots (the wheel: extras live, dds)")]
+pub(crate) struct LiveArgs {
+    /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
+    /// ingest.odometry=TOPIC.
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) odometry: Option<String>,
+    /// ROS domain of a robot on Zenoh. With --as, the topic is a key of plain messages instead.
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(crate) domain: u32,
+    /// Configuration of Zenoh: TLS and user and, of zenoh:///TOPIC, the router's endpoint.
+    #[arg(long, value_name = "FILE.json5")]
+    pub(crate) zenoh_config: Option<PathBuf>,
+    /// Send JSON to KEY/results and KEY/map, and a drawing for RViz and Foxglove to the topic KEY/markers.
+    #[arg(long, value_name = "KEY")]
+    pub(crate) publish: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -103,10 +157,10 @@ pub(crate) struct MapArgs {
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
-    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
+    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
     pub(crate) out: PathBuf,
     /// Show no progress bar and no summary.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
@@ -117,10 +171,10 @@ pub(crate) struct ReportArgs {
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The page. It needs no other file and no network.
-    #[arg(long, value_name = "FILE.html", value_parser = PathBufValueParser::new().try_map(html_path))]
+    #[arg(short, long, value_name = "FILE.html", value_parser = PathBufValueParser::new().try_map(html_path))]
     pub(crate) out: PathBuf,
     /// Show no progress bar and no summary.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
@@ -149,10 +203,11 @@ pub(crate) struct ConfigArgs {
     /// Settings to start from: paper, default, or one of the baselines threshold, breakpoint, dbscan.
     #[arg(long, default_value = "default")]
     pub(crate) preset: String,
-    /// Settings that override the preset: a TOML file, or a recording made with `run --save` to use its settings.
+    /// Settings that override the preset and crosscut.toml: a TOML file, or a recording made with `run --save` to use its
+    /// settings. (crosscut.toml is looked for in this folder and those above it, unless $CROSSCUT_CONFIG names a file.)
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
     pub(crate) config: Option<PathBuf>,
-    /// Single setting that overrides the file, such as vehicle.width_m=0.8. May be repeated.
+    /// Single setting that overrides the files, such as vehicle.width_m=0.8. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -172,7 +227,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value = "dev", requires = "suite", conflicts_with = "scenario")]
     pub(crate) split: SplitArg,
     /// Output: FLIGHT.mcap for a scenario, a folder for suites.
-    #[arg(long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    #[arg(short, long, value_name = "PATH", value_parser = PathBufValueParser::new().try_map(mcap_path))]
     pub(crate) out: Option<PathBuf>,
     /// Seed of the random numbers; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1, conflicts_with = "suite", allow_negative_numbers = true)]
@@ -187,7 +242,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long)]
     pub(crate) list: bool,
     /// Show no progress bar and no summary.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
@@ -230,7 +285,7 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
     /// Show no progress bar and no tables.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
@@ -253,7 +308,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
     /// Show no progress bar and no tables.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }
 
@@ -263,6 +318,9 @@ pub(crate) struct InfoArgs {
     pub(crate) recordings: RecordingsArgs,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
+    /// Write all that is found as JSON instead, one object per recording; `-` is standard output.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) json: Option<PathBuf>,
 }
 
 fn one_or_more(text: &str) -> Result<usize, String> {

@@ -56,7 +56,7 @@ pub(crate) struct RrdGetArgs {
     #[arg(long)]
     pub(crate) exact: bool,
     /// Output: .npy or .csv; for text also .md, or `-` for standard output.
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
 

@@ -19,12 +19,12 @@ pub(crate) struct SweepArgs {
     pub(crate) config: ConfigArgs,
     /// Folder for sweep.csv, times.csv and the pictures. What an earlier sweep into it has computed with the
     /// same program, settings and recordings is kept, so the same command continues an interrupted sweep.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of recordings that are processed at a time. [default: the number of processors]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
     /// Show no progress bar and no table.
-    #[arg(long)]
+    #[arg(short, long)]
     pub(crate) quiet: bool,
 }

@@ -7,12 +7,15 @@ use crosscut_evaluate::tables::Table;
 use crosscut_ingest::{
     CsvGeometry, Description, Parts, ReadOptions, ScanDescription, TopicDescription, describe, parts_in,
 };
+use crosscut_outfile::Keep;
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
+use serde_json::{Value, json};
 
 use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
+use crate::outputs::Document;
 use crate::say::show;
 use crate::typeset::plain;
 
@@ -22,20 +25,24 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     let sensor = Sensor::new(config.params("ingest"));
     let csv = CsvGeometry::new(config.params("csv"));
     let options = ReadOptions { read_as: args.recordings.read_as, csv, ..ReadOptions::default() };
-    let (mut diagnostics, mut described) = (Diagnostics::default(), 0);
+    let mut json =
+        args.json.as_ref().map(|path| Document::create(path, &args.recordings.input, Keep::ThroughKill)).transpose()?;
+    let (mut diagnostics, mut described) = (Diagnostics::default(), Vec::new());
     let Parts { files, missing } = parts_in(&args.recordings.input)?;
     let (mut scan_topics, mut unknown_topics) = (BTreeMap::new(), BTreeSet::new());
     for part in &files {
         match describe(part, &sensor, &options) {
             Ok(description) => {
-                show(format!("{}{}", if described > 0 { "\n" } else { "" }, text(&description)))?;
+                if json.is_none() {
+                    show(format!("{}{}", if described.is_empty() { "" } else { "\n" }, text(&description)))?;
+                }
                 diagnostics.lost_all(&description.losses);
                 for topic in description.topics.iter().filter(|topic| topic.first_scan.is_some()) {
                     *scan_topics.entry(topic.info.name.clone()).or_default() += topic.info.messages.unwrap_or(1);
                 }
-                let unknown = description.topics.into_iter().filter(|topic| topic.info.type_name.is_empty());
-                unknown_topics.extend(unknown.map(|topic| topic.info.name));
-                described += 1;
+                let unknown = description.topics.iter().filter(|topic| topic.info.type_name.is_empty());
+                unknown_topics.extend(unknown.map(|topic| topic.info.name.clone()));
+                described.push(object(&description));
             }
             Err(error) if files.len() == 1 => return Err(error.into()),
             Err(error) => match error.as_loss(args.recordings.input.contains(part)) {
@@ -45,13 +52,20 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
         }
     }
     diagnostics.lost_all(missing);
-    if let Some(line) = run_line(args, &scan_topics) {
+    let next = run_line(args, &scan_topics);
+    let is_described = !described.is_empty();
+    if let Some(out) = &mut json {
+        out.write(&format!(
+            "{}\n",
+            json!({"recordings": described, "next": next, "problems": diagnostics.problems()})
+        ))?;
+    } else if let Some(line) = next {
         show(format!("\nnext: {line}\n"))?;
     } else if !unknown_topics.is_empty() && args.recordings.read_as.is_none() {
         let names = unknown_topics.into_iter().collect::<Vec<_>>().join(", ");
         show(format!("\nno schema states the type of {names}; for laser scans add: --as LaserScan\n"))?;
     }
-    Ok(if described > 0 { diagnostics.outcome() } else { Outcome::Failed })
+    Ok(if is_described { diagnostics.outcome() } else { Outcome::Failed })
 }
 
 /// The command that runs what was described, on the scan topic with the most messages if there are several.
@@ -73,6 +87,32 @@ fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<Stri
         if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
     };
     Some(words.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+}
+
+/// What [`text`] says, in units that its names state.
+fn object(recording: &Description) -> Value {
+    let topic = |topic: &TopicDescription| {
+        let scan = topic.first_scan.as_ref().map(|scan| {
+            json!({
+                "frame_id": scan.frame_id, "beams": scan.beams, "returns": scan.returns, "missing": scan.missing,
+                "step_rad": scan.step_rad, "field_of_view_rad": scan.field_of_view_rad, "full_turn": scan.full_turn,
+                "range_m": scan.range_m, "notes": scan.notes,
+            })
+        });
+        let info = &topic.info;
+        json!({
+            "name": info.name, "type": info.type_name, "encoding": info.encoding, "messages": info.messages,
+            "rate_hz": topic.rate_hz, "first_scan": scan,
+        })
+    };
+    let properties: serde_json::Map<_, _> =
+        recording.properties.iter().map(|(name, value)| ((*name).to_owned(), Value::from(value.as_str()))).collect();
+    json!({
+        "path": recording.path.display().to_string(), "bytes": recording.bytes, "format": recording.format,
+        "properties": properties, "duration_s": recording.duration_s(), "log_time_ns": recording.log_time_ns,
+        "topics": recording.topics.iter().map(topic).collect::<Vec<_>>(),
+        "losses": recording.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
 }
 
 fn text(recording: &Description) -> String {

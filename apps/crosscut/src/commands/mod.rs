@@ -10,6 +10,7 @@ pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;
 pub(crate) mod run;
+pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod sweep;
 #[cfg(feature = "rerun")]

@@ -1,43 +1,79 @@
-//! `crosscut run`: a recorded flight through all stages.
+//! `crosscut run`: a flight, recorded or live, through all stages.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crosscut_detector::Registry;
+use crosscut_detector::{Config, Registry};
+use crosscut_ingest::{Feed, Following};
 use crosscut_pipeline::{End, StopFlag};
+use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
-use crate::cli::RunArgs;
+use crate::cli::{ConfigArgs, RunArgs};
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
-use crate::fly::{Flight, Flown, How, files_read, fly};
+use crate::fly::{Flight, Flown, How, files_read, files_to_come, fly};
 use crate::interrupt::stop_on_interrupt;
+use crate::live::{self, Robots};
 use crate::say::{say, show};
 use crate::written::Written;
 use crate::{observers, outputs, progress, summary};
 
 /// Runs the flight. The results of a revolution are written before any observer sees it; in an MCAP they are on disk
 /// within a second of the flight.
-pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let config = args.config.resolve(registry)?;
-    let read = files_read(&args.input, args.config.config.clone())?;
+pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robots>) -> anyhow::Result<Outcome> {
+    let config = configuration(args, registry)?;
+    let robot = live::robot_of(args, Sensor::new(config.params("ingest")).odometry_topic())?;
+    let is_piped = args.input.recordings.input == [Path::new("-")];
+    let may_come_later = args.follow || is_piped || robot.is_some();
+    let settings = args.config.config.clone();
+    let read = if may_come_later { files_to_come(&args.input, settings)? } else { files_read(&args.input, settings)? };
     refuse_overwriting(args, &read)?;
     let stop = stop_on_interrupt()?; // before any file is opened, so that none is left half written
-    let mut flight = if args.follow {
-        Flight::follow(&args.input, &config, stop.clone())?
-    } else {
-        Flight::open(&args.input.recordings.input, &args.input, &config)?
+    let silence = live::Silence::new();
+    let mut heard = None;
+    let mut flight = match &robot {
+        Some(robot) => {
+            let (feed, messages) = Feed::of_robot();
+            heard = Some(live::hear(robot, robots, feed)?);
+            let (stop, silence) = (stop.clone(), silence.clone());
+            let following = Following::until(move || {
+                silence.goes_on();
+                stop.is_set()
+            });
+            Flight::of_robot(robot, messages, &args.input, &config, &following)?
+        }
+        None if args.follow => Flight::follow(&args.input, &config, &until(&stop))?,
+        None if is_piped => Flight::of_standard_input(&args.input, &config, &until(&stop))?,
+        None => Flight::open(&args.input.recordings.input, &args.input, &config)?,
     };
+    let is_stream = flight.is_stream();
     let mut diagnostics = Diagnostics::default();
     let mut written = Written::open(args.results.as_deref(), args.map.as_deref(), &config, &read, &mut diagnostics)?;
     let mut observers = observers::open(args, &config, &mut diagnostics)?;
     if diagnostics.outcome() != Outcome::Done && written.is_nothing() && observers.list.is_empty() {
         anyhow::bail!("no other output was requested");
     }
+    let sends = args.live.publish.is_some();
+    let mut robot_answered = heard.map(|robot| live::Answered::new(robot, sends, Sensor::new(config.params("ingest"))));
+    let is_numbered = robot.as_ref().is_none_or(|robot| robot.address.starts_with("zenoh"));
+    let mut gaps = (!is_numbered).then(live::Gaps::default);
 
-    let bar = progress::bar(if args.follow { None } else { flight.total_revolutions() }, args.quiet);
-    let how = How { registry, stop: &stop, bar: &bar, rate: args.rate, has_poses: true };
-    let flown = fly(flight, &config, &how, &mut observers.list, &mut |frame, _| written.take(frame))?;
+    let bar = progress::bar(if is_stream { None } else { flight.total_revolutions() }, args.quiet);
+    // What comes as it comes is not cut short: it ends once what was read is answered.
+    let cut_short = if is_stream { StopFlag::default() } else { stop.clone() };
+    let how = How { registry, stop: &cut_short, bar: &bar, rate: args.rate, has_poses: true };
+    let flown = fly(flight, &config, &how, &mut observers.list, &mut |frame, _| {
+        silence.end();
+        if let Some(gaps) = &mut gaps {
+            gaps.take(frame.revolution.stamp_ns);
+        }
+        written.take(frame)?;
+        if let Some(robot) = &mut robot_answered {
+            robot.take(frame, written.mapper());
+        }
+        Ok(())
+    })?;
     bar.finish_and_clear();
     if !args.quiet {
         say(summary::words(&flown));
@@ -48,13 +84,18 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
     if let Err(error) = written.finish(&flown, &mut diagnostics) {
         flown.report_lost(&error, &mut diagnostics);
     }
+    gaps.and_then(|gaps| gaps.note()).iter().for_each(|note| diagnostics.note(note));
+    if let Some(robot) = &mut robot_answered {
+        robot.send_map(written.mapper());
+        diagnostics.lost_all(robot.failure.as_ref().map(|why| format!("answers could not be sent: {why}")));
+    }
     flown.report(None, &mut diagnostics);
     if !flown.is_empty() && observers.recorded_nothing() {
         diagnostics.note("the recording is empty: no revolution lies within --record-revolutions or --record-seconds");
     }
     note_closed_pipe(&flown, args, &mut diagnostics);
-    if args.follow && stop.is_set() {
-        diagnostics.interrupt(); // the recording ended because of that
+    if is_stream && robot.is_none() && stop.is_set() {
+        diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
     if !args.quiet && args.results.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
@@ -63,6 +104,18 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome
         serve_until_interrupt(&stop);
     }
     Ok(diagnostics.outcome())
+}
+
+/// The configuration, with the odometry that was asked for.
+fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
+    let odometry = args.live.odometry.iter().map(|topic| format!("ingest.odometry=\"{topic}\""));
+    let set = args.config.set.iter().cloned().chain(odometry).collect();
+    ConfigArgs { set, preset: args.config.preset.clone(), config: args.config.config.clone() }.resolve(registry)
+}
+
+fn until(stop: &StopFlag) -> Following {
+    let stop = stop.clone();
+    Following::until(move || stop.is_set())
 }
 
 /// Refuses outputs that would replace an input or each other.

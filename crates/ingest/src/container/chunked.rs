@@ -3,9 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::{io, mem};
 
-use super::contents::TimeSample;
 use super::{ChannelId, Container, Contents, Message, Topic};
-use crate::{Damage, Following, Loss, LossKind, limits};
+use crate::{Damage, Loss, LossKind, limits};
 
 /// A file whose messages stand in chunks, one after the other.
 pub(super) trait ChunkedFile: Send {
@@ -23,11 +22,6 @@ pub(super) trait ChunkedFile: Send {
 
     /// Hands all records of the chunk at `at_byte` to `visitor`, and settles it.
     fn chunk(&mut self, at_byte: u64, visitor: &mut impl Visitor) -> Result<(), Damage>;
-
-    /// Whether the file can be read on while it is written: from now on [`step`](Self::step) waits for the next record.
-    fn follow(&mut self, _: &Following) -> bool {
-        false
-    }
 
     /// How many messages of these channels are in a chunk, by the index alone.
     fn messages_in(&mut self, chunk: &ChunkPlace, channels: &BTreeSet<ChannelId>) -> Option<u64>;
@@ -88,7 +82,7 @@ impl Progress {
 }
 
 /// Receives what a file holds, record by record.
-pub(super) trait Visitor {
+pub(crate) trait Visitor {
     /// A channel is defined.
     fn channel(&mut self, id: ChannelId, topic: Topic);
     /// Whether the bodies of this channel's messages are wanted.
@@ -110,8 +104,6 @@ pub(super) struct Chunked<F> {
     skipped: u64,
     /// It was reported already that nothing can be read from some place on.
     rest_is_lost: bool,
-    /// The file grows while it is read, so that its damage was not found when it was looked through.
-    is_followed: bool,
     losses: Vec<Loss>,
 }
 
@@ -126,8 +118,7 @@ impl<F: ChunkedFile> Chunked<F> {
         let rest_is_lost = contents.losses.iter().any(|loss| matches!(loss.kind, LossKind::Rest { .. }));
         let plan = if chunks.is_empty() { Plan::InFileOrder { ended: true } } else { Plan::ByLogTime(VecDeque::new()) };
         let collector = Collector::default();
-        let (skipped, is_followed, losses) = (0, false, Vec::new());
-        Self { file, contents, chunks, plan, collector, skipped, rest_is_lost, is_followed, losses }
+        Self { file, contents, chunks, plan, collector, skipped: 0, rest_is_lost, losses: Vec::new() }
     }
 
     fn lose(&mut self, kind: LossKind) {
@@ -163,18 +154,11 @@ impl<F: ChunkedFile> Chunked<F> {
             let at_byte = self.file.at_byte();
             let progress = self.file.step(&mut self.collector);
             *ended = matches!(progress, Progress::End { .. } | Progress::Stopped { .. });
-            match progress {
-                Progress::Lost { at_byte, damage } if self.is_followed => {
-                    self.lose(LossKind::Part { at_byte, scans: None, damage });
-                }
-                // Damage was found when the file was looked through. Since then the file may have gone.
-                Progress::Stopped { at_byte, damage }
-                    if (self.is_followed || matches!(damage, Damage::Unreadable(_)))
-                        && !mem::replace(&mut self.rest_is_lost, true) =>
-                {
-                    self.lose(LossKind::Rest { at_byte, damage });
-                }
-                _ => {}
+            // Damage was found when the file was looked through. Since then the file may have gone.
+            if let Progress::Stopped { at_byte, damage: damage @ Damage::Unreadable(_) } = progress
+                && !mem::replace(&mut self.rest_is_lost, true)
+            {
+                self.lose(LossKind::Rest { at_byte, damage });
             }
             self.lose_refused(at_byte);
         }
@@ -199,21 +183,6 @@ impl<F: ChunkedFile> Container for Chunked<F> {
 
     fn contents_mut(&mut self) -> &mut Contents {
         &mut self.contents
-    }
-
-    fn follow(&mut self, following: &Following) -> bool {
-        if !self.chunks.is_empty() {
-            return true; // it has an index, so it is complete
-        }
-        self.is_followed = self.file.follow(following);
-        if self.is_followed {
-            // What was there when the file was looked through depends on that moment, and must not change results.
-            self.contents.losses.clear();
-            self.contents.counts = None;
-            self.contents.log_times_ns = TimeSample::default();
-            self.rest_is_lost = false;
-        }
-        self.is_followed
     }
 
     fn limit_waiting(&mut self, bytes: u64) {

@@ -32,10 +32,13 @@ use self::rosbag2::Rosbag2;
 use self::single_cloud::{Format, SingleCloud};
 use self::spool::{Compression, Spooled};
 use self::table::Table;
-use crate::{CsvGeometry, Following, Found, IngestError, Loss, LossKind};
+use crate::stream::Wait;
+use crate::{CsvGeometry, Found, IngestError, Loss, LossKind};
 
-pub(crate) use self::mcap::metadata as mcap_metadata;
+pub(crate) use self::chunked::Visitor;
+pub(crate) use self::mcap::{FollowedMcap, PipedMcap, follow as follow_mcap, metadata as mcap_metadata};
 pub use self::spool::KeptStandardInput;
+pub(crate) use self::spool::{Plain, keep_standard_input};
 
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;
@@ -60,10 +63,22 @@ pub(crate) trait Container: Send {
     /// until then: a flight may have more parts than a process may have files open.
     fn select(&mut self, channels: &BTreeSet<ChannelId>);
 
-    /// Whether the file can be read on while it is written. From now on [`next`](Self::next) waits for more at the end of a
-    /// file that its recorder has not closed.
-    fn follow(&mut self, _: &Following) -> bool {
+    /// Another reader of the same stream; `None` if this is a file, which can be opened again.
+    fn again(&self) -> Option<Box<dyn Container>> {
+        None
+    }
+
+    /// How long [`next`](Self::next) waits for messages of a stream from now on. Those of a file are there.
+    fn wait(&mut self, _: Wait) {}
+
+    /// Whether [`next`](Self::next) gave nothing because it did not come in time, rather than because there is no more.
+    fn is_waiting(&self) -> bool {
         false
+    }
+
+    /// Why a stream can no longer be read, if that ended it.
+    fn failure(&self) -> Option<String> {
+        None
     }
 
     /// Messages that wait for those before them may take this much memory; what exceeds it is lost.
@@ -86,7 +101,7 @@ pub(crate) trait Container: Send {
 }
 
 /// A message as it was recorded.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Message {
     pub(crate) channel: ChannelId,
     pub(crate) log_time_ns: u64,
@@ -101,7 +116,7 @@ pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>,
     let failed = |source| IngestError::Open { path: path.to_owned(), source };
     if path == Path::new(STANDARD_INPUT) {
         let spooled = spool::standard_input().map_err(failed)?;
-        return open_spooled(path, spooled, None, csv);
+        return open_spooled(path, spooled, csv);
     }
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(IngestError::NotAFile { path: path.to_owned() });
@@ -110,13 +125,18 @@ pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>,
     let start = start_of(&mut file).map_err(failed)?;
     if let Some(compression) = Compression::of(&start) {
         let spooled = spool::decompress(path, file, compression).map_err(failed)?;
-        return open_spooled(path, spooled, Some(compression), csv);
+        return open_spooled(path, spooled, csv);
     }
     open_plain(path, path, RestingFile::new(path.to_owned(), file), &start, csv)
 }
 
-/// Opens a file again that was opened before, to read other messages of it at the same time.
-pub(crate) fn reopen(contents: &Contents, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
+/// Opens what was opened before a second time, to read other messages of it at the same time.
+pub(crate) fn reopen(container: &dyn Container, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
+    container.again().map_or_else(|| reopen_file(container.contents(), csv), Ok)
+}
+
+/// Opens a file again that was opened before.
+pub(crate) fn reopen_file(contents: &Contents, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
     let path = &contents.path;
     let failed = |source| IngestError::Open { path: path.clone(), source };
     let (on_disk, mut file) = match &contents.temporary {
@@ -130,8 +150,7 @@ pub(crate) fn reopen(contents: &Contents, csv: &CsvGeometry) -> Result<Box<dyn C
 /// Opens a temporary copy of `path`.
 fn open_spooled(
     path: &Path,
-    Spooled { path: temporary, damage }: Spooled,
-    compression: Option<Compression>,
+    Spooled { path: temporary, compression, damage }: Spooled,
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
     let failed = |source| IngestError::Open { path: path.to_owned(), source };

@@ -32,6 +32,14 @@ impl Compression {
         signs.into_iter().find(|(sign, _)| start.starts_with(sign)).map(|(_, compression)| compression)
     }
 
+    fn decoder<'a>(self, input: impl Read + Send + 'a) -> io::Result<Box<dyn Read + Send + 'a>> {
+        Ok(match self {
+            Self::Zstd => Box::new(zstd::stream::read::Decoder::new(input)?),
+            Self::Lz4 => Box::new(lz4::Decoder::new(io::BufReader::new(input))?),
+            Self::Bzip2 => Box::new(bzip2::read::MultiBzDecoder::new(input)),
+        })
+    }
+
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Zstd => "zstd",
@@ -45,6 +53,8 @@ impl Compression {
 #[derive(Clone)]
 pub(super) struct Spooled {
     pub(super) path: Arc<TempPath>,
+    /// How it was compressed.
+    pub(super) compression: Option<Compression>,
     /// Why it ends before its end, if it does.
     pub(super) damage: Option<Damage>,
 }
@@ -71,6 +81,41 @@ impl Drop for KeptStandardInput {
     }
 }
 
+/// An input that is decompressed if it is compressed as a whole.
+pub(crate) struct Plain {
+    /// Its first bytes, as many as the magic bytes of an MCAP.
+    pub(crate) start: Vec<u8>,
+    /// All behind them.
+    pub(crate) rest: Box<dyn Read + Send>,
+    compression: Option<Compression>,
+}
+
+impl Plain {
+    /// Reads the first bytes of `input`.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub(crate) fn of(mut input: impl Read + Send + 'static) -> io::Result<Self> {
+        let start = first_bytes(&mut input)?;
+        let Some(compression) = Compression::of(&start) else {
+            return Ok(Self { start, rest: Box::new(input), compression: None });
+        };
+        let mut rest = compression.decoder(io::Cursor::new(start).chain(input))?;
+        Ok(Self { start: first_bytes(&mut rest)?, rest, compression: Some(compression) })
+    }
+
+    fn spool(self) -> io::Result<Spooled> {
+        let spooled = copy(io::Cursor::new(self.start).chain(self.rest), None, limits::SPOOLED_BYTES)?;
+        Ok(Spooled { compression: self.compression, ..spooled })
+    }
+}
+
+fn first_bytes(input: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    input.take(mcap::MAGIC.len() as u64).read_to_end(&mut start)?;
+    Ok(start)
+}
+
 /// Copies standard input, unless its copy was kept.
 ///
 /// # Errors
@@ -79,9 +124,19 @@ pub(super) fn standard_input() -> io::Result<Spooled> {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     match &mut *kept {
         Some(Some(copied)) => Ok(copied.clone()),
-        Some(empty) => Ok(empty.insert(copy(io::stdin().lock(), None, limits::SPOOLED_BYTES)?).clone()),
-        None => copy(io::stdin().lock(), None, limits::SPOOLED_BYTES),
+        Some(empty) => Ok(empty.insert(Plain::of(io::stdin())?.spool()?).clone()),
+        None => Plain::of(io::stdin())?.spool(),
     }
+}
+
+/// Copies standard input, of which the first bytes were read already, for those who open it from now on.
+///
+/// # Errors
+/// When there is no place on the disk for it.
+pub(crate) fn keep_standard_input(input: Plain) -> io::Result<()> {
+    let copied = input.spool()?;
+    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(Some(copied));
+    Ok(())
 }
 
 /// Decompresses the file at `path` up to where it is damaged, or larger than a recording of its size can be.
@@ -91,11 +146,8 @@ pub(super) fn standard_input() -> io::Result<Spooled> {
 pub(super) fn decompress(path: &Path, file: File, compression: Compression) -> io::Result<Spooled> {
     let most = file.metadata()?.len().saturating_mul(limits::EXPANSION).saturating_add(limits::ANY_EXPANSION_BYTES);
     let (beside, limit) = (path.parent(), most.min(limits::SPOOLED_BYTES));
-    match compression {
-        Compression::Zstd => copy(zstd::stream::read::Decoder::new(file)?, beside, limit),
-        Compression::Lz4 => copy(lz4::Decoder::new(io::BufReader::new(file))?, beside, limit),
-        Compression::Bzip2 => copy(bzip2::read::MultiBzDecoder::new(file), beside, limit),
-    }
+    let spooled = copy(compression.decoder(file)?, beside, limit)?;
+    Ok(Spooled { compression: Some(compression), ..spooled })
 }
 
 /// Copies `input` up to where it cannot be read any more, or to `limit` bytes.
@@ -124,7 +176,7 @@ fn copy(mut input: impl Read, beside: Option<&Path>, limit: u64) -> io::Result<S
             Err(error) => break Some(error.into()),
         }
     };
-    Ok(Spooled { path: Arc::new(file.into_temp_path()), damage })
+    Ok(Spooled { path: Arc::new(file.into_temp_path()), compression: None, damage })
 }
 
 /// A temporary file on a disk.

@@ -7,6 +7,7 @@ use std::mem;
 use crosscut_messages::CDR_ENCODING;
 
 use super::{ChannelId, Container, Contents, Message};
+use crate::stream::Wait;
 use crate::{Loss, LossKind, limits};
 
 /// The first bytes of what is compressed with zstd.
@@ -86,6 +87,21 @@ impl TopicReader {
             let kind = LossKind::Missing { topic: topic.unwrap_or_default(), count };
             self.losses.push(Loss { file: contents.path.clone(), kind });
         }
+    }
+
+    /// How long [`TopicReader::next`] waits for messages of a stream from now on.
+    pub(crate) fn wait(&mut self, wait: Wait) {
+        self.container.wait(wait);
+    }
+
+    /// Whether there was no message in time, rather than no more.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.container.is_waiting()
+    }
+
+    /// Why the stream can no longer be read, if that ended it.
+    pub(crate) fn failure(&self) -> Option<String> {
+        self.container.failure()
     }
 
     /// How many messages are still to come, as the file counts them.

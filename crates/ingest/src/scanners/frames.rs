@@ -6,18 +6,24 @@ use crosscut_messages::ros::{self, plain_frame};
 use crosscut_messages::{TfMessage, TransformStamped};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::container::{Container, TopicReader};
+use crate::container::{ChannelId, Container, TopicReader};
+use crate::stream::Wait;
 
 /// A transform that moves holds for this long before the first and after the last time that it was sent.
 const LONGEST_NS: u64 = 1_000_000_000;
 /// A tree of frames is not deeper.
 const DEEPEST: usize = 100;
 
-/// All transforms of a recording.
-#[derive(Debug, Default)]
+/// Of a stream, this many poses of a frame are kept.
+const MOST_POSES: usize = 20_000;
+
+/// All transforms of a recording; of a stream, those that came so far.
+#[derive(Default)]
 pub(super) struct Frames {
     /// By child frame.
     edges: BTreeMap<String, Edge>,
+    /// What a stream's are read from, with their encodings.
+    stream: Vec<(TopicReader, BTreeMap<ChannelId, String>)>,
 }
 
 /// Poses of a frame in its parent.
@@ -29,17 +35,17 @@ struct Edge {
 }
 
 impl Frames {
-    /// Reads the transforms in these files.
-    pub(super) fn read(containers: Vec<Box<dyn Container>>) -> Self {
-        Self::read_topics(containers, |_| true)
+    /// Reads the transforms in these files; of a stream, those that are there.
+    pub(super) fn read(containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
+        Self::read_topics(containers, is_stream, |_| true)
     }
 
     /// Reads those that do not move.
-    pub(super) fn read_static(containers: Vec<Box<dyn Container>>) -> Self {
-        Self::read_topics(containers, |topic| topic.ends_with("_static"))
+    pub(super) fn read_static(containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
+        Self::read_topics(containers, is_stream, |topic| topic.ends_with("_static"))
     }
 
-    fn read_topics(containers: Vec<Box<dyn Container>>, is_read: impl Fn(&str) -> bool) -> Self {
+    fn read_topics(containers: Vec<Box<dyn Container>>, is_stream: bool, is_read: impl Fn(&str) -> bool) -> Self {
         let mut frames = Self::default();
         for container in containers {
             let channels = container.contents().channels.iter();
@@ -51,16 +57,45 @@ impl Frames {
                 continue;
             }
             let mut reader = TopicReader::new(container, encodings.keys().copied().collect());
-            while let Some(message) = reader.next() {
-                let encoding = encodings.get(&message.channel).map_or("", String::as_str);
-                if let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data) {
-                    sent.transforms.iter().for_each(|transform| frames.add(transform));
-                }
-                reader.recycle(message);
+            if is_stream {
+                reader.wait(Wait::Never);
+                frames.stream.push((reader, encodings));
+            } else {
+                frames.read_all(&mut reader, &encodings);
             }
         }
-        frames.edges.values_mut().for_each(|edge| edge.poses.sort_by_key(|(stamp_ns, _)| *stamp_ns));
+        frames.read_on();
+        frames.sort();
         frames
+    }
+
+    /// Reads those that a stream has had since the last call.
+    pub(super) fn read_on(&mut self) {
+        let mut stream = std::mem::take(&mut self.stream);
+        let count = |frames: &Self| frames.edges.values().map(|edge| edge.poses.len()).sum::<usize>();
+        let before = count(self);
+        stream.iter_mut().for_each(|(reader, encodings)| self.read_all(reader, encodings));
+        if count(self) > before {
+            self.sort();
+        }
+        for edge in self.edges.values_mut().filter(|edge| !stream.is_empty() && edge.poses.len() > MOST_POSES) {
+            edge.poses.drain(..MOST_POSES / 2);
+        }
+        self.stream = stream;
+    }
+
+    fn read_all(&mut self, reader: &mut TopicReader, encodings: &BTreeMap<ChannelId, String>) {
+        while let Some(message) = reader.next() {
+            let encoding = encodings.get(&message.channel).map_or("", String::as_str);
+            if let Ok(sent) = ros::decode::<TfMessage>(encoding, &message.data) {
+                sent.transforms.iter().for_each(|transform| self.add(transform));
+            }
+            reader.recycle(message);
+        }
+    }
+
+    fn sort(&mut self) {
+        self.edges.values_mut().for_each(|edge| edge.poses.sort_by_key(|(stamp_ns, _)| *stamp_ns));
     }
 
     pub(super) fn add(&mut self, TransformStamped { header, child_frame_id, transform }: &TransformStamped) {

@@ -14,10 +14,14 @@ use self::around::Around;
 use self::frames::Frames;
 pub(crate) use self::mount::Mount;
 use crate::container::{self, Container};
+use crate::stream::Wait;
 use crate::{IngestError, Loss, ReadOptions, Recording};
 
 /// Scans of two scanners whose stamps are further apart than this are of different revolutions.
 const FARTHEST_NS: u64 = 100_000_000;
+
+/// The scan of another scanner that belongs to one of the first is recorded at most this long after it.
+const AHEAD_NS: u64 = 1_000_000_000;
 
 /// The scanners beside the first one.
 pub(crate) struct Scanners {
@@ -32,6 +36,8 @@ struct Scanner {
     recording: Recording,
     before: Option<Revolution>,
     after: Option<Revolution>,
+    /// A place for the next one.
+    spare: Option<Revolution>,
     has_ended: bool,
 }
 
@@ -50,16 +56,17 @@ impl Scanners {
             return Ok(None);
         }
         let (csv, read_as) = (options.csv, options.read_as);
+        let is_stream = containers.iter().any(|container| container.again().is_some());
         let reopened = || -> Result<Vec<_>, IngestError> {
-            containers.iter().map(|container| container::reopen(container.contents(), &csv)).collect()
+            containers.iter().map(|container| container::reopen(&**container, &csv)).collect()
         };
         let open = |topic: &String| {
             let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
             let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
-            Ok(Scanner { recording, before: None, after: None, has_ended: false })
+            Ok(Scanner { recording, before: None, after: None, spare: None, has_ended: false })
         };
         let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
-        let frames = Frames::read(reopened()?);
+        let frames = Frames::read(reopened()?, is_stream);
         Ok(Some(Self { others, frames, around: Around::default(), joined: Revolution::default() }))
     }
 
@@ -68,11 +75,16 @@ impl Scanners {
         self.others.iter().flat_map(|scanner| scanner.recording.losses())
     }
 
-    /// Joins the other scanners to `first`, a scan of the first one. Notes say what was joined, and what cannot be.
-    pub(crate) fn join(&mut self, first: &mut Revolution, notes: &mut Notes) {
+    /// Joins the other scanners to `first`, a scan of the first one that was recorded at `recorded_ns`. Notes say what was joined,
+    /// and what cannot be.
+    pub(crate) fn join(&mut self, first: &mut Revolution, recorded_ns: u64, notes: &mut Notes) {
         let stamp_ns = first.stamp_ns;
         let Self { others, frames, around, joined } = self;
-        others.iter_mut().for_each(|scanner| scanner.read_to(stamp_ns));
+        for scanner in &mut *others {
+            scanner.recording.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
+            scanner.read_to(stamp_ns);
+        }
+        frames.read_on();
         let mut near = Vec::new();
         for scanner in others.iter() {
             let topic = scanner.recording.topic();
@@ -117,11 +129,16 @@ impl Scanner {
     /// Reads on until a scan is later than `stamp_ns`.
     fn read_to(&mut self, stamp_ns: u64) {
         while !self.has_ended && self.after.as_ref().is_none_or(|after| after.stamp_ns <= stamp_ns) {
-            let mut next = self.before.take().unwrap_or_default();
-            self.before = self.after.take();
+            let mut next = self.spare.take().unwrap_or_default();
             // A topic that cannot be read on has ended; its losses say why.
-            self.has_ended = !matches!(self.recording.next(&mut next, &mut Notes::default()), Ok(true));
-            self.after = Some(next).filter(|_| !self.has_ended);
+            let is_read = matches!(self.recording.next(&mut next, &mut Notes::default()), Ok(true));
+            if !is_read && self.recording.is_waiting() {
+                self.spare = Some(next);
+                return;
+            }
+            self.has_ended = !is_read;
+            self.spare = std::mem::replace(&mut self.before, self.after.take());
+            self.after = Some(next).filter(|_| is_read);
         }
     }
 

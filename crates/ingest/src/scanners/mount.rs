@@ -25,15 +25,17 @@ impl Mount {
         if !sensor.takes_mount() {
             return None;
         }
-        let reopened = containers.iter().filter_map(|container| container::reopen(container.contents(), csv).ok());
-        Some(Self(Frames::read_static(reopened.collect())))
+        let is_stream = containers.iter().any(|container| container.again().is_some());
+        let reopened = containers.iter().filter_map(|container| container::reopen(&**container, csv).ok());
+        Some(Self(Frames::read_static(reopened.collect(), is_stream)))
     }
 
     /// Yaw in rad of a sensor with this frame in that of its vehicle, and whether it hangs upside down; `None` if the
-    /// recording does not state it, if it is not level, or looks ahead as it is.
+    /// recording does not state it (a stream: up to now), if it is not level, or looks ahead as it is.
     ///
     /// The frame of the vehicle is the first above the sensor's whose name has `base` in it, else the topmost.
-    pub(crate) fn of(&self, frame: &str) -> Option<(f64, bool)> {
+    pub(crate) fn of(&mut self, frame: &str) -> Option<(f64, bool)> {
+        self.0.read_on();
         let line = self.0.line(frame);
         let mut above = line.iter().skip(1).filter(|name| !WORLD.contains(*name));
         let vehicle = above.clone().find(|name| name.contains("base")).or_else(|| above.next_back())?;

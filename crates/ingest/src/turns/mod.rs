@@ -51,6 +51,8 @@ pub(crate) struct Turns {
     joiner: Option<Joiner>,
     knows_parts: bool,
     knows_blind: bool,
+    /// Turns are given before there are enough of them to know blind sectors; these were.
+    early: Option<Vec<LaserScan>>,
     view: View,
     spare: Vec<ScanMessage>,
     /// Of the ranges that wait, and how many may.
@@ -92,6 +94,7 @@ impl Turns {
             joiner: None,
             knows_parts: !are_scans,
             knows_blind: !are_scans || !finds_blind,
+            early: None,
             view: View::default(),
             spare: Vec::new(),
             bytes: 0,
@@ -124,7 +127,7 @@ impl Turns {
                 self.learn_parts();
             }
         }
-        if self.knows_parts && (self.turns.len() >= LEARNED_SCANS || is_full) {
+        if self.knows_parts && self.early.is_none() && (self.turns.len() >= LEARNED_SCANS || is_full) {
             self.learn_blind(sensor);
         }
     }
@@ -143,9 +146,36 @@ impl Turns {
         self.knows_parts && self.knows_blind
     }
 
+    /// Nobody waits any longer: turns are given from now on, by what the messages so far show of their parts. Blind sectors are
+    /// known once there were enough of them: of few, a view down a tunnel is no different.
+    pub(crate) fn hurry(&mut self) {
+        self.learn_parts();
+        if !self.knows_blind {
+            self.early.get_or_insert_default();
+        }
+    }
+
     /// The next turn, if it is complete and nothing is left to be learned.
-    pub(crate) fn pop(&mut self) -> Option<Turn> {
-        if self.is_settled() { self.turns.pop_front() } else { None }
+    pub(crate) fn pop(&mut self, sensor: &Sensor) -> Option<Turn> {
+        if self.is_settled() {
+            return self.turns.pop_front();
+        }
+        self.early.as_ref()?;
+        let turn = self.turns.pop_front()?;
+        if let (Some(early), Some(scan)) = (&mut self.early, turn.laser_scan())
+            && !turn.missing.contains(&true)
+        {
+            early.push(scan.clone());
+        }
+        self.learn_of_early(sensor);
+        Some(turn)
+    }
+
+    fn learn_of_early(&mut self, sensor: &Sensor) {
+        if let Some(early) = self.early.take_if(|early| early.len() >= LEARNED_SCANS) {
+            self.view.learn_blind(&early.iter().collect::<Vec<_>>(), sensor);
+            self.knows_blind = true;
+        }
     }
 
     /// Writes the revolution that `scan`, which is that of `turn`, shows into `out`; `motion` is that of the vehicle
@@ -198,6 +228,9 @@ impl Turns {
             return;
         }
         self.knows_blind = true;
+        if self.early.take().is_some() {
+            return; // too few
+        }
         // A turn without some of its messages shows nothing of the beams that are missing.
         let is_whole = |turn: &&Turn| !turn.missing.contains(&true);
         let scans: Vec<_> = self.turns.iter().filter(is_whole).filter_map(Turn::laser_scan).collect();

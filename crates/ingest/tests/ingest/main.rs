@@ -14,6 +14,7 @@ mod real;
 mod recording;
 mod scanners;
 mod single_clouds;
+mod streams;
 mod times;
 mod truths;
 mod turning;

@@ -47,7 +47,7 @@ fn transform(topic: &'static str, parent: &str, child: &str, [x, y, yaw_rad]: [f
     Record { topic, type_name, encoding, log_time_ns: stamp_ns, data: transforms.encode(Endian::Little) }
 }
 
-fn fixed() -> Vec<Record> {
+pub(crate) fn fixed() -> Vec<Record> {
     vec![
         transform("/tf_static", "base_link", "front_laser", FRONT, time_ns(0)),
         transform("/tf_static", "base_link", "rear_laser", REAR, time_ns(0)),
@@ -56,7 +56,7 @@ fn fixed() -> Vec<Record> {
 }
 
 /// `count` scans of both scanners; the rear one is later by this.
-fn scans(count: u64, late_ns: u64, range_max_m: f64) -> Vec<Record> {
+pub(crate) fn scans(count: u64, late_ns: u64, range_max_m: f64) -> Vec<Record> {
     let pair = |i: u64| {
         let front = room_scan(FRONT, "front_laser", time_ns(i), range_max_m);
         let rear = room_scan(REAR, "rear_laser", time_ns(i) + late_ns, range_max_m);

@@ -29,7 +29,7 @@ fn part_ns(turn: usize, part: usize) -> u64 {
     time_ns(turn as u64) + part as u64 * 10_000_000
 }
 
-fn parts(turns: usize, direction: f32, span_rad: f32) -> Vec<Record> {
+pub(crate) fn parts(turns: usize, direction: f32, span_rad: f32) -> Vec<Record> {
     let all = (0..turns).flat_map(|turn| (0..PARTS).map(move |at| (turn, at)));
     all.map(|(turn, at)| record_at("/scan", part_ns(turn, at), &part(turn, at, direction, span_rad))).collect()
 }

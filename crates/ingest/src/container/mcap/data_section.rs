@@ -13,8 +13,13 @@ use crate::container::chunked::{ChunkPlace, ChunkedFile, Progress, Visitor};
 use crate::container::resting_file::RestingFile;
 use crate::{Damage, Following};
 
-const DATA_END_BYTES: u64 = 4;
+pub(super) const DATA_END_BYTES: u64 = 4;
 pub(super) const FOOTER_BYTES: u64 = 20;
+
+/// Whether this opcode and length are those of a record that comes after the last message.
+pub(super) fn ends_data(head: (u8, u64)) -> bool {
+    matches!(head, (op::DATA_END, DATA_END_BYTES) | (op::FOOTER, FOOTER_BYTES))
+}
 
 /// A file, read record by record.
 pub(in crate::container) struct DataSection {
@@ -40,6 +45,11 @@ impl DataSection {
         };
         section.rewind()?;
         Ok(section)
+    }
+
+    /// From now on, reading waits for the next record.
+    pub(super) fn follow(&mut self, following: &Following) {
+        self.following = Some(following.clone());
     }
 
     pub(super) fn input(&mut self) -> &mut BufReader<RestingFile> {
@@ -187,8 +197,7 @@ impl ChunkedFile for DataSection {
             Err(damage) => return Progress::Stopped { at_byte, damage },
         };
         let end = self.end_of_record(length);
-        let ends_data = matches!((opcode, length), (op::DATA_END, DATA_END_BYTES) | (op::FOOTER, FOOTER_BYTES));
-        if ends_data && end <= self.length {
+        if ends_data((opcode, length)) && end <= self.length {
             return Progress::End { at_byte };
         }
         if opcode == 0 {
@@ -200,11 +209,6 @@ impl ChunkedFile for DataSection {
             stopped @ Progress::Stopped { .. } => stopped,
             progress => self.proceed(progress, end),
         }
-    }
-
-    fn follow(&mut self, following: &Following) -> bool {
-        self.following = Some(following.clone());
-        true
     }
 
     fn chunk(&mut self, at_byte: u64, visitor: &mut impl Visitor) -> Result<(), Damage> {

@@ -6,6 +6,7 @@
 
 mod chunk;
 mod data_section;
+mod in_order;
 mod records;
 mod summary;
 
@@ -18,6 +19,7 @@ use crosscut_stage::counted;
 use mcap::records::{ChunkIndex, Record, op};
 
 pub(super) use self::data_section::DataSection;
+pub(crate) use self::in_order::{FollowedMcap, PipedMcap, follow};
 use self::records::topic_of;
 use self::summary::Summary;
 use super::chunked::{ChunkPlace, Chunked, ChunkedFile as _};

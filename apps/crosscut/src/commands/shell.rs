@@ -1,0 +1,26 @@
+//! `crosscut completions` and `crosscut man`: the command line for the shell and for its manual.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use clap_complete::Shell;
+
+use crate::cli::help;
+use crate::exit::Outcome;
+use crate::say::say;
+
+/// Prints the script of completions.
+pub(crate) fn completions(shell: Shell) -> anyhow::Result<Outcome> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut help::command(), "crosscut", &mut script);
+    std::io::stdout().write_all(&script).context("standard output")?;
+    Ok(Outcome::Done)
+}
+
+/// Writes the pages.
+pub(crate) fn man(folder: &Path) -> anyhow::Result<Outcome> {
+    help::write_man_pages(folder).with_context(|| format!("cannot write pages into {}", folder.display()))?;
+    say(format_args!("{}: `man -l {}`", folder.display(), folder.join("crosscut.1").display()));
+    Ok(Outcome::Done)
+}

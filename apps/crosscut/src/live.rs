@@ -1,0 +1,261 @@
+//! Live robots. The program knows no network: whoever runs it brings what hears and answers robots.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crosscut_flight::Mapper;
+use crosscut_ingest::Feed;
+use crosscut_report::ResultsLine;
+use crosscut_sensor::Sensor;
+use crosscut_stage::{Frame, counted};
+
+use crate::answers::scene;
+use crate::cli::{InputArgs, RunArgs};
+use crate::exit::UsageError;
+use crate::say::say;
+
+/// After so long without a scan, that is said.
+const SILENCE: Duration = Duration::from_secs(2);
+/// The map is sent this often.
+const MAP_EVERY: Duration = Duration::from_secs(1);
+
+/// A robot to be heard.
+#[derive(Clone, Debug)]
+pub struct RobotAddress {
+    /// `zenoh://HOST[:PORT]/TOPIC` or `ros2://DOMAIN/TOPIC`.
+    pub address: String,
+    /// The topic in it.
+    pub topic: String,
+    /// Further topics whose messages are wanted: other scanners, odometry, transforms.
+    pub beside: Vec<String>,
+    /// The ROS domain of a robot on Zenoh.
+    pub domain: u32,
+    /// The topic is a key of plain messages of this type.
+    pub message_type: Option<String>,
+    /// Configuration of Zenoh.
+    pub zenoh_config: Option<PathBuf>,
+    /// Answers are sent below this key.
+    pub publish: Option<String>,
+}
+
+/// Why a robot cannot be heard.
+#[derive(Clone, Debug)]
+pub enum RobotError {
+    /// What was asked for is wrong, or a package is not installed.
+    Usage(String),
+    /// There is no robot, or no network.
+    Failed(String),
+}
+
+/// An answer on its way to a robot.
+#[derive(Clone, Copy, Debug)]
+pub enum Answer<'a> {
+    /// A line of results, JSON.
+    Results(&'a str),
+    /// The map so far, JSON.
+    Map(&'a str),
+    /// A drawing: `visualization_msgs/MarkerArray` in CDR.
+    Markers(&'a [u8]),
+}
+
+/// Hears robots.
+pub trait Robots: Sync {
+    /// Puts the messages of a robot into `feed` from now on, until what is returned is dropped.
+    ///
+    /// # Errors
+    /// When it cannot be heard.
+    fn hear(&self, robot: &RobotAddress, feed: Feed) -> Result<Box<dyn Robot>, RobotError>;
+}
+
+/// A robot that is heard.
+pub trait Robot: Send {
+    /// Sends an answer.
+    ///
+    /// # Errors
+    /// When it cannot be sent: why.
+    fn send(&mut self, answer: Answer<'_>) -> Result<(), String>;
+}
+
+fn is_live(input: &Path) -> bool {
+    input.to_str().is_some_and(|input| input.starts_with("zenoh://") || input.starts_with("ros2://"))
+}
+
+/// The live robot among the inputs, if there is one.
+pub(crate) fn live_input(args: &InputArgs) -> Option<&Path> {
+    args.recordings.input.iter().map(PathBuf::as_path).find(|input| is_live(input))
+}
+
+/// Refuses a live robot, for a command that reads its input from the start to the end, or more than once.
+pub(crate) fn refuse_live(args: &InputArgs) -> Result<(), UsageError> {
+    match live_input(args) {
+        Some(robot) => Err(UsageError(format!("{} is a live robot, which `crosscut run` hears", robot.display()))),
+        None => Ok(()),
+    }
+}
+
+/// The robot that `run` is asked to hear; `None` if its input is recorded.
+pub(crate) fn robot_of(args: &RunArgs, odometry: &str) -> Result<Option<RobotAddress>, UsageError> {
+    let usage = |text: String| Err(UsageError(text));
+    let live = &args.live;
+    let Some(input) = live_input(&args.input) else {
+        let of_robots = [("--publish", live.publish.is_some()), ("--zenoh-config", live.zenoh_config.is_some())];
+        return match of_robots.iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => usage(format!("{option} is for live robots: zenoh://HOST/TOPIC, ros2://DOMAIN/TOPIC")),
+            None => Ok(None),
+        };
+    };
+    let address = input.display().to_string();
+    if args.input.recordings.input.len() > 1 {
+        return usage(format!("{address} is a live robot; nothing else is read beside it"));
+    }
+    if args.follow || args.rate.is_some() {
+        return usage(format!(
+            "{address} is a live robot, which is followed at its own pace; leave out --follow and --rate"
+        ));
+    }
+    let topic = address.splitn(4, '/').nth(3).unwrap_or_default().trim_matches('/').to_owned();
+    let transforms = ["/tf", "/tf_static"].map(str::to_owned);
+    let odometry = Some(odometry.to_owned()).filter(|odometry| !odometry.is_empty());
+    let scanners = args.input.topic.clone();
+    let beside = odometry.into_iter().chain(transforms.into_iter().filter(|_| !scanners.is_empty()));
+    let mut beside: Vec<String> = scanners.iter().cloned().chain(beside).collect();
+    beside.dedup();
+    Ok(Some(RobotAddress {
+        topic,
+        beside,
+        domain: live.domain,
+        message_type: args.input.recordings.read_as.map(|read_as| read_as.name().to_owned()),
+        zenoh_config: live.zenoh_config.clone(),
+        publish: live.publish.clone(),
+        address,
+    }))
+}
+
+/// Hears it with `robots`.
+pub(crate) fn hear(robot: &RobotAddress, robots: Option<&dyn Robots>, feed: Feed) -> anyhow::Result<Box<dyn Robot>> {
+    let Some(robots) = robots else {
+        let address = &robot.address;
+        return Err(UsageError(format!(
+            "{address} is a live robot, and this crosscut has no network: the wheel has. `python/run --install` builds it, and \
+             then `target/python/venv/bin/crosscut run {address}` hears the robot"
+        ))
+        .into());
+    };
+    robots.hear(robot, feed).map_err(|error| match error {
+        RobotError::Usage(text) => UsageError(text).into(),
+        RobotError::Failed(text) => anyhow::Error::msg(text),
+    })
+}
+
+/// A robot that is heard, and that its answers are sent to if they are wanted.
+pub(crate) struct Answered {
+    robot: Box<dyn Robot>,
+    sends: bool,
+    sensor: Sensor,
+    map_sent: Instant,
+    /// Why the first answer that was not sent could not be.
+    pub(crate) failure: Option<String>,
+}
+
+impl Answered {
+    pub(crate) fn new(robot: Box<dyn Robot>, sends: bool, sensor: Sensor) -> Self {
+        Self { robot, sends, sensor, map_sent: Instant::now(), failure: None }
+    }
+
+    pub(crate) fn take(&mut self, frame: &Frame, mapper: &Mapper) {
+        if !self.sends {
+            return;
+        }
+        let mut line = Vec::new();
+        if ResultsLine::of(frame).write(&mut line).is_ok() {
+            self.send(Answer::Results(String::from_utf8_lossy(&line).trim_end()));
+        }
+        self.send(Answer::Markers(&scene(frame, &self.sensor).markers()));
+        if self.map_sent.elapsed() >= MAP_EVERY {
+            self.map_sent = Instant::now();
+            self.send_map(mapper);
+        }
+    }
+
+    pub(crate) fn send_map(&mut self, mapper: &Mapper) {
+        if self.sends {
+            self.send(Answer::Map(&crate::map_json(&mapper.map())));
+        }
+    }
+
+    fn send(&mut self, answer: Answer<'_>) {
+        if let Err(why) = self.robot.send(answer) {
+            self.failure.get_or_insert(why);
+        }
+    }
+}
+
+/// Counts the scans that are missing by the usual interval of their stamps, of a robot whose messages are not numbered.
+#[derive(Default)]
+pub(crate) struct Gaps {
+    last_ns: u64,
+    /// The last intervals.
+    intervals_ns: VecDeque<u64>,
+    missing: u64,
+}
+
+impl Gaps {
+    /// Fewer intervals do not show the usual one, and more than these are old.
+    const LEAST: usize = 5;
+    const MOST: usize = 25;
+
+    pub(crate) fn take(&mut self, stamp_ns: u64) {
+        let last_ns = std::mem::replace(&mut self.last_ns, stamp_ns);
+        if last_ns == 0 || stamp_ns <= last_ns {
+            return;
+        }
+        let interval_ns = stamp_ns - last_ns;
+        self.intervals_ns.push_back(interval_ns);
+        if self.intervals_ns.len() > Self::MOST {
+            self.intervals_ns.pop_front();
+        }
+        let mut sorted: Vec<u64> = self.intervals_ns.iter().copied().collect();
+        sorted.sort_unstable();
+        let usual_ns = sorted[(sorted.len() - 1) / 2];
+        if sorted.len() >= Self::LEAST {
+            self.missing += (interval_ns as f64 / usual_ns as f64).round() as u64 - 1;
+        }
+    }
+
+    /// What there is to say of it.
+    pub(crate) fn note(&self) -> Option<String> {
+        (self.missing > 0).then(|| format!("about {} missing by their stamps", counted_are(self.missing)))
+    }
+}
+
+fn counted_are(scans: u64) -> String {
+    format!("{} {}", counted(scans, "scan"), if scans == 1 { "is" } else { "are" })
+}
+
+/// Says it once when no scan comes for a while.
+#[derive(Clone)]
+pub(crate) struct Silence {
+    since: Arc<Mutex<Option<Instant>>>,
+}
+
+impl Silence {
+    pub(crate) fn new() -> Self {
+        Self { since: Arc::new(Mutex::new(Some(Instant::now()))) }
+    }
+
+    /// There was a scan.
+    pub(crate) fn end(&self) {
+        *self.since.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    /// There is none at this time.
+    pub(crate) fn goes_on(&self) {
+        let mut since = self.since.lock().unwrap_or_else(PoisonError::into_inner);
+        if since.is_some_and(|since| since.elapsed() > SILENCE) {
+            *since = None;
+            say(format_args!("warning: no scan for {} s; is the topic right, and is the robot up?", SILENCE.as_secs()));
+        }
+    }
+}
