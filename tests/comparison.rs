@@ -197,3 +197,74 @@ fn an_unreadable_flight_fails_the_comparison() {
     assert!(ran.stderr.contains("error: no scan could be read"), "{}", ran.stderr);
     assert!(!ran.stderr.contains("no scan has a return"), "untrue: {}", ran.stderr);
 }
+
+/// Compares the shipped flight with what is kept in a folder.
+fn golden(folder: &Path, more: &[&str]) -> Ran {
+    let (flight, folder) = (shipped_flight().display().to_string(), folder.display().to_string());
+    run(["compare", &flight, "--golden", &folder].into_iter().chain(more.iter().copied()))
+}
+
+#[test]
+fn a_changed_gain_is_named_by_its_stage_against_what_was_kept() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    golden(folder.path(), &[]).expect_code(2); // nothing is kept
+    golden(folder.path(), &["--update"]).expect_code(0);
+    let same = golden(folder.path(), &[]).expect_code(0).stdout;
+    assert!(same.contains("all 141 as kept"), "{same}");
+
+    let xml = folder.path().join("golden.xml");
+    let junit = ["--set", "affinity.leak=1.1e-8", "--junit", xml.to_str().expect("a path in UTF-8")];
+    let ran = golden(folder.path(), &junit).expect_code(1);
+    assert!(ran.stdout.starts_with("revolution 0 differs: affinity: W[2] was "), "{}", ran.stdout);
+    assert!(ran.stdout.contains(" of 141 differ: "), "{}", ran.stdout);
+    assert!(ran.stderr.contains("leak = 1.1e-8"), "{}", ran.stderr);
+    let xml = std::fs::read_to_string(xml).expect("written");
+    assert!(xml.contains("tests=\"141\"") && xml.contains("<failure message=\"affinity: W[2] was "), "{xml}");
+
+    let ran =
+        golden(folder.path(), &["--set", "kmeans.kind=kmeans++", "--set", "report.min_returns=40"]).expect_code(1);
+    assert!(ran.stdout.contains("differs: report: "), "an earlier stage is blamed: {}", ran.stdout);
+    let ran = golden(folder.path(), &["--to", "5"]).expect_code(1);
+    assert!(ran.stdout.starts_with("revolution 51 differs: it is missing now"), "{}", ran.stdout);
+}
+
+#[test]
+fn tolerances_are_by_value_stay_at_updates_and_are_checked() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let update = |with: &str| golden(folder.path(), &["--with", with, "--update"]).expect_code(0);
+    let with = |with: &str, code| golden(folder.path(), &["--with", with]).expect_code(code);
+    update("paper");
+    let tolerances = folder.path().join("tolerance.json");
+    with("paper,spectral.zero_tolerance=1.001e-4", 1);
+    let own = r#"{"default": 1e-9, "tolerance": 0.5, "confidence": 0.1}"#;
+    std::fs::write(&tolerances, own).expect("a file");
+    update("paper");
+    assert_eq!(std::fs::read_to_string(&tolerances).expect("there"), own);
+    with("paper,spectral.zero_tolerance=1.001e-7", 0);
+    std::fs::write(&tolerances, r#"{"eigenvalue": 1}"#).expect("a file");
+    let refused = with("paper", 2).stderr;
+    assert!(refused.contains("did you mean eigenvalues?"), "{refused}");
+}
+
+#[test]
+fn a_comparison_begins_with_its_conclusion() {
+    let ran = compare(&shipped_flight(), &["default", "paper"], &[]).expect_code(0);
+    let first = ran.stdout.lines().next().expect("a line");
+    assert!(
+        first.starts_with("against default: paper mends 1 and breaks 70 of 141")
+            && first.contains("exact McNemar p = "),
+        "{first}"
+    );
+    assert!(ran.stdout.contains("default and paper differ in 71 of 141"), "{}", ran.stdout);
+    let json = json(&shipped_flight(), &["default", "paper"]);
+    let verdict = &json["verdicts"][0];
+    let count = |name: &str| verdict["families"][0][name].as_array().expect("a list").len();
+    assert_eq!((count("mended"), count("broken")), (1, 70), "{verdict}");
+    assert_eq!(json["comparisons"][0]["surer"]["differ"], 71);
+    // Without a truth there is no verdict.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scans: Vec<_> = (0..3).map(tunnel_scan).collect();
+    let input = file(folder.path(), "tunnel.mcap", &bytes(&scans, &Writing::default()));
+    let ran = compare(&input, &["default", "paper"], &[]).expect_code(0);
+    assert!(ran.stdout.starts_with("default and paper differ in "), "{}", ran.stdout);
+}

@@ -272,3 +272,47 @@ fn a_flight_through_a_known_mine_is_judged_as_a_flight() {
     let by_odometry = &figures["families"][0]["results"][1]["flight"];
     assert_eq!(by_odometry["map"]["recall"]["share"], 1.0, "the recording has odometry: {by_odometry}");
 }
+
+#[test]
+fn several_configurations_begin_with_a_verdict_on_each_by_family() {
+    let folder = folder();
+    recording(folder.path(), "tunnel.mcap", &vec![Some(tunnel_truth()); 3]);
+    std::fs::copy(shipped_flight(), folder.path().join("tee.mcap")).expect("a copy");
+    let with = ["--with", "default", "--with", "paper", "--with", "mine=default,report.min_returns=1000"];
+    let ran = evaluate(folder.path(), &with).expect_code(0);
+    let first = ran.stdout.lines().next().expect("a line");
+    assert!(
+        first.starts_with("against default: paper mends 1 and breaks 70 of 144") && first.contains("Holm"),
+        "{first}"
+    );
+    assert!(ran.stdout.contains("mine mends 0 and breaks 143 of 144"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("what paper mends and breaks against default, revolutions"), "{}", ran.stdout);
+    let json = json_of(&evaluate(folder.path(), &[&with[..], &["--json", "-"]].concat()).expect_code(0));
+    let families = json["verdicts"][1]["families"].as_array().expect("a list");
+    let broken: Vec<_> =
+        families.iter().map(|of| (of["family"].as_str(), of["broken"].as_array().map(Vec::len))).collect();
+    assert_eq!(broken, [(Some("tee"), Some(140)), (Some("tunnel"), Some(3))]);
+    let alone = evaluate(folder.path(), &[]).expect_code(0).stdout;
+    assert!(!alone.contains("mends"), "there is nothing to compare: {alone}");
+}
+
+#[test]
+fn runs_are_kept_listed_and_compared() {
+    let folder = folder();
+    let log = folder.path().join("runs.jsonl").display().to_string();
+    let flight = shipped_flight().display().to_string();
+    run(["run", &flight, "--quiet", "--log", &log]).expect_code(0);
+    evaluate(&shipped_flight(), &["--with", "default", "--with", "paper", "--quiet", "--log", &log]).expect_code(0);
+    let all = run(["runs", &log]).expect_code(0).stdout;
+    assert_eq!(all.lines().filter(|line| line.contains("tee.mcap")).count(), 3, "{all}");
+    let paper = run(["runs", &log, "--where", "affinity.kind=\"rbf\""]).expect_code(0).stdout;
+    assert!(paper.lines().filter(|line| line.contains("tee.mcap")).all(|line| line.contains("evaluate")), "{paper}");
+    let differ = run(["runs", &log, "--diff", "2", "3"]).expect_code(0).stdout;
+    let row = |name: &str| {
+        differ.lines().find(|line| line.contains(name)).map(|line| line.split_whitespace().last().map(str::to_owned))
+    };
+    assert_eq!(row("right_count").flatten().as_deref(), Some("0.6099"), "{differ}");
+    assert!(row("affinity.kind").is_some() && row("build").is_none() && row("hashes").is_none(), "{differ}");
+    run(["runs", &log, "--diff", "2", "9"]).expect_code(2);
+    run(["runs", &flight]).expect_code(1);
+}

@@ -86,6 +86,20 @@ fn a_mission_is_recorded_for_the_viewer() {
     run(["explore", "tee", "--seed", "3", "--save", &saved]).expect_code(0);
     let size = std::fs::metadata(&saved).expect("written").len();
     assert!((100_000..20_000_000).contains(&size), "{size} bytes");
+    let rows_of = |saved: &str, entity: &str| -> Option<usize> {
+        let listed = run(["rrd", "ls", saved]).expect_code(0).stdout;
+        let line = listed.lines().find(|line| line.trim_start().starts_with(&format!("{entity} ")))?;
+        line.split_whitespace().nth(1)?.parse().ok()
+    };
+    let revolutions = rows_of(&saved, "/mission/walls").expect("the mission");
+    for stage in ["/affinity/W", "/spectral/eigenvalues", "/spectral/U", "/kmeans/labels", "/report/why"] {
+        assert_eq!(rows_of(&saved, stage), Some(revolutions), "a mission can be asked why: {stage}");
+    }
+    let light = folder.path().join("light.rrd").display().to_string();
+    let thinned = ["--record", "light", "--record-revolutions", "20..29", "--quiet"];
+    run([&["explore", "tee", "--seed", "3", "--save", &light][..], &thinned].concat()).expect_code(0);
+    let rows = ["/affinity/W", "/report/why", "/mission/walls"].map(|entity| rows_of(&light, entity));
+    assert_eq!(rows, [None, Some(10), Some(revolutions)], "the mission is whole, the stages are not");
     let refused = run(["explore", "tee", "--save", &saved, "--json", &saved]).expect_code(2).stderr;
     assert!(refused.contains("would be overwritten"), "{refused}");
 }

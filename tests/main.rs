@@ -2,6 +2,7 @@
 
 mod comparison;
 mod configuration;
+mod debugging;
 mod documented;
 mod evaluation;
 mod exploring;
@@ -11,6 +12,8 @@ mod flight;
 mod flying;
 mod following;
 mod headline;
+#[cfg(feature = "rerun")]
+mod importing;
 mod input;
 mod interruption;
 mod maps;

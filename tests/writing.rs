@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use crosscut_outfile::{Keep, Whole};
@@ -20,7 +21,8 @@ const KILLS_VARIABLE: &str = "CROSSCUT_KILLS";
 
 /// An output of a command.
 struct Output {
-    /// Its arguments; `FLIGHT` is the shipped flight, `PLAN` the plan of a mine, `@` the output.
+    /// Its arguments; `FLIGHT` is the shipped flight, `PLAN` the plan of a mine, `RECORDING` a recording of the
+    /// flight, `@` the output.
     command: &'static str,
     /// The output.
     out: &'static str,
@@ -36,7 +38,7 @@ enum Holds {
     All,
     /// JSON that is complete: it is replaced on the way, or states times.
     Json,
-    /// Text with this end: it states times.
+    /// Text with this end: it is replaced on the way, or states times.
     End(&'static str),
     /// A beginning of what the finished command leaves in it.
     Beginning,
@@ -54,8 +56,8 @@ const OUTPUTS: &[Output] = &[
     output("run FLIGHT --quiet --results @", "results.mcap", Holds::Beginning),
     output("run FLIGHT --quiet --map @", "map.json", Holds::Json),
     output("run FLIGHT --quiet --rate 20 --map @", "map.json", Holds::Json),
-    output("map FLIGHT --quiet --out @", "map.svg", Holds::All),
-    output("map FLIGHT --quiet --out @", "map.graphml", Holds::All),
+    output("map FLIGHT --quiet --out @", "map.svg", Holds::End("</svg>")),
+    output("map FLIGHT --quiet --out @", "map.graphml", Holds::End("</graphml>\n")),
     output("report FLIGHT --quiet --out @", "page.html", Holds::End("</html>\n")),
     output("convert FLIGHT --out @", "converted.mcap", Holds::All),
     output("compare FLIGHT --quiet --with default --with threshold --json @", "c.json", Holds::Json),
@@ -73,6 +75,12 @@ const OUTPUTS: &[Output] = &[
         file: "sweep/sweep.csv",
         holds: Holds::All,
     },
+    Output {
+        command: "sweep FLIGHT --quiet --grid vehicle.width_m=0.6,1.2 --out @",
+        out: "sweep",
+        file: "sweep/times.csv",
+        holds: Holds::End("\n"),
+    },
     output("simulate tee --quiet --out @", "tee.mcap", Holds::All),
     output("simulate --plan PLAN --quiet --out @", "plan.mcap", Holds::All),
     output("explore --plan PLAN --quiet --json @", "outcome.json", Holds::Json),
@@ -81,11 +89,29 @@ const OUTPUTS: &[Output] = &[
     output("run FLIGHT --quiet --save @", "flight.rrd", Holds::Recording),
     #[cfg(feature = "rerun")]
     output("explore --plan PLAN --quiet --save @", "mission.rrd", Holds::Recording),
+    #[cfg(feature = "rerun")]
+    output("rrd get RECORDING /kmeans/labels --out @", "labels.csv", Holds::All),
+    #[cfg(feature = "rerun")]
+    output("rrd get RECORDING /spectral/U --revolution 17 --out @", "u.npy", Holds::All),
 ];
 
 /// A short tunnel.
 const PLAN: &str = r#"{"nodes": [{"id": 0, "x_m": 0, "y_m": 0}, {"id": 1, "x_m": 12, "y_m": 0}],
     "edges": [{"from": 0, "to": 1, "width_m": 3.5}]}"#;
+
+/// A recording of the shipped flight, which the tests share.
+fn recorded() -> &'static Path {
+    static RECORDED: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    let (_, path) = RECORDED.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("recorded.rrd");
+        let flight = shipped_flight();
+        run(["run".as_ref(), flight.as_os_str(), "--quiet".as_ref(), "--save".as_ref(), path.as_os_str()])
+            .expect_code(0);
+        (folder, path)
+    });
+    path
+}
 
 impl Output {
     /// Its command, in a folder with the plan.
@@ -95,6 +121,7 @@ impl Output {
         let word = |word: &str| match word {
             "FLIGHT" => shipped_flight(),
             "PLAN" => plan.clone(),
+            "RECORDING" => recorded().into(),
             "@" => folder.join(self.out),
             word => word.into(),
         };

@@ -67,12 +67,12 @@ pub fn cloud(data: &[u8]) {
 
 /// `foxglove.LaserScan` in JSON and protobuf.
 pub fn foxglove_scan(data: &[u8]) {
-    scan("foxglove.LaserScan", &["json", "protobuf"], data);
+    scan("foxglove.LaserScan", &["json", "protobuf", "cdr", "ros1"], data);
 }
 
 /// `foxglove.PointCloud` in JSON and protobuf.
 pub fn foxglove_cloud(data: &[u8]) {
-    scan("foxglove.PointCloud", &["json", "protobuf"], data);
+    scan("foxglove.PointCloud", &["json", "protobuf", "cdr", "ros1"], data);
 }
 
 /// `nav_msgs/Odometry` in CDR and ROS 1.

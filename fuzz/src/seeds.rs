@@ -145,10 +145,12 @@ const CARMEN: &str = "FLASER 4 1 2 3 4 0 0 0 5 6 0 10.5 host 0.1\nPARAM robot_fr
     ODOM 1 2 0 0.5 0.1 0 9.5 host 0\n\
     ROBOTLASER1 0 -1.5 3 0.5 30 0.01 0 3 1 2 3 2 7 8 0 0 0 4 5 0.5 0 0 0 0 0 1232658478.25 host 0\n";
 
-const TABLES: [&str; 3] = [
+const TABLES: [&str; 5] = [
     "\u{feff}stamp_ns,r0,r1,r2\r\n1700000000000000000,1,2,3\r\n1700000000100000000,1,nan,inf\r\n",
-    "1.5,nan,inf\n\n2,,4\n",
-    "time;a1;a2;a3\n0,1;1,5;2,5;3\n0,2;1,5;2,5;3\n",
+    "1.5,nan,inf,1,2,1,2,1\n\n2,,4,1,2,1,2,1\n",
+    "time;r1;r2;r3 (mm)\n0,1;1,5;2,5;3\n0,2;1,5;2,5;3\n",
+    "%time,field.header.stamp,field.angle_min,field.angle_increment,field.ranges0,field.ranges1,field.intensities0,field.intensities1\n7,5,-0.1,0.2,1.5,inf,47,47\n8,6,-0.1,0.2,1.5,inf,2.5,47,47,47\n",
+    "1700000000,5,laser,-0.1,0.1,0.1,0.0,0.1,0.05,30.0,1.5,nan,inf,\n",
 ];
 
 /// Small files in every compression of whole files.

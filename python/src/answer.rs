@@ -10,6 +10,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::arrays;
+use crate::kept::Kept;
 
 /// What a result holds beside the fields of its line.
 #[derive(Clone, Copy, Default)]
@@ -47,7 +48,7 @@ impl Answer {
     }
 
     /// As a `crosscut.Result`.
-    pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn into_result<'py>(self, py: Python<'py>, keep: Keep, kept: Kept) -> PyResult<Bound<'py, PyAny>> {
         let Self { line, eigenvalues, clusters, w, u, markers, timings_ms } = self;
         let [result, wall, opening, _, _, _, of_pose] = classes(py)?;
         let walls =
@@ -95,6 +96,7 @@ impl Answer {
         fields.set_item(intern!(py, "L"), laplacian)?;
         fields.set_item(intern!(py, "U"), u.map(|u| arrays::embedding(py, &u)).transpose()?)?;
         fields.set_item(intern!(py, "markers"), markers.map(|markers| PyBytes::new(py, &markers)))?;
+        fields.set_item(intern!(py, "_kept"), Py::new(py, kept)?)?;
         Ok(made)
     }
 }

@@ -17,6 +17,7 @@ use crate::columns::Columns;
 use crate::error::Class;
 use crate::flight::Flight;
 use crate::frames;
+use crate::kept::Kept;
 use crate::navigator::{Command, Navigator};
 use crate::recording::{Recording, Wanted};
 use crate::scan::Scan;
@@ -32,6 +33,8 @@ pub(crate) struct Engine {
     callables: Callables,
     /// A batch ends after its current scan.
     stopped: AtomicBool,
+    /// Results keep their frames, for a recorder.
+    keeps_frames: AtomicBool,
     work: Mutex<Work>,
 }
 
@@ -53,13 +56,38 @@ impl Work {
         self.frame.extra.clear();
     }
 
-    fn answer(&mut self, scan: &Scan, seq: u64, keep: Keep) -> Result<Answer, Failure> {
-        self.process(scan, seq)?;
-        Ok(Answer::of(&self.frame, &self.sensor, keep))
+    /// The answer that is in the frame, and the frame if it is to be kept.
+    fn answer(&mut self, keep: Keep, keeps_frame: bool) -> (Answer, Option<Frame>) {
+        let answer = Answer::of(&self.frame, &self.sensor, keep);
+        (answer, keeps_frame.then(|| std::mem::take(&mut self.frame)))
     }
 }
 
 impl Engine {
+    #[cfg(feature = "rerun")]
+    pub(crate) fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The text of `/report/why` for a scan, with these notes. It has stages of its own, so that it disturbs no scan in progress.
+    #[cfg(feature = "rerun")]
+    pub(crate) fn why(&self, py: Python<'_>, scan: &Scan, seq: u64, notes: Vec<String>) -> PyResult<String> {
+        let text = py.detach(|| {
+            let stages = Stages::new(&self.config, &self.registry);
+            let mut work = Work { stages, sensor: Sensor::new(self.config.params("ingest")), frame: Frame::default() };
+            work.process(scan, seq)?;
+            work.frame.notes.clear();
+            work.frame.notes.extend(notes);
+            Ok(crosscut_recorder::why(&work.frame))
+        });
+        text.map_err(|failure: Failure| self.failed(py, &failure))
+    }
+
+    #[cfg(not(feature = "rerun"))]
+    pub(crate) fn why(&self, py: Python<'_>, _: &Scan, _: u64, _: Vec<String>) -> PyResult<String> {
+        Err(Class::Error.error(py, "this package was built without recordings, which give the reasons"))
+    }
+
     /// Runs `body` without the interpreter's lock.
     fn working<T: Send>(&self, py: Python<'_>, body: impl FnOnce(&mut Work) -> T + Send) -> PyResult<T> {
         let done = py.detach(|| match self.work.try_lock() {
@@ -115,11 +143,12 @@ impl Engine {
         let sensor = Sensor::new(config.params("ingest"));
         let work = Work { stages: Stages::new(&config, &registry), sensor, frame: Frame::default() };
         let work = Mutex::new(work);
-        Ok(Self { config, registry, keep: kept, callables, stopped: AtomicBool::new(false), work })
+        let (stopped, keeps_frames) = (AtomicBool::new(false), AtomicBool::new(false));
+        Ok(Self { config, registry, keep: kept, callables, stopped, keeps_frames, work })
     }
 
-    fn process<'py>(&self, py: Python<'py>, scan: &Bound<'py, Scan>, seq: u64) -> PyResult<Bound<'py, PyAny>> {
-        let (mut results, error) = self.process_batch(py, vec![scan.clone().unbind()], seq)?;
+    fn process<'py>(this: &Bound<'py, Self>, scan: &Bound<'py, Scan>, seq: u64) -> PyResult<Bound<'py, PyAny>> {
+        let (mut results, error) = Self::process_batch(this, vec![scan.clone().unbind()], seq)?;
         match (results.pop(), error) {
             (Some(result), None) => Ok(result),
             (_, error) => Err(error.expect("a scan without an answer has an error")),
@@ -128,26 +157,28 @@ impl Engine {
 
     /// The results up to the first failure, and that failure.
     fn process_batch<'py>(
-        &self,
-        py: Python<'py>,
+        this: &Bound<'py, Self>,
         scans: Vec<Py<Scan>>,
         first_seq: u64,
     ) -> PyResult<(Vec<Bound<'py, PyAny>>, Option<PyErr>)> {
-        let (answers, failure) = self.working(py, |work| {
+        let (py, engine) = (this.py(), this.get());
+        let (answers, failure) = engine.working(py, |work| {
             let mut answers = Vec::with_capacity(scans.len());
             for (scan, seq) in scans.iter().zip(first_seq..) {
-                if self.stopped.load(Ordering::Relaxed) {
+                if engine.stopped.load(Ordering::Relaxed) {
                     break;
                 }
-                match work.answer(scan.get(), seq, self.keep) {
-                    Ok(answer) => answers.push(answer),
-                    Err(failure) => return (answers, Some(failure)),
+                if let Err(failure) = work.process(scan.get(), seq) {
+                    return (answers, Some(failure));
                 }
+                answers.push(work.answer(engine.keep, engine.keeps_frames.load(Ordering::Relaxed)));
             }
             (answers, None)
         })?;
-        let results = answers.into_iter().map(|answer| answer.into_result(py, self.keep));
-        Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| self.failed(py, &failure))))
+        let results = answers.into_iter().zip(scans).zip(first_seq..).map(|(((answer, frame), scan), seq)| {
+            answer.into_result(py, engine.keep, Kept::new(this.clone().unbind(), scan, seq, frame))
+        });
+        Ok((results.collect::<PyResult<_>>()?, failure.map(|failure| engine.failed(py, &failure))))
     }
 
     /// How long the stages take on these scans without anything of Python, for `python/speed.py`.
@@ -162,6 +193,11 @@ impl Engine {
         })
     }
 
+    /// From now on results keep their frames, or no longer.
+    fn keep_frames(&self, keeps_frames: bool) {
+        self.keeps_frames.store(keeps_frames, Ordering::Relaxed);
+    }
+
     fn stop(&self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
@@ -172,24 +208,27 @@ impl Engine {
 
     /// As `process`; then the scan becomes a part of `flight`. `pose` is that of the vehicle by its odometry.
     fn fly<'py>(
-        &self,
-        py: Python<'py>,
+        this: &Bound<'py, Self>,
         scan: Py<Scan>,
         seq: u64,
         pose: Option<Pose>,
         flight: Py<Flight>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let added = self.working(py, |work| {
+        let (py, engine) = (this.py(), this.get());
+        let added = engine.working(py, |work| {
             flight.get().write(scan.get(), &work.sensor, seq, &mut work.frame);
             work.forget_flight();
             if let Some(Pose(pose)) = pose {
                 work.frame.revolution.odometry = Some(pose);
             }
+            // As the scans before it show the robot.
+            let seen = Scan::recorded(work.frame.revolution.clone(), work.frame.notes.clone());
             work.stages.process(&mut work.frame)?;
             flight.get().add(&mut work.frame);
-            Ok(Answer::of(&work.frame, &work.sensor, self.keep))
+            Ok((work.answer(engine.keep, engine.keeps_frames.load(Ordering::Relaxed)), seen))
         })?;
-        added.map_err(|failure| self.failed(py, &failure))?.into_result(py, self.keep)
+        let ((answer, frame), seen) = added.map_err(|failure| engine.failed(py, &failure))?;
+        answer.into_result(py, engine.keep, Kept::new(this.clone().unbind(), Py::new(py, seen)?, seq, frame))
     }
 
     /// The navigator of a vehicle with these limits: largest speed and largest turn rate.
@@ -273,8 +312,8 @@ impl Engine {
     }
 
     /// The configuration as TOML, with unit, range and origin of each value.
-    #[getter]
-    fn config(&self) -> String {
+    #[getter(config)]
+    fn config_text(&self) -> String {
         self.config.to_string()
     }
 }

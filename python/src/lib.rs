@@ -9,10 +9,13 @@ mod engine;
 mod error;
 mod flight;
 mod frames;
+mod kept;
 mod map;
 mod navigator;
 mod odometry;
 mod program;
+#[cfg(feature = "rerun")]
+mod recorder;
 mod recording;
 mod robots;
 mod scan;
@@ -32,6 +35,8 @@ mod _native {
     #[pymodule_export]
     use crate::flight::Flight;
     #[pymodule_export]
+    use crate::kept::Kept;
+    #[pymodule_export]
     use crate::map::Map;
     #[pymodule_export]
     use crate::navigator::Navigator;
@@ -39,6 +44,9 @@ mod _native {
     use crate::odometry::Odometry;
     #[pymodule_export]
     use crate::program::program;
+    #[cfg(feature = "rerun")]
+    #[pymodule_export]
+    use crate::recorder::Recorder;
     #[pymodule_export]
     use crate::recording::Recording;
     #[pymodule_export]

@@ -7,6 +7,7 @@ import hashlib
 import itertools
 import json
 import math
+import re
 import shutil
 import signal
 import subprocess
@@ -159,7 +160,7 @@ def test_a_robot_is_recorded_with_every_option_and_through_a_kill(network: tuple
     session, port = network
     robot = [in_wheel(), "run", f"zenoh://127.0.0.1:{port}/robot1/scan", "--domain", "7", "--odometry", "/robot1/odom"]
     settings = tmp_path / "settings.toml"
-    settings.write_text("preset = 'paper'\n[pipeline]\nworkers = 1\n")
+    settings.write_text("[pipeline]\nworkers = 1\n[affinity]\nkind = 'rbf'\n")
     messages = recorded(tee)
     scans = sum(key == SCANS for key, _ in messages)
     for killed in (False, True):
@@ -168,11 +169,13 @@ def test_a_robot_is_recorded_with_every_option_and_through_a_kill(network: tuple
                                    stderr=subprocess.PIPE, text=True)
         wait_for_subscriber(session, SCANS)
         wait_for_subscriber(session, ODOMETRY)
-        send(session, messages, 0.01)
+        send(session, messages, 0.02)
         time.sleep(4)  # what waits is answered, and on the disk
         process.send_signal(signal.SIGKILL if killed else signal.SIGINT)
         said = process.communicate(timeout=60)[1]
-        assert process.returncode == (-signal.SIGKILL if killed else 0), said
+        # A machine that is too slow for the robot says so.
+        left_out = sum(map(int, re.findall(r"(\d+) messages? of robot1/scan came faster", said)))
+        assert process.returncode == (-signal.SIGKILL if killed else 3 if "came faster" in said else 0), said
         listed = subprocess.run([in_wheel(), "rrd", "ls", made["rrd"]], capture_output=True, text=True)
         assert listed.returncode in ((0, 3) if killed else (0,)), listed.stderr
         assert "/affinity/W" in listed.stdout and "/report/junctions" in listed.stdout
@@ -181,7 +184,7 @@ def test_a_robot_is_recorded_with_every_option_and_through_a_kill(network: tuple
         assert json.loads(made["json"].read_text())["nodes"]
         if not killed:
             info = subprocess.run([in_wheel(), "info", made["mcap"]], capture_output=True, text=True, check=True)
-            assert f"{scans} messages" in info.stdout, info.stdout
+            assert re.search(rf"/scan +\S+ +cdr +{scans - left_out} ", info.stdout), info.stdout
 
 
 def spinning(path: Path, to: Path) -> Path:
@@ -335,7 +338,7 @@ def test_unreadable_messages_of_a_robot_are_counted_and_told(network: tuple[Any,
             session.put(SCANS, data)
             time.sleep(0.02)
         deadline = time.monotonic() + 30
-        while results.read_text().count("\n") < 2 * len(scans) and time.monotonic() < deadline:
+        while not (results.exists() and results.read_text().count("\n") == 2 * len(scans)) and time.monotonic() < deadline:
             time.sleep(0.05)
     finally:
         process.send_signal(signal.SIGINT)

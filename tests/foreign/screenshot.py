@@ -53,11 +53,13 @@ class Viewer:
             raise
 
     @classmethod
-    def of(cls, *sources, size: str, whole: bool = True) -> "Viewer":
-        """Of recordings, or of what a server serves; unless `whole`, as soon as anything is there."""
+    def of(cls, *sources, size: str, whole: bool = True, importers: Path | None = None) -> "Viewer":
+        """Of recordings, or of what a server serves; unless `whole`, as soon as anything is there. `importers` is a folder
+        of further importers."""
         port = free_port()
         address = ["--bind", "127.0.0.1", "--port", str(port)]
-        return cls([RERUN, "--headless", *address, "--window-size", size, *map(str, sources)], port, {}, whole)
+        path = {} if importers is None else {"PATH": f"{importers}:{os.environ['PATH']}"}
+        return cls([RERUN, "--headless", *address, "--window-size", size, *map(str, sources)], port, path, whole)
 
     @classmethod
     def started_by(cls, command: list[str], size: str) -> "Viewer":

@@ -38,6 +38,7 @@ def check(flights: Flights, verdicts: Verdicts):
         check_view(command, f"view --layout {page}", words, flights, verdicts)
     check_beside(saved, flights, verdicts)
     check_sensors(flights, verdicts)
+    check_importer(flights, verdicts)
     check_late(flight.path, flights, verdicts)
     check_stalled(flights, verdicts)
 
@@ -95,6 +96,23 @@ def check_sensors(flights: Flights, verdicts: Verdicts):
     check_view(command, "view --with", ("point clouds", "camera"), flights, verdicts, at=sensors.SCENES // 2)
     command += ["--layout", "overview"]
     check_view(command, "view --with --layout overview", PAGES["overview"], flights, verdicts, at=sensors.SCENES // 2)
+
+
+def check_importer(flights: Flights, verdicts: Verdicts):
+    """The stock viewer opens a file that it does not know, by the importer beside the program."""
+    path = flights.work / "hall.clf"
+    ranges = [round(min(3 / max(abs(np.sin(np.radians(beam - 90))), 1e-9), 12.0), 2) for beam in range(180)]
+    scan = " ".join(map(str, ranges))
+    path.write_text("".join(f"FLASER 180 {scan} 0 0 0 0 0 0 {i}.0 host {i}.0\n" for i in range(20)))
+    importers = flights.work / "importers"
+    importers.mkdir(exist_ok=True)
+    link = importers / "rerun-importer-crosscut"
+    link.unlink(missing_ok=True)
+    link.symlink_to(Path(flights.crosscut.binary).resolve().with_name(link.name))
+    with Viewer.of(path, size=SIZE, importers=importers) as viewer:
+        last, views = viewer.last_revolution(), viewer.views()
+    missing = [word for word in PAGES["stages"] if not any(re.search(rf"\b{word}\b", name) for name in views)]
+    verdicts.that(last == 19 and not missing, "rerun FILE.clf", f"revolution {last} of 19, missing: {missing or 'none'}")
 
 
 def check_late(path: Path, flights: Flights, verdicts: Verdicts):

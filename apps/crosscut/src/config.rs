@@ -8,6 +8,7 @@ use crosscut_detector::{Config, Layer, Preset, Registry};
 use crate::cli::ConfigArgs;
 use crate::exit::{Outcome, UsageError};
 use crate::say::show;
+use crate::text_file;
 
 /// Prints the resolved configuration.
 pub(crate) fn print(args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -27,6 +28,15 @@ pub(crate) fn resolve(
     settings: &[(&str, &[String])],
     registry: &Registry,
 ) -> Result<Config, UsageError> {
+    Config::resolve(registry, &layers(preset, file, settings)?).map_err(usage)
+}
+
+/// The layers of settings before they are resolved.
+pub(crate) fn layers(
+    preset: &str,
+    file: Option<&Path>,
+    settings: &[(&str, &[String])],
+) -> Result<Vec<Layer>, UsageError> {
     let mut layers = vec![Preset::named(preset).map_err(usage)?.into()];
     for path in found().as_deref().into_iter().chain(file) {
         layers.push(Layer::file(path, &settings_in(path)?).map_err(usage)?);
@@ -34,7 +44,7 @@ pub(crate) fn resolve(
     for (option, settings) in settings {
         layers.push(Layer::settings(option, settings).map_err(usage)?);
     }
-    Config::resolve(registry, &layers).map_err(usage)
+    Ok(layers)
 }
 
 /// The file that every configuration starts with: the one that the environment names, or the nearest of its name in this folder
@@ -58,7 +68,7 @@ fn settings_in(path: &Path) -> Result<String, UsageError> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
         return settings_in_recording(path);
     }
-    std::fs::read_to_string(path).map_err(|error| match error.kind() {
+    text_file::read(path).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => usage(format!(
             "not UTF-8 text; settings are read from a TOML file or a recording (.rrd): {}",
             path.display()

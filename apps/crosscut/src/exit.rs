@@ -17,6 +17,9 @@ pub(crate) enum Outcome {
     /// The two recordings that were compared differ.
     #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
     Different,
+    /// The viewer asked for a file that another importer may know.
+    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
+    NotOurs,
     /// The command was interrupted; results so far are saved.
     Interrupted,
 }
@@ -27,6 +30,7 @@ impl From<Outcome> for u8 {
             Outcome::Done => 0,
             Outcome::Failed | Outcome::Different => 1,
             Outcome::SomethingLost => 3,
+            Outcome::NotOurs => INCOMPATIBLE,
             Outcome::Interrupted => INTERRUPTED,
         }
     }
@@ -34,6 +38,9 @@ impl From<Outcome> for u8 {
 
 /// 128 + SIGINT, as shells report it.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+/// `EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE` of Rerun.
+const INCOMPATIBLE: u8 = 66;
 
 /// The exit code of a wrong command line or configuration.
 pub(crate) const WRONG_USAGE: u8 = 2;

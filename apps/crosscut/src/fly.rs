@@ -113,6 +113,12 @@ impl Flight {
         Self { truths, ..self }
     }
 
+    /// Whether its scans are clouds of points.
+    #[cfg(feature = "rerun")]
+    pub(crate) fn gives_clouds(&self) -> bool {
+        self.recording.gives_clouds()
+    }
+
     /// Whether it is read as it comes.
     pub(crate) fn is_stream(&self) -> bool {
         self.recording.is_stream()

@@ -6,26 +6,39 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use anyhow::Context;
+use crosscut_ingest::stop_reading;
 use crosscut_outfile::Whole;
 use crosscut_pipeline::StopFlag;
 
 use crate::exit::INTERRUPTED;
 use crate::say::say;
 
-/// Work in progress that is not finished so long after a signal is given up: a reader may have stopped reading our output.
+/// A reader that is at work so long after a signal, as where a file is looked through, is ended: what was made is saved.
+const READING: Duration = Duration::from_millis(500);
+/// Work in progress that is not finished so long after that is given up: a reader may have stopped reading our output.
 const GRACE: Duration = Duration::from_secs(10);
+
+/// Whether a signal asked for the end.
+static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether a signal asked for the end, which is then why a command failed.
+pub(crate) fn is_requested() -> bool {
+    IS_REQUESTED.load(Ordering::Relaxed)
+}
 
 /// A flag that Ctrl-C sets, so that work in progress is finished. A second Ctrl-C quits at once.
 pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
-    let (stop, requested) = (StopFlag::default(), AtomicBool::new(false));
+    let stop = StopFlag::default();
     let set = stop.clone();
     ctrlc::set_handler(move || {
-        if requested.swap(true, Ordering::Relaxed) {
+        if IS_REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
         say("stopping after the scans in progress (press Ctrl-C again to quit at once, without them)");
         set.set();
         let quit = || {
+            std::thread::sleep(READING);
+            stop_reading();
             std::thread::sleep(GRACE);
             std::process::exit(i32::from(INTERRUPTED));
         };

@@ -14,6 +14,7 @@ mod cli;
 mod commands;
 mod config;
 mod configurations;
+mod content;
 mod diagnostics;
 mod exit;
 mod fly;
@@ -24,8 +25,10 @@ mod maps;
 mod observers;
 mod outputs;
 mod progress;
+mod run_log;
 mod say;
 mod summary;
+mod text_file;
 mod typeset;
 mod written;
 
@@ -40,6 +43,8 @@ use crosscut_ingest::KeptStandardInput;
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
 pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
+#[cfg(feature = "rerun")]
+pub use crate::observers::recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
@@ -74,20 +79,36 @@ pub fn run(
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
+        Command::Debug(args) => commands::debug::debug(args, registry),
+        Command::Runs(args) => commands::runs::runs(&args),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
         Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
+        #[cfg(feature = "rerun")]
+        Command::Import(args) => commands::import::import(&args, registry),
         Command::Config(args) => config::print(&args, registry),
         Command::Completions { shell } => commands::shell::completions(shell),
         Command::Man { folder } => commands::shell::man(&folder),
     };
     match outcome {
         Ok(outcome) => outcome.into(),
+        Err(error) if interrupt::is_requested() => {
+            exit::report(&error);
+            exit::INTERRUPTED
+        }
         Err(error) => exit::report(&error),
     }
+}
+
+/// The program that the Rerun viewer calls with each file that it opens, and its exit code. `args` are those of the viewer, of
+/// which the first is the name of the program.
+#[cfg(feature = "rerun")]
+pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
+    let command = ["crosscut", "import"].map(OsString::from);
+    run(command.into_iter().chain(args.into_iter().skip(1)), registry, None, None)
 }
 
 /// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.

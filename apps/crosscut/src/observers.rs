@@ -29,24 +29,21 @@ impl Observers {
 /// Opens the recorder, if one is requested. If it cannot be opened, the run continues without it.
 #[cfg(feature = "rerun")]
 pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics) -> anyhow::Result<Observers> {
-    use crosscut_recorder::{Mounting, Recorder, RecorderError, RecorderOptions};
-    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+    use crosscut_recorder::{Recorder, RecorderError, RecorderOptions};
 
     let args = &run.record;
     if args.save.is_none() && !args.view && args.serve.is_none() {
         return Ok(Observers::default());
     }
-    let ingest = config.params("ingest");
+    let name = run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions {
         path: args.save.clone(),
         view: args.view,
         serve: args.serve,
         live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
-        name: run.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
-        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         layout: args.layout.into(),
-        scope: args.scope(),
+        scope: args.scope.scope(),
+        ..recorder_options(name, config)
     };
     let mut recorder = Recorder::new(options.clone());
     if let Err(error @ (RecorderError::NoViewer | RecorderError::Viewer(_) | RecorderError::Serve { .. })) = &recorder
@@ -68,6 +65,21 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
     })
 }
 
+/// A recording of a flight of this name and configuration, without a file and a viewer.
+#[cfg(feature = "rerun")]
+pub fn recorder_options(name: String, config: &Config) -> crosscut_recorder::RecorderOptions {
+    use crosscut_recorder::{Mounting, RecorderOptions};
+    use crosscut_sensor::{UPSIDE_DOWN, YAW_RAD};
+
+    let ingest = config.params("ingest");
+    RecorderOptions {
+        name,
+        config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
+        mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
+        ..RecorderOptions::default()
+    }
+}
+
 #[cfg(not(feature = "rerun"))]
 pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Result<Observers> {
     let args = &run.record;
@@ -78,10 +90,10 @@ pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Re
 }
 
 #[cfg(feature = "rerun")]
-mod recorder_options {
+mod of_arguments {
     use crosscut_recorder::{Detail, Layout, Scope};
 
-    use crate::cli::record::{DetailArg, LayoutArg, RecordArgs};
+    use crate::cli::record::{DetailArg, LayoutArg, ScopeArgs};
 
     impl From<LayoutArg> for Layout {
         fn from(layout: LayoutArg) -> Self {
@@ -104,8 +116,8 @@ mod recorder_options {
         }
     }
 
-    impl RecordArgs {
-        pub(super) fn scope(&self) -> Scope {
+    impl ScopeArgs {
+        pub(crate) fn scope(&self) -> Scope {
             let all = Scope::default();
             Scope {
                 detail: self.record.into(),

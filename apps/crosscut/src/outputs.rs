@@ -63,7 +63,7 @@ impl Document {
 
 /// Standard output. `io::stdout()` reports no error where it cannot be written to at all.
 #[cfg(unix)]
-fn standard_output() -> io::Result<File> {
+pub(crate) fn standard_output() -> io::Result<File> {
     use std::os::fd::AsFd as _;
     if is_closed() {
         return Err(io::Error::other("it is closed"));
@@ -72,7 +72,7 @@ fn standard_output() -> io::Result<File> {
 }
 
 #[cfg(windows)]
-fn standard_output() -> io::Result<File> {
+pub(crate) fn standard_output() -> io::Result<File> {
     use std::os::windows::io::AsHandle as _;
     io::stdout().as_handle().try_clone_to_owned().map(File::from)
 }

@@ -35,6 +35,16 @@ pub(crate) fn tables(summary: &Summary) -> String {
     text
 }
 
+/// Counts for a history of runs.
+pub(crate) fn figures(summary: &Summary) -> serde_json::Value {
+    let sure: u64 = summary.junctions.values().map(|answers| answers.sure).sum();
+    let mut figures = serde_json::json!({"revolutions": summary.revolutions, "noted": summary.noted, "sure": sure});
+    for (walls, answers) in &summary.junctions {
+        figures[format!("{walls} walls")] = answers.revolutions.into();
+    }
+    figures
+}
+
 /// Revolutions by their number of walls.
 pub(crate) fn counts(summary: &Summary) -> Table {
     let share = |part: u64, whole: u64| format!("{:.1} %", 100.0 * part as f64 / whole as f64);

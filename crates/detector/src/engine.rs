@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crosscut_report::Reporter;
 use crosscut_stage::{
-    AffinityStage, Failure, FailureCause, Frame, KmeansStage, SpectralStage, StageError, Step, Storage,
+    AffinityStage, Failure, FailureCause, Frame, Kind, KmeansStage, SpectralStage, StageError, StageKind, Step, Storage,
 };
 
 use crate::memory::MemoryBudget;
@@ -38,11 +38,11 @@ pub struct Engine {
     report: Worker,
 }
 
-/// The stages that come in several kinds, and what is known of the first.
+/// The stages that come in several kinds, and what is known of them.
 pub(crate) struct Stages {
     pub(crate) affinity: Box<dyn AffinityStage>,
     pub(crate) storage: Storage,
-    /// It is one of the program's own, for which confidences were calibrated.
+    /// All are of the program's own kinds, for which confidences were calibrated.
     pub(crate) is_calibrated: bool,
     pub(crate) spectral: Box<dyn SpectralStage>,
     pub(crate) kmeans: Box<dyn KmeansStage>,
@@ -52,14 +52,21 @@ impl Stages {
     /// Those that `config` chose.
     pub(crate) fn chosen(config: &Config, registry: &Registry) -> Self {
         let kind = config.kind(&registry.affinity);
+        let shipped = Registry::standard();
         Self {
             affinity: config.build(&registry.affinity),
             storage: kind.properties.storage,
-            is_calibrated: crosscut_affinity::KINDS.iter().any(|shipped| shipped.name == kind.name),
+            is_calibrated: is_among(kind, &shipped.affinity)
+                && is_among(config.kind(&registry.spectral), &shipped.spectral)
+                && is_among(config.kind(&registry.kmeans), &shipped.kmeans),
             spectral: config.build(&registry.spectral),
             kmeans: config.build(&registry.kmeans),
         }
     }
+}
+
+fn is_among<S: StageKind + ?Sized>(kind: &Kind<S>, kinds: &[Kind<S>]) -> bool {
+    kinds.iter().any(|known| known.name == kind.name)
 }
 
 impl Engine {

@@ -119,8 +119,9 @@ impl Settings {
 
     fn engine_of(self, config: &Config, registry: &Registry) -> Engine {
         let mut stages = Stages::chosen(config, registry);
+        stages.is_calibrated &= self.affinity.is_none() && self.spectral.is_none() && self.kmeans.is_none();
         if let Some(affinity) = self.affinity {
-            (stages.affinity, stages.storage, stages.is_calibrated) = (affinity, Storage::Dense, false);
+            (stages.affinity, stages.storage) = (affinity, Storage::Dense);
         }
         stages.spectral = self.spectral.unwrap_or(stages.spectral);
         stages.kmeans = self.kmeans.unwrap_or(stages.kmeans);

@@ -49,6 +49,9 @@
 //! **Two configurations without a truth**: [`Agreement`] compares two answers to the same scan by these measures, with
 //! the first as truth. [`Differences`] sums them over a flight and lists the stretches where the walls differ.
 //!
+//! **A verdict**: [`experiment`] says what a configuration mends and breaks against another one, and how likely that is by
+//! chance ([`verdict`]).
+//!
 //! **One configuration without a truth**: [`flips`] are the revolutions whose count differs from most of their
 //! neighbours.
 //!
@@ -84,8 +87,10 @@ mod assignment;
 pub mod chart;
 mod confidence;
 mod contingency;
+mod contradictions;
 mod differences;
 mod evaluation;
+pub mod experiment;
 pub mod flights;
 mod flips;
 pub mod maps;
@@ -95,11 +100,14 @@ mod percentiles;
 mod proportion;
 mod score;
 mod scoreboard;
+pub mod stage_values;
 pub mod tables;
 mod variants;
+pub mod verdict;
 
 pub use agreement::Agreement;
 pub use confidence::{BINS, Confidence, ReliabilityBin};
+pub use contradictions::{Contradiction, contradictions};
 pub use crosscut_stage::SURE;
 pub use differences::{Differences, Stretch};
 pub use evaluation::{Confusion, Evaluation, Figures, Labels, Openings};

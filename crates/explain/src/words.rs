@@ -11,7 +11,8 @@ const MOST_VERDICTS: usize = 5;
 
 impl Explanation {
     /// The explanation as Markdown: the inequality that gives k, changes that would give another k, verdicts, the edges of
-    /// each wall, and what was left out. `color_of` names the colour in which a wall is drawn.
+    /// each wall, and what was left out. `color_of` names the colour in which a wall is
+    /// drawn; empty where it is not drawn.
     pub fn to_markdown(&self, frame: &Frame, color_of: &dyn Fn(u32) -> &'static str) -> String {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
@@ -143,7 +144,10 @@ impl Words<'_> {
     }
 
     fn wall(&self, wall: u32) -> String {
-        format!("{wall} ({})", (self.color_of)(wall))
+        match (self.color_of)(wall) {
+            "" => format!("wall {wall}"),
+            color => format!("{wall} ({color})"),
+        }
     }
 
     fn edge(&self, edge: Edge) -> String {

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use crosscut_messages::{
     CDR_ENCODING, DecodeError, Echo, Endian, Fields, LaserScan, Message, ODOMETRY_TOPIC, Odometry, POINTS_TOPIC,
-    PointCloud2, ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, TF_TOPIC, TRUTH_MAP_SCHEMA_NAME,
-    TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC, TfMessage, ros,
+    PointCloud2, ROS1_ENCODING, SCAN_TOPIC, SCHEMA_ENCODING, ScanDecoder, ScanMessage, ScanType, TF_TOPIC,
+    TRUTH_MAP_SCHEMA_NAME, TRUTH_MAP_SCHEMA_TEXT, TRUTH_MAP_TOPIC, TRUTH_SCHEMA_NAME, TRUTH_SCHEMA_TEXT, TRUTH_TOPIC,
+    TfMessage, ros,
 };
 use mcap::records::MessageHeader;
 
@@ -208,6 +209,9 @@ fn recoded(route: &Route, message: &container::Message) -> Result<Vec<u8>, Decod
             match (scan, route.from.encoding.as_str()) {
                 (ScanMessage::Scan(scan), _) => Ok(scan.encode(Endian::Little)),
                 // Other fields of the points are kept.
+                (ScanMessage::Cloud(cloud), _) if decoder.scan_type() != ScanType::PointCloud2 => {
+                    Ok(PointCloud2::from(&cloud).encode(Endian::Little))
+                }
                 (_, ROS1_ENCODING) => Ok(PointCloud2::read(&mut Fields::ros1(&message.data))?.encode(Endian::Little)),
                 (_, CDR_ENCODING) => Ok(PointCloud2::read(&mut Fields::cdr(&message.data)?)?.encode(Endian::Little)),
                 (ScanMessage::Cloud(cloud), _) => Ok(PointCloud2::from(&cloud).encode(Endian::Little)),

@@ -146,6 +146,10 @@ fn describe_first(
             }
         }
         let Some(message) = message else { break };
+        if message.damage.is_some() {
+            seq += 1;
+            continue;
+        }
         let mut scan = turns.place();
         if let Err(cause) = decoder.decode_into(&message.data, &mut scan) {
             let kind = LossKind::Messages { topic: topic.name.clone(), first_seq: seq, count: 1, cause };

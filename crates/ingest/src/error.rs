@@ -53,12 +53,14 @@ pub enum IngestError {
     },
     /// A table of ranges, without the settings that say where its beams look.
     #[error(
-        "a table of ranges does not state the directions of its beams: give the bearings of the first and the last one, \
-         for example --set csv.first_rad=-2.356 --set csv.last_rad=2.356: {}", path.display()
+        "this table of ranges ({columns}) does not state the directions of its beams: give the bearings of the first and \
+         the last one, for example --set csv.first_rad=-2.356 --set csv.last_rad=2.356: {}", path.display()
     )]
     NoGeometry {
         /// The file.
         path: PathBuf,
+        /// What its columns were taken for.
+        columns: String,
     },
     /// No topic at all.
     #[error("{}{}", if losses.is_empty() { "the recording has no messages" } else { "no message can be read" }, because(losses))]

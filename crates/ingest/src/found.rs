@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::container;
+use crate::container::{self, Dialect};
 
 /// What was found in place of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +26,14 @@ pub enum Found {
     Tar,
     Pcap,
     ULog,
+    NumPy,
+    Las,
+    E57,
+    Matlab,
+    Hdf5,
+    Parquet,
+    Pickle,
+    Picture,
     LfsPointer,
     WebPage,
     BagMetadata,
@@ -34,6 +42,16 @@ pub enum Found {
     Json,
     /// Read by a container; never reported.
     Table,
+    /// A return a row, by its angle and its distance.
+    AngleTable,
+    /// A point a row.
+    PointTable,
+    /// The columns of a table that has no ranges; empty without names.
+    OtherTable(String),
+    /// Rows of `ros2 topic echo --csv` without all of their ranges.
+    ShortenedEcho,
+    /// Messages as `rostopic echo` and `ros2 topic echo` print them.
+    EchoText,
     /// Read by a container; never reported.
     Pcd,
     /// Read by a container; never reported.
@@ -59,6 +77,18 @@ const SIGNS: &[(&[u8], Found)] = &[
     (b"\xa1\xb2\xc3\xd4", Found::Pcap),
     (b"\x0a\x0d\x0d\x0a", Found::Pcap),
     (b"ULog", Found::ULog),
+    (b"\x93NUMPY", Found::NumPy),
+    (b"LASF", Found::Las),
+    (b"ASTM-E57", Found::E57),
+    (b"MATLAB ", Found::Matlab),
+    (b"\x89HDF\r\n\x1a\n", Found::Hdf5),
+    (b"PAR1", Found::Parquet),
+    (b"\x80\x03", Found::Pickle),
+    (b"\x80\x04\x95", Found::Pickle),
+    (b"\x80\x05\x95", Found::Pickle),
+    (b"\x89PNG", Found::Picture),
+    (b"\xff\xd8\xff", Found::Picture),
+    (b"P5\n", Found::Picture),
     (b"# .PCD", Found::Pcd),
     (b"VERSION .", Found::Pcd),
     (b"VERSION 0.", Found::Pcd),
@@ -118,13 +148,14 @@ impl Found {
         if container::is_carmen_log(text) {
             return Some(Self::Carmen);
         }
-        let first_line = text.lines().next()?;
-        let is_separator = |c: char| matches!(c, ',' | ';' | '\t' | ' ');
-        let mut cells = first_line.split(is_separator).filter(|cell| !cell.is_empty());
-        // The last cell may be cut.
-        let first_cells: Vec<_> = cells.by_ref().take(3).collect();
-        let numbers = first_cells.len() == 3 && first_cells.iter().all(|cell| cell.parse::<f64>().is_ok());
-        (numbers || first_line.matches(',').count() >= 3).then_some(Self::Table)
+        if text.lines().any(|line| line.trim_end() == "header:" || line.starts_with("angle_min: ")) {
+            return Some(Self::EchoText);
+        }
+        // As the example of the RPLidar's SDK prints it.
+        if text.lines().any(|line| line.contains("theta:") && line.contains("Dist:")) {
+            return Some(Self::AngleTable);
+        }
+        is_table(text).then_some(Self::Table)
     }
 
     /// A file that a crash may have left in place of a recording; not one that was named by mistake.
@@ -158,12 +189,65 @@ impl fmt::Display for Found {
             Self::Tar => "it is a tar archive; unpack it first: `tar xf FILE`",
             Self::Pcap => "it is a capture of network packets; the driver of the sensor makes scans of it",
             Self::ULog => "it is a PX4 ULog, which has no laser scans",
+            Self::NumPy => {
+                "it is a NumPy array; of one with a scan a row, `python3 -c 'import numpy, sys; \
+                 numpy.savetxt(\"ranges.csv\", numpy.load(sys.argv[1]), delimiter=\",\")' FILE.npy` makes a table that is \
+                 read"
+            }
+            Self::Las => {
+                "it is a point cloud in LAS or LAZ; `pdal translate FILE.las FILE.ply` makes a PLY that is read, as one \
+                 revolution"
+            }
+            Self::E57 => {
+                "it is a point cloud in E57; `pdal translate FILE.e57 FILE.ply` makes a PLY that is read, as one \
+                 revolution"
+            }
+            Self::Matlab => {
+                "it is a MATLAB file; of a matrix with a scan a row, `writematrix(ranges, 'ranges.csv')` makes a table \
+                 that is read"
+            }
+            Self::Hdf5 => {
+                "it is an HDF5 file; a table with a scan a row is read as CSV: time, r0, r1, ... (docs/recordings.md)"
+            }
+            Self::Parquet => {
+                "it is a Parquet file; a table with a scan a row is read as CSV: `python3 -c 'import pandas, sys; \
+                 pandas.read_parquet(sys.argv[1]).to_csv(\"ranges.csv\", index=False)' FILE`"
+            }
+            Self::Pickle => "it is a Python pickle, which is not read; save a scan a row as CSV: time, r0, r1, ...",
+            Self::Picture => "it is a picture; crosscut reads the scans of a lidar, no maps",
             Self::LfsPointer => "it is a Git LFS pointer, not the file itself; fetch that with `git lfs pull`",
             Self::WebPage => "it is a web page: the download failed, or needs a login; download the file again",
             Self::BagMetadata => "it is the metadata of a rosbag2; give its folder",
             Self::Carmen => "it is a CARMEN log",
             Self::Json => "it is JSON, such as results of crosscut; give the recording that they were made of",
             Self::Table => "it is a table of ranges",
+            Self::AngleTable => {
+                "it is a table with an angle and a distance in each row; a table of ranges has a scan a row: write the \
+                 distances of each turn, by angle, into one row, and give the bearings of the first and the last one \
+                 (docs/recordings.md has the lines of Python that do it)"
+            }
+            Self::PointTable => {
+                "its rows are points, not the ranges of scans; save the points of each turn as a PLY or PCD of its own, \
+                 and give their folder"
+            }
+            Self::OtherTable(columns) if columns.is_empty() => {
+                "it is a table without ranges; a table of ranges has a scan a row: time, r0, r1, ..."
+            }
+            Self::OtherTable(columns) => {
+                return write!(
+                    f,
+                    "it is a table with the columns {columns}, of which none are known to be ranges; a table of ranges \
+                     has a scan a row: time, r0, r1, ..."
+                );
+            }
+            Self::ShortenedEcho => {
+                "its rows were shortened by `ros2 topic echo`; write them as a whole: `ros2 topic echo --csv \
+                 --full-length TOPIC`"
+            }
+            Self::EchoText => {
+                "it is text that `rostopic echo` or `ros2 topic echo` printed; what is read is a recording (`rosbag record`, \
+                 `ros2 bag record`), or rows: `rostopic echo -p TOPIC`, `ros2 topic echo --csv --full-length TOPIC`"
+            }
             Self::Pcd => "it is a point cloud in PCD",
             Self::Ply => "it is a point cloud in PLY",
             Self::Unknown(start) => {
@@ -171,6 +255,28 @@ impl fmt::Display for Found {
             }
         })
     }
+}
+
+/// Whether a text is a table. Its first lines may be comments, and its last line may be cut.
+fn is_table(text: &str) -> bool {
+    let is_comment = |line: &&str| line.starts_with(['#', '%']);
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty()).skip_while(is_comment);
+    let Some(first) = lines.next().or_else(|| text.lines().next()) else { return false };
+    let dialect = Dialect::of(first);
+    let cells = dialect.cells(first);
+    let are_numbers =
+        |cells: &[&str]| cells.len() > 1 && cells.iter().take(3).all(|cell| dialect.number(cell).is_some());
+    // Text in a natural language has commas too, but no numbers in its second line, and no names that count up.
+    let is_numbered = |cell: &&&str| cell.contains(|c: char| c.is_ascii_digit());
+    let has_names = || cells.len() > 2 && 2 * cells.iter().filter(is_numbered).count() > cells.len();
+    let mut is_above_numbers = || {
+        lines.next().is_some_and(|next| {
+            let dialect = Dialect::of(next);
+            let next = dialect.cells(next);
+            next.len() > 1 && next.iter().any(|cell| dialect.number(cell).is_some_and(|number| !number.is_nan()))
+        })
+    };
+    are_numbers(&cells) || first.matches(',').count() >= 3 || has_names() || is_above_numbers()
 }
 
 #[cfg(test)]
@@ -184,11 +290,14 @@ mod tests {
         assert_eq!(found("\u{feff}0.018,nan,1.25,3\n"), Found::Table);
         assert_eq!(found("1.0 2.0 3.0\n"), Found::Table);
         assert_eq!(found("seq,stamp,r0,r1\n"), Found::Table);
+        assert_eq!(found("# a comment\ntime r0 r1 r2\n0 1 2 3\n"), Found::Table);
+        assert_eq!(found("angle;distance\n0,5;1,2\n"), Found::Table);
+        assert_eq!(found("header:\n  stamp:\n    sec: 5\n"), Found::EchoText);
         assert_eq!(found("{\"seq\":0}\n"), Found::Json);
         assert_eq!(found("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n"), Found::LfsPointer);
         assert_eq!(found("\n<!DOCTYPE html>\n<title>Sign in</title>"), Found::WebPage);
         assert_eq!(found("rosbag2_bagfile_information:\n  version: 9\n"), Found::BagMetadata);
-        assert!(matches!(found("Dear reader"), Found::Unknown(_)));
+        assert!(matches!(found("Dear reader, all is well\nAll is well, dear reader\n"), Found::Unknown(_)));
     }
 
     #[test]

@@ -98,8 +98,12 @@ impl Messages {
         self.losses.push(Loss { file, kind });
     }
 
-    /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are.
+    /// Adds message `seq`, which cannot be decoded. Such messages are one loss a file, however many they are; lines that
+    /// cannot be read were counted when the file was looked through.
     pub(crate) fn lose(&mut self, part: usize, seq: u64, cause: DecodeError) {
+        if matches!(cause, DecodeError::Damaged(_)) {
+            return;
+        }
         let file = &self.files[part];
         let known = self.losses.iter_mut().filter(|loss| loss.file == *file).find_map(|loss| match &mut loss.kind {
             LossKind::Messages { topic, count, .. } if *topic == self.topic => Some(count),
@@ -125,7 +129,10 @@ impl Messages {
     pub(crate) fn next(&mut self, mut scan: ScanMessage) -> Option<Turn> {
         let clock = self.clock();
         let (seq, message) = self.next_message()?;
-        let decoded = self.decoder.decode_into(&message.data, &mut scan);
+        let decoded = match &message.damage {
+            Some(cause) => Err(DecodeError::Damaged(cause.clone())),
+            None => self.decoder.decode_into(&message.data, &mut scan),
+        };
         let stamp_ns = scan.header().stamp.to_ns().filter(|_| decoded.is_ok()).unwrap_or(0);
         let log_time_ns = message.log_time_ns;
         let (recorded_ns, odd_time) = clock.recorded_ns(Times { log_ns: log_time_ns, stamp_ns });
@@ -204,7 +211,7 @@ impl Messages {
                     self.ahead.push_back(message);
                 }
                 None if self.ahead.is_empty() && !self.is_waiting() && self.failure().is_none() => {
-                    drop(self.next_part())
+                    drop(self.next_part());
                 }
                 None => break,
             }

@@ -5,7 +5,7 @@ use std::mem;
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use crosscut_messages::ScanType;
+use crosscut_messages::{ScanDecoder, ScanType};
 use crosscut_sensor::{Before, Motion, Sensor, Turning, times_s};
 use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 
@@ -187,6 +187,11 @@ impl Recording {
     /// The topic that the scans are of.
     pub fn topic(&self) -> &str {
         &self.topic.name
+    }
+
+    /// Whether its scans are clouds of points, not the ranges of beams.
+    pub fn gives_clouds(&self) -> bool {
+        self.topic.decoder(self.options.read_as).is_some_and(ScanDecoder::gives_clouds)
     }
 
     /// How many revolutions there will be if none is lost, as far as that is known before they are read. The first

@@ -66,7 +66,11 @@ impl TopicInfo {
     /// What reads its messages, if they are scans; `read_as` is believed over the name of their type.
     pub(crate) fn decoder(&self, read_as: Option<ScanType>) -> Option<ScanDecoder> {
         match read_as {
-            Some(scan_type) => ScanDecoder::for_type(scan_type, &self.encoding),
+            Some(scan_type) => {
+                let own = self.decoder(None).filter(|own| own.scan_type().name().starts_with("foxglove."));
+                let is_same = |own: &ScanDecoder| own.gives_clouds() == (scan_type == ScanType::PointCloud2);
+                own.filter(is_same).or_else(|| ScanDecoder::for_type(scan_type, &self.encoding))
+            }
             None => ScanDecoder::for_schema(&self.type_name, &self.schema_encoding, &self.encoding),
         }
     }

@@ -49,6 +49,9 @@ pub enum DecodeError {
         /// What is wrong with it.
         cause: String,
     },
+    /// What held the message could not be read.
+    #[error("{0}")]
+    Damaged(String),
     /// Not JSON or protobuf of the schema.
     #[error("the message is not {encoding} of its schema: {cause}")]
     Format {

@@ -1,4 +1,4 @@
-//! Scans and clouds of Foxglove's schemas, in JSON or protobuf.
+//! Scans and clouds of Foxglove's schemas, in JSON or protobuf, and as messages of ROS (package `foxglove_msgs`).
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,7 +10,9 @@ use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::cloud::{PackedField, PackedPoints};
-use crate::{Cloud, DecodeError, Header, LaserScan, MOST_BEAMS, MOST_FIELDS, NumberType, Quaternion, Time, Vector3};
+use crate::{
+    Cloud, DecodeError, Fields, Header, LaserScan, MOST_BEAMS, MOST_FIELDS, NumberType, Quaternion, Time, Vector3,
+};
 
 /// `foxglove.LaserScan`.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
@@ -129,6 +131,17 @@ fn not_protobuf(error: prost::DecodeError) -> DecodeError {
 }
 
 impl FoxgloveScan {
+    /// The next `foxglove_msgs/LaserScan`.
+    pub(crate) fn read(from: &mut Fields<'_>) -> Result<Self, DecodeError> {
+        let (timestamp, frame_id, pose) = read_header(from)?;
+        let mut scan = Self { timestamp, frame_id, pose, ..Self::default() };
+        scan.start_angle = from.f64("start_angle")?;
+        scan.end_angle = from.f64("end_angle")?;
+        from.f64s("ranges", &mut scan.ranges)?;
+        from.f64s("intensities", &mut scan.intensities)?;
+        Ok(scan)
+    }
+
     /// Writes the scan into `out`, whatever it held before. The schema has no limits of range; a pose turns the beams.
     pub(crate) fn write_scan(&self, out: &mut LaserScan) {
         write_header(self.timestamp, &self.frame_id, &mut out.header);
@@ -147,6 +160,24 @@ impl FoxgloveScan {
 }
 
 impl FoxgloveCloud {
+    /// The next `foxglove_msgs/PointCloud`.
+    pub(crate) fn read(from: &mut Fields<'_>) -> Result<Self, DecodeError> {
+        let (timestamp, frame_id, pose) = read_header(from)?;
+        let mut cloud = Self { timestamp, frame_id, pose, ..Self::default() };
+        cloud.point_stride = from.u32("point_stride")?;
+        // A name, an offset and a type.
+        from.structures("fields", 9, MOST_FIELDS, &mut cloud.fields, |from, field| {
+            let mut name = String::new();
+            from.text("fields.name", &mut name)?;
+            field.name = name.into_bytes();
+            field.offset = from.u32("fields.offset")?;
+            field.r#type = i32::from(from.u8("fields.type")?);
+            Ok(())
+        })?;
+        cloud.data = from.bytes("data")?.to_vec();
+        Ok(cloud)
+    }
+
     /// A cloud of protobuf. An empty field takes 2 bytes in the message and 16 times that in memory, so that they are counted
     /// first.
     pub(crate) fn of_protobuf(message: &[u8]) -> Result<Self, DecodeError> {
@@ -221,6 +252,22 @@ impl PackedElementField {
             _ => return None,
         })
     }
+}
+
+type Head = (Option<Timestamp>, Vec<u8>, Option<FoxglovePose>);
+
+/// The fields that both messages begin with.
+fn read_header(from: &mut Fields<'_>) -> Result<Head, DecodeError> {
+    let mut stamp = Time::default();
+    stamp.read(from)?;
+    let timestamp = Timestamp { sec: i64::from(stamp.sec), nsec: i32::try_from(stamp.nanosec).unwrap_or(0) };
+    let mut frame_id = String::new();
+    from.text("frame_id", &mut frame_id)?;
+    let mut number = || from.f64("pose");
+    let position = FoxgloveVector { x: number()?, y: number()?, z: number()? };
+    let orientation = FoxgloveQuaternion { x: number()?, y: number()?, z: number()?, w: number()? };
+    let pose = FoxglovePose { position: Some(position), orientation: Some(orientation) };
+    Ok((Some(timestamp), frame_id.into_bytes(), Some(pose)))
 }
 
 fn write_header(timestamp: Option<Timestamp>, frame_id: &[u8], out: &mut Header) {

@@ -7,7 +7,7 @@
 //! |---|---|---|---|---|
 //! | `sensor_msgs/LaserScan`, `MultiEchoLaserScan`, `PointCloud2` | read, written | read | | |
 //! | `nav_msgs/Odometry`, `tf2_msgs/TFMessage` | read, written | read | | |
-//! | `foxglove.LaserScan`, `foxglove.PointCloud` | | | read | read |
+//! | `foxglove.LaserScan`, `foxglove.PointCloud` | read | read | read | read |
 //! | [`Scene`]: `visualization_msgs/MarkerArray`, `foxglove.SceneUpdate` | written | | | written |
 //! | [`Truth`] | | | read, written | |
 //!

@@ -109,7 +109,8 @@ impl ScanType {
         let name = plain_type_name(name);
         Self::ALL.into_iter().find(|scan_type| {
             let known = scan_type.name();
-            name == known || known.strip_prefix("sensor_msgs/").is_some_and(|last| last == name)
+            let in_ros = known.replace("foxglove.", "foxglove_msgs/");
+            name == known || name == in_ros || known.strip_prefix("sensor_msgs/").is_some_and(|last| last == name)
         })
     }
 
@@ -171,7 +172,7 @@ impl ScanDecoder {
 
     fn new(scan_type: ScanType, encoding: Encoding) -> Option<Self> {
         let is_of_foxglove = matches!(scan_type, ScanType::FoxgloveLaserScan | ScanType::FoxglovePointCloud);
-        let fits = is_of_foxglove == matches!(encoding, Encoding::Json | Encoding::Protobuf);
+        let fits = is_of_foxglove || matches!(encoding, Encoding::Cdr | Encoding::Ros1);
         let is_built = cfg!(feature = "foxglove") || !is_of_foxglove;
         (fits && is_built).then_some(Self { scan_type, encoding, echo: Echo::default() })
     }
@@ -218,18 +219,21 @@ impl ScanDecoder {
             ScanType::PointCloud2 => PointCloud2::read(&mut fields()?)?.write_cloud(out.as_cloud_mut()),
             #[cfg(feature = "foxglove")]
             ScanType::FoxgloveLaserScan => {
-                let scan: FoxgloveScan =
-                    if self.encoding == Encoding::Json { of_json(message) } else { of_protobuf(message) }?;
+                let scan: FoxgloveScan = match self.encoding {
+                    Encoding::Json => of_json(message)?,
+                    Encoding::Protobuf => of_protobuf(message)?,
+                    Encoding::Cdr | Encoding::Ros1 => FoxgloveScan::read(&mut fields()?)?,
+                };
                 scan.write_scan(out.as_scan_mut());
                 Ok(())
             }
             #[cfg(feature = "foxglove")]
             ScanType::FoxglovePointCloud => {
-                let cloud = if self.encoding == Encoding::Json {
-                    of_json(message)
-                } else {
-                    FoxgloveCloud::of_protobuf(message)
-                }?;
+                let cloud = match self.encoding {
+                    Encoding::Json => of_json(message)?,
+                    Encoding::Protobuf => FoxgloveCloud::of_protobuf(message)?,
+                    Encoding::Cdr | Encoding::Ros1 => FoxgloveCloud::read(&mut fields()?)?,
+                };
                 cloud.write_cloud(out.as_cloud_mut())
             }
             #[cfg(not(feature = "foxglove"))]
@@ -271,7 +275,8 @@ mod tests {
     #[test]
     fn encodings_that_do_not_belong_to_a_type_are_refused() {
         assert_eq!(ScanDecoder::for_schema("sensor_msgs/msg/LaserScan", "jsonschema", "json"), None);
-        assert_eq!(ScanDecoder::for_schema("foxglove.LaserScan", "", "cdr"), None);
+        let in_ros = ScanDecoder::for_schema("foxglove_msgs/msg/LaserScan", "ros2msg", "cdr");
+        assert_eq!(in_ros.map(ScanDecoder::scan_type), Some(ScanType::FoxgloveLaserScan));
         assert_eq!(ScanDecoder::for_schema("foxglove.LaserScan", "flatbuffer", "flatbuffer"), None);
         assert!(ScanDecoder::for_schema("sensor_msgs/LaserScan", "ros1msg", "").is_some());
     }

@@ -28,6 +28,17 @@ pub struct RecorderOptions {
     pub layout: Layout,
     /// What is recorded.
     pub scope: Scope,
+    /// The recording that this becomes a part of; without it, one of its own.
+    pub ids: Option<StoreIds>,
+}
+
+/// What a viewer knows a recording by. Data with the same two is one recording, whoever sends it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoreIds {
+    /// The application, to which the pages belong.
+    pub application: String,
+    /// The recording.
+    pub recording: String,
 }
 
 /// Why recording failed.

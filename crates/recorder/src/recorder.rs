@@ -1,5 +1,6 @@
 //! The observer: it logs each revolution, flushes, and handles failures of both.
 
+use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -7,6 +8,7 @@ use std::time::Duration;
 use crosscut_explain::Watch;
 use crosscut_rrd::parts::part_path;
 use crosscut_stage::{Frame, Observer, ObserverError};
+use rerun::external::re_log_types::ApplicationId;
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
 use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, TextDocument};
@@ -20,9 +22,11 @@ use crate::flight_map::{self, FlightMap};
 use crate::layout::{Extent, Shown};
 use crate::live::{Live, Outlet};
 use crate::matrices::Pictures;
+use crate::mission::Mine;
 use crate::notes::Notes;
-use crate::options::{RecorderError, RecorderOptions};
+use crate::options::{RecorderError, RecorderOptions, StoreIds};
 use crate::parts;
+use crate::piped::PipeSink;
 use crate::rows::Rows;
 use crate::scan::BeamGeometry;
 use crate::schema::{ABOUT, AFFINITY_DEGREES, AFFINITY_LINKS, COLORS, CONFIG, LOG, SPECTRAL_EMBEDDING, SPECTRAL_U};
@@ -52,11 +56,14 @@ pub struct Recorder {
     file: Option<RrdFile>,
     /// Why the file was given up, if viewers are still served.
     file_lost: Option<RecorderError>,
+    pipe: Option<PipeSink>,
     live: Vec<Live>,
     served: Option<Served>,
     /// Only of a live flight.
     backlog: Option<Backlog>,
     options: RecorderOptions,
+    /// Of a mission.
+    mine: Option<Mine>,
     /// What the views show; set when the layout is sent.
     extent: Option<Extent>,
     /// The part being written, from 1.
@@ -85,6 +92,23 @@ impl Recorder {
     /// # Errors
     /// When the file cannot be created, there is no viewer, or the environment turns recordings off.
     pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
+        Self::open(options, None, None)
+    }
+
+    /// Writes the recording into `pipe` as well, as it is made.
+    ///
+    /// # Errors
+    /// As [`Recorder::new`].
+    pub fn piped(options: RecorderOptions, pipe: impl Write + Send + 'static) -> Result<Self, RecorderError> {
+        Self::open(options, Some(PipeSink::new(Box::new(pipe))), None)
+    }
+
+    /// Records the stages of a mission, which adds its own rows.
+    pub(crate) fn of_mission(options: RecorderOptions, mine: Mine) -> Result<Self, RecorderError> {
+        Self::open(options, None, Some(mine))
+    }
+
+    fn open(options: RecorderOptions, pipe: Option<PipeSink>, mine: Option<Mine>) -> Result<Self, RecorderError> {
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
@@ -102,6 +126,7 @@ impl Recorder {
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
+        sinks.extend(pipe.clone().map(|pipe| Box::new(pipe) as Box<dyn LogSink>));
         sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
         let backlog = options.live.then(Backlog::default);
         sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
@@ -110,22 +135,24 @@ impl Recorder {
             flush_num_bytes: SEND_AFTER_BYTES as u64,
             ..ChunkBatcherConfig::DEFAULT
         };
-        let rec = RecordingStreamBuilder::new("crosscut")
+        let rec = builder(options.ids.as_ref())
             .recording_name(options.name.clone())
             .recording_started(0) // until the first revolution says when
             .batcher_config(batches)
             .set_sinks(sinks)?;
         rec.set_log_time_enabled(false); // a recording depends on the flight, not on when it was made
         rec.set_log_tick_enabled(false);
-        log_static(&rec, &options.config_toml)?;
+        log_static(&rec, &options.config_toml, mine.as_ref())?;
         Ok(Self {
             rows: Rows::new(rec.clone(), !live.is_empty()),
             rec,
             file,
             file_lost: None,
+            pipe,
             live,
             served,
             backlog,
+            mine,
             extent: None,
             part: 1,
             file_number: 1,
@@ -148,6 +175,11 @@ impl Recorder {
     /// Where viewers can connect, if the recording is served.
     pub fn served(&self) -> Option<&Served> {
         self.served.as_ref()
+    }
+
+    /// Where the rows of a mission go.
+    pub(crate) fn rows(&mut self) -> &mut Rows {
+        &mut self.rows
     }
 
     /// Number of revolutions within the scope. It can still be read when the flight has dropped the recorder.
@@ -229,7 +261,7 @@ impl Recorder {
         if let Err(error) = file.continue_in(&next) {
             self.give_up_file(error)?;
         }
-        log_static(&self.rec, &self.options.config_toml)?;
+        log_static(&self.rec, &self.options.config_toml, self.mine.as_ref())?;
         self.beams = BeamGeometry::default();
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
@@ -284,7 +316,11 @@ impl Recorder {
         scan::log_rings(&self.rec, extent.range_m)?;
         matrices::log_scale(&self.rec, extent.places)?;
         report::log_axis(&mut self.rows);
-        layout::send(&self.rec, &Shown::Flight { first: self.options.layout, extent })?;
+        let shown = match &self.mine {
+            None => Shown::Flight { first: self.options.layout, extent },
+            Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
+        };
+        layout::send(&self.rec, &shown)?;
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
@@ -342,6 +378,7 @@ impl Observer for Recorder {
         let mut ends = vec![layout, self.flush_to_the_end()];
         ends.extend(self.file_lost.take().map(Err));
         ends.extend(self.file.as_ref().map(RrdFile::end));
+        ends.extend(self.pipe.as_ref().map(PipeSink::end));
         ends.extend(self.live.iter().map(Live::end));
         let lost = self.backlog.as_ref().and_then(Backlog::lost);
         ends.extend(lost.map(|Lost { thinned, left_out }| Err(RecorderError::DiskTooSlow { thinned, left_out })));
@@ -351,8 +388,21 @@ impl Observer for Recorder {
     }
 }
 
-/// Logs what holds for the whole recording: colours, look, configuration and the text of `/about`.
-fn log_static(rec: &RecordingStream, config_toml: &str) -> Result<(), RecorderError> {
+/// A recording of its own, or a part of that with these ids.
+fn builder(ids: Option<&StoreIds>) -> RecordingStreamBuilder {
+    match ids {
+        None => RecordingStreamBuilder::new("crosscut"),
+        // Given an id, Rerun takes the name and the start of the recording to be known.
+        Some(StoreIds { application, recording }) => {
+            let application = ApplicationId::new_or_unknown(application.as_str());
+            RecordingStreamBuilder::new(application).recording_id(recording.as_str()).send_properties(true)
+        }
+    }
+}
+
+/// Logs what holds for the whole recording: colours, look, configuration, the text of `/about`, and the mine of a mission.
+fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> Result<(), RecorderError> {
+    mine.map_or(Ok(()), |mine| mine.log_static(rec))?;
     rec.log_static(COLORS.path, &annotation_context())?;
     rec.log_static(CONFIG.path, &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;

@@ -1,16 +1,14 @@
 //! The native viewer: find it, start it, connect to it.
 
-use std::io::BufWriter;
 use std::process::{Child, ChildStdin, Command, Stdio};
 
-use rerun::external::re_build_info::CrateVersion;
-use rerun::external::re_log_encoding::{Encoder, EncodingOptions};
 use rerun::external::re_uri::ProxyUri;
 use rerun::log::LogMsg;
 use rerun::sink::GrpcSink;
 use rerun::{SpawnError, SpawnOptions};
 
 use crate::RecorderError;
+use crate::piped::Piped;
 
 /// Connects to the native viewer; starts the one called `executable` unless one listens already.
 ///
@@ -36,8 +34,7 @@ pub(crate) fn connect(executable: &str) -> Result<GrpcSink, RecorderError> {
 /// A separate viewer that reads a recording from its standard input.
 pub(crate) struct Viewer {
     process: Child,
-    /// `None` once the viewer has stopped reading.
-    input: Option<Encoder<BufWriter<ChildStdin>>>,
+    input: Piped<ChildStdin>,
 }
 
 impl Viewer {
@@ -52,22 +49,13 @@ impl Viewer {
             std::io::ErrorKind::NotFound => RecorderError::NoViewer,
             _ => RecorderError::Viewer(error.to_string()),
         })?;
-        let input = BufWriter::new(process.stdin.take().expect("it is piped"));
-        let input = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, input)
-            .map(|mut encoder| {
-                encoder.do_not_emit_footer(); // it would grow with the recording, and the viewer does not read it
-                encoder
-            })
-            .ok();
+        let input = Piped::without_footer(process.stdin.take().expect("it is piped"));
         Ok(Self { process, input })
     }
 
     /// Hands a message over. Returns whether the viewer reads more.
     pub(crate) fn take(&mut self, message: &LogMsg) -> bool {
-        if self.input.as_mut().is_some_and(|input| input.append(message).is_err()) {
-            self.input = None; // it was closed
-        }
-        self.input.is_some()
+        self.input.take(message)
     }
 
     /// Waits until the viewer is closed.
@@ -75,9 +63,7 @@ impl Viewer {
     /// # Errors
     /// When the viewer failed.
     pub(crate) fn wait(mut self) -> Result<(), RecorderError> {
-        if let Some(mut input) = self.input.take() {
-            let _ = input.finish(); // fails if the viewer was closed, which is handled below
-        }
+        self.input.end(); // fails if the viewer was closed, which is handled below
         let ended = self.process.wait().map_err(|e| RecorderError::Viewer(e.to_string()))?;
         if ended.success() { Ok(()) } else { Err(RecorderError::Viewer(format!("it ended with {ended}"))) }
     }

@@ -12,7 +12,7 @@ use crate::colors::{BORDER, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, colo
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
 use crate::schema::{AFFINITY_LINKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
-use crate::tracks::Classes;
+use crate::tracks::{Classes, Tracks};
 
 /// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
 const DRAWN_A_RETURN: usize = 4;
@@ -38,11 +38,19 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SCAN_LINKS_EDGES.path, &edges)
 }
 
+/// The text of `/report/why` for a finished frame, as a recording has it that begins with this revolution.
+pub fn why(frame: &Frame) -> String {
+    text(&Explanation::of(frame), frame, &Tracks::default().classes_of(frame))
+}
+
+fn text(explanation: &Explanation, frame: &Frame, classes: &Classes) -> String {
+    explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))))
+}
+
 /// The explanation of one revolution, drawn in views that reach `reach_m`, and whether it is worth a look.
 pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f64, watch: &mut Watch) {
     let explanation = Explanation::of(frame);
-    let text = explanation.to_markdown(frame, &|wall| name_of(classes.of_wall(Some(wall))));
-    rows.log(&REPORT_WHY, &TextDocument::from_markdown(text));
+    rows.log(&REPORT_WHY, &TextDocument::from_markdown(text(&explanation, frame, classes)));
     log_decisive_links(rows, &frame.revolution, &explanation, reach_m);
     for event in watch.events(frame) {
         let level = match event {

@@ -4,7 +4,9 @@
 //! affinity, and know where each of them ends. Asked for whole walls, the rules for pieces did worse in wet mines and
 //! among pillars, so there are two.
 
-use crosscut_scan::{BEHIND_M, Position};
+use std::f64::consts::TAU;
+
+use crosscut_scan::{BEHIND_M, Position, WIDEST_RAD, faces_dark};
 use crosscut_stage::{Beam, Junction, Point, Revolution, Wall};
 
 use crate::openings::WallEnd;
@@ -13,11 +15,12 @@ use crate::outline::Outline;
 /// Walls that run out in directions no farther apart are the sides of one opening: two branches are farther apart.
 const ONE_OPENING_RAD: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
-/// Sets `island` of the walls of `out` that are shorter than `island_m` and stand free, and takes them out of
-/// `outline`.
+/// Sets `island` of the walls of `out` that are shorter than `island_m`, seen over less than [`WIDEST_RAD`] and stand free,
+/// and takes them out of `outline`.
 ///
 /// A wall stands free if
-/// - on both sides the next wall, around the sensor, is farther away; or
+/// - on both sides the next wall, around the sensor, is farther away, or nothing is seen beside a wall that is smaller
+///   than the vehicle ([`faces_dark`]); or
 /// - on one side it is, on the other there is room for a vehicle, and both are long walls that run out past it side by
 ///   side: it stands in the opening between them;
 /// - and where a limited view ends beside it, there is room to that end, or it is nearer than a vehicle lets a wall
@@ -35,16 +38,17 @@ pub(crate) fn mark(
     let mut is_seen = vec![false; out.walls.len()];
     outline.walls().iter().for_each(|&wall| is_seen[wall as usize] = true);
     let mut others = is_seen.iter().filter(|&&is_seen| is_seen).count();
-    let are_short = are_short(revolution, out, island_m);
+    let (are_short, are_small) = (are_short(revolution, out, island_m), are_short(revolution, out, vehicle_width_m));
+    let is_narrow = |wall: &Wall| (wall.bearing_rad[1] - wall.bearing_rad[0]).rem_euclid(TAU) < WIDEST_RAD;
     // The level view of a cloud does not see every wall.
-    let may_stand_free = |wall: &&Wall| are_short[wall.id as usize] && is_seen[wall.id as usize];
+    let may_stand_free = |wall: &&Wall| are_short[wall.id as usize] && is_narrow(wall) && is_seen[wall.id as usize];
     let nearest_m = |wall: &Wall| nearest_m(revolution, &out.wall_of_return, wall.id);
     let mut candidates: Vec<(f64, u32)> =
         out.walls.iter().filter(may_stand_free).map(|wall| (nearest_m(wall), wall.id)).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut candidates: Vec<u32> = candidates.into_iter().map(|(_, id)| id).collect();
     loop {
-        let search = Search { outline, are_short: &are_short, vehicle_width_m };
+        let search = Search { outline, are_short: &are_short, are_small: &are_small, vehicle_width_m };
         let Some(free) = search.first_free(&candidates).filter(|free| free.len() < others) else { return };
         others -= free.len();
         for id in free {
@@ -84,6 +88,8 @@ fn nearest_m(revolution: &Revolution, wall_of_return: &[Option<u32>], id: u32) -
 struct Search<'a> {
     outline: &'a Outline,
     are_short: &'a [bool],
+    /// For each wall whether it is smaller than the vehicle.
+    are_small: &'a [bool],
     vehicle_width_m: f64,
 }
 
@@ -128,7 +134,8 @@ impl Search<'_> {
             return false;
         }
         let ends: Vec<FreeEnd> = outline.pairs().filter_map(|pair| free_end(pair, is_one)).collect();
-        match (&ends[..], ends.iter().filter(|end| self.is_behind(end)).count()) {
+        let is_free = |end: &&FreeEnd| self.is_behind(end) || self.stands_in_dark(end);
+        match (&ends[..], ends.iter().filter(is_free).count()) {
             ([], _) => false,
             (all, behind) if behind == all.len() => true,
             ([a, b], 1) => self.is_in_opening_between(a, b),
@@ -138,6 +145,13 @@ impl Search<'_> {
 
     fn is_behind(&self, (end, neighbour): &FreeEnd) -> bool {
         self.outline.range_m(neighbour.at) > self.outline.range_m(*end) + BEHIND_M
+    }
+
+    /// Whether nothing is seen beside this end of a wall that is smaller than the vehicle.
+    fn stands_in_dark(&self, (end, neighbour): &FreeEnd) -> bool {
+        let beside = if neighbour.is_clockwise { [neighbour.at, *end] } else { [*end, neighbour.at] };
+        self.are_small[self.outline.wall(*end) as usize]
+            && faces_dark(&self.outline.ring, *end, beside, self.vehicle_width_m)
     }
 
     /// Whether long walls run out on both sides in one direction, with room for a vehicle to the line of either.

@@ -2,6 +2,9 @@
 
 use crosscut_stage::{Junction, Verdict};
 
+/// The probability of what nothing is known of.
+const NOTHING_KNOWN: f64 = 0.5;
+
 /// Of a gap: whether the answer has an opening there; `None` where a return beside it is of no wall or of an island.
 pub fn has_opening(verdict: &Verdict, answer: &Junction) -> Option<bool> {
     let wall = |number: u32| answer.wall_of_return[number as usize].filter(|&id| !answer.walls[id as usize].island);
@@ -10,13 +13,14 @@ pub fn has_opening(verdict: &Verdict, answer: &Junction) -> Option<bool> {
 }
 
 /// The probability that the answer is right at every gap, if each is decided for itself: the product of p over its openings
-/// and of 1 - p over the gaps within its walls. Of openings without any verdict nothing is known: one half.
+/// and of 1 - p over the gaps within its walls. Of an opening at which too little is seen for odds nothing is known, nor of
+/// openings without any verdict: one half.
 pub(crate) fn of_answer(verdicts: &[Verdict], answer: &Junction) -> f64 {
     if verdicts.is_empty() && !answer.openings.is_empty() {
-        return 0.5;
+        return NOTHING_KNOWN;
     }
     let right = |verdict: &Verdict| {
-        let (p, is_opening) = (verdict.p?, has_opening(verdict, answer)?);
+        let (p, is_opening) = (verdict.p.unwrap_or(NOTHING_KNOWN), has_opening(verdict, answer)?);
         Some(if is_opening { p } else { 1.0 - p })
     };
     verdicts.iter().filter_map(right).product()

@@ -83,7 +83,7 @@ impl Reporter {
         }
     }
 
-    /// For the clusters of an affinity that no confidence was calibrated for: there is none, and a note says so.
+    /// For the clusters of a stage that no confidence was calibrated for: there is none, and a note says so.
     pub fn without_confidence(mut self) -> Self {
         self.uncalibrated = true;
         self
@@ -131,7 +131,7 @@ impl Reporter {
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
         odds::set_of_openings(verdicts, out);
         out.confidence = if self.uncalibrated {
-            notes.add("report: no confidence, as nothing was calibrated for an affinity of one's own");
+            notes.add("report: no confidence, as nothing was calibrated for a stage of one's own");
             None
         } else if self.confidence_of_scene {
             let spacing_rad = confidence::spacing_rad(outline, &out.openings);
@@ -154,7 +154,7 @@ impl Reporter {
                 revolution,
                 verdicts,
                 outline,
-                confidence::remains(spacing_rad, doorway.is_some()),
+                confidence::remains(spacing_rad, doorway.is_some()) * confidence::of_smallest_wall(&out.walls),
                 vehicle_width_m,
                 margin_decades,
                 out,

@@ -3,10 +3,12 @@
 //! Rerun's own iterator takes the end of a file that was cut off for its proper end. This one reads each header (kind
 //! and length) and message itself, so that it knows where each message lies and what is missing.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 use rerun::StoreKind;
 use rerun::external::arrow::ipc::{Buffer, RecordBatch, root_as_message};
@@ -231,7 +233,24 @@ fn too_large(bytes: usize) -> String {
 }
 
 /// The result of `decode`, or an error where Arrow or Rerun panic: they do so on some damaged bytes that pass every
-/// check of theirs and of ours.
+/// check of theirs and of ours. The error says it all: nothing is printed.
 pub(crate) fn caught<T>(decode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    panic::catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(CONTRADICTION.to_owned()))
+    static SILENCED: Once = Once::new();
+    SILENCED.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !IS_DECODING.get() {
+                usual(info);
+            }
+        }));
+    });
+    let outer = IS_DECODING.replace(true);
+    let decoded = panic::catch_unwind(AssertUnwindSafe(decode));
+    IS_DECODING.set(outer);
+    decoded.unwrap_or_else(|_| Err(CONTRADICTION.to_owned()))
+}
+
+thread_local! {
+    /// Whether this thread decodes a message, so that a panic is the message's.
+    static IS_DECODING: Cell<bool> = const { Cell::new(false) };
 }

@@ -1,5 +1,7 @@
 //! Short pieces that stand free: pillars, legs of the vehicle, people. They are kept apart from the walls behind them.
 
+use std::f64::consts::PI;
+
 use crate::Lengths;
 use crate::direction::direction;
 use crate::pieces::{End, LEAST_WALL_RETURNS, Pieces};
@@ -26,6 +28,10 @@ const LEG_OFF_M: f64 = 0.3;
 /// A leg is off the line of a wall by this many times the roughness of the walls more.
 const LEG_BUMPS: f64 = 4.0;
 
+/// An island is seen over less than this angle. What spans more of the view closes that side itself: what is seen past its
+/// two ends is too far apart to be behind it.
+pub const WIDEST_RAD: f64 = PI / 3.0;
+
 /// The walls on both sides of a tip between two branches run towards it, and miss it by no more than this many times
 /// the roughness of the walls, together. Such a tip hides its own walls.
 const TIP_BUMPS: f64 = 120.0;
@@ -38,6 +44,14 @@ const LINE_RETURNS: usize = 14;
 const LINE_STEP_M: f64 = 2.5;
 /// At most this many islands stand beside each other.
 const MOST_TOGETHER: usize = 2;
+
+/// Whether nothing is seen beside the end `tip` of a piece, anticlockwise from one return to another, over more than a
+/// vehicle of this width, so that it can pass there. The range reaches well behind the tip: nothing is there, and it is not
+/// only too far to see.
+pub fn faces_dark(ring: &Ring, tip: usize, [from, to]: [usize; 2], vehicle_m: f64) -> bool {
+    let dark_rad = f64::from(ring.dark_between(from, to)) * ring.step_rad;
+    dark_rad * ring.range_m(tip) > vehicle_m && ring.range_max_m > WELL_BEHIND * ring.range_m(tip)
+}
 
 /// The pieces of a scan that stand free.
 #[derive(Clone, Debug, Default)]
@@ -119,10 +133,14 @@ impl Search<'_> {
             let ends = [piece[0], piece[piece.len() - 1]];
             piece.iter().all(|&i| ends.iter().all(|&end| !ring.are_apart(end, i, self.lengths.island_m)))
         };
+        let seen_at_rad = |piece: &[usize]| ring.beams_from(piece[0], piece[piece.len() - 1]) as f64 * ring.step_rad;
+        let is_before = |piece: &[usize], end: End, next: &[usize]| {
+            self.hides(piece, end, next) || self.stands_in_dark(piece, end, next)
+        };
         (0..together).all(|step| piece(step).len() >= LEAST_WALL_RETURNS)
-            && (begins_view || self.hides(piece(0), End::First, piece(n - 1)))
-            && (ends_view || self.hides(piece(together - 1), End::Last, piece(together)))
-            && (0..together).all(|step| is_short(piece(step)))
+            && (begins_view || is_before(piece(0), End::First, piece(n - 1)))
+            && (ends_view || is_before(piece(together - 1), End::Last, piece(together)))
+            && (0..together).all(|step| is_short(piece(step)) && seen_at_rad(piece(step)) < WIDEST_RAD)
             && (1..together).all(|step| {
                 let (a, b) = (piece(step - 1), piece(step));
                 !self.hides(a, End::Last, b) && !self.hides(b, End::First, a)
@@ -174,6 +192,15 @@ impl Search<'_> {
         behind_m > BEHIND_M
             && aside_m < STEEP * behind_m
             && ring.distance_m(tip, outer) > SPACINGS * ring.spacing_m(tip, inner) * apart
+    }
+
+    /// Whether a piece that is smaller than the vehicle ends beside the dark, where the vehicle can pass it.
+    fn stands_in_dark(&self, piece: &[usize], end: End, next: &[usize]) -> bool {
+        let (ring, vehicle_m) = (self.ring, self.lengths.passage_m);
+        let (first, last) = (piece[0], piece[piece.len() - 1]);
+        let beside = if end == End::First { [next[next.len() - 1], first] } else { [last, next[0]] };
+        let is_small = || piece.iter().all(|&i| !ring.are_apart(first, i, vehicle_m));
+        faces_dark(ring, end.at(piece, 0), beside, vehicle_m) && is_small()
     }
 
     /// The line of the wall beside one end of a piece, if that wall runs towards the return `target`.

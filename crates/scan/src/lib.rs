@@ -37,7 +37,7 @@ mod vehicle;
 pub use clearance::Clearance;
 pub use direction::{Directions, direction};
 pub use doorway::{DOORWAY_TIMES, Doorway, beyond, lies_across};
-pub use islands::{BEHIND_M, Islands};
+pub use islands::{BEHIND_M, Islands, WIDEST_RAD, faces_dark};
 pub use level_view::{LevelReturn, LevelView};
 pub use lost::LostBeams;
 pub use pieces::{End, LEAST_WALL_RETURNS, Pieces};

@@ -14,6 +14,7 @@ use crosscut_messages::LaserScan;
 use crosscut_stage::{Beam, Notes, Revolution, counted};
 
 use crate::Sensor;
+use crate::directions::Directions;
 use crate::turning::shift_beams;
 
 /// Fewer scans do not show that a beam never returns.
@@ -72,8 +73,11 @@ impl BlindSectors {
         }
         let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
         let mut seen = Vec::new();
+        let mut directions = Directions::default();
         for scan in scans {
-            sensor.revolution(scan, &mut revolution, &mut notes);
+            let scan = sensor.in_metres(scan);
+            notes.clear();
+            sensor.turning_revolution(&scan, 0.0, &mut directions, &mut revolution, &mut notes);
             let Some(sweep) = &revolution.sweep else { return Self::default() };
             seen.resize(sweep.len(), Seen::default());
             for ((seen, beam), &range_m) in seen.iter_mut().zip(&sweep.beams).zip(&scan.ranges) {

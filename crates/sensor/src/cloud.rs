@@ -48,6 +48,7 @@ impl Sensor {
                 of_other_rings += 1;
                 continue;
             }
+            let [x, y, z] = [x, y, z].map(|coordinate| coordinate * self.range_scale);
             let [y, z] = if self.upside_down { [-y, -z] } else { [y, z] };
             let point_m = Point::new(x * cos - y * sin, x * sin + y * cos, z);
             let range_m = point_m.coords.norm();

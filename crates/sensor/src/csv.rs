@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crosscut_stage::{Number, ParamSpec, Params};
+use crosscut_stage::{Number, ParamSpec, Params, Word};
 
 const FIRST_RAD: Number = Number::new("first_rad", "rad", 0.0)
     .from(-TAU)
@@ -24,8 +24,11 @@ const RATE_HZ: Number = Number::new("rate_hz", "1/s", 10.0)
     .to(1e6)
     .doc("tables of ranges: rows a second, if no column holds the time");
 
+const UNIT: Word = Word::one_of("unit", &["auto", "m", "cm", "mm"])
+    .doc("tables of ranges: unit of the ranges; auto takes it from the names of the columns (r0_mm), else metres");
+
 /// The `csv` section of the configuration.
-pub const CSV_PARAMS: &[ParamSpec] = &[FIRST_RAD.spec, LAST_RAD.spec, RANGE_MAX_M.spec, RATE_HZ.spec];
+pub const CSV_PARAMS: &[ParamSpec] = &[FIRST_RAD.spec, LAST_RAD.spec, RANGE_MAX_M.spec, RATE_HZ.spec, UNIT.spec];
 
 /// What a table of ranges does not say of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +41,8 @@ pub struct CsvGeometry {
     pub range_max_m: f64,
     /// Rows a second, if no column holds the time.
     pub rate_hz: f64,
+    /// Metres in the unit of the ranges; `None` if the names of the columns, if anything, state it.
+    pub unit_m: Option<f64>,
 }
 
 impl CsvGeometry {
@@ -48,6 +53,12 @@ impl CsvGeometry {
             last_rad: params.get(LAST_RAD),
             range_max_m: params.get(RANGE_MAX_M),
             rate_hz: params.get(RATE_HZ),
+            unit_m: match params.get(UNIT).as_str() {
+                "m" => Some(1.0),
+                "cm" => Some(1e-2),
+                "mm" => Some(1e-3),
+                _ => None,
+            },
         }
     }
 

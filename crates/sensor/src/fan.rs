@@ -11,6 +11,9 @@ const LEAST_STEP_RAD: f64 = 1e-6;
 /// An `angle_min` beyond this is no angle, or one in degrees.
 const LARGEST_ANGLE_RAD: f64 = 2.0 * TAU;
 
+/// Angles of fewer steps do not show that they are in degrees.
+const LEAST_DEGREE_STEPS: f64 = 8.0;
+
 /// A turn that is no shorter than by this is full: a driver had room for as many beams as fit, or left some out.
 const SHORT_RAD: f64 = 5.0 * PI / 180.0;
 
@@ -30,11 +33,12 @@ impl Fan {
     /// The bearings of `scan`; `None`, with a note, if there are none to be had.
     pub(crate) fn new(scan: &LaserScan, notes: &mut Notes) -> Option<Self> {
         let beams = scan.ranges.len();
-        let first_rad = f64::from(scan.angle_min);
         if beams == 0 {
             notes.add("the scan has no beams");
             return None;
         }
+        let scan = &in_radians(scan, notes);
+        let first_rad = f64::from(scan.angle_min);
         let is_angle = first_rad.abs() <= LARGEST_ANGLE_RAD;
         if !is_angle {
             notes.add(format!("angle_min {} is no angle in rad: no beam has a bearing", scan.angle_min));
@@ -91,6 +95,52 @@ impl Fan {
     }
 }
 
+/// The angles that a scan states.
+struct Angles {
+    angle_min: f32,
+    angle_max: f32,
+    angle_increment: f32,
+    beams: usize,
+}
+
+/// The angles of a scan. Those that make no sense as radians, and agree with each other and the number of beams as degrees,
+/// are degrees.
+fn in_radians(scan: &LaserScan, notes: &mut Notes) -> Angles {
+    let LaserScan { angle_min, angle_max, angle_increment, .. } = *scan;
+    let steps = scan.ranges.len().saturating_sub(1) as f64;
+    let fits = |to_rad: f64, step_to_rad: f64| {
+        let (span_rad, step_rad) =
+            (f64::from(angle_max - angle_min) * to_rad, f64::from(angle_increment) * step_to_rad);
+        let is_turn =
+            (f64::from(angle_min) * to_rad).abs() <= TAU && (steps * step_rad).abs() <= TAU + 1.5 * step_rad.abs();
+        step_rad.abs() >= LEAST_STEP_RAD && is_turn && (steps * step_rad - span_rad).abs() <= 1.5 * step_rad.abs()
+    };
+    let is_odd =
+        f64::from(angle_min).abs() > LARGEST_ANGLE_RAD || (steps * f64::from(angle_increment)).abs() > 2.0 * TAU;
+    let degree = 1f64.to_radians();
+    let [to_rad, step_to_rad] = if steps < LEAST_DEGREE_STEPS || !is_odd {
+        [1.0; 2]
+    } else if fits(degree, degree) {
+        notes.add("angle_min, angle_max and angle_increment are in degrees");
+        [degree; 2]
+    } else if fits(1.0, degree) {
+        notes.add(format!("angle_increment {angle_increment} is in degrees"));
+        [1.0, degree]
+    } else if fits(degree, 1.0) {
+        notes.add("angle_min and angle_max are in degrees");
+        [degree, 1.0]
+    } else {
+        [1.0; 2]
+    };
+    let scaled = |angle: f32, factor: f64| if factor == 1.0 { angle } else { (f64::from(angle) * factor) as f32 };
+    Angles {
+        angle_min: scaled(angle_min, to_rad),
+        angle_max: scaled(angle_max, to_rad),
+        angle_increment: scaled(angle_increment, step_to_rad),
+        beams: scan.ranges.len(),
+    }
+}
+
 /// How many of `beams` are before the one that would look again where the first one looks. Half a step of room, since
 /// the increment is rounded to f32.
 fn in_turn(increment_rad: f64, beams: usize) -> usize {
@@ -99,9 +149,9 @@ fn in_turn(increment_rad: f64, beams: usize) -> usize {
 
 /// The increment as stated, else as it follows from the first and the last bearing; `None`, with a note, if neither
 /// makes sense. Needs two beams.
-fn increment_rad(scan: &LaserScan, notes: &mut Notes) -> Option<f64> {
+fn increment_rad(scan: &Angles, notes: &mut Notes) -> Option<f64> {
     let usable = |increment_rad: f64| (LEAST_STEP_RAD..=PI).contains(&increment_rad.abs());
-    let steps = (scan.ranges.len() - 1) as f64;
+    let steps = (scan.beams - 1) as f64;
     let span_rad = f64::from(scan.angle_max) - f64::from(scan.angle_min);
     let stated_rad = f64::from(scan.angle_increment);
     if usable(stated_rad) {
@@ -110,8 +160,7 @@ fn increment_rad(scan: &LaserScan, notes: &mut Notes) -> Option<f64> {
         if !fits {
             notes.add(format!(
                 "angle_max {} does not fit {} beams: bearings are those of angle_min and angle_increment",
-                scan.angle_max,
-                scan.ranges.len()
+                scan.angle_max, scan.beams
             ));
         }
         return Some(stated_rad);

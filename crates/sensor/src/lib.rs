@@ -20,10 +20,11 @@
 //! | 0, negative | no return | yes |
 //! | at or beyond `range_max` (1e-6 below it counts as at it) | no return | yes |
 //! | the largest below `range_max`, if 3 beams or more tell exactly it, two of them neighbours, or 5, and of the others, a tenth of all or more, 5 % at most tell the range of their neighbour | no return | yes |
+//! | within 0.5 % below `range_max`, if 8 beams or more are, 8 are at it, and most of those below are beside one at it: noise about the maximum | no return | yes |
 //! | beyond `max_range_m` of the configuration | no return | yes |
 //! | -∞, nearer than the sensor measures | unknown | yes |
 //! | below `range_min`, below `min_range_m` of the configuration, in a masked sector | unknown | yes |
-//! | anything else | a return | if most are farther than 500 m, as in millimetres |
+//! | anything else | a return | if most are farther than 500 m, as in millimetres (`range_scale`) |
 //!
 //! Points of a cloud that are not finite, or stand at the sensor itself (noted), are no returns; a cloud has no beams.
 //!
@@ -37,8 +38,9 @@
 //! | `range_min` negative, infinite or NaN | 0 |
 //! | `angle_increment` negative | the sensor turns clockwise, no note |
 //! | `angle_increment` 0, NaN, below 1e-6 rad or beyond π | replaced by (angle_max - angle_min) / (beams - 1); if that is of no use either, no beam has a bearing |
+//! | `angle_increment`, or all angles, that fit the number of beams as degrees and not as radians | taken as degrees |
 //! | `angle_max` more than 1.5 steps from where the last beam is | angle_min + i·angle_increment is believed |
-//! | `angle_min` not finite, or beyond two turns (degrees?) | no beam has a bearing: all are unknown, the revolution is empty |
+//! | `angle_min` not finite, or beyond two turns and no degrees | no beam has a bearing: all are unknown, the revolution is empty |
 //! | last beam where the first one is | the last one is left out |
 //! | more than a full turn | beams beyond the turn are left out |
 //! | no beams | an empty revolution |
@@ -77,6 +79,6 @@ pub use csv::{CSV_PARAMS, CsvGeometry};
 pub use live::Live;
 pub use motion::{Motion, times_s};
 pub use odometry::{Odometry, pose_in};
-pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD};
+pub use sensor::{MAX_RANGE_M, MIN_RANGE_M, PARAMS, Sensor, UPSIDE_DOWN, YAW_RAD, rescale};
 pub use turning::Turning;
 pub use view::{LEARNED_SCANS, View};

@@ -17,6 +17,15 @@ const CODE_BEAMS_APART: usize = 5;
 const COARSE_SHARE: f64 = 0.05;
 const ELSEWHERE_SHARE: f64 = 0.1;
 
+/// Ranges within this share of `range_max` may be noise about it: simulators that add noise to every range cut off what is
+/// beyond the maximum, so half of the beams without a hit are at it and half below.
+const NOISE_SHARE: f64 = 0.005;
+/// They are noise if at least this share of them has a neighbour at `range_max`: a wall that leaves the range has one beam
+/// beside the dark at either end, beams of noise mostly have one.
+const BESIDE_MAX_SHARE: f64 = 0.5;
+/// There are at least this many of them, and as many at `range_max`.
+const NOISY_BEAMS: usize = 8;
+
 /// No wall of a tunnel is so far away: ranges like this are of another unit.
 const FAR_M: f64 = 500.0;
 
@@ -40,6 +49,7 @@ pub(crate) struct Tally {
     too_near: usize,
     at_wire_max: usize,
     code: usize,
+    noisy: usize,
     below_wire_min: usize,
     below_min: usize,
     beyond_max: usize,
@@ -55,6 +65,9 @@ pub(crate) struct Limits {
     wire_max_m: f64,
     /// The range by which the scan says that nothing came back, if there is one.
     code_m: Option<f32>,
+    /// Ranges beyond this are noise about `range_max`, by which the scan says that nothing came back; infinite if there is
+    /// none.
+    noise_from_m: f64,
     min_m: f64,
     max_m: f64,
 }
@@ -79,7 +92,9 @@ impl Limits {
             (wire_min_m, wire_max_m) = (0.0, f64::INFINITY);
         }
         let code_m = code_m(&scan.ranges, (wire_max_m * (1.0 - ROUNDING)) as f32);
-        Self { wire_min_m, wire_max_m, code_m, min_m, max_m }
+        let noise_from_m = wire_max_m * (1.0 - NOISE_SHARE);
+        let noise_from_m = if is_noisy_at(&scan.ranges, wire_max_m) { noise_from_m } else { f64::INFINITY };
+        Self { wire_min_m, wire_max_m, code_m, noise_from_m, min_m, max_m }
     }
 
     /// A beam without a return saw free space up to here.
@@ -101,6 +116,8 @@ impl Limits {
             (&mut tally.at_wire_max, Reading::Nothing)
         } else if self.code_m.is_some_and(|code_m| range_m == f64::from(code_m)) {
             (&mut tally.code, Reading::Nothing)
+        } else if range_m > self.noise_from_m {
+            (&mut tally.noisy, Reading::Nothing)
         } else if range_m < self.wire_min_m {
             (&mut tally.below_wire_min, Reading::Unknown)
         } else if range_m < self.min_m {
@@ -132,16 +149,40 @@ impl Limits {
         if let Some(code_m) = self.code_m {
             note(tally.code, format!("of exactly {code_m} m, the largest range, read as no return"));
         }
+        note(tally.noisy, format!("within noise of range_max {wire_max_m} m read as no return"));
         note(tally.below_wire_min, format!("below range_min {wire_min_m} m left out"));
         note(tally.below_min, format!("nearer than min_range_m {} m left out", self.min_m));
         if 2 * tally.far_returns > tally.returns {
             note(
                 tally.far_returns,
-                format!("farther than {FAR_M} m: ranges are read in metres; are these millimetres?"),
+                format!(
+                    "farther than {FAR_M} m: ranges are read in metres; of millimetres, --set ingest.range_scale=0.001"
+                ),
             );
         }
         note(tally.beyond_max, format!("beyond max_range_m {} m read as no return", self.max_m));
     }
+}
+
+/// Whether beams without a hit are told by ranges that scatter about `range_max` and are cut off there.
+fn is_noisy_at(ranges_m: &[f32], max_m: f64) -> bool {
+    let is_at_max = |range_m: f32| f64::from(range_m) >= max_m * (1.0 - ROUNDING) && range_m.is_finite();
+    let is_just_below = |range_m: f32| {
+        f64::from(range_m) > max_m * (1.0 - NOISE_SHARE) && f64::from(range_m) < max_m * (1.0 - ROUNDING)
+    };
+    let at_max = ranges_m.iter().filter(|&&range_m| is_at_max(range_m)).count();
+    if max_m.is_infinite() || at_max < NOISY_BEAMS {
+        return false;
+    }
+    let n = ranges_m.len();
+    let below = (0..n).filter(|&beam| is_just_below(ranges_m[beam]));
+    let (mut noisy, mut beside_max) = (0, 0);
+    for beam in below {
+        noisy += 1;
+        beside_max +=
+            usize::from([(beam + n - 1) % n, (beam + 1) % n].into_iter().any(|next| is_at_max(ranges_m[next])));
+    }
+    noisy >= NOISY_BEAMS && beside_max as f64 >= BESIDE_MAX_SHARE * noisy as f64
 }
 
 /// The largest range below `limit_m`, if it stands for none.

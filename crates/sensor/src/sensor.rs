@@ -1,5 +1,6 @@
 //! One laser scan to one revolution: mounting, clean-up, and the rules for odd values.
 
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::{Echo, LaserScan};
@@ -30,6 +31,11 @@ pub const MAX_RANGE_M: Number = Number::new("max_range_m", "m", f64::INFINITY)
     .above(0.0)
     .to(f64::INFINITY)
     .doc("returns farther than this are read as no return; above min_range_m");
+
+const RANGE_SCALE: Number = Number::new("range_scale", "", 1.0)
+    .above(0.0)
+    .to(1e6)
+    .doc("metres in the unit of the ranges and points of messages: 0.001 for a driver that sends millimetres");
 
 const MASKED_SECTORS_RAD: Pairs = Pairs::new("masked_sectors_rad", "rad")
     .from(-PI)
@@ -74,6 +80,7 @@ pub const PARAMS: &[ParamSpec] = &[
     FRAME_ID.spec,
     ECHO.spec,
     ODOMETRY.spec,
+    RANGE_SCALE.spec,
 ];
 
 /// Bearings of f32 angles are known to within this: the beam at f32 -π is the one at π.
@@ -115,6 +122,7 @@ pub struct Sensor {
     takes_mount: bool,
     /// The transform that the recording states gives the mount.
     is_mount_stated: bool,
+    pub(crate) range_scale: f64,
 }
 
 /// Mounted upright, looking ahead, with nothing left out.
@@ -122,6 +130,18 @@ impl Default for Sensor {
     fn default() -> Self {
         Self::new(&Params::defaults(PARAMS))
     }
+}
+
+/// Brings the ranges of a scan to metres. Its limits are in the unit of its ranges, unless most of these lie beyond them.
+pub fn rescale(scan: &mut LaserScan, metres: f64) {
+    if metres == 1.0 {
+        return;
+    }
+    let limit = scan.range_max;
+    let are_ranges = || scan.ranges.iter().filter(|range| range.is_finite() && **range > 0.0);
+    let are_limits_in_metres = 2 * are_ranges().filter(|range| **range > limit).count() > are_ranges().count();
+    let limits = [&mut scan.range_min, &mut scan.range_max].into_iter().filter(|_| !are_limits_in_metres);
+    limits.chain(&mut scan.ranges).for_each(|range| *range = (f64::from(*range) * metres) as f32);
 }
 
 impl Sensor {
@@ -138,6 +158,7 @@ impl Sensor {
             deskews: params.get(DESKEW),
             takes_mount: params.get(MOUNT_FROM_TF),
             is_mount_stated: false,
+            range_scale: params.get(RANGE_SCALE),
             frame_id: params.get(FRAME_ID),
             odometry_topic: params.get(ODOMETRY),
             echo: match params.get(ECHO).as_str() {
@@ -146,6 +167,15 @@ impl Sensor {
                 _ => Echo::First,
             },
         }
+    }
+
+    /// A scan whose ranges are in metres.
+    pub(crate) fn in_metres<'a>(&self, scan: &'a LaserScan) -> Cow<'a, LaserScan> {
+        let mut scan = Cow::Borrowed(scan);
+        if self.range_scale != 1.0 {
+            rescale(scan.to_mut(), self.range_scale);
+        }
+        scan
     }
 
     /// Whether sectors that never return anything are looked for in the first scans of a recording.
@@ -189,10 +219,10 @@ impl Sensor {
     /// `out.seq` is 0: only the recording knows it. `out.stamp_ns` is 0 if the scan has no stamp.
     pub fn revolution(&self, scan: &LaserScan, out: &mut Revolution, notes: &mut Notes) {
         notes.clear();
-        self.turning_revolution(scan, 0.0, &mut Directions::default(), out, notes);
+        self.turning_revolution(&self.in_metres(scan), 0.0, &mut Directions::default(), out, notes);
     }
 
-    /// Writes the revolution that `scan` shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
+    /// Writes the revolution that `scan`, in metres, shows into `out`, as [`Sensor::revolution`] does, of a sensor that turns by
     /// `rad_per_beam` from one beam to the next, anticlockwise as its own bearings: in the
     /// frame of its middle beam. `directions` are those of the scan before.
     pub(crate) fn turning_revolution(

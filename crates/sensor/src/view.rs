@@ -39,7 +39,7 @@ impl View {
         match scan {
             ScanMessage::Scan(scan) => {
                 let rad_per_beam = turned_rad_per_beam(rad_per_beam, scan.ranges.len(), motion, sensor);
-                sensor.turning_revolution(scan, rad_per_beam, &mut self.directions, out, notes);
+                sensor.turning_revolution(&sensor.in_metres(scan), rad_per_beam, &mut self.directions, out, notes);
             }
             ScanMessage::Cloud(cloud) => sensor.moving_cloud(cloud, motion, out, notes),
         }

@@ -105,9 +105,38 @@ fn unusable_limits_are_no_limits_and_are_noted() {
 #[test]
 fn ranges_in_millimetres_are_noted_and_a_single_far_return_is_not() {
     let far = |ranges: &[f32]| plain(&LaserScan { range_max: 60_000.0, ..scan(ranges) }).1;
-    let asked = "2 beams farther than 500 m: ranges are read in metres; are these millimetres?";
+    let asked = "2 beams farther than 500 m: ranges are read in metres; of millimetres, --set ingest.range_scale=0.001";
     assert_eq!(far(&[1800.0, 2500.0, 300.0]), [asked]);
     assert_eq!(far(&[1800.0, 2.5, 3.0]), Vec::<String>::new());
+}
+
+#[test]
+fn a_scale_brings_ranges_and_their_limits_to_metres() {
+    let mut params = Params::defaults(PARAMS);
+    params.set("range_scale", 0.001).expect("a scale");
+    let sensor = Sensor::new(&params);
+    for range_max in [10_000.0, 10.0] {
+        let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+        let message = LaserScan { range_max, ..scan(&[1800.0, 2500.0, 3000.0]) };
+        sensor.revolution(&message, &mut revolution, &mut notes);
+        assert_eq!(revolution.len(), 3, "{range_max}: a limit in metres is left as it is");
+        assert_near(revolution.points_m[0].coords.norm(), 1.8);
+    }
+}
+
+#[test]
+fn angles_in_degrees_are_taken_as_such_with_a_note() {
+    for (angle_min, angle_max, angle_increment, what) in [
+        (-90.0, 90.0, 1.0, "angle_min, angle_max and angle_increment are in degrees"),
+        (-1.570_796_4, 1.570_796_4, 1.0, "angle_increment 1 is in degrees"),
+        (-90.0, 90.0, 0.017_453_292, "angle_min and angle_max are in degrees"),
+    ] {
+        let (revolution, notes) =
+            plain(&LaserScan { angle_min, angle_max, angle_increment, range_max: 50.0, ..scan(&[1.0; 181]) });
+        assert_eq!(notes, [what], "{angle_min} {angle_increment}");
+        let sweep = sweep(&revolution);
+        assert!((sweep.bearings_rad[180] - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
+    }
 }
 
 #[test]
@@ -274,6 +303,23 @@ fn a_constant_below_range_max_that_stands_for_no_return_is_read_so_and_equal_ran
         (84, 80),
         "four are as far in a place that is the same all around"
     );
+}
+
+#[test]
+fn ranges_that_scatter_about_the_maximum_are_no_returns_and_a_wall_that_leaves_the_range_is_one() {
+    let wall = |i: usize| 2.0 + 0.003 * i as f32;
+    let noise_m = |i: usize| 0.001 + 0.0013 * ((i * 7) % 31) as f32;
+    let read = |open: &dyn Fn(usize) -> f32| {
+        let ranges: Vec<f32> = (0..80).map(|i| if i < 40 { wall(i) } else { open(i) }).collect();
+        plain(&LaserScan { range_max: 10.0, angle_increment: 0.01, angle_max: 0.79, ..scan(&ranges) })
+    };
+    let (noisy, notes) = read(&|i| if i % 2 == 0 { 10.0 } else { 10.0 - noise_m(i) });
+    assert_eq!(noisy.len(), 40);
+    assert!(notes.contains(&"20 beams within noise of range_max 10 m read as no return".to_owned()), "{notes:?}");
+    let leaving = read(&|i| if i < 60 { 9.96 + 0.0015 * (i - 40) as f32 } else { 10.0 }).0;
+    assert_eq!(leaving.len(), 60, "a wall that leaves the range");
+    let exact = read(&|i| if i < 76 { 10.0 } else { 9.999 - 0.001 * (i - 76) as f32 }).0;
+    assert_eq!(exact.len(), 44, "too few for noise");
 }
 
 #[test]

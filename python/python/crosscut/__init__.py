@@ -9,6 +9,7 @@
 - :class:`Flight`: poses, and a :class:`Map` of junctions, dead ends and passages, by the scans of a flight in order.
 - :class:`Navigator`: commands for a vehicle that explores all of a mine, and comes home.
 - :func:`run`, :func:`report`, :func:`sweep`: whole recordings into files. :mod:`crosscut.ray`: archives on a cluster.
+- :class:`Recorder`: scans, stages and reasons for the Rerun viewer. :func:`view`: a recording in it.
 - :func:`read`: the scans of a recording. :func:`results`: a file of results as a table.
 - :mod:`crosscut.sklearn`: an estimator. :mod:`crosscut.testing`: tests for a stage of one's own. :mod:`crosscut.frames`:
   stages one at a time.
@@ -21,7 +22,8 @@ from ._errors import Error, LossWarning, MissingPackageError, ReadError, Setting
 from ._flight import Flight, Map
 from ._native import Scan, __version__
 from ._navigator import Command, Navigator
-from ._program import report, run, sweep
+from ._program import report, run, sweep, view
+from ._recorder import Recorder, show
 from ._results import FollowedOpening, Here, Opening, Pose, Result, Steady, Wall, results
 
 __all__ = [
@@ -38,6 +40,7 @@ __all__ = [
     "Opening",
     "Pose",
     "ReadError",
+    "Recorder",
     "Recording",
     "Result",
     "Scan",
@@ -51,5 +54,7 @@ __all__ = [
     "report",
     "results",
     "run",
+    "show",
     "sweep",
+    "view",
 ]

@@ -37,10 +37,10 @@ def main() -> int:
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
-    return _native.program(["crosscut", *sys.argv[1:]], stages, build, _hear)
+    return _native.program(["crosscut", *sys.argv[1:]], stages, build, hear)
 
 
-def _hear(address: str, options: dict[str, Any], feed: Any) -> Any:
+def hear(address: str, options: dict[str, Any], feed: Any) -> Any:
     """Hears a live robot for the program."""
     from . import live
 

@@ -60,6 +60,7 @@ class Engine:
         stages: list[Any] = [sections.pop(name) if callable(sections.get(name)) else None for name in STAGES]
         self._made_of = (preset, setting_changes(settings, sections), stages, texts("keep", keep))
         self._native = _native.Engine(*self._made_of)
+        self._open_recorders = 0
 
     @classmethod
     def with_changes(
@@ -69,7 +70,19 @@ class Engine:
         made = cls.__new__(cls)
         made._made_of = (preset, list(changes), [stages.get(name) for name in STAGES], list(keep))
         made._native = _native.Engine(*made._made_of)
+        made._open_recorders = 0
         return made
+
+    def _recorders(self, more: int) -> None:
+        """More or fewer recorders wait for the matrices of results."""
+        self._open_recorders += more
+        self._native.keep_frames(self._open_recorders > 0)
+
+    def _another(self) -> _native.Engine:
+        """An engine of the same settings, for another thread."""
+        another = _native.Engine(*self._made_of)
+        another.keep_frames(self._open_recorders > 0)
+        return another
 
     @property
     def config(self) -> str:
@@ -95,7 +108,7 @@ class Engine:
             raise ValueError(f"workers is 1 to {MOST_WORKERS}, not {workers}")
         if workers == 1:
             return (self._native.process(as_scan(scan), seq) for seq, scan in enumerate(scans))
-        return _parallel.process(lambda: _native.Engine(*self._made_of), workers, map(as_scan, scans))
+        return _parallel.process(self._another, workers, map(as_scan, scans))
 
     def read(
         self,

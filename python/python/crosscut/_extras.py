@@ -16,6 +16,7 @@ EXTRA_AND_PACKAGE = {
     "ray": ("ray", "ray"),
     "zenoh": ("live", "eclipse-zenoh"),
     "cyclonedds": ("dds", "cyclonedds"),
+    "rerun": ("view", "rerun-sdk[notebook]"),
 }
 """By module: the extra that brings it, and its name for pip."""
 

@@ -9,11 +9,12 @@ import subprocess
 import sys
 import uuid
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ._engine import Section, setting_changes, toml
+from . import __main__, _native
+from ._engine import STAGES, Section, setting_changes, toml
 from ._errors import Error, LossWarning, ReadError, SettingsError
 from ._extras import importing
 
@@ -34,20 +35,36 @@ def run(
     *,
     results: StrPath | None = None,
     map: StrPath | None = None,
+    save: StrPath | None = None,
     preset: str = "default",
     settings: Mapping[str, object] | None = None,
-    **sections: Section,
+    **sections: Section | Callable[..., Any],
 ) -> None:
     """Writes the answers for a whole flight into files, as ``crosscut run`` does.
 
+    >>> run("FLIGHT.bag", preset="paper", affinity=my_affinity, save="FLIGHT.rrd", map="FLIGHT.json")
+
     ``results``: ``FILE.jsonl`` for :func:`results`, or ``FILE.mcap`` with the scans beside them and drawings for Foxglove.
-    ``map``: junctions, dead ends and passages as JSON. Several paths, or a folder, are the parts of one flight.
+    ``map``: junctions, dead ends and passages as JSON. ``save``: all stages for the Rerun viewer, see :func:`view`. Several
+    paths, or a folder, are the parts of one flight. A stage may be any callable, as in :class:`Engine`; it then runs in a fork
+    of this process.
     """
-    outputs = [part for option, path in (("--results", results), ("--map", map)) if path is not None
+    outputs = [part for option, path in (("--results", results), ("--map", map), ("--save", save)) if path is not None
                for part in (option, path)]
     if not outputs:
-        raise TypeError("run() writes nothing without results= or map=")
-    _finish(["run", *_paths(flight), *outputs, *configuration(preset, settings, sections), "--quiet"])
+        raise TypeError("run() writes nothing without results=, map= or save=")
+    stages, sections = _own_stages(sections)
+    _finish(["run", *_paths(flight), *outputs, *configuration(preset, settings, sections), "--quiet"], stages=stages)
+
+
+def view(recording: StrPath | Iterable[StrPath], *, layout: str | None = None, beside: StrPath | None = None) -> None:
+    """Shows a recording in the Rerun viewer with the pages of crosscut, until the viewer is closed; needs rerun-sdk.
+
+    ``layout`` is the page that it opens with: "overview", "stages", "map" or "speed". ``beside``: another recording.
+    """
+    options = [part for option, value in (("--layout", layout), ("--beside", beside)) if value is not None
+               for part in (option, value)]
+    _finish(["view", *_paths(recording), *options])
 
 
 def report(
@@ -56,10 +73,13 @@ def report(
     *,
     preset: str = "default",
     settings: Mapping[str, object] | None = None,
-    **sections: Section,
+    **sections: Section | Callable[..., Any],
 ) -> Path:
-    """Writes one self-contained HTML page on a flight: counts over time, junctions, map, settings. Returns its path."""
-    _finish(["report", *_paths(flight), "--out", out, *configuration(preset, settings, sections), "--quiet"])
+    """Writes one self-contained HTML page on a flight: counts over time, junctions, map, settings. Returns its path. A stage
+    may be any callable, as in :func:`run`.
+    """
+    stages, sections = _own_stages(sections)
+    _finish(["report", *_paths(flight), "--out", out, *configuration(preset, settings, sections), "--quiet"], stages=stages)
     return Path(out)
 
 
@@ -141,11 +161,67 @@ def _written(path: Path) -> tuple[int, int] | None:
     return stat.st_ino, stat.st_mtime_ns
 
 
-def _finish(arguments: Sequence[StrPath], command: Sequence[str] = COMMAND) -> None:
+def _own_stages(sections: Mapping[str, Any]) -> tuple[dict[str, Callable[..., Any]], dict[str, Any]]:
+    """The callables among the stages by the names of their kinds, and the sections with these names."""
+    stages = {}
+    sections = dict(sections)
+    for section in STAGES:
+        function = sections.get(section)
+        if callable(function):
+            module = getattr(function, "__module__", None) or "__main__"
+            name = getattr(function, "__qualname__", None) or type(function).__qualname__
+            sections[section] = f"python:{module}.{name}"
+            stages[sections[section]] = function
+    return stages, sections
+
+
+class _Fork:
+    """The program in a fork of this process, where stages of one's own are what they are here."""
+
+    def __init__(self, arguments: Sequence[StrPath], stages: dict[str, Callable[..., Any]]) -> None:
+        if not hasattr(os, "fork"):
+            raise Error("this system cannot fork a process; give the stage by its name: affinity='python:module.name'")
+        reading, writing = os.pipe()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # other threads are not in the fork, which needs none of them
+            self._id = os.fork()
+        if self._id == 0:
+            code = FAILED
+            try:
+                os.setsid()
+                os.dup2(writing, 2)
+                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+                signal.signal(signal.SIGINT, signal.SIG_DFL)
+                code = _native.program(["crosscut", *(os.fspath(argument) for argument in arguments)], stages, None, __main__.hear)
+            finally:
+                os._exit(code)
+        os.close(writing)
+        self.stderr = open(reading, errors="replace")
+        self.returncode: int | None = None
+
+    def wait(self) -> None:
+        self.returncode = os.waitstatus_to_exitcode(os.waitpid(self._id, 0)[1])
+
+    def send_signal(self, number: int) -> None:
+        os.kill(self._id, number)
+
+    def __enter__(self) -> _Fork:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stderr.close()
+
+
+def _finish(
+    arguments: Sequence[StrPath], command: Sequence[str] = COMMAND, stages: dict[str, Callable[..., Any]] | None = None
+) -> None:
     """Runs a command to its end; what it says becomes an exception or warnings."""
     # In a session of its own, an interrupt from the terminal reaches it once, from here.
-    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-                          start_new_session=True) as process:
+    with _Fork(arguments, stages) if stages else subprocess.Popen(
+        [*command, *arguments], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, start_new_session=True
+    ) as process:
         assert process.stderr is not None
         said, interrupted = "", False
         while process.returncode is None:

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import Error
 from ._extras import importing, scipy_sparse
 
 if TYPE_CHECKING:
     import pyarrow
+
+    from . import _native
 
 
 class Wall(NamedTuple):
@@ -113,7 +116,7 @@ class Result:
     margin: float | None
     """Decades by which the zero tolerance could be moved before ``k`` changes."""
     confidence: float | None
-    """Probability that the answer is right, 0 to 1; None with an affinity of one's own, for which nothing was calibrated."""
+    """Probability that the answer is right, 0 to 1; None with a stage of one's own, for which nothing was calibrated."""
     place: str
     """``closed``, ``dead_end``, ``corridor``, ``bend``, ``tee``, ``cross``, ``junction_5``..., ``partial_view``."""
     eigenvalues: NDArray[np.float64]
@@ -144,6 +147,27 @@ class Result:
     """The embedding (n, k); with ``keep=("U",)``."""
     markers: bytes | None = dataclasses.field(default=None, repr=False)
     """Walls and openings in the sensor's frame as a ``visualization_msgs/msg/MarkerArray`` in CDR; with ``keep=("markers",)``."""
+    _kept: _native.Kept | None = dataclasses.field(default=None, repr=False)
+    """The scan and its engine, for :attr:`why` and for a :class:`Recorder`."""
+
+    @property
+    def why(self) -> str:
+        """Why the count is what it is, as Markdown: the inequality that gives k, what would change it, the edges of W that
+        decide it, what was left out.
+
+        It is the text that a recording has at ``/report/why`` if it begins with this scan (later it may give a wall the colour
+        that it had before). It is made when it is asked for, by running the stages on the scan again.
+        """
+        if self._kept is None:
+            raise Error("this is a copy of a result; the result itself knows why")
+        return self._kept.why(list(self.notes))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies, also those in other processes, have: the answer, without the engine that gave it."""
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"} | {"_kept": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Result):

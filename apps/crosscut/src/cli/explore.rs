@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use clap::{ArgGroup, Args};
 
 use super::ConfigArgs;
-use super::record::rrd_path;
+use super::record::{ScopeArgs, rrd_path};
 
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("recorded").args(["save"]))]
 pub(crate) struct ExploreArgs {
     /// World to explore; --list shows them.
     #[arg(value_name = "MISSION")]
@@ -32,7 +33,8 @@ pub(crate) struct ExploreArgs {
     /// outcomes without maps for several missions. `-` is standard output.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) json: Option<PathBuf>,
-    /// Save a recording of the mission for the Rerun viewer: vehicle, scan, openings, decisions and the map as it grows.
+    /// Save a recording of the mission for the Rerun viewer: vehicle, scan, openings, decisions, the map as it grows, and
+    /// all stages of each revolution.
     #[arg(long, value_name = "MISSION.rrd", conflicts_with_all = ["all", "count"], value_parser = PathBufValueParser::new().try_map(rrd_path))]
     pub(crate) save: Option<PathBuf>,
     /// Record what the vehicle senses, with the truth, as a flight that every command reads. It is complete up to the last
@@ -50,4 +52,6 @@ pub(crate) struct ExploreArgs {
     /// Show no progress bar and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) scope: ScopeArgs,
 }

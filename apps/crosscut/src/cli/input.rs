@@ -13,7 +13,6 @@ use super::seconds;
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {
     /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them; `-` is standard input.
-    /// For `run` also a live robot: zenoh://HOST[:PORT]/TOPIC, or over DDS ros2://DOMAIN/TOPIC.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,

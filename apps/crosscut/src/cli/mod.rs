@@ -1,11 +1,15 @@
 //! The command line: every command with its options.
 
 pub(crate) mod convert;
+pub(crate) mod debug;
 pub(crate) mod explore;
 pub(crate) mod help;
+#[cfg(feature = "rerun")]
+pub(crate) mod import;
 pub(crate) mod input;
 pub(crate) mod record;
 pub(crate) mod rrd;
+pub(crate) mod runs;
 pub(crate) mod sweep;
 
 use std::net::SocketAddr;
@@ -19,11 +23,13 @@ use crate::config;
 use crate::maps::FORMATS;
 use crate::say::say;
 use convert::ConvertArgs;
+use debug::DebugArgs;
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
 use record::{LayoutArg, RecordArgs};
 use rrd::RrdCommand;
+use runs::RunsArgs;
 use sweep::SweepArgs;
 
 /// Counts the walls in 2D lidar scans and finds the openings between them: spectral junction detection.
@@ -44,7 +50,7 @@ const SERVED_AT: &str = "127.0.0.1:9877";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Count the walls in every scan of a flight, recorded or live, and find the openings.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Show a recording made with `run --save` in the Rerun viewer.
     View(ViewArgs),
     /// Simulate a flight through a mine, or scenes for evaluation, with the true answers.
@@ -56,9 +62,13 @@ pub(crate) enum Command {
     Evaluate(EvaluateArgs),
     /// Show where the results of two or more configurations differ on a flight; needs no truth.
     Compare(CompareArgs),
+    /// Debug a flight at a prompt: go to any scan, see what each stage made, change settings, answer the flight again, compare.
+    Debug(DebugArgs),
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),
+    /// List the runs that --log kept, or compare two.
+    Runs(RunsArgs),
     /// Show the topics, scans and damage of recordings.
     Info(InfoArgs),
     /// Draw the map of a flight, or write it for other tools: junctions, dead ends and the passages between them.
@@ -70,6 +80,10 @@ pub(crate) enum Command {
     /// List, export or compare the contents of recordings made with `run --save`.
     #[command(subcommand)]
     Rrd(RrdCommand),
+    /// Write a recording for the Rerun viewer to standard output, as the viewer asks its importers to.
+    #[cfg(feature = "rerun")]
+    #[command(hide = true)]
+    Import(import::ImportArgs),
     /// Print every setting with its value, unit, range and origin. The output is a valid configuration file.
     Config(ConfigArgs),
     /// Print a script that lets a shell complete commands and options.
@@ -88,6 +102,10 @@ pub(crate) enum Command {
 impl Command {
     /// Names the file of settings that nobody gave on the command line, before a command that reads it.
     pub(crate) fn say_settings_found(&self) {
+        #[cfg(feature = "rerun")]
+        if matches!(self, Self::Import(_)) {
+            return; // most files that it is called with are not for us
+        }
         let reads_none = matches!(
             self,
             Self::View(_)
@@ -120,6 +138,9 @@ pub(crate) struct RunArgs {
     /// Ctrl-C.
     #[arg(long, conflicts_with_all = ["rate", "to"])]
     pub(crate) follow: bool,
+    /// Append a line on this run to a history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Play at this multiple of the recorded pace (1 = as recorded); pauses of more than 10 s are skipped.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) rate: Option<f64>,
@@ -133,7 +154,9 @@ pub(crate) struct RunArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Live robots (the wheel: extras live, dds)")]
+#[command(
+    next_help_heading = "Live robots, zenoh://HOST[:PORT]/TOPIC and ros2://DOMAIN/TOPIC as INPUT of the wheel (extras live, dds)"
+)]
 pub(crate) struct LiveArgs {
     /// Topic of the vehicle's odometry, nav_msgs/Odometry or /tf; of recordings it is found without. The same as --set
     /// ingest.odometry=TOPIC.
@@ -284,6 +307,9 @@ pub(crate) struct EvaluateArgs {
     /// DIR/RECORDING-CONFIGURATION.svg and .csv.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw_wrong: Option<PathBuf>,
+    /// Append a line for each configuration to this history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Show no progress bar and no tables.
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -296,11 +322,21 @@ pub(crate) struct CompareArgs {
     /// Configuration, given at least twice, in parts that commas separate: a preset, a file of settings over it (FILE.toml,
     /// or FLIGHT.rrd made with `run --save`), single settings over both. `NAME=` before them names it in tables
     /// (`mine=paper,affinity.sigma_per_m2=3`). The others are compared with the first.
-    #[arg(long, required = true, value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
+    #[arg(long, required_unless_present = "golden", value_name = "[NAME=]PRESET|FILE.toml|SETTING[,...]")]
     pub(crate) with: Vec<String>,
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Compare what every stage of one configuration makes with what is kept in this folder; the first difference by
+    /// revolution, stage and value is shown, and the exit code is 1. DIR/tolerance.json has a tolerance by value.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "all"])]
+    pub(crate) golden: Option<PathBuf>,
+    /// Keep what the stages make in the folder of --golden, in place of what is there.
+    #[arg(long, requires = "golden", conflicts_with = "junit")]
+    pub(crate) update: bool,
+    /// Write the comparison of --golden as JUnit XML, a test for each revolution.
+    #[arg(long, value_name = "FILE.xml", requires = "golden")]
+    pub(crate) junit: Option<PathBuf>,
     /// List every stretch of the flight where the walls differ, not only the longest ones.
     #[arg(long)]
     pub(crate) all: bool,

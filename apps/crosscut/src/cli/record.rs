@@ -27,6 +27,14 @@ pub(crate) struct RecordArgs {
     /// Page that the viewer opens with; the others are one click away.
     #[arg(long, value_enum, default_value = "stages", requires = "recorded")]
     pub(crate) layout: LayoutArg,
+    #[command(flatten)]
+    pub(crate) scope: ScopeArgs,
+}
+
+/// How much of which revolutions is recorded.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Recording")]
+pub(crate) struct ScopeArgs {
     /// Amount of data recorded of each revolution.
     #[arg(long, value_enum, default_value = "default", requires = "recorded")]
     pub(crate) record: DetailArg,
@@ -45,7 +53,7 @@ pub(crate) struct RecordArgs {
 }
 
 /// Refuses a pipe: a recording is written in parts, each with an index at its end.
-pub(super) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+pub(crate) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if path == Path::new("-") {
         return Err("a recording is a file, not standard output: FLIGHT.rrd");
     }

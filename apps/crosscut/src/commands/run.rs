@@ -15,6 +15,7 @@ use crate::exit::{Outcome, UsageError, is_closed_pipe};
 use crate::fly::{Flight, Flown, How, files_read, files_to_come, fly};
 use crate::interrupt::stop_on_interrupt;
 use crate::live::{self, Robots};
+use crate::run_log::Run;
 use crate::say::{say, show};
 use crate::written::Written;
 use crate::{observers, outputs, progress, summary};
@@ -97,6 +98,10 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     if is_stream && robot.is_none() && stop.is_set() {
         diagnostics.interrupt(); // the recording ended because of that; a robot is heard until then
     }
+    if let Some(log) = &args.log {
+        let kept = Run::of("run", &read).append(log, "", &config, registry, summary::figures(&flown.summary));
+        diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
+    }
     if !args.quiet && args.results.as_deref() != Some(Path::new("-")) {
         show(summary::tables(&flown.summary))?;
     }
@@ -120,7 +125,7 @@ fn until(stop: &StopFlag) -> Following {
 
 /// Refuses outputs that would replace an input or each other.
 fn refuse_overwriting(args: &RunArgs, read: &[PathBuf]) -> Result<(), UsageError> {
-    let written = args.record.save.iter().chain(&args.results).chain(&args.map);
+    let written = args.record.save.iter().chain(&args.results).chain(&args.map).chain(&args.log);
     let written: Vec<&Path> = written.map(PathBuf::as_path).collect();
     outputs::refuse(&written, read)?;
     match &args.record.save {

@@ -11,6 +11,7 @@ use crate::cli::{SimulateArgs, SplitArg};
 use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::say::{say, show};
+use crate::text_file;
 use crate::{outputs, progress};
 
 /// Writes a flight or suites, or lists what there is.
@@ -70,7 +71,7 @@ fn with_odometry(flight: Flight, args: &SimulateArgs) -> Flight {
 fn planned(path: &Path, args: &SimulateArgs, out: &Path, stop: &StopFlag) -> anyhow::Result<Outcome> {
     outputs::refuse(&[out], &[path.to_owned()])?;
     let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| in_plan(&error))?;
+    let text = text_file::read(path).map_err(|error| in_plan(&error))?;
     let flight = Plan::from_json(&text).and_then(|plan| plan.fly(args.seed)).map_err(|error| in_plan(&error))?;
     write(out, with_odometry(flight, args), None, args.quiet, stop)
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crosscut_detector::{ConfigError, Detector, LaserScan, Preset};
+use crosscut_detector::{ConfigError, Detector, LaserScan, Preset, Registry};
 use crosscut_stage::{Affinity, AffinityStage, Notes, Revolution, StageError, Step};
 
 /// Every return on its own, or an error for as many returns as are in `refused`; counts its scans.
@@ -58,6 +58,20 @@ fn notes_are_those_of_the_last_scan_alone() {
         let of_scan = frame.notes.iter().filter(|note| note.contains("range 0")).count();
         assert_eq!((own, of_scan), (1, 1), "{:?}", frame.notes);
         assert_eq!(frame.junction.confidence, None, "nothing was calibrated for it");
+    }
+}
+
+#[test]
+fn no_confidence_with_a_stage_of_ones_own_in_any_slot() {
+    let registry = Registry::standard();
+    let shipped = || Detector::builder().preset(Preset::Paper);
+    let spectral = registry.spectral[0].with(&[]).expect("defaults");
+    let kmeans = registry.kmeans[0].with(&[]).expect("defaults");
+    let own = [shipped().spectral(spectral), shipped().kmeans(kmeans)];
+    for (settings, is_calibrated) in [(shipped(), true)].into_iter().chain(own.map(|own| (own, false))) {
+        let mut detector = settings.build().expect("the preset");
+        detector.detect(&scan(60)).expect("a scan");
+        assert_eq!(detector.frame().junction.confidence.is_some(), is_calibrated);
     }
 }
 

@@ -99,7 +99,8 @@ impl LineFormat for Carmen {
         } else if let Some((laser, _)) = (0..).zip(LASERS).find(|(_, laser)| *laser == word) {
             let (scan, pose) = self.laser_line(word, &mut words).map_err(|cause| (laser, cause))?;
             let log_time_ns = scan.header.stamp.to_ns().unwrap_or(0);
-            let of_laser = Message { channel: laser, log_time_ns, data: scan.encode(Endian::Little) };
+            let data = scan.encode(Endian::Little);
+            let of_laser = Message { channel: laser, log_time_ns, data, damage: None };
             if let Some(pose) = pose.filter(|_| !self.has_odometry_lines) {
                 out.push_back(odometry(pose, [0.0; 2], scan.header.stamp));
             }
@@ -165,7 +166,8 @@ fn odometry([x_m, y_m, yaw_rad]: [f64; 3], [speed_mps, turn_radps]: [f64; 2], st
     odometry.pose.pose.orientation = Quaternion::from_yaw_rad(yaw_rad);
     odometry.twist.twist.linear.x = speed_mps;
     odometry.twist.twist.angular.z = turn_radps;
-    Message { channel: ODOMETRY, log_time_ns: stamp.to_ns().unwrap_or(0), data: odometry.encode(Endian::Little) }
+    let log_time_ns = stamp.to_ns().unwrap_or(0);
+    Message { channel: ODOMETRY, log_time_ns, data: odometry.encode(Endian::Little), damage: None }
 }
 
 /// The words of a line that are left.

@@ -301,7 +301,7 @@ impl Visitor for Collector {
         let data = mem::replace(body, self.spare.pop().unwrap_or_default());
         self.seen += 1;
         let order = (self.chunk_at_byte, self.seen);
-        self.queue.push_back(Queued { message: Message { channel, log_time_ns, data }, order });
+        self.queue.push_back(Queued { message: Message { channel, log_time_ns, data, damage: None }, order });
     }
 
     fn settle(&mut self, whole: bool) {

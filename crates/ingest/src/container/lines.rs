@@ -1,7 +1,7 @@
 //! Text files with a message, or several, in a line.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _};
+use std::io::{self, BufRead, BufReader, Read as _, Seek as _};
 use std::mem;
 use std::path::Path;
 
@@ -21,6 +21,11 @@ pub(super) trait LineFormat: Send {
 
     /// What each channel carries that the survey found.
     fn channels(&self) -> BTreeMap<ChannelId, Topic>;
+
+    /// What there is to say of the file beside its topics.
+    fn properties(&self) -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
 
     /// Hands the messages of a line to `out`.
     ///
@@ -48,7 +53,8 @@ pub(super) struct Lines<F> {
     is_by_log_time: bool,
     selected: BTreeSet<ChannelId>,
     queue: VecDeque<Message>,
-    skipped: u64,
+    /// When the last message was recorded.
+    last_ns: u64,
     losses: Vec<Loss>,
 }
 
@@ -62,11 +68,13 @@ impl<F: LineFormat> Lines<F> {
             format.survey(&line);
         }
         let channels = format.channels();
-        let contents = Contents { path: path.to_owned(), bytes, format: F::NAME, channels, ..Contents::default() };
+        let properties = format.properties();
+        let contents =
+            Contents { path: path.to_owned(), bytes, format: F::NAME, properties, channels, ..Contents::default() };
         let (queue, losses) = (VecDeque::new(), Vec::new());
         let selected = contents.channels.keys().copied().collect();
         let mut lines =
-            Self { format, input, number, contents, is_by_log_time: true, selected, queue, skipped: 0, losses };
+            Self { format, input, number, contents, is_by_log_time: true, selected, queue, last_ns: 0, losses };
         lines.count()?;
         Ok(lines)
     }
@@ -75,10 +83,11 @@ impl<F: LineFormat> Lines<F> {
     fn count(&mut self) -> io::Result<()> {
         self.input.rewind()?;
         self.number = 0;
-        let (mut counts, mut last_ns, mut unreadable) = (BTreeMap::new(), 0, None);
+        let (mut counts, mut damaged, mut last_ns, mut unreadable) = (BTreeMap::new(), BTreeMap::new(), 0, None);
         while let Some(line) = next_line(&mut self.input, &mut self.number)? {
-            if let Err((_, cause)) = self.format.read(&line, &mut self.queue) {
+            if let Err((channel, cause)) = self.format.read(&line, &mut self.queue) {
                 unreadable.get_or_insert((line.number, 0, cause)).1 += 1;
+                *damaged.entry(channel).or_default() += u64::from(line.is_ended);
             }
             if F::LAST_WORD_COUNTS && !line.is_ended && !self.queue.is_empty() {
                 let kind = LossKind::LastLine { line: line.number };
@@ -92,6 +101,10 @@ impl<F: LineFormat> Lines<F> {
                 self.contents.log_time_ns = Some([first.min(log_time_ns), last.max(log_time_ns)]);
             }
         }
+        // A channel without any line that can be read has no messages.
+        for (channel, count) in &mut counts {
+            *count += damaged.get(channel).copied().unwrap_or(0);
+        }
         self.contents.counts = Some(counts);
         if let Some((first, count, cause)) = unreadable {
             let kind = LossKind::Lines { first, count, cause };
@@ -101,7 +114,7 @@ impl<F: LineFormat> Lines<F> {
     }
 
     fn rest(&mut self) -> io::Result<()> {
-        self.number = 0;
+        (self.number, self.last_ns) = (0, 0);
         self.input.rewind()?;
         self.input.get_mut().rest()
     }
@@ -138,10 +151,15 @@ impl<F: LineFormat> Container for Lines<F> {
                 }
             };
             let Self { format, queue, selected, .. } = self;
-            // Lines that cannot be read were found when the file was looked through.
-            if let Err((channel, _)) = format.read(&line, queue) {
-                self.skipped += u64::from(selected.contains(&channel));
+            // Lines that cannot be read were found when the file was looked through. Each that was written to its end is a
+            // message of its channel all the same, as old as the one before it.
+            if let Err((channel, cause)) = format.read(&line, queue)
+                && line.is_ended
+            {
+                let damage = Some(format!("line {}: {cause}", line.number));
+                queue.push_back(Message { channel, log_time_ns: self.last_ns, data: Vec::new(), damage });
             }
+            self.last_ns = queue.back().map_or(self.last_ns, |message| message.log_time_ns);
             queue.retain(|message| selected.contains(&message.channel));
         }
         self.queue.pop_front()
@@ -154,7 +172,7 @@ impl<F: LineFormat> Container for Lines<F> {
     }
 
     fn take_skipped(&mut self) -> u64 {
-        mem::take(&mut self.skipped)
+        0
     }
 
     fn take_losses(&mut self) -> Vec<Loss> {
@@ -163,7 +181,7 @@ impl<F: LineFormat> Container for Lines<F> {
 }
 
 /// The next line, without a mark of the byte order; one that is too long is cut off.
-fn next_line(input: &mut BufReader<RestingFile>, number: &mut u64) -> io::Result<Option<Line>> {
+pub(super) fn next_line(input: &mut impl BufRead, number: &mut u64) -> io::Result<Option<Line>> {
     let mut bytes = Vec::new();
     if input.take(limits::LINE_BYTES).read_until(b'\n', &mut bytes)? == 0 {
         return Ok(None);

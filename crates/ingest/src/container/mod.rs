@@ -43,6 +43,7 @@ pub(crate) use self::spool::{Plain, keep_standard_input};
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;
 pub(crate) use self::contents::{ChannelId, Contents, Topic};
+pub(crate) use self::table::Dialect;
 pub(crate) use self::topic_reader::TopicReader;
 
 /// This many bytes at the start of a file tell what it is.
@@ -106,6 +107,8 @@ pub(crate) struct Message {
     pub(crate) channel: ChannelId,
     pub(crate) log_time_ns: u64,
     pub(crate) data: Vec<u8>,
+    /// Why there is no data, if it could not be read.
+    pub(crate) damage: Option<String>,
 }
 
 /// Opens a file and looks through it; `-` is standard input.
@@ -174,7 +177,7 @@ fn open_spooled(
 fn open_plain(
     path: &Path,
     on_disk: &Path,
-    file: RestingFile,
+    mut file: RestingFile,
     start: &[u8],
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
@@ -194,8 +197,10 @@ fn open_plain(
     } else {
         match Found::in_file(start) {
             Found::Carmen => Ok(Box::new(Lines::open(path, file, Carmen::default()).map_err(failed)?)),
-            Found::Table if !csv.is_known() => Err(IngestError::NoGeometry { path: path.to_owned() }),
-            Found::Table => Ok(Box::new(Lines::open(path, file, Table::new(*csv)).map_err(failed)?)),
+            Found::Table => {
+                let table = Table::look(path, &mut file, *csv)?;
+                Ok(Box::new(Lines::open(path, file, table).map_err(failed)?))
+            }
             Found::Pcd => Ok(Box::new(SingleCloud::open(path, file, Format::Pcd).map_err(unreadable)?)),
             Found::Ply => Ok(Box::new(SingleCloud::open(path, file, Format::Ply).map_err(unreadable)?)),
             found => Err(no_recording(found)),

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use tempfile::TempPath;
 
+use crate::stopping;
+
 /// Open from the first read after a rest on.
 pub(super) struct RestingFile {
     path: PathBuf,
@@ -53,6 +55,7 @@ impl RestingFile {
 
 impl Read for RestingFile {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        stopping::check()?;
         self.awake()?.read(buffer)
     }
 }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
-use crate::{Damage, limits};
+use crate::{Damage, limits, stopping};
 
 const BUFFER_BYTES: usize = 256 * 1024;
 /// The space on the disk is asked for again after this many bytes.
@@ -159,6 +159,7 @@ fn copy(mut input: impl Read, beside: Option<&Path>, limit: u64) -> io::Result<S
     let mut buffer = vec![0; BUFFER_BYTES];
     let (mut bytes, mut asked) = (0, 0);
     let damage = loop {
+        stopping::check()?;
         match input.read(&mut buffer) {
             Ok(0) => break None,
             Ok(count) => {

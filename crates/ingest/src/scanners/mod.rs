@@ -6,6 +6,7 @@
 mod around;
 mod frames;
 mod mount;
+mod same_frame;
 
 use crosscut_sensor::Sensor;
 use crosscut_stage::{Notes, Revolution, Source as _, counted};
@@ -13,6 +14,7 @@ use crosscut_stage::{Notes, Revolution, Source as _, counted};
 use self::around::Around;
 use self::frames::Frames;
 pub(crate) use self::mount::Mount;
+use self::same_frame::Agreement;
 use crate::container::{self, Container};
 use crate::stream::Wait;
 use crate::{IngestError, Loss, ReadOptions, Recording};
@@ -39,6 +41,8 @@ struct Scanner {
     /// A place for the next one.
     spare: Option<Revolution>,
     has_ended: bool,
+    /// With the first scanner, where both state one frame.
+    agreement: Agreement,
 }
 
 impl Scanners {
@@ -63,7 +67,8 @@ impl Scanners {
         let open = |topic: &String| {
             let options = ReadOptions { topic: Some(topic.clone()), read_as, csv, ..ReadOptions::default() };
             let recording = Recording::of(reopened()?, losses.to_vec(), &options, sensor.clone())?;
-            Ok(Scanner { recording, before: None, after: None, spare: None, has_ended: false })
+            let agreement = Agreement::default();
+            Ok(Scanner { recording, before: None, after: None, spare: None, has_ended: false, agreement })
         };
         let others = options.beside.iter().map(open).collect::<Result<_, IngestError>>()?;
         let frames = Frames::read(reopened()?, is_stream);
@@ -83,6 +88,9 @@ impl Scanners {
         for scanner in &mut *others {
             scanner.recording.wait(Wait::Recorded(recorded_ns.saturating_add(AHEAD_NS)));
             scanner.read_to(stamp_ns);
+            if let Some(seen) = scanner.nearest(stamp_ns).filter(|seen| seen.frame_id == first.frame_id).cloned() {
+                scanner.agreement.compare(first, &seen);
+            }
         }
         frames.read_on();
         let mut near = Vec::new();
@@ -93,6 +101,11 @@ impl Scanners {
                 Some(seen) if frames.common(&[&first.frame_id, &seen.frame_id]).is_none() => notes.add(format!(
                     "{topic} is not joined: no transforms lead from `{}` to `{}`",
                     seen.frame_id, first.frame_id
+                )),
+                Some(seen) if scanner.agreement.is_refuted() && seen.frame_id == first.frame_id => notes.add(format!(
+                    "{topic} is not joined: both scanners state the frame `{}`, and in it they see different things; one of \
+                     them needs a frame of its own",
+                    first.frame_id
                 )),
                 Some(seen) => near.push((topic, seen)),
             }

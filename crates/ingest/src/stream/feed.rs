@@ -96,7 +96,7 @@ impl Feed {
             };
             match self.oldest.try_recv() {
                 Ok(Arrival::Message { topic, .. }) => {
-                    *self.missing().left_out.entry(topic.name.clone()).or_default() += 1
+                    *self.missing().left_out.entry(topic.name.clone()).or_default() += 1;
                 }
                 Ok(failed @ Arrival::Failed(_)) => arrival = failed, // nothing counts after it
                 _ => {}

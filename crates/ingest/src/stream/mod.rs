@@ -249,7 +249,7 @@ impl Stream {
                 let channel = self.channel(&topic);
                 *self.seen.entry(channel).or_default() += 1;
                 self.latest_ns = self.latest_ns.max(log_time_ns);
-                self.queue(Message { channel, log_time_ns, data });
+                self.queue(Message { channel, log_time_ns, data, damage: None });
             }
             Arrival::Lost(loss) => self.losses.push(loss),
             Arrival::Failed(why) => {

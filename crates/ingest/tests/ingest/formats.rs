@@ -285,11 +285,13 @@ fn a_table_without_directions_is_refused_with_the_settings_that_it_needs() {
 }
 
 #[test]
-fn lines_that_cannot_be_read_are_one_loss_and_keep_their_numbers() {
+fn lines_that_cannot_be_read_are_one_loss_and_empty_revolutions() {
     let folder = Folder::new();
     let text = String::from_utf8(table(5).bytes).expect("a text").replacen(",2,", ",two,", 1);
     let mut recording = opened(&folder.add("rows.csv", text.as_bytes())).expect("a recording");
-    assert_eq!(drain(&mut recording).seqs, [1, 2, 3, 4]);
+    let read = drain(&mut recording);
+    assert_eq!(read.seqs, [0, 1, 2, 3, 4]);
+    assert!(read.ranges[0].is_empty() && read.notes[0].iter().any(|note| note.contains("line 2: `two`")), "{read:?}");
     let [loss] = recording.losses() else { panic!("{:?}", recording.losses()) };
     assert!(matches!(&loss.kind, LossKind::Lines { first: 2, count: 1, .. }), "{loss}");
 }

@@ -1,6 +1,6 @@
 //! Files that exceed a limit: what is too large is lost, and takes no memory.
 
-use crosscut_ingest::{Damage, LossKind, ReadOptions, Recording};
+use crosscut_ingest::{Damage, LossKind, ReadOptions, Recording, describe};
 
 use crate::bags::{Built, ros1_bag};
 use crate::flight::{
@@ -186,4 +186,15 @@ fn messages_that_wait_beyond_their_memory_are_lost_and_counted() {
         assert_eq!(drain(&mut recording).len(), 6, "index: {summary}");
         assert!(is_too_large(&recording), "{:?}", recording.losses());
     }
+}
+
+#[test]
+fn of_more_topics_than_are_described_the_first_scans_are_not_looked_at() {
+    let folder = Folder::new();
+    let name = |i: u64| -> &'static str { Box::leak(format!("/scan_{i:03}").into_boxed_str()) };
+    let flight: Vec<Record> = (0..257).map(|i| record_at(name(i), time_ns(i), &scan(i))).collect();
+    let path = folder.add("flight.mcap", &Form::CHUNKED.write(&flight));
+    let described = describe(&path, &crate::flight::sensor(&[]), &ReadOptions::default()).expect("a recording");
+    let looked_at: Vec<bool> = described.topics.iter().map(|topic| topic.first_scan.is_some()).collect();
+    assert_eq!(looked_at, [vec![true; 256], vec![false]].concat());
 }

@@ -211,3 +211,24 @@ fn a_single_scanner_is_mounted_as_the_recording_states_unless_it_is_set() {
     let (off, _) = front_alone(records(), &[("mount_from_tf", crosscut_stage::Value::Flag(false))]);
     assert!((first_rad(&off) + 0.75 * PI).abs() < 1e-6);
 }
+
+#[test]
+fn scanners_that_state_one_frame_are_joined_only_if_they_agree() {
+    let flight = |rear: [f64; 3]| -> Vec<Record> {
+        let pair = |i: u64| {
+            let front = room_scan(FRONT, "laser", time_ns(i), 30.0);
+            let rear = room_scan(rear, "laser", time_ns(i), 30.0);
+            [record_at("/front/scan", time_ns(i), &front), record_at("/rear/scan", time_ns(i), &rear)]
+        };
+        (0..3).flat_map(pair).collect()
+    };
+    // From the opposite corner the room would look the same.
+    let turned = [-0.4, 0.3, 2.0];
+    for (rear, expected) in
+        [(FRONT, "joined with /rear/scan in frame `laser`"), (turned, "both scanners state the frame")]
+    {
+        for (_, notes) in read(&flight(rear)) {
+            assert!(notes.iter().any(|note| note.contains(expected)), "{rear:?}: {notes:?}");
+        }
+    }
+}

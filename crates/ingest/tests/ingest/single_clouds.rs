@@ -115,3 +115,17 @@ fn a_folder_of_clouds_is_a_flight_in_the_order_of_their_names() {
     let mut recording = open(folder.path()).expect("a flight");
     assert_eq!(points_in(&mut recording), [[[9.0, 0.0, 0.0]], [[10.0, 0.0, 0.0]]]);
 }
+
+#[test]
+fn the_time_in_the_name_of_a_file_is_the_stamp_of_its_cloud() {
+    let folder = Folder::new();
+    let (_, bytes) = all().into_iter().next().expect("a cloud");
+    folder.add("1700000000.250.pcd", &bytes);
+    folder.add("1700000000.350.pcd", &bytes);
+    let mut recording = open(folder.path()).expect("a flight");
+    let (mut revolution, mut stamps_ns) = (Revolution::default(), Vec::new());
+    while recording.next(&mut revolution, &mut Notes::default()).expect("the source goes on") {
+        stamps_ns.push(revolution.stamp_ns);
+    }
+    assert_eq!(stamps_ns, [1_700_000_000_250_000_000, 1_700_000_000_350_000_000]);
+}

@@ -210,6 +210,36 @@ fn foxglove_clouds_in_json_are_moved_by_their_pose() {
     assert_eq!((cloud.header, cloud.points_m), (header(), vec![[8.0, 1.0, 3.0]]));
 }
 
+/// The first fields of a `foxglove_msgs` in CDR, little endian: 7 s 8 ns, `lidar`, and a pose at x = 10 m that is turned by 90°.
+fn foxglove_msgs_head() -> Vec<u8> {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let pose = [10.0, 0.0, 0.0, 0.0, 0.0, half, half].map(f64::to_le_bytes).concat();
+    // Doubles are aligned to 8 bytes from the end of the header of 4 on.
+    [&[0, 1, 0, 0, 7, 0, 0, 0, 8, 0, 0, 0, 6, 0, 0, 0][..], b"lidar\0\0\0\0\0\0\0", &pose].concat()
+}
+
+#[test]
+fn scans_and_clouds_of_foxglove_msgs_are_read_in_cdr() {
+    let ranges = [1.5, f64::NAN, f64::INFINITY].map(f64::to_le_bytes).concat();
+    let angles = [-1.0, 1.0].map(f64::to_le_bytes).concat();
+    let bytes = [&foxglove_msgs_head()[..], &angles, &[3, 0, 0, 0, 0, 0, 0, 0], &ranges, &[0; 4]].concat();
+    let scan = scan_of(decode("foxglove_msgs/msg/LaserScan", "cdr", &bytes).expect("a scan"));
+    assert_eq!((scan.header, scan.angle_increment, scan.ranges[0]), (header(), 1.0, 1.5));
+    assert!((scan.angle_min - (std::f32::consts::FRAC_PI_2 - 1.0)).abs() < 1e-6, "turned by its pose");
+    for length in 0..bytes.len() {
+        assert!(decode("foxglove_msgs/msg/LaserScan", "cdr", &bytes[..length]).is_err(), "{length}");
+    }
+    let field = |name: u8, offset: u8, pad: usize| {
+        [&[2, 0, 0, 0, name, 0, 0, 0, offset, 0, 0, 0, 7][..], &vec![0; pad]].concat()
+    };
+    let points = [1.0f32, 2.0, 3.0].map(f32::to_le_bytes).concat();
+    let fields = [field(b'x', 0, 3), field(b'y', 4, 3), field(b'z', 8, 3)].concat();
+    let bytes = [&foxglove_msgs_head()[..], &[12, 0, 0, 0, 3, 0, 0, 0], &fields, &[12, 0, 0, 0], &points].concat();
+    let cloud = cloud_of(decode("foxglove_msgs/msg/PointCloud", "cdr", &bytes).expect("a cloud"));
+    let [x, y, z] = cloud.points_m[0];
+    assert!((x - 8.0).abs() < 1e-9 && (y - 1.0).abs() < 1e-9 && z == 3.0, "{x} {y} {z}");
+}
+
 /// `foxglove.LaserScan` of protobuf, laid out by hand: time 7 s 8 ns, a frame that is not UTF-8, -1 to 1 rad, two ranges.
 #[rustfmt::skip]
 const PROTOBUF_SCAN: &[u8] = &[

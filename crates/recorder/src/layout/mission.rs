@@ -1,19 +1,16 @@
 //! The page of a mission: the mine from above, what the vehicle decided and why, and the counts over time.
 
 use nalgebra::Point2;
-use rerun::blueprint::components::{BackgroundKind, Eye3DKind, LinkAxis, PanelState, TextLogColumn};
+use rerun::blueprint::components::{BackgroundKind, Eye3DKind, LinkAxis, TextLogColumn};
 use rerun::blueprint::datatypes::{self, TextLogColumnKind};
 use rerun::blueprint::{
-    Blueprint, BlueprintPanel, ContainerLike, Horizontal, SelectionPanel, Spatial3DView, TextDocumentView, TextLogView,
-    TimeSeriesView, Vertical,
+    ContainerLike, Horizontal, Spatial3DView, TextDocumentView, TextLogView, TimeSeriesView, Vertical,
 };
 use rerun::external::re_sdk_types::blueprint::archetypes::{
     Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
 };
-use rerun::{RecordingStream, RecordingStreamResult};
 
-use super::properties::{self, Properties};
-use super::time_panel;
+use super::properties::Properties;
 
 /// The entities of a mission.
 pub(crate) struct Entities {
@@ -50,30 +47,18 @@ pub(crate) const ENTITIES: Entities = Entities {
     new_ways: "/mission/new_ways",
 };
 
-/// Sends the page for a mine whose outline has these points.
-pub(crate) fn send(rec: &RecordingStream, outline_m: impl Iterator<Item = Point2<f64>>) -> RecordingStreamResult<()> {
-    let (mut low, mut high) = (Point2::new(-10.0, -10.0), Point2::new(10.0, 10.0));
-    for place_m in outline_m {
-        (low, high) = (low.inf(&place_m), high.sup(&place_m));
-    }
-    let mut properties = Properties::default();
-    let above = from_above(&mut properties, low, high);
+/// The page for a mine in a rectangle between these corners.
+pub(super) fn page(properties: &mut Properties, [low, high]: [Point2<f64>; 2]) -> ContainerLike {
+    let above = from_above(properties, low, high);
     let why = TextDocumentView::new("The last decision").with_origin(ENTITIES.why);
     let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
     let columns = TextLogColumns::new().with_text_log_columns([column(TextLogColumnKind::Body)]);
     let log = TextLogView::new("Decisions: click to go there").with_origin(ENTITIES.log);
     let log = properties.with(log, "TextLogColumns", columns);
-    let walls = plot(&mut properties, "Walls in view", ENTITIES.walls);
-    let left = plot(&mut properties, "Ways on the map not taken", ENTITIES.new_ways);
+    let walls = plot(properties, "Walls in view", ENTITIES.walls);
+    let left = plot(properties, "Ways on the map not taken", ENTITIES.new_ways);
     let words = Vertical::new([why.into(), log, walls, left]).with_row_shares([0.7, 1.6, 0.8, 0.8]);
-    let page = Horizontal::new([above, words.into()]).with_column_shares([2.1, 1.0]).with_name("Mission");
-    let layout = Blueprint::new(page)
-        .with_auto_views(false)
-        .with_auto_layout(false)
-        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
-        .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
-        .with_time_panel(time_panel());
-    properties::send(rec, &layout, properties)
+    Horizontal::new([above, words.into()]).with_column_shares([2.1, 1.0]).with_name("Mission").into()
 }
 
 fn from_above(properties: &mut Properties, low: Point2<f64>, high: Point2<f64>) -> ContainerLike {

@@ -9,6 +9,7 @@ mod together;
 mod views;
 
 use crosscut_stage::Frame;
+use nalgebra::Point2;
 use rerun::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel};
 use rerun::log::{Chunk, LogMsg};
@@ -17,6 +18,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, Stor
 use crate::beam_order::BeamOrder;
 use crate::schema::EXTENT;
 use crate::tensors::f64_vector;
+use properties::Properties;
 use views::Views;
 
 /// The page that a recording opens with. The other pages are tabs beside it.
@@ -120,6 +122,8 @@ pub(crate) enum Shown<'a> {
     Flight { first: Layout, extent: Extent },
     /// Two flights.
     Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
+    /// A mission through a mine in a rectangle between these corners, and its flight.
+    Mission { corners_m: [Point2<f64>; 2], extent: Extent },
     /// A flight with the other sensors of its MCAP recording, which stand below `root`; `pictures` are cameras.
     Sensors { first: Option<Layout>, extent: Extent, root: &'a str, pictures: &'a [String] },
 }
@@ -147,6 +151,13 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResul
                 Layout::all_from(*first).map(|page| page.page_of_both(&mut left, &mut right)).collect();
             tabs.insert(usize::from(first.is_some()), together::beside(&mut left, &mut right));
             (tabs, left.into_properties().and(right.into_properties()))
+        }
+        Shown::Mission { corners_m, extent } => {
+            let (mut views, mut properties) = (Views::new(*extent), Properties::default());
+            let mission = mission::page(&mut properties, *corners_m);
+            let tabs =
+                std::iter::once(mission).chain(Layout::all_from(None).map(|page| page.page(&mut views))).collect();
+            (tabs, views.into_properties().and(properties))
         }
         Shown::Sensors { first, extent, root, pictures } => {
             let mut views = Views::new(*extent);

@@ -2,7 +2,7 @@
 //! its view, and all messages are sent together.
 
 use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
-use rerun::external::re_log_types::BlueprintActivationCommand;
+use rerun::external::re_log_types::{ApplicationId, BlueprintActivationCommand};
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind};
 
@@ -40,14 +40,19 @@ impl Properties {
 
 /// Sends the layout and makes it the active one.
 pub(super) fn send(rec: &RecordingStream, layout: &Blueprint, properties: Properties) -> RecordingStreamResult<()> {
-    let (mut messages, command) = messages_of(layout)?;
+    let application = rec.store_info().map(|info| info.application_id().clone());
+    let (mut messages, command) = messages_of(layout, application.unwrap_or_else(|| "crosscut".into()))?;
     messages.extend(property_messages(&command, properties)?);
     rec.send_blueprint(messages, command);
     Ok(())
 }
 
-fn messages_of(layout: &Blueprint) -> RecordingStreamResult<(Vec<LogMsg>, BlueprintActivationCommand)> {
-    let (scratch, storage) = RecordingStreamBuilder::new("crosscut").send_properties(false).memory()?;
+/// The messages of a layout for all recordings of an application.
+fn messages_of(
+    layout: &Blueprint,
+    application: ApplicationId,
+) -> RecordingStreamResult<(Vec<LogMsg>, BlueprintActivationCommand)> {
+    let (scratch, storage) = RecordingStreamBuilder::new(application).send_properties(false).memory()?;
     layout.send(&scratch, BlueprintActivation::default())?;
     let mut messages = storage.take();
     messages.retain(|message| message.store_id().kind() == StoreKind::Blueprint);

@@ -79,13 +79,13 @@ def _engine(args: argparse.Namespace) -> Engine:
                     raise SettingsError(f"there is no stage python:{module}.{name}: {error}") from error
         else:
             changes.append(change)
-    if args.node == "report" and args.own_affinity:
+    if args.node == "report" and args.own_stage:
         stages["affinity"] = _elsewhere
     return Engine.with_changes(args.preset, changes, **stages)
 
 
 def _elsewhere(_: Any) -> Any:
-    """In the place of an affinity that another node has: for the report, what matters is that nothing was calibrated for it."""
+    """In the place of a stage that another node has: for the report, what matters is that nothing was calibrated for it."""
     raise NotImplementedError
 
 
@@ -125,8 +125,8 @@ def _graph(args: argparse.Namespace, places: dict[str, str], own: dict[str, str]
         "report": [part for option, path in (("--results", args.results), ("--map", args.map)) if path
                    for part in (option, path.absolute())],
     }
-    if "affinity" in own or any(change.startswith("affinity.kind=python:") for change in args.changes):
-        files["report"].append("--own-affinity")
+    if own or any(STAGE_IN_PYTHON.fullmatch(change) for change in args.changes):
+        files["report"].append("--own-stage")
     if args.recording:
         files |= {stage: ["--recorded"] for stage in STAGES} | {"record": [args.recording.absolute()]}
     for option, value in (("--from", args.from_s), ("--to", args.to_s)):
@@ -174,7 +174,7 @@ def _parser() -> argparse.ArgumentParser:
             _add_source(node)
         elif name == "report":
             _add_report(node)
-            node.add_argument("--own-affinity", action="store_true", help="no confidence was calibrated for the affinity")
+            node.add_argument("--own-stage", action="store_true", help="no confidence was calibrated for one of the stages")
         elif name == "record":
             node.add_argument("recording", type=Path)
         else:

@@ -1,5 +1,6 @@
 //! `crosscut compare`: the effect of a stage or setting on a flight, without truth.
 
+mod golden;
 mod shown;
 
 use std::io;
@@ -10,7 +11,10 @@ use std::thread::{Builder, ScopedJoinHandle};
 use anyhow::Context;
 use crossbeam_channel::{IntoIter, bounded};
 use crosscut_detector::Registry;
+use crosscut_evaluate::experiment::{self, Experiment};
+use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Agreement, Differences};
+use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;
@@ -29,14 +33,21 @@ use crate::{progress, typeset};
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
 
+/// An answer, and whether it is right by the truth, if there is one.
+type Judged = (ResultsLine, Option<bool>);
+
 /// The answers of a configuration by ascending `seq`, then `None` at the end of the flight. The channel closes without
 /// `None` if the configuration stopped early.
-type Answers = Peekable<IntoIter<Option<ResultsLine>>>;
+type Answers = Peekable<IntoIter<Option<Judged>>>;
 
 /// The outcome of a comparison.
 struct Compared {
     /// Differences of every configuration but the first from the first.
     differences: Vec<Differences>,
+    /// Which of the two is surer where they differ, for the same configurations.
+    surer: Vec<Surer>,
+    /// What they mend and break against the truth, if there is one.
+    outcomes: Vec<experiment::Outcome>,
     /// The flight by every configuration.
     flown: Vec<Flown>,
     /// Stamp of the first scan that was compared.
@@ -45,6 +56,9 @@ struct Compared {
 
 /// Runs every configuration over the flight at the same time, and compares the answers scan by scan.
 pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    if let Some(folder) = &args.golden {
+        return golden::compare(args, folder, registry);
+    }
     let configurations = configurations::named(&args.with, &args.set, registry)?;
     if configurations.len() < 2 {
         let usage = "compare needs at least two configurations: --with default --with paper";
@@ -52,7 +66,9 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     }
     let read = files_read(&args.input, configurations::files(&args.with))?;
     let input = &args.input.recordings.input;
-    let flights = configurations.iter().map(|of| Flight::open(input, &args.input, &of.config));
+    let truths = || if let [only] = &input[..] { Truths::open(only).ok() } else { None };
+    let open = |of: &Configuration| Ok(Flight::open(input, &args.input, &of.config)?.with_truths(truths()));
+    let flights = configurations.iter().map(open);
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
     let stop = stop_on_interrupt()?;
     let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
@@ -68,7 +84,8 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        show(typeset::text(&shown::tables(&configurations, &compared, args.all)))?;
+        let sentences = shown::sentences(&configurations, &compared);
+        show(format_args!("{sentences}\n{}", typeset::text(&shown::tables(&configurations, &compared, args.all))))?;
     }
     Ok(diagnostics.outcome())
 }
@@ -89,8 +106,9 @@ fn side_by_side(
         for (Configuration { name, config }, flight) in configurations.iter().zip(flights) {
             let (answer, answers_of_one) = bounded(AHEAD);
             let run = move || {
-                let flown = fly(flight, config, &how, &mut [], &mut |frame, _| {
-                    answer.send(Some(ResultsLine::of(frame))).map_err(io::Error::other)
+                let flown = fly(flight, config, &how, &mut [], &mut |frame, judged| {
+                    let is_right = judged.map(|judged| judged.score.right);
+                    answer.send(Some((ResultsLine::of(frame), is_right))).map_err(io::Error::other)
                 })?;
                 if matches!(flown.summary.end, End::Complete) {
                     answer.send(None).ok(); // the receiver is gone if another configuration stopped
@@ -101,25 +119,47 @@ fn side_by_side(
             streams.push(thread.spawn_scoped(scope, run).context("a thread could not be started")?);
             answers.push(answers_of_one.into_iter().peekable());
         }
-        let (differences, first_stamp_ns) = pair(answers, bar)?;
+        let paired = pair(configurations, answers, bar)?;
         let joined = |stream: ScopedJoinHandle<'_, anyhow::Result<Flown>>| stream.join().expect("streams catch panics");
         let flown = streams.into_iter().map(joined).collect::<anyhow::Result<_>>()?;
-        Ok(Compared { differences, flown, first_stamp_ns })
+        let Paired { differences, surer, experiment, first_stamp_ns } = paired;
+        Ok(Compared { differences, surer, outcomes: experiment.outcomes(), flown, first_stamp_ns })
     })
 }
 
-/// Returns the differences of every configuration from the first, and the stamp of the first scan. Answers are paired by `seq`, because a setting may leave out scans (`ingest.frame_id`).
-fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Differences>, u64)> {
+/// The answers of all configurations, scan by scan.
+struct Paired {
+    differences: Vec<Differences>,
+    surer: Vec<Surer>,
+    experiment: Experiment,
+    first_stamp_ns: u64,
+}
+
+/// Compares every configuration with the first. Answers are paired by `seq`, because a setting may leave out scans
+/// (`ingest.frame_id`).
+fn pair(configurations: &[Configuration], mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<Paired> {
     let mut differences = vec![Differences::default(); answers.len() - 1];
+    let mut surer = vec![Surer::default(); answers.len() - 1];
+    let mut experiment = Experiment::new(configurations.iter().map(|of| of.name.clone()).collect());
     let mut first_stamp_ns = None;
     while let Some(seq) = next_seq(&mut answers) {
-        let is_next = |answer: &Option<ResultsLine>| answer.as_ref().is_some_and(|line| line.seq == seq);
-        let lines: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
+        let is_next = |answer: &Option<Judged>| answer.as_ref().is_some_and(|(line, _)| line.seq == seq);
+        let judged: Vec<_> = answers.iter_mut().map(|of| of.next_if(is_next).flatten()).collect();
+        for (place, judged) in judged.iter().enumerate() {
+            if let Some((_, Some(is_right))) = judged {
+                experiment.add("", place, seq, *is_right);
+            }
+        }
+        let lines: Vec<_> = judged.into_iter().map(|judged| Some(judged?.0)).collect();
         first_stamp_ns = first_stamp_ns.or_else(|| lines.iter().flatten().map(|line| line.stamp_ns).next());
         let (first, others) = lines.split_first().expect("there are two configurations at least");
-        for (other, differences) in others.iter().zip(&mut differences) {
+        for ((other, differences), surer) in others.iter().zip(&mut differences).zip(&mut surer) {
             match (first, other) {
-                (Some(first), Some(other)) => differences.add(&Agreement::of(first, other)?),
+                (Some(first), Some(other)) => {
+                    let agreement = Agreement::of(first, other)?;
+                    surer.add(!agreement.same_walls, agreement.confidence);
+                    differences.add(&agreement);
+                }
                 (Some(_), None) => differences.answered_by_one[0] += 1,
                 (None, Some(_)) => differences.answered_by_one[1] += 1,
                 (None, None) => {}
@@ -127,12 +167,12 @@ fn pair(mut answers: Vec<Answers>, bar: &ProgressBar) -> anyhow::Result<(Vec<Dif
         }
         bar.inc(1);
     }
-    Ok((differences, first_stamp_ns.unwrap_or(0)))
+    Ok(Paired { differences, surer, experiment, first_stamp_ns: first_stamp_ns.unwrap_or(0) })
 }
 
 /// The next revolution that any configuration answered; `None` at the end of the flight, or if one stopped early.
 fn next_seq(answers: &mut [Answers]) -> Option<u64> {
-    let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|line| line.seq)));
+    let next = answers.iter_mut().map(|of| Some(of.peek()?.as_ref().map(|(line, _)| line.seq)));
     next.collect::<Option<Vec<_>>>()?.into_iter().flatten().min()
 }
 

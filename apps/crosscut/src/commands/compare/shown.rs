@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crosscut_evaluate::experiment;
 use crosscut_evaluate::tables::Table;
+use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Differences, Proportion, Stretch};
 use crosscut_stage::Step;
 use serde_json::json;
@@ -12,6 +14,14 @@ use crate::configurations::Configuration;
 
 /// This many of the longest stretches are shown by default.
 const STRETCHES: usize = 15;
+
+/// The conclusion: what each configuration mends and breaks, where there is a truth, and which is surer where they differ.
+pub(super) fn sentences(configurations: &[Configuration], compared: &Compared) -> String {
+    let first = &configurations[0].name;
+    let others = configurations[1..].iter().zip(&compared.surer);
+    let surer = others.map(|(other, surer)| surer.sentence(first, &other.name));
+    experiment::sentences(&compared.outcomes).into_iter().chain(surer).map(|sentence| sentence + "\n").collect()
+}
 
 /// Tables of settings, agreement, counts, times, and stretches where the walls differ. Times in the flight are seconds
 /// after its first scan.
@@ -143,16 +153,17 @@ fn stretches(
 /// All figures and stretches, the complete settings of each configuration, and the problems.
 pub(super) fn json(configurations: &[Configuration], compared: &Compared, problems: &[String]) -> String {
     let named = |of: &Configuration| json!({"name": of.name, "settings": of.config.to_string()});
-    let comparison = |(other, differences): (&Configuration, &Differences)| {
+    let comparison = |((other, differences), surer): ((&Configuration, &Differences), &Surer)| {
         let counts = differences.counts.iter();
         let counts: Vec<_> = counts.map(|(walls, n)| json!({"junctions": walls, "revolutions": n})).collect();
-        json!({"configuration": other.name, "figures": differences, "counts": counts})
+        json!({"configuration": other.name, "figures": differences, "counts": counts, "surer": surer})
     };
-    let comparisons = configurations[1..].iter().zip(&compared.differences).map(comparison);
+    let comparisons = configurations[1..].iter().zip(&compared.differences).zip(&compared.surer).map(comparison);
     let document = json!({
         "configurations": configurations.iter().map(named).collect::<Vec<_>>(),
         "against": configurations[0].name,
         "comparisons": comparisons.collect::<Vec<_>>(),
+        "verdicts": compared.outcomes.iter().filter(|outcome| outcome.verdict.of > 0).collect::<Vec<_>>(),
         "problems": problems,
     });
     format!("{document:#}\n")

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crosscut_detector::Registry;
+use crosscut_evaluate::experiment::{self, Experiment};
 use crosscut_evaluate::flights::FlightFigures;
 use crosscut_evaluate::{Evaluation, Scoreboard, tables};
 use crosscut_ingest::{Truths, recordings_in};
@@ -21,6 +22,7 @@ use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
+use crate::run_log::Run;
 use crate::say::{say, show};
 use crate::{outputs, progress, typeset};
 
@@ -50,7 +52,8 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
 
     let bar = progress::bar(revolutions, args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: false };
-    let mut scoreboard = Scoreboard::new(columns.iter().map(|column| column.name.clone()).collect());
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+    let (mut scoreboard, mut experiment) = (Scoreboard::new(names.clone()), Experiment::new(names));
     let (mut wrong, mut time) = (0, FlightTime::default());
     'all: for path in &recordings {
         let family = family_of(path);
@@ -63,6 +66,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
             let scored = scoring::score(path, &args.input, &column.config, &how)?;
             bar.suspend(|| scored.report(&whose, &mut diagnostics));
             scoreboard.merge(&family, place, &scored.evaluation);
+            scored.right.iter().for_each(|&(seq, is_right)| experiment.add(&family, place, seq, is_right));
             if let Some((figures, taken)) = scored.flight {
                 scoreboard.add_flight(&family, place, &figures);
                 time.merge(taken);
@@ -82,8 +86,32 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     if args.draw_wrong.is_some() && wrong == 0 && !diagnostics.ended_early() {
         say("every answer is right, so nothing is drawn");
     }
-    outputs.write(&scoreboard, &columns, diagnostics.problems())?;
+    if let Some(log) = &args.log {
+        let kept = keep(log, &scoreboard, &columns, &recordings, registry);
+        diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
+    }
+    outputs.write(&scoreboard, &experiment.outcomes(), &columns, diagnostics.problems())?;
     Ok(diagnostics.outcome())
+}
+
+/// Appends the figures of each configuration to a history of runs.
+fn keep(
+    log: &Path,
+    scoreboard: &Scoreboard,
+    columns: &[Configuration],
+    recordings: &[PathBuf],
+    registry: &Registry,
+) -> anyhow::Result<()> {
+    let run = Run::of("evaluate", recordings);
+    columns.iter().zip(scoreboard.all()).try_for_each(|(Configuration { name, config }, evaluation)| {
+        let figures = evaluation.figures();
+        let figures = json!({
+            "revolutions": figures.revolutions,
+            "right": figures.right.value(),
+            "right_count": figures.right_count.value(),
+        });
+        run.append(log, name, config, registry, figures)
+    })
 }
 
 /// The name of a recording's family.
@@ -170,29 +198,40 @@ impl<'a> Outputs<'a> {
         Ok(Self { args, json: json.transpose()?, markdown: markdown.transpose()? })
     }
 
-    fn write(&mut self, scoreboard: &Scoreboard, columns: &[Configuration], problems: &[String]) -> anyhow::Result<()> {
+    fn write(
+        &mut self,
+        scoreboard: &Scoreboard,
+        outcomes: &[experiment::Outcome],
+        columns: &[Configuration],
+        problems: &[String],
+    ) -> anyhow::Result<()> {
+        let sentences = experiment::sentences(outcomes);
         let mut shown = tables::overview(scoreboard);
+        shown.extend(experiment::tables(outcomes));
         if self.args.details {
             shown.extend(tables::details(scoreboard));
         }
         if let Some(out) = &mut self.json {
             let settings: Vec<_> = columns.iter().map(|column| column.config.to_string()).collect();
-            out.write(&json(scoreboard, &settings, problems))?;
+            out.write(&json(scoreboard, outcomes, &settings, problems))?;
         }
         if let Some(out) = &mut self.markdown {
             let problems: String = problems.iter().map(|problem| format!("{problem}\n\n")).collect();
-            out.write(&(typeset::markdown(&shown) + &problems))?;
+            let sentences: String = sentences.iter().map(|sentence| format!("{}\n\n", sentence.trim())).collect();
+            out.write(&(sentences + &typeset::markdown(&shown) + &problems))?;
         }
         let stdout_is_taken = [&self.args.json, &self.args.markdown].into_iter().flatten().any(|p| p == Path::new("-"));
         if !self.args.quiet && !stdout_is_taken {
-            show(typeset::text(&shown))?;
+            let sentences: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
+            let space = if sentences.is_empty() { "" } else { "\n" };
+            show(format_args!("{sentences}{space}{}", typeset::text(&shown)))?;
         }
         Ok(())
     }
 }
 
 /// All figures by family and configuration, the complete `settings` of each configuration, and the problems.
-fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> String {
+fn json(scoreboard: &Scoreboard, outcomes: &[experiment::Outcome], settings: &[String], problems: &[String]) -> String {
     let names = scoreboard.configurations();
     let configurations: Vec<_> =
         names.iter().zip(settings).map(|(name, toml)| json!({"name": name, "settings": toml})).collect();
@@ -214,6 +253,7 @@ fn json(scoreboard: &Scoreboard, settings: &[String], problems: &[String]) -> St
         .collect();
     let document = json!({
         "configurations": configurations,
+        "verdicts": outcomes,
         "families": families,
         "all": results(&scoreboard.all(), &scoreboard.all_flights()),
         "problems": problems,

@@ -23,6 +23,8 @@ pub(super) struct Scored {
     pub(super) evaluation: Evaluation,
     /// The figures of the flight, and the time that following it took, if its mine is known.
     pub(super) flight: Option<(FlightFigures, FlightTime)>,
+    /// Each revolution, and whether its answer is right.
+    pub(super) right: Vec<(u64, bool)>,
     /// The wrong answers.
     pub(super) wrong: Wrong,
     flown: Flown,
@@ -45,7 +47,7 @@ impl Scored {
 /// Streams the recording through the stages of `config` and scores each result.
 pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How<'_>) -> anyhow::Result<Scored> {
     let flight = Flight::open(std::slice::from_ref(path), args, config)?.with_truths(Some(Truths::open(path)?));
-    let (mut evaluation, mut wrong) = (Evaluation::default(), Wrong::default());
+    let (mut evaluation, mut wrong, mut right) = (Evaluation::default(), Wrong::default(), Vec::new());
     let mine = truth_map(path)?.transpose();
     let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));
     let mut followed = mine.ok().flatten().map(|mine| Followed::new(&mine));
@@ -56,11 +58,12 @@ pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How
                 followed.add(frame, &judged.truth);
             }
             evaluation.add(&judged.score);
+            right.push((frame.revolution.seq, judged.score.right));
             wrong.take(frame, &judged.truth, &judged.score);
         }
         Ok(())
     })?;
-    Ok(Scored { evaluation, flight: followed.map(Followed::finish), wrong, flown, bad_map })
+    Ok(Scored { evaluation, flight: followed.map(Followed::finish), right, wrong, flown, bad_map })
 }
 
 /// A flight that is followed, and its map.

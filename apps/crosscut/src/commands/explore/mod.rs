@@ -26,6 +26,7 @@ use crate::exit::{Outcome, UsageError};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::{say, show};
+use crate::text_file;
 use crate::{outputs, progress};
 
 /// Flies missions, or lists what there is.
@@ -102,7 +103,7 @@ fn jobs(args: &ExploreArgs) -> anyhow::Result<Vec<Job>> {
     let seeds = || (0..args.count as u64).map(|number| args.seed.wrapping_add(number));
     if let Some(path) = &args.plan {
         let in_plan = |error: &dyn std::fmt::Display| UsageError(format!("{}: {error}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|error| in_plan(&error))?;
+        let text = text_file::read(path).map_err(|error| in_plan(&error))?;
         let plan = Plan::from_json(&text).map_err(|error| in_plan(&error))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         return seeds()
@@ -147,7 +148,7 @@ impl Fleet<'_> {
         let about = About::new(&job.name, job.seed, &world, &self.planner, self.config);
         let past =
             args.resume.as_deref().map(|path| about.past(path)).transpose().map_err(refused)?.unwrap_or_default();
-        let mut saved = Saved::open(args.save.as_deref(), &job.name, self.config, &world, diagnostics)?;
+        let mut saved = Saved::open(args, &job.name, self.config, &world, diagnostics)?;
         let mut journal = args.journal.as_deref().map(|path| Journal::create(path, &about)).transpose()?;
         let flown = self.fly(&world, job.seed, &past, bar, &mut |moment| {
             if let Some(journal) = &mut journal {

@@ -1,15 +1,16 @@
 //! The recording of a mission for the Rerun viewer.
 
-use std::path::Path;
-
 use crosscut_detector::Config;
 use crosscut_flight::FlightAnswer;
 use crosscut_missions::Moment;
-use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError};
+use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError, RecorderOptions};
 use crosscut_simulator::World;
+use crosscut_stage::ObserverError;
 use nalgebra::{Isometry2, Point2};
 
+use crate::cli::explore::ExploreArgs;
 use crate::diagnostics::Diagnostics;
+use crate::observers;
 
 /// The map is drawn anew after this many revolutions: it costs more than all else.
 const MAP_EVERY: u64 = 20;
@@ -17,33 +18,34 @@ const MAP_EVERY: u64 = 20;
 /// A mission that is recorded.
 pub(super) struct Saved {
     recorder: MissionRecorder,
-    failed: Option<RecorderError>,
+    failed: Option<ObserverError>,
 }
 
 impl Saved {
     /// The recording of a mission, if one is requested. If it cannot be opened, the mission is flown without it; it fails
     /// in a program without Rerun alone.
     pub(super) fn open(
-        path: Option<&Path>,
+        args: &ExploreArgs,
         name: &str,
         config: &Config,
         world: &World,
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Option<Self>> {
-        let created = path.map(|path| Self::create(path, name, config, world)).transpose();
+        let path = args.save.clone();
+        let options =
+            RecorderOptions { path, scope: args.scope.scope(), ..observers::recorder_options(name.to_owned(), config) };
+        let created = args.save.is_some().then(|| Self::create(options, world)).transpose();
         diagnostics.lost_all(created.as_ref().err());
         Ok(created.unwrap_or_default())
     }
 
-    fn create(path: &Path, name: &str, config: &Config, world: &World) -> Result<Self, RecorderError> {
+    fn create(options: RecorderOptions, world: &World) -> Result<Self, RecorderError> {
         let start = world.start;
         let home = Isometry2::new(start.position_m.coords, start.heading_rad).inverse();
         let segments = world.mine.surface().segments().iter();
         let mine_m: Vec<[Point2<f64>; 2]> =
             segments.map(|segment| [home * segment.from_m, home * segment.to_m]).collect();
-        let config = format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION"));
-        let recorder = MissionRecorder::create(path, name, &config, &mine_m)?;
-        Ok(Self { recorder, failed: None })
+        Ok(Self { recorder: MissionRecorder::new(options, &mine_m)?, failed: None })
     }
 
     pub(super) fn add(&mut self, moment: &Moment) {
@@ -64,7 +66,7 @@ impl Saved {
     }
 
     /// Ends the file, and returns the first error.
-    pub(super) fn finish(mut self) -> Result<(), RecorderError> {
+    pub(super) fn finish(mut self) -> Result<(), ObserverError> {
         match self.failed.take() {
             Some(error) => Err(error),
             None => self.recorder.finish(),

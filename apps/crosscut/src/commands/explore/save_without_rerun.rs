@@ -1,11 +1,10 @@
 //! In place of `save.rs` where the program is built without Rerun.
 
-use std::path::Path;
-
 use crosscut_detector::Config;
 use crosscut_missions::Moment;
 use crosscut_simulator::World;
 
+use crate::cli::explore::ExploreArgs;
 use crate::diagnostics::Diagnostics;
 
 /// There are none.
@@ -13,13 +12,13 @@ pub(super) enum Saved {}
 
 impl Saved {
     pub(super) fn open(
-        path: Option<&Path>,
+        args: &ExploreArgs,
         _: &str,
         _: &Config,
         _: &World,
         _: &mut Diagnostics,
     ) -> anyhow::Result<Option<Self>> {
-        if path.is_some() { Err(crate::exit::without_rerun()) } else { Ok(None) }
+        if args.save.is_some() { Err(crate::exit::without_rerun()) } else { Ok(None) }
     }
 
     pub(super) fn add(&mut self, _: &Moment) {

@@ -22,10 +22,11 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use self::grid::Grid;
-use self::store::{Store, hash, hash_of_file};
+use self::store::Store;
 use self::tally::Tally;
 use crate::cli::InputArgs;
 use crate::cli::sweep::SweepArgs;
+use crate::content::{hash, hash_of_file, program};
 use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::fly::{self, Judge, files_read};
@@ -94,13 +95,6 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
         diagnostics.interrupted(format_args!("{left} of {all} are left; run the same command again to continue"));
     }
     Ok(diagnostics.outcome())
-}
-
-/// Version and build of this program: another build may give other answers. Without `build`, its file identifies it.
-fn program(build: Option<&str>) -> String {
-    let of_file = || std::env::current_exe().and_then(|path| hash_of_file(&path)).unwrap_or_default();
-    let build = build.map_or_else(of_file, |build| hash(&[build]));
-    format!("crosscut {} {build:.8}", env!("CARGO_PKG_VERSION"))
 }
 
 /// The flights that can be read, each with a name of its own.

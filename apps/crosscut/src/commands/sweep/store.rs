@@ -1,16 +1,15 @@
 //! What a sweep has computed, one file for each flight and combination, under a name that holds for its input, settings and
 //! program alone.
 
-use std::fs::File;
-use std::hash::Hasher as _;
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use serde_json::Value;
-use siphasher::sip128::{Hasher128 as _, SipHasher13};
+
+use crate::text_file;
 
 /// Another sweep has this long to write a file that both write.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -29,7 +28,7 @@ impl Store {
 
     /// What was computed under this name; `None` if nothing was, or it is damaged.
     pub(super) fn get(&self, name: &str) -> Option<Value> {
-        serde_json::from_slice(&std::fs::read(self.path(name)).ok()?).ok()
+        serde_json::from_str(&text_file::read(&self.path(name)).ok()?).ok()
     }
 
     /// Keeps what was computed. A file is there as a whole or not at all.
@@ -50,27 +49,6 @@ pub(super) fn write(path: &Path, text: String) -> io::Result<()> {
         match crosscut_outfile::write(path, &text) {
             Err(error) if error.kind() == io::ErrorKind::ResourceBusy && begun.elapsed() < PATIENCE => sleep(PAUSE),
             written => return written,
-        }
-    }
-}
-
-/// A hash of these texts.
-pub(super) fn hash(texts: &[&str]) -> String {
-    let mut hasher = SipHasher13::new();
-    for text in texts {
-        hasher.write_usize(text.len());
-        hasher.write(text.as_bytes());
-    }
-    format!("{:032x}", hasher.finish128().as_u128())
-}
-
-/// A hash of what is in a file.
-pub(super) fn hash_of_file(path: &Path) -> io::Result<String> {
-    let (mut file, mut hasher, mut part) = (File::open(path)?, SipHasher13::new(), vec![0; 1 << 20]);
-    loop {
-        match file.read(&mut part)? {
-            0 => return Ok(format!("{:032x}", hasher.finish128().as_u128())),
-            bytes => hasher.write(&part[..bytes]),
         }
     }
 }

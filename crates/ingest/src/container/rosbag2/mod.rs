@@ -174,7 +174,7 @@ impl Rosbag2 {
         let mut data = self.spare.pop().unwrap_or_default();
         data.clear();
         data.extend_from_slice(bytes);
-        Ok(Message { channel: place.channel.unwrap_or_default(), log_time_ns: place.log_time_ns, data })
+        Ok(Message { channel: place.channel.unwrap_or_default(), log_time_ns: place.log_time_ns, data, damage: None })
     }
 
     fn is_selected(&self, place: &Place) -> bool {

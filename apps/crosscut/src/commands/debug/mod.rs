@@ -1,0 +1,107 @@
+//! `crosscut debug`: a flight that answers back. The session is `crosscut-debugger`; here are its front ends: lines of words,
+//! edited on a terminal, and JSON-RPC.
+
+mod editor;
+mod flight;
+mod json;
+mod outside;
+mod plain;
+
+use std::io::{self, IsTerminal as _};
+use std::path::Path;
+
+use crosscut_debugger::{Refused, Reply, Session};
+use crosscut_detector::Registry;
+
+use self::outside::Outside;
+use crate::cli::debug::DebugArgs;
+use crate::config;
+use crate::diagnostics::Diagnostics;
+use crate::exit::{Outcome, UsageError};
+use crate::fly::files_read;
+
+/// A session with what it may write.
+struct Debugger {
+    session: Session,
+    outside: Outside,
+}
+
+impl Debugger {
+    /// Does what the words say.
+    fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
+        match self.outside.command(&mut self.session, words) {
+            Some(done) => done,
+            None => self.session.command(words),
+        }
+    }
+}
+
+/// Reads the flight, then does one command after the other.
+pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    if args.input.recordings.input.iter().any(|path| path == Path::new("-")) {
+        return Err(UsageError("standard input holds the commands; name a file of the flight".to_owned()).into());
+    }
+    let read = files_read(&args.input, args.config.config.clone())?;
+    let layers = config::layers(&args.config.preset, args.config.config.as_deref(), &[("--set", &args.config.set)])?;
+    let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let json = args.json;
+    let (reader, lost) = flight::reader(args.input);
+    let session = Session::new(registry.clone(), layers, reader).map_err(|refused| match refused {
+        Refused::Failed(why) => anyhow::anyhow!(why),
+        refused => UsageError(refused.to_string()).into(),
+    })?;
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.lost_all(lost.borrow().iter());
+    let mut debugger = Debugger { session, outside: Outside { name, read } };
+    let refused = if json {
+        json::answer_all(&mut debugger, io::stdin().lock(), &mut io::stdout().lock())?;
+        0
+    } else if io::stdin().is_terminal() && io::stdout().is_terminal() {
+        editor::answer_all(&mut debugger)?;
+        0
+    } else {
+        plain::answer_all(&mut debugger, io::stdin().lock())?
+    };
+    Ok(match (refused, diagnostics.outcome()) {
+        (0, outcome) => outcome,
+        _ => Outcome::Failed, // a script wants to know
+    })
+}
+
+/// Splits a line at spaces; what stands between double quotes is one word.
+fn words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut is_quoted, mut is_word) = (Vec::new(), String::new(), false, false);
+    for character in line.chars() {
+        match character {
+            '"' => (is_quoted, is_word) = (!is_quoted, true),
+            space if space.is_whitespace() && !is_quoted => {
+                if std::mem::take(&mut is_word) {
+                    words.push(std::mem::take(&mut word));
+                }
+            }
+            other => {
+                word.push(other);
+                is_word = true;
+            }
+        }
+    }
+    words.extend(is_word.then_some(word));
+    words
+}
+
+/// Whether the words end the session.
+fn is_end(words: &[String]) -> bool {
+    matches!(words, [only] if only == "quit")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::words;
+
+    #[test]
+    fn quotes_keep_spaces_within_a_word() {
+        assert_eq!(words("  get W  \"my file.npy\" "), ["get", "W", "my file.npy"]);
+        assert_eq!(words("note \"\""), ["note", ""]);
+        assert!(words(" \t").is_empty());
+    }
+}

@@ -1,0 +1,73 @@
+//! The commands that write more than arrays: settings and recordings.
+
+use std::path::{Path, PathBuf};
+
+use crosscut_debugger::{Refused, Reply, Session};
+use crosscut_outfile::Keep;
+use serde_json::json;
+
+use crate::outputs::{self, Document};
+
+/// What is around a session.
+pub(super) struct Outside {
+    /// Of the flight, for recordings.
+    #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
+    pub(super) name: String,
+    /// The files that were read, which no output may replace.
+    pub(super) read: Vec<PathBuf>,
+}
+
+impl Outside {
+    /// Does what the words say, if it is no work of the session alone.
+    pub(super) fn command(&self, session: &mut Session, words: &[String]) -> Option<Result<Reply, Refused>> {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        Some(match words[..] {
+            ["write", path] => self.write(session, Path::new(path)),
+            ["save", path] => self.save(session, Path::new(path)),
+            ["write", ..] => Err(Refused::Usage("write SETTINGS.toml: write the present settings".to_owned())),
+            ["save", ..] => Err(Refused::Usage("save FLIGHT.rrd: record the whole flight".to_owned())),
+            ["get", _, path] => match self.refuse(Path::new(path)) {
+                Err(refused) => Err(refused),
+                Ok(()) => return None,
+            },
+            _ => return None,
+        })
+    }
+
+    fn refuse(&self, path: &Path) -> Result<(), Refused> {
+        outputs::refuse(&[path], &self.read).map_err(|error| Refused::Usage(error.0))
+    }
+
+    fn write(&self, session: &Session, path: &Path) -> Result<Reply, Refused> {
+        self.refuse(path)?;
+        let mut out = Document::create(path, &self.read, Keep::ThroughKill).map_err(failed)?;
+        out.write(&session.config().to_string()).map_err(failed)?;
+        let path = path.display().to_string();
+        Ok(Reply { text: format!("settings in {path}; `--config {path}` takes them"), value: json!({"path": path}) })
+    }
+
+    #[cfg(feature = "rerun")]
+    fn save(&self, session: &mut Session, path: &Path) -> Result<Reply, Refused> {
+        use crosscut_recorder::{Recorder, RecorderOptions};
+
+        self.refuse(path)?;
+        let options = RecorderOptions {
+            path: Some(crate::cli::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
+            ..crate::observers::recorder_options(self.name.clone(), session.config())
+        };
+        let mut recorder = Recorder::new(options).map_err(failed)?;
+        session.show_all(&mut recorder).map_err(failed)?;
+        let (path, revolutions) = (path.display().to_string(), session.revolutions());
+        let text = format!("{revolutions} revolutions in {path}; `crosscut view {path}` shows them");
+        Ok(Reply { text, value: json!({"path": path, "revolutions": revolutions}) })
+    }
+
+    #[cfg(not(feature = "rerun"))]
+    fn save(&self, _: &mut Session, _: &Path) -> Result<Reply, Refused> {
+        Err(Refused::Failed(crate::exit::without_rerun().to_string()))
+    }
+}
+
+fn failed(error: impl Into<anyhow::Error>) -> Refused {
+    Refused::Failed(format!("{:#}", error.into()))
+}

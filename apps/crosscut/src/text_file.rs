@@ -1,0 +1,39 @@
+//! Text files that a command reads beside recordings: settings, plans, and what a sweep has computed.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// A file of more bytes is refused.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The whole text of a file.
+///
+/// # Errors
+/// When it cannot be read, is not UTF-8, or is too large.
+pub(crate) fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    if File::open(path)?.take(MOST_BYTES + 1).read_to_string(&mut text)? as u64 > MOST_BYTES {
+        let cause = format!("larger than the {} MiB that a text file may have", MOST_BYTES >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, cause));
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_beyond_the_limit_is_refused() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("plan.json");
+        for (bytes, is_read) in [(MOST_BYTES, true), (MOST_BYTES + 1, false)] {
+            std::fs::write(&path, vec![b' '; bytes as usize]).expect("written");
+            assert_eq!(read(&path).is_ok(), is_read, "{bytes}");
+        }
+        let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/recordings.md"));
+        let row = format!("\n| plan, file of settings, row of a sweep | {} MiB |", MOST_BYTES >> 20);
+        assert!(page.expect("the documentation").contains(&row), "no row {row}");
+    }
+}

@@ -1,0 +1,151 @@
+//! The answers of the whole flight: again, and against what is held.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use crosscut_evaluate::Score;
+use crosscut_evaluate::stage_values::{first_difference, stage_values};
+use crosscut_evaluate::verdict::{Surer, Verdict, listed, thousands};
+use crosscut_stage::counted;
+use serde_json::json;
+
+use crate::moves::{beside, nothing_held};
+use crate::side::{Answer, Side};
+use crate::{Refused, Reply, Session};
+
+/// At most this many spans of revolutions are named in a line.
+const SPANS: usize = 12;
+
+/// Values differ if they differ at all.
+const EXACT: f64 = 0.0;
+
+impl Session {
+    pub(crate) fn again(&mut self) -> Reply {
+        let start = Instant::now();
+        let answers = self.now.given.answer(&self.registry);
+        let taken_s = start.elapsed().as_secs_f64();
+        let (given, known) = match self.before.take() {
+            Some((given, known)) => (given, known),
+            None => (self.now.given.clone(), Some(self.now.answers(&self.registry).to_vec())),
+        };
+        let before = known.unwrap_or_else(|| given.answer(&self.registry));
+        let by_seq: BTreeMap<u64, &Answer> = before.iter().map(|answer| (answer.line.seq, answer)).collect();
+        let is_changed = |answer: &&Answer| by_seq.get(&answer.line.seq).is_none_or(|before| !before.is_same(answer));
+        let changed: Vec<u64> = answers.iter().filter(is_changed).map(|answer| answer.line.seq).collect();
+        let failed = answers.iter().filter(|answer| answer.failure.is_some()).count();
+        let which = if changed.is_empty() { String::new() } else { format!(": {}", listed(&changed, SPANS)) };
+        let failing =
+            if failed > 0 { format!("; {} without an answer", thousands(failed as u64)) } else { String::new() };
+        let of = counted(answers.len() as u64, "revolution").replacen(
+            &answers.len().to_string(),
+            &thousands(answers.len() as u64),
+            1,
+        );
+        let text = format!(
+            "{of} answered again in {taken_s:.2} s; {} changed{which}{failing}",
+            thousands(changed.len() as u64)
+        );
+        let value = json!({
+            "revolutions": answers.len(), "changed": changed, "failed": failed, "seconds": taken_s,
+        });
+        self.now.set_answers(answers);
+        Reply::new(text, value)
+    }
+
+    pub(crate) fn hold(&mut self) -> Reply {
+        let mut held = Side::new(self.now.given.clone(), &self.registry);
+        held.go_to(self.at);
+        if let Some(answers) = self.now.answered_if_known() {
+            held.set_answers(answers.to_vec());
+        }
+        self.held = Some(held);
+        let here = self.here();
+        Reply::new(format!("A: {}", here.text), here.value)
+    }
+
+    pub(crate) fn diff(&mut self) -> Result<Reply, Refused> {
+        if self.held.is_none() {
+            return Err(nothing_held());
+        }
+        let held = self.held_frame().ok_or_else(|| Refused::Failed("A does not have this revolution".to_owned()))?;
+        let seq = held.revolution.seq;
+        if let [Some(failure), _] | [_, Some(failure)] = [&held.failure, &self.frame().failure] {
+            let same = held.failure == self.frame().failure;
+            let text = if same { format!("both fail: {failure}") } else { format!("one fails: {failure}") };
+            return Ok(Reply::new(text, json!({"revolution": seq, "same": same, "failure": failure.to_string()})));
+        }
+        let sides = [held, self.frame()].map(|frame| stage_values(frame, true));
+        Ok(match first_difference(&sides[0], &sides[1], |_| EXACT) {
+            None => Reply::new("the same in every stage", json!({"revolution": seq, "same": true})),
+            Some(first) => {
+                let [a, b] = &first.values;
+                let text = format!("{}: {} is {a} in A, {b} now", first.step, first.field);
+                let value = json!({"revolution": seq, "same": false, "stage": first.step, "field": first.field, "values": [a, b]});
+                Reply::new(text, value)
+            }
+        })
+    }
+
+    pub(crate) fn differs(&mut self) -> Result<Reply, Refused> {
+        let registry = &self.registry;
+        let held = self.held.as_mut().ok_or_else(nothing_held)?;
+        let flight = self.now.given.flight.clone();
+        let held = beside(held, &flight, registry);
+        let (mut surer, mut verdict, mut differ) = (Surer::default(), None, Vec::new());
+        let (mut mended, mut broken) = (Vec::new(), Vec::new());
+        for ((now, held), scan) in self.now.answers(registry).iter().zip(held).zip(flight.iter()) {
+            let Some(held) = held else { continue };
+            let seq = now.line.seq;
+            let is_different = !held.is_same(now);
+            surer.add(is_different, [held.line.confidence, now.line.confidence]);
+            differ.extend(is_different.then_some(seq));
+            let right = scan.truth.as_ref().map(|truth| {
+                [held, now].map(|of| Score::of(truth, &of.line).is_ok_and(|score| of.failure.is_none() && score.right))
+            });
+            if let Some(right) = right {
+                verdict.get_or_insert_with(Verdict::default).add(right);
+                mended.extend((right == [false, true]).then_some(seq));
+                broken.extend((right == [true, false]).then_some(seq));
+            }
+        }
+        let mut lines = Vec::new();
+        lines.extend(verdict.map(|verdict: Verdict| format!("{}.", verdict.sentence("now", None))));
+        let which = if differ.is_empty() { String::new() } else { format!(": {}", listed(&differ, SPANS)) };
+        lines.push(format!("{}{which}", surer.sentence("A", "now")));
+        for (what, list) in [("mended", &mended), ("broken", &broken)] {
+            lines.extend((!list.is_empty()).then(|| format!("{what}: {}", listed(list, SPANS))));
+        }
+        let p = verdict.map(|verdict| verdict.p());
+        let value = json!({
+            "differ": differ, "of": surer.of, "surer": {"A": surer.first, "now": surer.second},
+            "verdict": verdict, "p": p, "mended": mended, "broken": broken,
+        });
+        Ok(Reply::new(lines.join("\n"), value))
+    }
+
+    pub(crate) fn report(&mut self) -> Reply {
+        let flight = self.now.given.flight.clone();
+        let answers = self.now.answers(&self.registry);
+        let mut by_walls: BTreeMap<usize, u64> = BTreeMap::new();
+        let (mut right, mut judged, mut failed) = (0, 0, 0);
+        for (answer, scan) in answers.iter().zip(flight.iter()) {
+            if answer.failure.is_some() {
+                failed += 1;
+                continue;
+            }
+            *by_walls.entry(answer.line.junctions).or_default() += 1;
+            let score = scan.truth.as_ref().and_then(|truth| Score::of(truth, &answer.line).ok());
+            judged += u64::from(score.is_some());
+            right += u64::from(score.is_some_and(|score| score.right));
+        }
+        let line = |(walls, revolutions): (&usize, &u64)| {
+            format!("{}: {}", counted(*walls as u64, "wall"), counted(*revolutions, "revolution"))
+        };
+        let mut lines: Vec<String> = by_walls.iter().map(line).collect();
+        lines.extend((failed > 0).then(|| format!("without an answer: {failed}")));
+        lines.extend((judged > 0).then(|| format!("right: {} of {}", thousands(right), thousands(judged))));
+        let by_walls: Vec<_> = by_walls.iter().map(|(walls, n)| json!({"walls": walls, "revolutions": n})).collect();
+        let value = json!({"by_walls": by_walls, "failed": failed, "right": right, "judged": judged});
+        Reply::new(lines.join("\n"), value)
+    }
+}

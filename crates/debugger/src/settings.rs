@@ -1,0 +1,151 @@
+//! Changing settings, and what stages made.
+
+use std::fs::File;
+
+use crosscut_stage::counted;
+use faer::Mat;
+use serde_json::json;
+
+use crate::command::takes;
+use crate::npy::NpyArray;
+use crate::session::{answer_in_words, merge};
+use crate::{Refused, Reply, Session};
+
+impl Session {
+    pub(crate) fn set(&mut self, words: &[String]) -> Result<Reply, Refused> {
+        let text = words.concat();
+        let (key, value) = text.split_once('=').ok_or_else(|| takes("set"))?;
+        let mut changes = self.changes.clone();
+        changes.retain(|[known, _]| known != key);
+        // Another kind begins with its own defaults: what was set of the kind before would be refused.
+        if let Some(section) = key.strip_suffix(".kind") {
+            changes.retain(|[known, _]| !known.starts_with(&format!("{section}.")));
+        }
+        changes.push([key.to_owned(), value.to_owned()]);
+        let before = answer_in_words(self.frame());
+        self.configure(changes)?;
+        Ok(self.changed_from(&before))
+    }
+
+    pub(crate) fn swap(&mut self, word: &str) -> Result<Reply, Refused> {
+        let (stage, kind) = word.split_once('=').ok_or_else(|| takes("swap"))?;
+        if !["affinity", "spectral", "kmeans"].contains(&stage) {
+            return Err(takes("swap"));
+        }
+        self.set(&[format!("{stage}.kind={kind}")])
+    }
+
+    pub(crate) fn unset(&mut self, key: &str) -> Result<Reply, Refused> {
+        let mut changes = self.changes.clone();
+        changes.retain(|[known, _]| key != "all" && known != key);
+        if changes.len() == self.changes.len() {
+            let set: Vec<&str> = self.changes.iter().map(|[key, _]| key.as_str()).collect();
+            let set = if set.is_empty() { "nothing".to_owned() } else { set.join(", ") };
+            return Err(Refused::Usage(format!("{key} was not set here; what was: {set}")));
+        }
+        let before = answer_in_words(self.frame());
+        self.configure(changes)?;
+        Ok(self.changed_from(&before))
+    }
+
+    pub(crate) fn inject(&mut self, words: &[String]) -> Result<Reply, Refused> {
+        let mut given = self.now.given.clone();
+        let seq = self.frame().revolution.seq;
+        match words {
+            [off] if off == "off" => {
+                if given.injected.remove(&seq).is_none() {
+                    return Err(Refused::Usage("nothing is injected into this revolution".to_owned()));
+                }
+            }
+            [what, path] => {
+                let cannot = |error: String| Refused::Failed(format!("{error}, in {path}"));
+                let array = File::open(path).map_err(|error| error.to_string());
+                let array = array.and_then(|mut file| NpyArray::read(&mut file)).map_err(cannot)?;
+                let n = self.frame().revolution.len();
+                let injected = given.injected.entry(seq).or_default();
+                match (what.as_str(), &array.shape[..]) {
+                    ("W", &[rows, columns]) if rows == n && columns == n => {
+                        injected.w = Some(affinity(&array).map_err(cannot)?);
+                    }
+                    ("U", &[rows, columns]) if rows == n => injected.u = Some(matrix(&array, rows, columns)),
+                    ("labels", &[rows]) if rows == n => {
+                        injected.labels = Some(array.values.iter().map(|&label| label as i64).collect());
+                    }
+                    ("W" | "U" | "labels", shape) => {
+                        let fits = if what == "W" { format!("{n}x{n}") } else { counted(n as u64, "row") };
+                        return Err(cannot(format!(
+                            "the shape {shape:?} does not fit: {what} of this revolution has {fits}"
+                        )));
+                    }
+                    _ => return Err(takes("inject")),
+                }
+            }
+            _ => return Err(takes("inject")),
+        }
+        let before = answer_in_words(self.frame());
+        self.give(given);
+        Ok(self.changed_from(&before))
+    }
+
+    /// The present answer, and the one before if it was another.
+    fn changed_from(&self, before: &str) -> Reply {
+        let mut here = self.here();
+        let is_changed = before != answer_in_words(self.frame());
+        if is_changed {
+            here.text = format!("{} (before: {before})", here.text);
+        } else {
+            here.text += " (as before)";
+        }
+        merge(&mut here.value, json!({"changed": is_changed}));
+        here
+    }
+
+    pub(crate) fn settings(&self) -> Reply {
+        let start: Vec<(String, String)> = self.start.settings().collect();
+        let now: Vec<(String, String)> = self.config().settings().collect();
+        let value_in = |list: &[(String, String)], key: &str| {
+            list.iter().find(|(known, _)| known == key).map_or_else(|| "-".to_owned(), |(_, value)| value.clone())
+        };
+        let gone = start.iter().filter(|(key, _)| !now.iter().any(|(known, _)| known == key));
+        let keys: Vec<&String> = now.iter().chain(gone).map(|(key, _)| key).collect();
+        let pair = |key: &&String| [(*key).clone(), value_in(&start, key), value_in(&now, key)];
+        let differ: Vec<[String; 3]> = keys.iter().map(pair).filter(|[_, before, after]| before != after).collect();
+        let mut lines: Vec<String> =
+            differ.iter().map(|[key, before, after]| format!("{key} = {after} (at the start {before})")).collect();
+        for (seq, injected) in &self.now.given.injected {
+            lines.push(format!("{} of revolution {seq} injected", injected.names().join(" and ")));
+        }
+        if lines.is_empty() {
+            lines.push("as at the start".to_owned());
+        }
+        let differ: Vec<_> =
+            differ.iter().map(|[key, before, after]| json!({"key": key, "start": before, "now": after})).collect();
+        let injected: Vec<u64> = self.now.given.injected.keys().copied().collect();
+        Reply::new(lines.join("\n"), json!({"differ": differ, "injected": injected}))
+    }
+}
+
+fn matrix(array: &NpyArray, rows: usize, columns: usize) -> Mat<f64> {
+    Mat::from_fn(rows, columns, |i, j| array.values[i * columns + j])
+}
+
+/// W, unless it is none: stages rely on its symmetry and signs.
+fn affinity(array: &NpyArray) -> Result<Mat<f64>, String> {
+    let n = array.shape[0];
+    let w = matrix(array, n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let (a, b) = (w[(i, j)], w[(j, i)]);
+            if !(a.is_finite() && a >= 0.0) {
+                return Err(format!("W[{i}, {j}] = {a} is not a weight of 0 or more"));
+            }
+            if a != b {
+                return Err(format!("W is not symmetric: W[{i}, {j}] = {a}, W[{j}, {i}] = {b}"));
+            }
+        }
+        if w[(i, i)] <= 0.0 {
+            return Err(format!("W[{i}, {i}] is 0; the diagonal of W is 1"));
+        }
+    }
+    Ok(w)
+}

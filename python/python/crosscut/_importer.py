@@ -1,0 +1,12 @@
+"""``rerun-importer-crosscut``: with it on the PATH the Rerun viewer opens recorded flights with the pages of crosscut."""
+
+from __future__ import annotations
+
+import sys
+
+from . import _native
+from .__main__ import hear
+
+
+def main() -> int:
+    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None, hear)
