@@ -6,6 +6,7 @@ mod debugging;
 mod documented;
 mod evaluation;
 mod exploring;
+mod field;
 mod figures;
 mod flight;
 mod flying;

@@ -90,7 +90,7 @@ impl Answer {
         fields.set_item(intern!(py, "timings_ms"), timings)?;
         fields.set_item(intern!(py, "here"), line.here.map(|here| of_here(py, here)).transpose()?)?;
         fields.set_item(intern!(py, "steady"), line.steady.map(|steady| of_steady(py, steady)).transpose()?)?;
-        let pose = line.pose.map(|pose| of_pose.call1((pose.x_m, pose.y_m, pose.yaw_rad)));
+        let pose = line.pose.map(|pose| of_pose.call1((pose.x_m, pose.y_m, pose.yaw_rad, pose.sd_m)));
         fields.set_item(intern!(py, "pose"), pose.transpose()?)?;
         fields.set_item(intern!(py, "W"), weights.filter(|_| keep.w))?;
         fields.set_item(intern!(py, "L"), laplacian)?;

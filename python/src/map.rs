@@ -35,6 +35,7 @@ impl Map {
         for passage in &map.passages {
             let entry = PyDict::new(py);
             entry.set_item("length_m", passage.length_m)?;
+            entry.set_item("length_sd_m", passage.length_sd_m)?;
             entry.set_item("width_m", passage.width_m)?;
             entry.set_item("via_m", passage.via_m.iter().map(|place| (place.x, place.y)).collect::<Vec<_>>())?;
             passages.append((passage.from, passage.to, entry))?;

@@ -157,7 +157,7 @@ mod tests {
         let mut frame = Frame::default();
         frame.junction.junctions = count;
         let steady = Some(Steady { junctions: steady, here: None, openings: Vec::new() });
-        FlightAnswer { pose: None, here, steady }.put(&mut frame);
+        FlightAnswer { pose: None, doubt: None, here, steady }.put(&mut frame);
         frame
     }
 

@@ -1,5 +1,5 @@
 //! How often maps of simulated flights are right, as a table in Markdown:
-//! `cargo run --release -p crosscut-flight --example maps -- SCENARIO... FIRST_SEED COUNT`.
+//! `cargo run --release -p crosscut-flight --example maps -- SCENARIO|PLAN.json... FIRST_SEED COUNT`.
 //!
 //! For odometry that drifts by 0, 2, 5 and 10 % and for scans alone, a line each for the map, for counting every change of
 //! the count as a new junction, and for taking all within 8 m of the pose to be one. The columns are the figures of
@@ -18,7 +18,7 @@ use crosscut_evaluate::{Proportion, maps::MapTruth};
 use crosscut_flight::{Flight, Map, Mapper, PARAMS};
 use crosscut_messages::TruthMap;
 use crosscut_sensor::Sensor;
-use crosscut_simulator::{Scenario, scenarios};
+use crosscut_simulator::{Flight as Scenes, Plan, scenarios};
 use crosscut_stage::{Frame, Params, Value};
 use nalgebra::{Isometry2, Vector2};
 
@@ -33,27 +33,35 @@ struct Sum {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [names @ .., first, count] = &args[..] else { return Err("SCENARIO... FIRST_SEED COUNT".into()) };
+    let [names @ .., first, count] = &args[..] else { return Err("SCENARIO|PLAN.json... FIRST_SEED COUNT".into()) };
     let (first, count): (u64, u64) = (first.parse()?, count.parse()?);
     let mut sums: Vec<(&str, Vec<Sum>)> = Vec::new();
     let mut engine = Settings::new(Preset::Default).engine()?;
     for name in names {
-        let scenario = scenarios().iter().find(|scenario| scenario.name == name).ok_or("no such scenario")?;
         let mut of_drifts: Vec<Sum> = DRIFTS.iter().map(|_| Sum::default()).collect();
         for seed in first..first + count {
-            fly(scenario, seed, &mut engine, &mut of_drifts)?;
+            fly(name, seed, &mut engine, &mut of_drifts)?;
         }
-        sums.push((scenario.name, of_drifts));
+        sums.push((name, of_drifts));
     }
     print_maps(&sums);
     print_places(&sums);
     Ok(())
 }
 
+/// The flight through a scenario's mine, or through that of a plan.
+fn scenes(name: &str, seed: u64) -> Result<Scenes, Box<dyn Error>> {
+    if name.ends_with(".json") {
+        return Ok(Plan::from_json(&std::fs::read_to_string(name)?)?.fly(seed)?);
+    }
+    let scenario = scenarios().iter().find(|scenario| scenario.name == name).ok_or("no such scenario")?;
+    Ok((scenario.fly)(seed))
+}
+
 /// One flight, followed once for each drift.
-fn fly(scenario: &Scenario, seed: u64, engine: &mut Engine, sums: &mut [Sum]) -> Result<(), Box<dyn Error>> {
+fn fly(name: &str, seed: u64, engine: &mut Engine, sums: &mut [Sum]) -> Result<(), Box<dyn Error>> {
     let (sensor, mut frame) = (Sensor::default(), Frame::default());
-    let mut flight = (scenario.fly)(seed).peekable();
+    let mut flight = scenes(name, seed)?.peekable();
     let mine = flight.peek().and_then(|scene| scene.map.clone()).ok_or("a flight has a map")?;
     let mut runs = DRIFTS.iter().map(|drift| follower(*drift, &mine)).collect::<Result<Vec<_>, _>>()?;
     let (mut before, mut odometry) = (None, [Isometry2::identity(); DRIFTS.len()]);
@@ -86,7 +94,7 @@ fn fly(scenario: &Scenario, seed: u64, engine: &mut Engine, sums: &mut [Sum]) ->
         let map = mapper.map();
         let figures = score.figures(&map);
         if std::env::var_os("MAPS_SAY").is_some() && figures.map.exact.hits == 0 {
-            say(&format!("{} {seed}, drift {:?}", scenario.name, DRIFTS[at]), &map, &truth);
+            say(&format!("{name} {seed}, drift {:?}", DRIFTS[at]), &map, &truth);
         }
         sums[at].figures.merge(&figures);
     }

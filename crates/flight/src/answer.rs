@@ -1,6 +1,6 @@
 //! What the flight so far adds to the answer for one revolution.
 
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, PoseDoubt};
 use nalgebra::Isometry2;
 
 /// What the flight so far adds to the answer for one revolution. [`Flight`](crate::Flight) leaves it in the frame.
@@ -9,6 +9,8 @@ pub struct FlightAnswer {
     /// Where the revolution was taken, metres and radians in the frame of the flight's first pose; `None` where that is not
     /// known.
     pub pose: Option<Isometry2<f64>>,
+    /// How far it may be off.
+    pub doubt: Option<PoseDoubt>,
     /// The place that the vehicle is in; `None` for a cloud, where no wall is in view, and for a limited view that has not
     /// seen enough around it.
     pub here: Option<Here>,
@@ -16,7 +18,7 @@ pub struct FlightAnswer {
     pub steady: Option<Steady>,
 }
 
-static NONE: FlightAnswer = FlightAnswer { pose: None, here: None, steady: None };
+static NONE: FlightAnswer = FlightAnswer { pose: None, doubt: None, here: None, steady: None };
 
 impl FlightAnswer {
     /// That of a frame; an empty one if no flight saw the frame.

@@ -7,7 +7,7 @@
 //! Σ ρ(dᵢ),   ρ(d) = k² d² / (k² + d²)
 //! ```
 
-use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry2, Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::line_points::LinePoint;
 use crate::local_map::LocalMap;
@@ -18,6 +18,8 @@ pub(crate) struct Evidence {
     pub(crate) cost: f64,
     pub(crate) information: Matrix3<f64>,
     pub(crate) gradient: Vector3<f64>,
+    /// The part of the curvature by x and y that noise of the normals makes by itself, on average.
+    pub(crate) noise: Matrix2<f64>,
     /// How many line points have one of the walls beside them.
     pub(crate) matched: usize,
 }
@@ -40,6 +42,8 @@ impl Evidence {
             let kernel = kernel_m * kernel_m / (kernel_m * kernel_m + distance_m * distance_m);
             let weight = kernel * kernel;
             evidence.information += by_pose * by_pose.transpose() * weight;
+            let along = Vector2::new(-wall.normal.y, wall.normal.x);
+            evidence.noise += along * along.transpose() * (weight * wall.tilt_rad2);
             evidence.gradient += by_pose * (weight * distance_m);
             evidence.cost += kernel * distance_m * distance_m;
             evidence.matched += 1;

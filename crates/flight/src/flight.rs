@@ -76,7 +76,8 @@ impl Flight {
             self.places.forget();
         }
         let here = self.places.here(&frame.revolution, &frame.junction, pose);
-        FlightAnswer { pose, here, steady: None }.put(frame);
+        let doubt = tracked.map(|tracked| tracked.doubt);
+        FlightAnswer { pose, doubt, here, steady: None }.put(frame);
     }
 
     /// The second half: the steady answer of the next frame. `later`: frames after it, in order, whose pose and place are

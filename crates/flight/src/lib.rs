@@ -14,11 +14,13 @@
 //!
 //! All of it is deterministic: the same revolutions give the same poses.
 
+mod agreement;
 mod answer;
 mod belief;
 mod evidence;
 mod flight;
 mod g2o;
+mod gap;
 mod here;
 mod line_points;
 mod local_map;
@@ -36,4 +38,4 @@ pub use here::Places;
 pub use map::{Anchored, Located, Map, Mapper, Merge, NoPlace, Node, NodeWay, Passage, Refusal, loops_in};
 pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
-pub use scan_match::{Matched, Motion, ScanMatcher};
+pub use scan_match::{Held, Matched, Motion, ScanMatcher};

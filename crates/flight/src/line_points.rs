@@ -22,41 +22,57 @@ pub(crate) struct LinePoint {
     pub(crate) position_m: Point2<f64>,
     /// Of the line, towards the sensor.
     pub(crate) normal: Unit<Vector2<f64>>,
+    /// Variance of the direction of the normal, rad²: what the noise of the returns makes of the line.
+    pub(crate) tilt_rad2: f64,
 }
 
 impl LinePoint {
     /// This line point, moved by `pose`.
     pub(crate) fn at(&self, pose: &Isometry2<f64>) -> Self {
-        Self { position_m: pose * self.position_m, normal: pose.rotation * self.normal }
+        Self { position_m: pose * self.position_m, normal: pose.rotation * self.normal, tilt_rad2: self.tilt_rad2 }
     }
 }
 
-/// The returns that lie on a line of at least three, in message order.
-pub(crate) fn line_points(points_m: &[Point], out: &mut Vec<LinePoint>) {
+/// Of every n-th return (`every`), those that lie on a line of at least three, in message order.
+pub(crate) fn line_points(points_m: &[Point], every: usize, out: &mut Vec<LinePoint>) {
     out.clear();
-    let position_m: Vec<Point2<f64>> = points_m.iter().map(Point::xy).collect();
-    out.extend((0..position_m.len()).filter_map(|at| line_point(&position_m, at)));
+    out.extend((0..points_m.len()).step_by(every).filter_map(|at| line_point(points_m, at)));
 }
 
-fn line_point(position_m: &[Point2<f64>], at: usize) -> Option<LinePoint> {
-    let here = position_m[at];
-    let around = at.saturating_sub(NEIGHBOURS)..(at + NEIGHBOURS + 1).min(position_m.len());
-    let adjacent = [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter_map(|i| position_m.get(i));
-    let spacing_m = adjacent.map(|other| (other - here).norm()).fold(f64::INFINITY, f64::min);
-    let reach_m = REACH_M.max(REACH_SPACINGS * spacing_m);
-    let near = position_m[around].iter().filter(|other| (*other - here).norm() <= reach_m);
-    let count = near.clone().count();
+fn line_point(points_m: &[Point], at: usize) -> Option<LinePoint> {
+    let here = points_m[at].xy();
+    let around = at.saturating_sub(NEIGHBOURS)..(at + NEIGHBOURS + 1).min(points_m.len());
+    let adjacent = [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter_map(|i| points_m.get(i));
+    let spacing_m2 = adjacent.map(|other| (other.xy() - here).norm_squared()).fold(f64::INFINITY, f64::min);
+    let reach_m2 = (REACH_M * REACH_M).max(REACH_SPACINGS * REACH_SPACINGS * spacing_m2);
+    let (mut count, mut sum, mut squares) = (0, Vector2::zeros(), Matrix2::zeros());
+    for off in points_m[around].iter().map(|other| other.xy() - here) {
+        if off.norm_squared() <= reach_m2 {
+            (count, sum, squares) = (count + 1, sum + off, squares + off * off.transpose());
+        }
+    }
     if count < 3 {
         return None;
     }
-    let mean = near.clone().map(|point| point.coords).sum::<Vector2<f64>>() / count as f64;
-    let spread: Matrix2<f64> = near.map(|point| (point.coords - mean) * (point.coords - mean).transpose()).sum();
-    let axes = spread.symmetric_eigen();
-    let across = axes.eigenvalues.imin();
-    let is_line = axes.eigenvalues[across].max(0.0).sqrt() <= MAX_SPREAD * axes.eigenvalues[1 - across].sqrt();
-    let normal = Unit::try_new(axes.eigenvectors.column(across).into_owned(), 1e-12)?;
+    let spread: Matrix2<f64> = squares - sum * sum.transpose() / f64::from(count);
+    let (across_m2, normal) = least_axis(&spread);
+    let (across_m2, along_m2) = (across_m2.max(0.0), spread.trace() - across_m2);
+    let is_line = along_m2 > 1e-12 && across_m2 <= MAX_SPREAD * MAX_SPREAD * along_m2;
     let towards_sensor = if normal.dot(&here.coords) > 0.0 { -normal } else { normal };
-    is_line.then_some(LinePoint { position_m: here, normal: towards_sensor })
+    // The slope of a line fitted to n returns: var = (Σ across² / (n - 2)) / Σ along².
+    let tilt_rad2 = across_m2 / f64::from(count - 2) / along_m2;
+    is_line.then_some(LinePoint { position_m: here, normal: towards_sensor, tilt_rad2 })
+}
+
+/// The lesser eigenvalue of a symmetric matrix, and its direction.
+pub(crate) fn least_axis(symmetric: &Matrix2<f64>) -> (f64, Unit<Vector2<f64>>) {
+    let (xx, xy, yy) = (symmetric[(0, 0)], symmetric[(0, 1)], symmetric[(1, 1)]);
+    let half = 0.5 * (xx - yy);
+    let greater = 0.5 * (xx + yy) + half.hypot(xy);
+    // Of the two rows of M - λ the longer one is across the direction of λ, the greater eigenvalue.
+    let row = if half > 0.0 { Vector2::new(xy, yy - greater) } else { Vector2::new(xx - greater, xy) };
+    let axis = Unit::try_new(row, f64::MIN_POSITIVE).unwrap_or(Vector2::x_axis());
+    (xx + yy - greater, axis)
 }
 
 #[cfg(test)]
@@ -65,7 +81,7 @@ mod tests {
 
     fn normals(points_m: &[Point]) -> Vec<Vector2<f64>> {
         let mut out = Vec::new();
-        line_points(points_m, &mut out);
+        line_points(points_m, 1, &mut out);
         out.iter().map(|point| point.normal.into_inner()).collect()
     }
 

@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     fn facing(x: f64, y: f64, normal: [f64; 2]) -> LinePoint {
-        LinePoint { position_m: Point2::new(x, y), normal: Unit::new_normalize(Vector2::from(normal)) }
+        LinePoint { position_m: Point2::new(x, y), normal: Unit::new_normalize(Vector2::from(normal)), tilt_rad2: 0.0 }
     }
 
     #[test]

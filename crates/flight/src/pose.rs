@@ -1,10 +1,13 @@
 //! Where each revolution was taken, by the chosen kind of pose.
 
-use nalgebra::{Isometry2, Matrix3, Vector3};
+use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
-use crosscut_stage::{Notes, Number, ParamSpec, Params, Revolution, Word, is_finite_pose};
+use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::{Matched, Motion, ScanMatcher};
+use crate::agreement::{Agreement, Compared};
+use crate::gap::Clock;
+use crate::scan_match::NEIGHBOURS_M;
+use crate::{Held, Matched, Motion, ScanMatcher};
 
 const POSE: Word = Word::one_of("pose", &["auto", "odometry", "scan_match", "odometry_scan_match", "none"])
     .doc("odometry, scans matched to the walls seen before, or both; auto: both where there is odometry, else scans");
@@ -25,6 +28,16 @@ pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, 
 /// A motion farther than this many standard deviations from the predicted one is noted as a slip or a jump.
 const SURPRISING: f64 = 6.0;
 
+/// Errors of poses that are matched to walls, for each metre of the way and for each radian that the vehicle turns; of the
+/// heading by odometry, for each metre (variances).
+const WALLS_M2_PER_M: f64 = 0.03 * 0.03;
+const WALLS_RAD2_PER_M: f64 = 0.0015 * 0.0015;
+const WALLS_RAD2_PER_RAD: f64 = 0.015 * 0.015;
+const ODOMETRY_RAD2_PER_M: f64 = 0.009 * 0.009;
+
+/// A turn of a standing vehicle from scan to scan is less than this: it trembles, and no error adds up.
+const TREMBLES_RAD: f64 = 0.005;
+
 /// Gives each revolution of a flight its pose.
 #[derive(Clone, Debug)]
 pub struct PoseTracker {
@@ -32,9 +45,12 @@ pub struct PoseTracker {
     odometry_share: f64,
     odometry_floor_m: f64,
     matcher: ScanMatcher,
+    agreement: Agreement,
+    clock: Clock,
     /// The last odometry, and the pose of its revolution.
     odometry: Option<(Isometry2<f64>, Isometry2<f64>)>,
     pose: Isometry2<f64>,
+    doubt: PoseDoubt,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +67,8 @@ enum PoseKind {
 pub struct Tracked {
     /// In the frame of the first revolution.
     pub pose: Isometry2<f64>,
+    /// How far it may be off.
+    pub doubt: PoseDoubt,
     /// The scan does not go with those before: what was seen from earlier poses does not lie where it did.
     pub lost: bool,
 }
@@ -70,13 +88,16 @@ impl PoseTracker {
             odometry_share: params.get(ODOMETRY_SHARE),
             odometry_floor_m: params.get(ODOMETRY_FLOOR_M),
             matcher: ScanMatcher::default(),
+            agreement: Agreement::default(),
+            clock: Clock::default(),
             odometry: None,
             pose: Isometry2::identity(),
+            doubt: PoseDoubt::default(),
         }
     }
 
-    /// The pose of the next revolution, with what was odd in `notes`: a slip or a jump, a lost map, missing odometry.
-    /// `None` without a source for it; scans of clouds are not matched.
+    /// The pose of the next revolution, with what was odd in `notes`: a slip or a jump, a lost map, missing odometry, a gap,
+    /// odometry and scans that contradict each other. `None` without a source for it; scans of clouds are not matched.
     pub fn add(&mut self, revolution: &Revolution, notes: &mut Notes) -> Option<Tracked> {
         if self.kind == PoseKind::None {
             return None;
@@ -85,9 +106,20 @@ impl PoseTracker {
         if odometry.is_none() && revolution.odometry.is_some() {
             notes.add("pose: the odometry is not finite");
         }
-        let motion = self.odometry.zip(odometry).map(|((before, there), now)| self.motion(there, before.inv_mul(&now)));
         let had_odometry = self.odometry.is_some() || odometry.is_some();
-        let tracked = if self.kind == PoseKind::Odometry || revolution.as_sweep().is_none() {
+        let motion = self.odometry.zip(odometry).map(|((before, there), now)| self.motion(there, before.inv_mul(&now)));
+        let mut motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
+        let mut begins = false;
+        if let Some(gap) = self.clock.gap(revolution.stamp_ns) {
+            let is_bridged = motion.is_some() && !gap.is_back() && !self.agreement.contradicts();
+            if !is_bridged {
+                notes.add(format!("pose: {gap}; a new stretch begins, how it lies to the one before is not known"));
+                self.matcher.forget();
+                (motion, begins) = (None, true);
+            }
+        }
+        let by_odometry = self.kind == PoseKind::Odometry || revolution.as_sweep().is_none();
+        let (pose, doubt, lost) = if by_odometry {
             if !had_odometry {
                 if self.kind != PoseKind::Auto {
                     notes.add("pose: no odometry yet");
@@ -97,23 +129,33 @@ impl PoseTracker {
             if odometry.is_none() {
                 notes.add("pose: no odometry at this time; the pose before");
             }
-            Tracked { pose: motion.map_or(self.pose, |motion| self.pose * motion.step), lost: false }
+            let pose = motion.map_or(self.pose, |motion| self.pose * motion.step);
+            (pose, self.by_odometry(&pose, self.odometry_share), false)
         } else {
-            let motion = motion.filter(|_| self.kind != PoseKind::ScanMatch);
             let is_expected = match self.kind {
                 PoseKind::Auto => had_odometry,
                 kind => kind == PoseKind::OdometryScanMatch,
             };
-            let matched = self.matcher.add(revolution, motion);
-            notes.extend(odd(&matched));
             if odometry.is_none() && is_expected {
                 notes.add("pose: no odometry at this time; by the scan alone");
             }
-            Tracked { pose: matched.pose, lost: matched.lost }
+            let predicted = motion.filter(|_| !self.agreement.contradicts());
+            let matched = self.matcher.add(revolution, predicted);
+            let doubt = self.by_scan(&matched, predicted.is_some());
+            begins |= matched.lost && predicted.is_none();
+            notes.extend(odd(&matched, begins));
+            notes.extend(self.unknown_length(&matched, predicted.is_some()));
+            notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
+            (matched.pose, doubt, matched.lost)
         };
-        self.pose = tracked.pose;
-        self.odometry = odometry.map(|odometry| (odometry, tracked.pose)).or(self.odometry);
-        Some(tracked)
+        if begins {
+            self.doubt = PoseDoubt::of_stretch(self.doubt.stretch + 1);
+        } else {
+            self.doubt.add(&doubt, Point2::from(pose.translation.vector));
+        }
+        self.pose = pose;
+        self.odometry = odometry.map(|odometry| (odometry, pose)).or(self.odometry.filter(|_| !begins));
+        Some(Tracked { pose, doubt: self.doubt, lost: lost || begins })
     }
 
     /// The motion since the revolution before, by a step of the odometry from the pose `there`.
@@ -127,15 +169,71 @@ impl PoseTracker {
         // By its angle: a rotation that is multiplied by the inverse of its like is a unit ever less.
         Motion { step: Isometry2::new(step.translation.vector, step.rotation.angle()), covariance }
     }
+
+    /// What a motion that the odometry alone shows adds to the doubt.
+    fn by_odometry(&self, pose: &Isometry2<f64>, share: f64) -> MotionDoubt {
+        let moved_m = pose.translation.vector - self.pose.translation.vector;
+        let turn_rad2 = ODOMETRY_RAD2_PER_M * moved_m.norm();
+        MotionDoubt { lasting_m: share * moved_m, turn_rad2, ..MotionDoubt::default() }
+    }
+
+    /// What a motion that a scan shows adds to the doubt: where the walls do not hold it, it is as good as the prediction.
+    fn by_scan(&self, matched: &Matched, has_odometry: bool) -> MotionDoubt {
+        let moved_m = matched.pose.translation.vector - self.pose.translation.vector;
+        let (way_m, share) = (moved_m.norm(), self.agreement.share(self.odometry_share));
+        let turned_rad = (self.pose.rotation.angle_to(&matched.pose.rotation).abs() - TREMBLES_RAD).max(0.0);
+        let by_walls = MotionDoubt {
+            independent_m2: Matrix2::identity() * WALLS_M2_PER_M * way_m,
+            turn_rad2: WALLS_RAD2_PER_M * way_m + WALLS_RAD2_PER_RAD * turned_rad,
+            ..MotionDoubt::default()
+        };
+        match matched.held {
+            Held::Everywhere => by_walls,
+            Held::ButAlong(along) if has_odometry => {
+                MotionDoubt { lasting_m: along.into_inner() * share * along.dot(&moved_m), ..by_walls }
+            }
+            Held::ButAlong(along) => MotionDoubt { guessed_m: deviation_m(matched, &along), ..by_walls },
+            Held::Nowhere if has_odometry => self.by_odometry(&matched.pose, share),
+            Held::Nowhere => MotionDoubt { guessed_m: deviation_m(matched, &nalgebra::Vector2::x_axis()), ..by_walls },
+        }
+    }
+
+    /// Says once more that the length is not known, for as long as it is so.
+    fn unknown_length(&self, matched: &Matched, has_odometry: bool) -> Option<&'static str> {
+        let is_guessed = matches!(matched.held, Held::ButAlong(_)) && !has_odometry;
+        let is_unknown = is_guessed && self.doubt.sd_m(Point2::from(matched.pose.translation.vector)).is_none();
+        is_unknown.then_some("pose: the walls do not show how far along the passage; its length is not known")
+    }
+
+    /// Compares odometry and scans, and what there is to note about it.
+    fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<String> {
+        let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
+        if matched.lost || matched.held != Held::Everywhere || !are_neighbours {
+            return None;
+        }
+        let Compared { odometry_m, scans_m, contradicts, is_new } =
+            self.agreement.add(&odometry.step, &self.pose.inv_mul(&matched.pose))?;
+        let moved = format!("the odometry moved by {odometry_m:.1} m, the scans by {scans_m:.1} m");
+        match (contradicts, is_new) {
+            (true, _) => Some(format!("pose: {moved}: the odometry is not believed")),
+            (false, true) => Some(format!("pose: {moved}: the odometry is believed again")),
+            (false, false) => None,
+        }
+    }
+}
+
+/// The standard deviation of a motion along a direction, metres.
+fn deviation_m(matched: &Matched, along: &nalgebra::Unit<nalgebra::Vector2<f64>>) -> f64 {
+    let position = matched.covariance.fixed_view::<2, 2>(0, 0);
+    along.dot(&(position * along.into_inner())).max(0.0).sqrt()
 }
 
 /// What is odd about a match.
-fn odd(matched: &Matched) -> Option<String> {
+fn odd(matched: &Matched, begins: bool) -> Option<String> {
     if matched.lost {
-        Some(format!(
-            "pose: lost, as only {:.0} % of the walls match those before; the map begins here",
-            100.0 * matched.matched
-        ))
+        let share = 100.0 * matched.matched;
+        let stretch = if begins { ": a new stretch" } else { "" };
+        Some(format!("pose: lost, as only {share:.0} % of the walls match those before; the map begins here{stretch}"))
     } else if matched.surprise > SURPRISING {
         let times = matched.surprise;
         Some(format!("pose: a slip or a jump, {times:.0} standard deviations from the predicted motion"))

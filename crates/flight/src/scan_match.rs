@@ -7,14 +7,19 @@
 //! ```
 //!
 //! with ρ of Geman and McClure and x̂, P the predicted pose and its covariance. The second term decides where the walls
-//! do not: along a straight smooth tunnel.
+//! do not: along a straight smooth tunnel. There the first would hold the vehicle back, as noise of the normals looks like
+//! walls across: what the noise makes by itself is taken off the curvature in the direction in which the walls hold the
+//! position least (compare the degeneracy of Zhang, Kaess and Singh 2016). Where little is left, the direction is not held
+//! ([`Held`]), and odometry holds the pose there as tightly as it is known to. Where the walls hold, odometry may be wrong,
+//! as after a wheel slipped: P is then at least that of a vehicle that moves on steadily, and where steady motion fits the
+//! walls much better, odometry is left out.
 
-use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
+use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Unit, Vector2, Vector3};
 
 use crosscut_stage::{Revolution, wrap_angle_rad};
 
 use crate::evidence::{Evidence, stepped};
-use crate::line_points::{LinePoint, line_points};
+use crate::line_points::{LinePoint, least_axis, line_points};
 use crate::local_map::LocalMap;
 
 /// A typical distance of a return from the line that it belongs to: noise of the range and roughness of walls.
@@ -36,6 +41,27 @@ const KEYFRAME_RAD: f64 = 0.15;
 
 /// Below this share of matched line points the pose is not believed.
 const LEAST_MATCHED: f64 = 0.3;
+
+/// At most this many line points are matched, evenly chosen; more add time and no certainty.
+const MOST_POINTS: usize = 200;
+
+/// A start at which fewer of them than this share match is not followed.
+const LEAST_AT_START: f64 = 0.15;
+
+/// What noise of the normals makes of the curvature is taken off this many times.
+const NOISE_TIMES: f64 = 2.0;
+
+/// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
+const HELD_M: f64 = 0.1;
+
+/// Odometry is left out for a revolution if the sum is lower by this much without it.
+const ODOMETRY_LEAD: f64 = 4.0;
+
+/// Revolutions that odometry takes to be farther apart than this are no neighbours: walls that match elsewhere are others.
+pub(crate) const NEIGHBOURS_M: f64 = 1.0;
+
+/// A steady motion that ends this near to where odometry does is not tried, metres and radians.
+const NEAR: f64 = 0.03;
 
 /// Standard deviations of a motion that is predicted from the one before: a share of it, and at least this much.
 const STEADY_SHARE: f64 = 0.3;
@@ -66,11 +92,24 @@ pub struct Matched {
     pub covariance: Matrix3<f64>,
     /// Share of the line points of the revolution that have one of the map beside them.
     pub matched: f64,
-    /// How far the motion lies from the predicted one, in standard deviations of the two together. Far above 3 after a
-    /// wheel slipped, or when scans are missing.
+    /// How far the motion lies from the predicted one, in standard deviations of the two together, where the walls hold it.
+    /// Far above 3 after a wheel slipped, or when scans are missing.
     pub surprise: f64,
     /// Too few were matched: the pose is the predicted one, and the map begins here.
     pub lost: bool,
+    /// Where the walls hold the position.
+    pub held: Held,
+}
+
+/// In which directions the walls hold a position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held {
+    /// In all.
+    Everywhere,
+    /// In all but along this one, in the map's axes: the prediction alone shows how far the vehicle moved along it.
+    ButAlong(Unit<Vector2<f64>>),
+    /// In none: there are no walls.
+    Nowhere,
 }
 
 /// Matches revolutions, in order, against the walls seen shortly before.
@@ -83,85 +122,125 @@ pub struct ScanMatcher {
     last_step: Isometry2<f64>,
 }
 
+/// A pose that is expected, and how strongly.
+struct Prediction {
+    pose: Isometry2<f64>,
+    covariance: Matrix3<f64>,
+    /// Where the walls hold the pose, and where they do not.
+    information: [Matrix3<f64>; 2],
+    /// What a match has to be better by.
+    lead: f64,
+}
+
+/// The walls' part of the sum at a pose, less what noise makes.
+struct Walls {
+    evidence: Evidence,
+    held: Held,
+}
+
 impl ScanMatcher {
     /// The pose of the next revolution. Without a `predicted` motion the vehicle is taken to move on steadily.
     pub fn add(&mut self, revolution: &Revolution, predicted: Option<Motion>) -> Matched {
-        line_points(&revolution.points_m, &mut self.line_points);
+        let every = revolution.points_m.len().div_ceil(MOST_POINTS).max(1);
+        line_points(&revolution.points_m, every, &mut self.line_points);
         let steady = self.steady_motion();
-        let Motion { step, covariance } = predicted.unwrap_or(steady);
-        let predicted = self.pose * step;
-        let prior = turned(&covariance, self.pose.rotation.angle());
+        let prediction = self.prediction(&predicted.unwrap_or(steady), 0.0);
         // A revolution without walls, such as one of a covered lidar, is not lost: the next may match again.
         let matched = if self.map.is_empty() || self.line_points.is_empty() {
-            Matched { pose: predicted, covariance: prior, matched: 1.0, surprise: 0.0, lost: false }
+            let held = if self.map.is_empty() { Held::Everywhere } else { Held::Nowhere };
+            Matched { matched: 1.0, lost: false, held, ..prediction.lost() }
         } else {
             // Walls off by more than the kernel do not pull: after a slip the minimum lies near the steady motion.
-            let others = [self.pose * steady.step, self.pose];
-            let is_far = |other: &Isometry2<f64>| difference(other, &predicted).amax() > KERNEL_M;
-            let starts = std::iter::once(predicted).chain(others.into_iter().filter(is_far));
-            let aligned = starts.map(|start| self.align(start, &predicted, prior));
-            let best = aligned.min_by(|(cost, _), (other, _)| cost.total_cmp(other));
-            best.expect("the first start is always there").1
+            let first = self.align(prediction.pose, &prediction);
+            let standing = Motion { step: Isometry2::identity(), ..steady };
+            let others = [(steady, NEAR), (standing, KERNEL_M)]
+                .map(|(motion, near)| (self.prediction(&motion, ODOMETRY_LEAD), near));
+            let is_far = |(other, near): &&(Prediction, f64)| {
+                let off = difference(&other.pose, &prediction.pose);
+                off.amax() > *near && off.xy().norm() < NEIGHBOURS_M
+            };
+            let others = others.iter().filter(is_far).map(|(other, _)| self.align(other.pose, other));
+            // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
+            let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
+            let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
+            Matched { surprise: prediction.surprise(&difference(&best.1.pose, &prediction.pose)), ..best.1 }
         };
-        self.last_step = self.pose.inv_mul(&matched.pose);
+        self.last_step = if matched.lost { Isometry2::identity() } else { self.pose.inv_mul(&matched.pose) };
         self.pose = matched.pose;
         if matched.lost {
             self.map.clear();
         }
-        self.remember();
+        self.remember(revolution);
         matched
     }
 
+    /// Forgets the walls: the revolution that follows does not go with those before.
+    pub fn forget(&mut self) {
+        self.map.clear();
+        self.last_step = Isometry2::identity();
+    }
+
     fn steady_motion(&self) -> Motion {
-        let step = self.last_step;
-        let deviation_m = STEADY_M + STEADY_SHARE * step.translation.vector.norm();
-        let deviation_rad = STEADY_RAD + STEADY_SHARE * step.rotation.angle().abs();
-        let variances = Vector3::new(deviation_m, deviation_m, deviation_rad).map(|deviation| deviation * deviation);
-        Motion { step, covariance: Matrix3::from_diagonal(&variances) }
+        Motion { step: self.last_step, covariance: steadily(&self.last_step) }
+    }
+
+    fn prediction(&self, motion: &Motion, lead: f64) -> Prediction {
+        let yaw_rad = self.pose.rotation.angle();
+        let steady = steadily(&motion.step).diagonal().inf(&Vector3::repeat(KERNEL_M * KERNEL_M));
+        let loose = turned(&loosest(&motion.covariance, &Matrix3::from_diagonal(&steady)), yaw_rad);
+        let covariance = turned(&motion.covariance, yaw_rad);
+        // The deviations of a motion are above 0.
+        let information = [loose, covariance].map(|of| of.try_inverse().unwrap_or_else(Matrix3::identity));
+        Prediction { pose: self.pose * motion.step, covariance, information, lead }
     }
 
     /// The minimum of the sum near `start`, and its value; infinite if the pose is lost.
-    fn align(&self, start: Isometry2<f64>, predicted: &Isometry2<f64>, prior: Matrix3<f64>) -> (f64, Matched) {
-        let lost = Matched { pose: *predicted, covariance: prior, matched: 0.0, surprise: 0.0, lost: true };
-        let Some(prior_information) = prior.try_inverse() else { return (f64::INFINITY, lost) };
+    fn align(&self, start: Isometry2<f64>, prediction: &Prediction) -> (f64, Matched) {
+        let lost = (f64::INFINITY, prediction.lost());
+        let all = self.line_points.len() as f64;
         let mut pose = start;
+        let mut walls = self.walls_at(&pose);
+        if (walls.evidence.matched as f64) < LEAST_AT_START * all {
+            return lost;
+        }
         for _ in 0..MAX_ITERATIONS {
-            let walls = self.evidence_at(&pose);
-            let off = difference(&pose, predicted);
-            let information = walls.information + prior_information;
-            let Some(factor) = information.cholesky() else { return (f64::INFINITY, lost) };
-            let step = factor.solve(&-(walls.gradient + prior_information * off));
+            let off = difference(&pose, &prediction.pose);
+            let prior = prediction.prior(walls.held);
+            let Some(factor) = (walls.evidence.information + prior).cholesky() else { return lost };
+            let step = factor.solve(&-(walls.evidence.gradient + prior * off));
             pose = stepped(&pose, &step);
+            walls = self.walls_at(&pose);
             if step.amax() < CONVERGED {
                 break;
             }
         }
-        let walls = self.evidence_at(&pose);
-        let matched = walls.matched as f64 / self.line_points.len() as f64;
-        let off = difference(&pose, predicted);
-        let from_prediction = off.dot(&(prior_information * off)).max(0.0);
-        let unmatched = (self.line_points.len() - walls.matched) as f64;
-        let cost = walls.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2) + from_prediction;
-        let apart = (prior + matching_covariance()).try_inverse().unwrap_or(prior_information);
-        let surprise = off.dot(&(apart * off)).max(0.0).sqrt();
-        match (walls.information + prior_information).try_inverse() {
+        let Walls { evidence, held } = walls;
+        let matched = evidence.matched as f64 / all;
+        let off = difference(&pose, &prediction.pose);
+        let prior = prediction.prior(held);
+        let unmatched = all - evidence.matched as f64;
+        let from_prediction = off.dot(&(prior * off)).max(0.0);
+        let cost = evidence.cost + unmatched * (KERNEL_M / DEVIATION_M).powi(2) + from_prediction + prediction.lead;
+        match (evidence.information + prior).try_inverse() {
             Some(covariance) if matched >= LEAST_MATCHED => {
-                (cost, Matched { pose, covariance, matched, surprise, lost: false })
+                (cost, Matched { pose, covariance, matched, surprise: 0.0, lost: false, held })
             }
-            _ => (f64::INFINITY, Matched { matched, ..lost }),
+            _ => (f64::INFINITY, Matched { matched, ..lost.1 }),
         }
     }
 
-    /// The walls' part of the sum at a pose.
-    fn evidence_at(&self, pose: &Isometry2<f64>) -> Evidence {
+    fn walls_at(&self, pose: &Isometry2<f64>) -> Walls {
         const WEIGHT: f64 = 1.0 / (DEVIATION_M * DEVIATION_M);
-        let Evidence { cost, information, gradient, matched } =
-            Evidence::of(&self.line_points, &self.map, pose, KERNEL_M);
-        Evidence { cost: cost * WEIGHT, information: information * WEIGHT, gradient: gradient * WEIGHT, matched }
+        let mut evidence = Evidence::of(&self.line_points, &self.map, pose, KERNEL_M);
+        let held = take_noise_off(&mut evidence);
+        evidence.cost *= WEIGHT;
+        evidence.information *= WEIGHT;
+        evidence.gradient *= WEIGHT;
+        Walls { evidence, held }
     }
 
     /// Adds the revolution to the map if the vehicle has moved or turned enough since the last one that was added.
-    fn remember(&mut self) {
+    fn remember(&mut self, revolution: &Revolution) {
         let since = self.keyframe.inv_mul(&self.pose);
         let is_far = since.translation.vector.norm() > KEYFRAME_M || since.rotation.angle().abs() > KEYFRAME_RAD;
         if !is_far && !self.map.is_empty() {
@@ -169,10 +248,73 @@ impl ScanMatcher {
         }
         self.keyframe = self.pose;
         self.map.keep_around(&Point2::from(self.pose.translation.vector), MAP_RADIUS_M);
+        line_points(&revolution.points_m, 1, &mut self.line_points);
         for point in &self.line_points {
             self.map.insert(point.at(&self.pose));
         }
     }
+}
+
+impl Prediction {
+    /// The information of the prediction, by where the walls hold the pose.
+    fn prior(&self, held: Held) -> Matrix3<f64> {
+        let [loose, tight] = self.information;
+        match held {
+            Held::Everywhere => loose,
+            Held::Nowhere => tight,
+            Held::ButAlong(along) => {
+                let along = Vector3::new(along.x, along.y, 0.0);
+                let more = along.dot(&((tight - loose) * along)).max(0.0);
+                loose + along * along.transpose() * more
+            }
+        }
+    }
+
+    /// How far a pose is off in standard deviations of the prediction and of matching together.
+    fn surprise(&self, off: &Vector3<f64>) -> f64 {
+        let apart = (self.covariance + matching_covariance()).try_inverse().unwrap_or(self.information[1]);
+        off.dot(&(apart * off)).max(0.0).sqrt()
+    }
+
+    /// The result where the walls show nothing.
+    fn lost(&self) -> Matched {
+        let (pose, covariance) = (self.pose, self.covariance);
+        Matched { pose, covariance, matched: 0.0, surprise: 0.0, lost: true, held: Held::Nowhere }
+    }
+}
+
+/// Takes what noise of the normals makes off the curvature and the gradient in the direction in which the walls hold the
+/// position least.
+fn take_noise_off(evidence: &mut Evidence) -> Held {
+    let all = &evidence.information;
+    if evidence.matched == 0 || all[(2, 2)] <= 0.0 {
+        return Held::Nowhere;
+    }
+    let by_yaw = all.fixed_view::<2, 1>(0, 2).into_owned();
+    // Of the position alone, whatever the yaw.
+    let position: Matrix2<f64> = all.fixed_view::<2, 2>(0, 0) - by_yaw * by_yaw.transpose() / all[(2, 2)];
+    let (least, along) = least_axis(&position);
+    let noise = along.dot(&(evidence.noise * *along));
+    let share = if least > 0.0 { (1.0 - NOISE_TIMES * noise / least).clamp(0.0, 1.0) } else { 0.0 };
+    let along_3 = Vector3::new(along.x, along.y, 0.0);
+    let scale = Matrix3::identity() + along_3 * along_3.transpose() * (share.sqrt() - 1.0);
+    evidence.information = scale * evidence.information * scale;
+    evidence.gradient += along_3 * ((share - 1.0) * along_3.dot(&evidence.gradient));
+    let left = share * least / (DEVIATION_M * DEVIATION_M);
+    if left > 1.0 / (HELD_M * HELD_M) { Held::Everywhere } else { Held::ButAlong(along) }
+}
+
+/// Covariance of a motion that is predicted from the one before.
+fn steadily(step: &Isometry2<f64>) -> Matrix3<f64> {
+    let deviation_m = STEADY_M + STEADY_SHARE * step.translation.vector.norm();
+    let deviation_rad = STEADY_RAD + STEADY_SHARE * step.rotation.angle().abs();
+    let deviations = Vector3::new(deviation_m, deviation_m, deviation_rad);
+    Matrix3::from_diagonal(&deviations.component_mul(&deviations))
+}
+
+/// Of two covariances without correlations, the greater variance of each value.
+fn loosest(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::from_diagonal(&a.diagonal().sup(&b.diagonal()))
 }
 
 /// Covariance of the motion between two poses that are matched to the same walls.

@@ -12,7 +12,7 @@ use crosscut_stage::{Notes, Revolution, Source, SourceError, counted};
 use crate::container::{self, Container};
 use crate::messages::Messages;
 use crate::odometry_reader::OdometryReader;
-use crate::scanners::Scanners;
+use crate::scanners::{Mount, Scanners};
 use crate::stream::Wait;
 use crate::topics::{scan_topic, topics_of};
 use crate::turns::{Turn, Turns};
@@ -84,6 +84,8 @@ pub struct Recording {
     turning: Turning,
     /// The other scanners of the vehicle.
     scanners: Option<Scanners>,
+    /// How the recording mounts its sensor, until the first scan.
+    mount: Option<Mount>,
     /// How long it waits for messages of a stream once it is known what they are.
     wait: Wait,
     /// Whether that was learned from fewer messages than usual, because no more came in time.
@@ -104,13 +106,15 @@ impl Recording {
     pub fn open(inputs: &[PathBuf], options: &ReadOptions, sensor: Sensor) -> Result<Self, IngestError> {
         let (containers, losses) = open_all(inputs, &options.csv)?;
         let scanners = Scanners::open(&containers, &losses, options, &sensor)?;
-        Ok(Self { scanners, ..Self::of(containers, losses, options, sensor)? })
+        let is_single = scanners.is_none();
+        let mount = is_single.then(|| Mount::read(&containers, &options.csv, &sensor)).flatten();
+        Ok(Self { scanners, mount, ..Self::of(containers, losses, options, sensor)? })
     }
 
     /// Of a stream: how many messages there will be is not known.
-    pub(crate) fn streamed(self, scanners: Option<Scanners>) -> Self {
+    pub(crate) fn streamed(self, scanners: Option<Scanners>, mount: Option<Mount>) -> Self {
         let topic = TopicInfo { messages: None, ..self.topic };
-        Self { scanners, topic, is_stream: true, ..self }
+        Self { scanners, mount, topic, is_stream: true, ..self }
     }
 
     /// Whether its messages are read as they come.
@@ -170,6 +174,7 @@ impl Recording {
             before: Before::default(),
             turning: Turning::default(),
             scanners: None,
+            mount: None,
             wait: Wait::Always,
             is_hurried: false,
             last_log_time_ns: 0,
@@ -243,7 +248,15 @@ impl Recording {
                 self.last_other_frame.clone_from(&scan.header().frame_id);
                 self.start(&message);
             }
-            _ => self.turns.push(message, &self.sensor),
+            (scan, _) => {
+                if let Ok(scan) = scan
+                    && let Some((yaw_rad, upside_down)) =
+                        self.mount.take().and_then(|mut mount| mount.of(&scan.header().frame_id))
+                {
+                    self.sensor = self.sensor.clone().mounted(yaw_rad, upside_down);
+                }
+                self.turns.push(message, &self.sensor);
+            }
         }
         true
     }

@@ -198,7 +198,15 @@ mod tests {
             visits: vec![[number, number]],
         };
         let mut map = Map { nodes: (0..3).map(node).collect(), ..Map::default() };
-        let passage = Passage { from: 0, to: 1, length_m: 20.0, width_m: 3.0, stretch_ns: [0; 2], via_m: Vec::new() };
+        let passage = Passage {
+            from: 0,
+            to: 1,
+            length_m: 20.0,
+            length_sd_m: None,
+            width_m: 3.0,
+            stretch_ns: [0; 2],
+            via_m: Vec::new(),
+        };
         map.passages.push(passage);
         (map.nodes[0].ways[0].passage, map.nodes[1].ways[2].passage) = (Some(0), Some(0));
         Located { map, node: 0, correction: Isometry2::identity(), visits: Vec::new() }

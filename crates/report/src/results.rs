@@ -134,6 +134,8 @@ pub struct PoseLine {
     pub y_m: f64,
     /// Anticlockwise from the first pose, in (-π, π].
     pub yaw_rad: f64,
+    /// Standard deviation of the position in the direction in which it is known least, metres; null where it is not known.
+    pub sd_m: Option<f64>,
 }
 
 impl HereLine {
@@ -189,6 +191,7 @@ impl ResultsLine {
                 x_m: pose.translation.x,
                 y_m: pose.translation.y,
                 yaw_rad: pose.rotation.angle(),
+                sd_m: flown.doubt.and_then(|doubt| doubt.from_start_sd_m(pose.translation.vector.into())),
             }),
             labels: frame.labels(),
             notes: frame.notes.iter().map(str::to_owned).collect(),
@@ -250,7 +253,7 @@ mod tests {
         line.here = Some(here());
         let opening = SteadyOpeningLine { track: 0, bearing_rad: 0.0, width_m: 1.0 };
         line.steady = Some(SteadyLine { junctions: 1, here: Some(here()), openings: vec![opening] });
-        line.pose = Some(PoseLine { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0 });
+        line.pose = Some(PoseLine { x_m: 0.0, y_m: 0.0, yaw_rad: 0.0, sd_m: None });
         let line = serde_json::to_value(line).expect("JSON");
         let schema: serde_json::Value = serde_json::from_str(RESULTS_SCHEMA_TEXT).expect("JSON");
         assert_same_fields(&line, &schema, &schema["$defs"]);

@@ -1,8 +1,10 @@
 //! Beams that never return anything: a sector that the driver leaves out, or that a part of the vehicle is in front of.
 //!
-//! A dark passage does not return anything either. It differs in two ways:
+//! A dark passage does not return anything either. It differs in three ways:
 //! - Its edges move over the beams as the vehicle moves. The edges of a blind sector stay at the same beams, while the
 //!   ranges beside them change.
+//! - A vehicle that keeps its heading between two walls that run on keeps the edges of the dark ends, too. Between two walls
+//!   that are seen at a grazing angle, a sector counts as blind only once the vehicle has turned by its width.
 //! - While the vehicle stands still, the walls that lead into a passage are seen at a grazing angle. A sector counts as
 //!   blind then only if the driver gives 0 for it and for no other beam, it is wide, and the walls beside it go on.
 
@@ -13,6 +15,7 @@ use crosscut_stage::{Beam, Notes, Revolution, counted};
 
 use crate::Sensor;
 use crate::directions::Directions;
+use crate::turning::shift_beams;
 
 /// Fewer scans do not show that a beam never returns.
 const LEAST_SCANS: usize = 15;
@@ -85,7 +88,13 @@ impl BlindSectors {
             }
         }
         let Some(sweep) = &revolution.sweep else { return Self::default() };
-        let first_scans = FirstScans { seen, scans: scans.len(), step_rad: sweep.step_rad, full_turn: sweep.full_turn };
+        let first_scans = FirstScans {
+            seen,
+            scans: scans.len(),
+            step_rad: sweep.step_rad,
+            full_turn: sweep.full_turn,
+            turned_rad: turned_rad(scans),
+        };
         Self { sectors: first_scans.sectors(), geometry, turn_beams: sweep.len() }
     }
 
@@ -158,6 +167,8 @@ struct FirstScans {
     scans: usize,
     step_rad: f64,
     full_turn: bool,
+    /// The angle between the headings that lie farthest apart.
+    turned_rad: f64,
 }
 
 impl FirstScans {
@@ -173,7 +184,7 @@ impl FirstScans {
             is_wide(LEAST_RAD)
                 && !sides.is_empty()
                 && is_sharp
-                && (sides.iter().all(|side| self.has_moved(side))
+                && ((sides.iter().all(|side| self.has_moved(side)) && !self.may_be_a_passage(sector, &sides))
                     || (is_wide(LEAST_STANDING_RAD) && all_zero && sides.iter().all(|side| self.goes_on(side))))
         };
         self.silent().into_iter().filter(is_blind).collect()
@@ -221,6 +232,12 @@ impl FirstScans {
         side.iter().take(SIDE_BEAMS).filter(mostly).count() + 1 >= SIDE_BEAMS
     }
 
+    /// Whether both walls run on into the dark, and the vehicle never looked there with other beams.
+    fn may_be_a_passage(&self, sector: &Sector, sides: &[Vec<&Seen>]) -> bool {
+        let runs_on = |side: &Vec<&Seen>| !self.goes_on(side);
+        self.turned_rad < sector.beams as f64 * self.step_rad && sides.len() == 2 && sides.iter().all(runs_on)
+    }
+
     fn has_moved(&self, side: &[&Seen]) -> bool {
         side.iter().take(SIDE_BEAMS).any(|seen| seen.returns > 0 && seen.farthest_m - seen.nearest_m > MOVED_M)
     }
@@ -232,4 +249,21 @@ impl FirstScans {
             (side.first().as_ref().and_then(mean_m), side.get(self.wall_beams()).as_ref().and_then(mean_m));
         near_m.zip(far_m).is_some_and(|(near_m, far_m)| near_m <= GRAZING * far_m)
     }
+}
+
+/// The angle between the headings of these scans that lie farthest apart, by how their ranges shift.
+fn turned_rad(scans: &[&LaserScan]) -> f64 {
+    let (mut heading, mut least, mut most) = (0, 0, 0);
+    let mut from = scans[0];
+    for scan in scans {
+        // Slow turns add up to a beam only over several scans.
+        match shift_beams(&from.ranges, scan) {
+            Some(0) => {}
+            shift => {
+                heading += shift.unwrap_or(0);
+                (from, least, most) = (scan, least.min(heading), most.max(heading));
+            }
+        }
+    }
+    (most - least) as f64 * f64::from(scans[0].angle_increment).abs()
 }

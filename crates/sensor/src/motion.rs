@@ -14,21 +14,28 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// During a scan with this stamp, whose first and last point were measured at `times_s`; `poses_at` knows the poses at
-    /// two times. The vehicle stands if the scan does not tell how long it takes, or the poses end before it.
+    /// During a scan with this stamp, whose first and last point were measured at `times_s`, in whichever order; `poses_at`
+    /// knows the poses at two times that ascend. The vehicle stands if the scan does not tell how long it takes, or the poses end before it.
     pub fn during(
         stamp_ns: u64,
         times_s: [f64; 2],
         mut poses_at: impl FnMut([u64; 2]) -> Option<[Isometry2<f64>; 2]>,
     ) -> Option<Self> {
-        [times_s, [0.0; 2]]
-            .into_iter()
-            .find_map(|times_s| Some(Self { times_s, poses: poses_at(stamps_ns(stamp_ns, times_s))? }))
+        [times_s, [0.0; 2]].into_iter().find_map(|times_s| {
+            let [first_ns, last_ns] = stamps_ns(stamp_ns, times_s);
+            let poses = if first_ns <= last_ns {
+                poses_at([first_ns, last_ns])?
+            } else {
+                let [last, first] = poses_at([last_ns, first_ns])?;
+                [first, last]
+            };
+            Some(Self { times_s, poses })
+        })
     }
 
     fn at(&self, time_s: f64) -> Isometry2<f64> {
         let ([from_s, to_s], [from, to]) = (self.times_s, self.poses);
-        let share = if to_s > from_s { (time_s - from_s) / (to_s - from_s) } else { 0.0 };
+        let share = if to_s != from_s { (time_s - from_s) / (to_s - from_s) } else { 0.0 };
         from.lerp_slerp(&to, share)
     }
 
@@ -62,7 +69,10 @@ pub(crate) fn stamps_ns(stamp_ns: u64, times_s: [f64; 2]) -> [u64; 2] {
 /// that is not known.
 pub fn times_s(scan: &ScanMessage, beam_s: f64) -> [f64; 2] {
     match scan {
-        ScanMessage::Scan(scan) => [0.0, beam_s * scan.ranges.len().saturating_sub(1) as f64],
+        ScanMessage::Scan(scan) => {
+            let scan_s = beam_s.abs() * scan.ranges.len().saturating_sub(1) as f64;
+            if beam_s < 0.0 { [scan_s, 0.0] } else { [0.0, scan_s] }
+        }
         ScanMessage::Cloud(cloud) => {
             let times_s = cloud.times_s.iter().filter(|time_s| time_s.is_finite());
             times_s.fold([0.0; 2], |[from_s, to_s], time_s| [time_s.min(from_s), time_s.max(to_s)])

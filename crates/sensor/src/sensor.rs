@@ -53,6 +53,9 @@ const FIND_BLIND_SECTORS: Flag = Flag::new("find_blind_sectors", true)
 const DESKEW: Flag = Flag::new("deskew", true)
     .doc("beams of a sensor that turns with its vehicle, and points of a cloud with times, are brought to the middle of the scan");
 
+const MOUNT_FROM_TF: Flag = Flag::new("mount_from_tf", true)
+    .doc("of a recording with one sensor, how /tf_static mounts it counts where yaw_rad and upside_down are not set");
+
 const FRAME_ID: Word = Word::any("frame_id", "")
     .doc("take only scans of this frame_id, where several sensors share a topic; empty takes all");
 
@@ -73,6 +76,7 @@ pub const PARAMS: &[ParamSpec] = &[
     RINGS.spec,
     FIND_BLIND_SECTORS.spec,
     DESKEW.spec,
+    MOUNT_FROM_TF.spec,
     FRAME_ID.spec,
     ECHO.spec,
     ODOMETRY.spec,
@@ -115,6 +119,9 @@ pub struct Sensor {
     echo: Echo,
     finds_blind_sectors: bool,
     deskews: bool,
+    takes_mount: bool,
+    /// The transform that the recording states gives the mount.
+    is_mount_stated: bool,
     pub(crate) range_scale: f64,
 }
 
@@ -149,6 +156,8 @@ impl Sensor {
             rings: params.get(RINGS),
             finds_blind_sectors: params.get(FIND_BLIND_SECTORS),
             deskews: params.get(DESKEW),
+            takes_mount: params.get(MOUNT_FROM_TF),
+            is_mount_stated: false,
             range_scale: params.get(RANGE_SCALE),
             frame_id: params.get(FRAME_ID),
             odometry_topic: params.get(ODOMETRY),
@@ -172,6 +181,16 @@ impl Sensor {
     /// Whether sectors that never return anything are looked for in the first scans of a recording.
     pub fn finds_blind_sectors(&self) -> bool {
         self.finds_blind_sectors
+    }
+
+    /// Whether the mount that a recording states is to be taken: none is set.
+    pub fn takes_mount(&self) -> bool {
+        self.takes_mount && self.yaw_rad == 0.0 && !self.upside_down
+    }
+
+    /// This sensor, mounted as a recording states.
+    pub fn mounted(self, yaw_rad: f64, upside_down: bool) -> Self {
+        Self { yaw_rad, upside_down, is_mount_stated: true, ..self }
     }
 
     /// Whether the turning of the vehicle during a scan is taken into account.
@@ -296,11 +315,12 @@ impl Sensor {
     }
 
     pub(crate) fn note_mounting(&self, notes: &mut Notes) {
+        let by = if self.is_mount_stated { ", by /tf_static; ingest.mount_from_tf = false turns this off" } else { "" };
         if self.upside_down {
-            notes.add("bearings mirrored: the sensor is mounted upside down");
+            notes.add(format!("bearings mirrored: the sensor is mounted upside down{by}"));
         }
         if self.yaw_rad != 0.0 {
-            notes.add(format!("bearings turned by the sensor's yaw of {} rad", self.yaw_rad));
+            notes.add(format!("bearings turned by the sensor's yaw of {} rad{by}", self.yaw_rad));
         }
     }
 }

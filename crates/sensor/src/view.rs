@@ -58,7 +58,7 @@ impl View {
 /// The angle by which the sensor turned from one beam to the next, rad; 0 if that is not known or makes no difference.
 /// Odometry tells it better than the scan before.
 fn turned_rad_per_beam(by_scans: f64, beams: usize, motion: Option<&Motion>, sensor: &Sensor) -> f64 {
-    let by_odometry = motion.filter(|motion| motion.times_s[0] < motion.times_s[1]);
+    let by_odometry = motion.filter(|motion| motion.times_s[0] != motion.times_s[1]);
     let rad_per_beam = by_odometry
         .map_or(by_scans, |motion| sensor.own_angle_rad(motion.turned_rad()) / beams.saturating_sub(1) as f64);
     if rad_per_beam.abs() * beams as f64 >= LEAST_TURN_RAD { rad_per_beam } else { 0.0 }

@@ -60,7 +60,8 @@ class Map:
         """As a graph; needs networkx.
 
         Nodes are numbers and have ``kind`` ("junction" or "dead_end"), ``x_m``, ``y_m``, ``ways`` and ``visits`` (pairs of
-        stamps); a way whose ``edge`` is None was not flown from end to end. Edges have ``length_m``, ``width_m`` and
+        stamps); a way whose ``edge`` is None was not flown from end to end. Edges have ``length_m``, ``length_sd_m``,
+        ``width_m`` and
         ``via_m``, and their number as key.
         """
         with importing("to_networkx()"):

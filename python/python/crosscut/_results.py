@@ -92,6 +92,8 @@ class Pose(NamedTuple):
     """To the left of the first pose, metres."""
     yaw_rad: float
     """Anticlockwise from the first pose, in (-π, π]."""
+    sd_m: float | None = None
+    """Standard deviation of the position in the direction in which it is known least, metres; None where it is not known."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -262,7 +264,7 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
             ("openings", pa.list_(pa.struct(opening))),
             ("here", here),
             ("steady", steady),
-            ("pose", pa.struct([("x_m", pa.float64()), ("y_m", pa.float64()), ("yaw_rad", pa.float64())])),
+            ("pose", pa.struct([(name, pa.float64()) for name in ("x_m", "y_m", "yaw_rad", "sd_m")])),
             ("labels", pa.list_(pa.int32())),
             ("notes", pa.list_(pa.string())),
         ]

@@ -27,7 +27,7 @@ fn node(ways: usize, visits: &[[u64; 2]]) -> Node {
 }
 
 fn passage(from: usize, to: usize, length_m: f64) -> Passage {
-    Passage { from, to, length_m, width_m: 4.0, stretch_ns: [0, 0], via_m: Vec::new() }
+    Passage { from, to, length_m, length_sd_m: None, width_m: 4.0, stretch_ns: [0, 0], via_m: Vec::new() }
 }
 
 fn right_map() -> Map {

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crosscut_stage::{Frame, wrap_angle_rad};
+use crosscut_stage::{Frame, PoseDoubt, wrap_angle_rad};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector3};
 
 use super::outline::Walls;
+use super::recognise::Guess;
 use super::travelled::Travelled;
 use super::visit::{OpenVisit, Visit};
 use super::{Map, Passage};
@@ -21,10 +22,27 @@ const LEFT_DEAD_END_M: f64 = 5.0;
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
 
-/// Two visits in a row are one stay if they are nearer to each other than this many looks, and the way is no longer
-/// than WANDERS of them.
-pub(super) const NEAR_LOOKS: f64 = 1.2;
-pub(super) const WANDERS: f64 = 1.5;
+/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks.
+const NEAR_LOOKS: f64 = 1.2;
+
+/// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
+const TURN_LOOKS: f64 = 1.5;
+
+/// Two visits in a row that are nearer to each other than this many looks are one stay, whatever ways they saw.
+const SURELY_NEAR_LOOKS: f64 = 0.5;
+
+/// A mouth of one visit is one of another if it lies within this of its direction.
+const SAME_MOUTH_RAD: f64 = 0.6;
+
+/// A mouth that is nearer to an anchor than this many of its looks need not be a mouth from there.
+const MOUTH_OUTSIDE: f64 = 0.7;
+
+/// Where an anchor lies in its place, standard deviation.
+const ANCHOR_M: f64 = 0.1;
+
+/// How little is known of where a stretch lies (standard deviations).
+const UNKNOWN_M: f64 = 1000.0;
+const UNKNOWN_RAD: f64 = 3.0;
 
 /// Makes the map of a flight from its frames, in order.
 #[derive(Clone, Debug, Default)]
@@ -33,8 +51,8 @@ pub struct Mapper {
     open: Option<OpenVisit>,
     /// Each visit's anchor, and what was measured between them. Poses are corrected, measurements are not.
     pub(super) graph: PoseGraph,
-    /// The way that each edge of the graph was flown; none for a place seen again.
-    pub(super) edge_ways_m: Vec<f64>,
+    /// How each edge of the graph was flown.
+    pub(super) flown: Vec<Flown>,
     /// What is kept of each node to recognise it.
     pub(super) places: Vec<Place>,
     /// Of each passage: the visit from which it was entered first, and places along it in the frame of that anchor.
@@ -44,6 +62,22 @@ pub struct Mapper {
     /// When the vehicle was last in a node, and the way then.
     in_node_ns: u64,
     in_node_at_m: f64,
+    /// Of the pose, when the visit that is open began, and when the vehicle was in a node last.
+    began_doubt: PoseDoubt,
+    in_node_doubt: PoseDoubt,
+    /// Of the latest pose.
+    doubt: PoseDoubt,
+    /// Where visits to which no known way led may have been.
+    pub(super) guesses: Vec<Guess>,
+}
+
+/// The flight between two visits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flown {
+    /// None for a place seen again; infinite between two stretches.
+    pub(super) way_m: f64,
+    /// Standard deviation of where it led; `None` if that is not known.
+    pub(super) sd_m: Option<f64>,
 }
 
 /// Where the vehicle is on the map.
@@ -72,7 +106,7 @@ pub(super) struct Place {
 }
 
 /// How the vehicle left the last node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Departure {
     pub(super) node: usize,
     pub(super) way: usize,
@@ -87,6 +121,9 @@ pub(super) struct Departure {
     /// The way of the flight there.
     pub(super) at_m: f64,
     left_ns: u64,
+    doubt: PoseDoubt,
+    /// Where its ways begin, as they were tracked.
+    mouths_m: Vec<Point2<f64>>,
 }
 
 impl Mapper {
@@ -96,12 +133,19 @@ impl Mapper {
         let (Some(pose), Some(steady)) = (flown.pose, flown.steady_here()) else {
             return;
         };
-        let now_ns = frame.revolution.stamp_ns;
+        let (now_ns, doubt) = (frame.revolution.stamp_ns, flown.doubt.unwrap_or_default());
+        if doubt.stretch != self.doubt.stretch {
+            self.end_stretch();
+        }
+        self.doubt = doubt;
         self.way.add(pose);
         self.settle(Point2::from(pose.translation.vector));
         let node = steady.node();
+        let place_m = Point2::from(pose.translation.vector);
+        let is_known = self.doubt.since(&self.in_node_doubt).is_some_and(|since| since.sd_m(place_m).is_some());
         let has_ended = |open: &OpenVisit| match (node, open.kind()) {
             (Some(node), kind) => kind != node,
+            (None, _) if !is_known => true,
             (None, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
             (None, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
         };
@@ -111,11 +155,15 @@ impl Mapper {
         let Some(seen) = &flown.here else { return };
         if let Some(node) = node {
             (self.in_node_ns, self.in_node_at_m) = (now_ns, self.way.way_m);
+            self.in_node_doubt = doubt;
+            if self.open.is_none() {
+                self.began_doubt = doubt;
+            }
             let came_from = self.way.came_from();
             let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from));
             open.add(now_ns, pose, self.way.way_m, seen, || {
                 let mut points = Vec::new();
-                line_points(&frame.revolution.points_m, &mut points);
+                line_points(&frame.revolution.points_m, 1, &mut points);
                 points
             });
         } else if let Some(width_m) = seen.ways.iter().map(|way| way.width_m).min_by(f64::total_cmp) {
@@ -161,6 +209,13 @@ impl Mapper {
         ended
     }
 
+    /// How the poses that follow lie to those before is not known: the vehicle came to the next place by no way that is.
+    fn end_stretch(&mut self) {
+        self.end_visit(self.in_node_ns, None);
+        self.last = None;
+        self.way.begin_again();
+    }
+
     /// Ends the visit that is open, if there is any. `left_to`: where the vehicle is now, if it has left.
     fn end_visit(&mut self, last_ns: u64, left_to: Option<Isometry2<f64>>) {
         let Some(visit) = self.open.take().and_then(|open| open.end(last_ns, left_to)) else { return };
@@ -175,15 +230,21 @@ impl Mapper {
         let walls = Walls::new(&visit.outline);
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
-        if let Some(last) = self.last {
+        if let Some(last) = &self.last {
             let way_m = visit.reached_at_m - last.at_m;
             let measured = last.tracked.inv_mul(&visit.anchor);
             let information = information(0.1 + 0.03 * way_m.max(0.0), 0.02 + 0.001 * way_m.max(0.0));
             self.graph.edges.push(Edge { from: last.visit, to: number, measured, information });
-            self.edge_ways_m.push(way_m.max(0.0));
+            self.flown.push(Flown { way_m: way_m.max(0.0), sd_m: self.flown_sd_m(last, &visit) });
+        } else if let Some(before) = number.checked_sub(1) {
+            // Where the stretch lies is open, until one of its places is recognised.
+            let measured = self.graph.poses[before].inv_mul(&predicted);
+            let information = information(UNKNOWN_M, UNKNOWN_RAD);
+            self.graph.edges.push(Edge { from: before, to: number, measured, information });
+            self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
         }
         let found = self.recognise(&visit, &walls, &predicted);
-        let stayed = self.last.filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
+        let stayed = self.last.as_ref().filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
         let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
                 let node = self.merge(&visit, &candidate, runner_up, number);
@@ -210,9 +271,20 @@ impl Mapper {
         let apart = self.graph.poses[last.visit].inv_mul(predicted);
         let look_m = last.look_m.min(visit.look_m);
         let is_alike = self.map.nodes[last.node].kind == visit.kind;
+        let is_near = |off_m: f64| off_m < NEAR_LOOKS * look_m;
+        let mut between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
+        let to_last = last.tracked.inverse();
         is_alike
-            && apart.translation.vector.norm() < NEAR_LOOKS * look_m
-            && visit.reached_at_m - last.at_m < WANDERS * look_m
+            && self.flown_sd_m(last, visit).is_some()
+            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || has_mouths_of(last, visit))
+            && is_near(apart.translation.vector.norm())
+            && between.all(|(_, place_m)| is_near((to_last * place_m).coords.norm()))
+    }
+
+    /// Standard deviation of a visit's anchor as seen from that of the last one.
+    pub(super) fn flown_sd_m(&self, last: &Departure, visit: &Visit) -> Option<f64> {
+        let end = Point2::from(visit.anchor.translation.vector);
+        self.began_doubt.since(&last.doubt)?.sd_m(end).map(|sd_m| sd_m.hypot(ANCHOR_M))
     }
 
     /// Notes the way by which the vehicle came, the passage that it came through, and the way by which it leaves.
@@ -227,8 +299,8 @@ impl Mapper {
         if self.last.is_some() || began_m > visit.came_from.coords.norm() + LEFT_M {
             self.map.nodes[node].ways[came_by].taken = true;
         }
-        if let Some(last) = self.last {
-            self.join(last, visit, (node, came_by));
+        if let Some(last) = self.last.take() {
+            self.join(&last, visit, (node, came_by));
         }
         let was_taken = self.map.nodes[node].ways[leaves_by].taken;
         self.map.nodes[node].ways[leaves_by].taken |= left;
@@ -237,7 +309,20 @@ impl Mapper {
         let (look_m, tracked) = (visit.look_m, visit.anchor);
         let (at_m, left_ns) = (visit.left_at_m, visit.time_ns[1]);
         let (way, is_settled) = (leaves_by, false);
-        self.last = Some(Departure { node, way, was_taken, is_settled, visit: number, look_m, tracked, at_m, left_ns });
+        let (doubt, mouths_m) = (self.in_node_doubt, visit.mouths_m());
+        self.last = Some(Departure {
+            node,
+            way,
+            was_taken,
+            is_settled,
+            visit: number,
+            look_m,
+            tracked,
+            at_m,
+            left_ns,
+            doubt,
+            mouths_m,
+        });
     }
 
     /// The way that the vehicle left the last node by is the one through which it gets beyond the look. A wide place may be
@@ -260,11 +345,11 @@ impl Mapper {
     }
 
     /// Adds the passage from the last node to this one, unless it is known or the vehicle only turned.
-    fn join(&mut self, last: Departure, visit: &Visit, to: (usize, usize)) {
+    fn join(&mut self, last: &Departure, visit: &Visit, to: (usize, usize)) {
         let from = (last.node, last.way);
         let known = [from, to].map(|(node, way)| self.map.nodes[node].ways[way].passage);
         let length_m = (visit.reached_at_m - last.at_m).max(0.0);
-        let is_turn = from.0 == to.0 && length_m < TURN_M.max(WANDERS * visit.look_m);
+        let is_turn = from.0 == to.0 && length_m < TURN_M.max(TURN_LOOKS * visit.look_m);
         if known != [None, None] || from == to || is_turn {
             return;
         }
@@ -292,6 +377,7 @@ impl Mapper {
             from: from.0,
             to: to.0,
             length_m,
+            length_sd_m: self.flown_sd_m(last, visit),
             width_m,
             stretch_ns: [last.left_ns, visit.time_ns[0]],
             via_m: Vec::new(),
@@ -300,6 +386,26 @@ impl Mapper {
             self.map.nodes[node].ways[way].passage = Some(passage);
         }
     }
+}
+
+/// Whether a visit saw the mouths that the one before saw, or the other way round, of those that are not within the other's
+/// look: two places that stand close each have a mouth of their own.
+fn has_mouths_of(last: &Departure, visit: &Visit) -> bool {
+    let sees = |anchor: &Isometry2<f64>, look_m: f64, own_m: &[Point2<f64>], other_m: &[Point2<f64>]| {
+        let bearing_rad = |mouth_m: &Point2<f64>| {
+            let seen = anchor.inverse() * mouth_m;
+            seen.y.atan2(seen.x)
+        };
+        let own_rad: Vec<f64> = own_m.iter().map(bearing_rad).collect();
+        let is_outside = |mouth_m: &&Point2<f64>| (anchor.inverse() * *mouth_m).coords.norm() > MOUTH_OUTSIDE * look_m;
+        other_m.iter().filter(is_outside).all(|mouth_m| {
+            let bearing_rad = bearing_rad(mouth_m);
+            own_rad.iter().any(|own_rad| wrap_angle_rad(own_rad - bearing_rad).abs() < SAME_MOUTH_RAD)
+        })
+    };
+    let mouths_m = visit.mouths_m();
+    sees(&visit.anchor, visit.look_m, &mouths_m, &last.mouths_m)
+        || sees(&last.tracked, last.look_m, &last.mouths_m, &mouths_m)
 }
 
 /// The way nearest to a direction.

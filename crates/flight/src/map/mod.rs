@@ -69,6 +69,8 @@ pub struct Passage {
     pub to: usize,
     /// Length of the way flown between the two positions, metres.
     pub length_m: f64,
+    /// Standard deviation of where it leads as seen from its beginning, metres; `None` if nothing shows its length.
+    pub length_sd_m: Option<f64>,
     /// Mean width of its mouths, as seen on the way, metres.
     pub width_m: f64,
     /// Stamps at its first flight: when the one node was left, and the other one reached.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crosscut_stage::wrap_angle_rad;
 use nalgebra::Point2;
 
-use super::mapper::{Place, information, nearest_way};
+use super::mapper::{Flown, Place, information, nearest_way};
 use super::outline::{Fit, Walls};
 use super::recognise::{Candidate, LEAST_LEAD, LEAST_SHARE};
 use super::visit::Visit;
@@ -60,7 +60,7 @@ impl Mapper {
     /// Corrects all poses: visit `to` was where `fit` says, as seen from visit `from`.
     fn correct(&mut self, from: usize, to: usize, fit: &Fit) {
         self.graph.edges.push(Edge { from, to, measured: fit.pose, information: information(0.1, 0.02) });
-        self.edge_ways_m.push(0.0);
+        self.flown.push(Flown { way_m: 0.0, sd_m: Some(0.0) });
         // Every pose is joined to the one before, so that the edges determine all of them.
         self.graph.solve().ok();
         self.place_nodes();

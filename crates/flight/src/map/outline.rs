@@ -189,6 +189,7 @@ mod tests {
             .map(|step| LinePoint {
                 position_m: point(step),
                 normal: Unit::new_normalize(Vector2::new(-along.y, along.x)),
+                tilt_rad2: 0.0,
             })
             .collect()
     }

@@ -1,20 +1,22 @@
 //! Whether a visit is to a place seen before.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::f64::consts::PI;
 
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Point2};
 
 use crosscut_stage::wrap_angle_rad;
 
+use super::mapper::Flown;
 use super::outline::{Fit, Walls};
 use super::visit::Visit;
 use super::{Mapper, Refusal};
 
-/// Poses are known to within this, and a share of the way from the place: the shortest one over all that was flown, as what
-/// is seen again ties poses together.
-const DRIFT_M: f64 = 2.5;
-const DRIFT_SHARE: f64 = 0.06;
+/// Anchors of one place lie within this of each other, and within this many looks; within this many standard deviations of
+/// the pose more. Those of all that was flown since the place add up, as a heading that is off is so for all that follows.
+const ANCHORS_M: f64 = 2.5;
+const ANCHORS_LOOKS: f64 = 0.75;
+const DEVIATIONS: f64 = 3.0;
 
 /// Headings are known to within this, and by this much less for each metre of the way since.
 const DRIFT_RAD: f64 = 0.15;
@@ -40,6 +42,23 @@ const WORTH_NOTING: f64 = 0.55;
 const SAME_M: f64 = 1.5;
 const SAME_RAD: f64 = 0.4;
 
+/// A place to which no known way leads is thought of from this share on.
+const GUESSED_SHARE: f64 = 0.85;
+
+/// This many other places have to agree.
+const AGREED_PLACES: usize = 2;
+
+/// Where two visits take a stretch to lie agrees within this.
+const AGREED_RAD: f64 = 0.15;
+
+/// Where a stretch lies if a visit of it was to a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Guess {
+    node: usize,
+    /// Brings tracked poses into the map's frame.
+    stretch: Isometry2<f64>,
+}
+
 /// A place that a visit may be to.
 pub(super) struct Candidate {
     pub(super) node: usize,
@@ -54,15 +73,23 @@ impl Mapper {
         walls: &Walls,
         predicted: &Isometry2<f64>,
     ) -> Option<(Candidate, Option<f64>)> {
-        let mut candidates: Vec<Candidate> = Vec::new();
-        let ways_m = self.ways_to_last_m();
+        let (mut candidates, mut guesses): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
+        let flown = self.flown_to_last();
         for (node, place) in self.places.iter().enumerate() {
             if self.map.nodes[node].kind != visit.kind {
                 continue;
             }
-            let since_m = ways_m[place.first_visit];
+            let Flown { way_m: since_m, sd_m } = flown[place.first_visit];
             let apart = self.graph.poses[place.first_visit].inv_mul(predicted);
-            if apart.translation.vector.norm() > DRIFT_M + DRIFT_SHARE * since_m {
+            let Some(sd_m) = sd_m else {
+                let turns = (0..visit.ways.len()).filter_map(|shift| turn_rad(visit, &place.ways_rad, shift));
+                guesses.extend(
+                    turns.filter_map(|yaw_rad| Some(Candidate { node, fit: place.walls.fit(walls, yaw_rad)? })),
+                );
+                continue;
+            };
+            let anchors_m = ANCHORS_M.max(ANCHORS_LOOKS * visit.look_m);
+            if apart.translation.vector.norm() > anchors_m + DEVIATIONS * sd_m {
                 continue;
             }
             let yaw_off_rad = (DRIFT_RAD + DRIFT_RAD_PER_M * since_m).min(PI);
@@ -74,30 +101,64 @@ impl Mapper {
                 candidates.extend(place.walls.fit(walls, yaw_rad).map(|fit| Candidate { node, fit }));
             }
         }
-        self.decide(visit, candidates)
+        guesses.retain(|guess| guess.fit.share >= GUESSED_SHARE);
+        self.decide(visit, candidates).or_else(|| self.agreed(visit, guesses))
     }
 
-    /// The shortest way from each visit to the last one, over edges of the graph. One that is not joined is infinitely far.
-    fn ways_to_last_m(&self) -> Vec<f64> {
-        let mut ways_m = vec![f64::INFINITY; self.graph.poses.len()];
-        let mut joined: Vec<Vec<(usize, f64)>> = vec![Vec::new(); ways_m.len()];
-        for (edge, &way_m) in self.graph.edges.iter().zip(&self.edge_ways_m) {
-            joined[edge.from].push((edge.to, way_m));
-            joined[edge.to].push((edge.from, way_m));
+    /// The best known way from each visit to the last one, over edges of the graph; infinite where there is none that is known.
+    fn flown_to_last(&self) -> Vec<Flown> {
+        let unknown = Flown { way_m: f64::INFINITY, sd_m: None };
+        let mut flown = vec![unknown; self.graph.poses.len()];
+        let mut joined: Vec<Vec<(usize, f64, f64)>> = vec![Vec::new(); flown.len()];
+        for (edge, of) in self.graph.edges.iter().zip(&self.flown) {
+            if let Some(sd_m) = of.sd_m {
+                joined[edge.from].push((edge.to, of.way_m, sd_m));
+                joined[edge.to].push((edge.from, of.way_m, sd_m));
+            }
         }
-        let Some(last) = ways_m.len().checked_sub(1) else { return ways_m };
-        ways_m[last] = 0.0;
+        let Some(last) = flown.len().checked_sub(1) else { return flown };
+        flown[last] = Flown { way_m: 0.0, sd_m: Some(0.0) };
         // Bellman and Ford's queue: few visits have more than two edges.
         let mut changed = VecDeque::from([last]);
         while let Some(at) = changed.pop_front() {
-            for &(to, way_m) in &joined[at] {
-                if ways_m[at] + way_m < ways_m[to] {
-                    ways_m[to] = ways_m[at] + way_m;
+            let Flown { way_m, sd_m: Some(sd_m) } = flown[at] else { continue };
+            for &(to, more_m, more_sd_m) in &joined[at] {
+                if flown[to].sd_m.is_none_or(|known_m| sd_m + more_sd_m < known_m) {
+                    flown[to] = Flown { way_m: way_m + more_m, sd_m: Some(sd_m + more_sd_m) };
                     changed.push_back(to);
                 }
             }
         }
-        ways_m
+        flown
+    }
+
+    /// Of places that a visit may be to although no known way leads there: the one that agrees with what other visits since
+    /// may have been to. Three places in their right relation are no chance; one may look like many.
+    fn agreed(&mut self, visit: &Visit, guesses: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
+        let guess = |candidate: &Candidate| {
+            let stretch = self.graph.poses[self.places[candidate.node].first_visit] * candidate.fit.pose;
+            Guess { node: candidate.node, stretch: stretch * visit.anchor.inverse() }
+        };
+        let made: Vec<Guess> = guesses.iter().map(guess).collect();
+        let agrees = |at: &usize| {
+            let (of, place) = (&made[*at], Point2::from(visit.anchor.translation.vector));
+            let agrees = |other: &&Guess| {
+                let off_rad = of.stretch.rotation.angle_to(&other.stretch.rotation).abs();
+                let off_m = (of.stretch * place - other.stretch * place).norm();
+                other.node != of.node && off_rad < AGREED_RAD && off_m < ANCHORS_M
+            };
+            let others: BTreeSet<usize> = self.guesses.iter().filter(agrees).map(|other| other.node).collect();
+            others.len() >= AGREED_PLACES
+        };
+        let agreed: Vec<usize> = (0..made.len()).filter(agrees).collect();
+        let found = match agreed[..] {
+            [one] => guesses.into_iter().nth(one),
+            _ => None,
+        };
+        self.guesses.extend(made);
+        let found = found?;
+        self.guesses.clear();
+        Some((found, None))
     }
 
     fn decide(&mut self, visit: &Visit, mut candidates: Vec<Candidate>) -> Option<(Candidate, Option<f64>)> {
@@ -121,7 +182,8 @@ impl Mapper {
 
     /// The node that a known passage leads to, if the vehicle came by one and has flown its length.
     fn expected(&self, visit: &Visit) -> Option<usize> {
-        let last = self.last?;
+        let last = self.last.as_ref()?;
+        self.flown_sd_m(last, visit)?;
         let passage = &self.map.passages[self.map.nodes[last.node].ways[last.way].passage?];
         let off_m = (visit.reached_at_m - last.at_m - passage.length_m).abs();
         let is_at_its_end = off_m < LENGTH_OFF_M + LENGTH_OFF_SHARE * passage.length_m;

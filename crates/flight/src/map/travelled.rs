@@ -46,6 +46,11 @@ impl Travelled {
         }
     }
 
+    /// The poses that follow do not go with those before.
+    pub(super) fn begin_again(&mut self) {
+        *self = Self { way_m: self.way_m, ..Self::default() };
+    }
+
     /// A place a few metres back.
     pub(super) fn came_from(&self) -> Option<Point2<f64>> {
         self.trail_m.front().copied()

@@ -156,6 +156,12 @@ impl OpenVisit {
 }
 
 impl Visit {
+    /// Where its ways begin, as they were tracked.
+    pub(crate) fn mouths_m(&self) -> Vec<Point2<f64>> {
+        let mouth_m = |way: &Way| self.anchor * Point2::from(unit(way.bearing_rad) * self.look_m);
+        self.ways.iter().map(mouth_m).collect()
+    }
+
     /// The way in whose direction a place lies, in the frame of the anchor.
     pub(crate) fn way_to(&self, place_m: Point2<f64>) -> usize {
         let bearing_rad = place_m.y.atan2(place_m.x);

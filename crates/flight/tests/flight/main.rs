@@ -1,6 +1,7 @@
 //! Poses, places, steady answers and maps of flights: on simulated ones against the truth, the pose graph and scan matching
 //! against independent checks.
 
+mod doubt;
 mod maps;
 mod places;
 mod pose_graph;

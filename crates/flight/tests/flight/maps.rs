@@ -118,7 +118,8 @@ fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f
             let steady = Steady { junctions: 2, here: Some(here.clone()), openings: Vec::new() };
             let revolution = Revolution { stamp_ns: 100_000_000 * u64::from(step as u32), ..Revolution::default() };
             let mut frame = Frame { revolution, ..Frame::default() };
-            FlightAnswer { pose: Some(pose), here: Some(here.clone()), steady: Some(steady) }.put(&mut frame);
+            FlightAnswer { pose: Some(pose), doubt: None, here: Some(here.clone()), steady: Some(steady) }
+                .put(&mut frame);
             mapper.add(&frame);
             step += 1;
         }
@@ -155,14 +156,17 @@ fn a_wide_place_is_left_by_the_way_beyond_the_look() {
 }
 
 #[test]
-fn two_stays_within_a_look_are_one_visit_and_others_are_not() {
+fn two_stays_within_half_a_look_are_one_visit_and_others_are_not() {
     use HereKind::{Junction, Passage};
     let stays =
         [(4.0, Junction), (30.0, Passage), (33.0, Junction), (36.0, Passage), (39.0, Junction), (60.0, Passage)];
-    let wide = straight(&stays, 6.0);
+    let wide = straight(&stays, 12.5);
     assert_eq!((wide.nodes.len(), wide.passages.len(), wide.nodes[1].visits.len()), (2, 1, 2), "{wide:?}");
-    let narrow = straight(&stays, 4.0);
-    assert_eq!((narrow.nodes.len(), narrow.passages.len()), (3, 2), "{narrow:?}");
+    // Each has a mouth to its left.
+    for look_m in [4.0, 6.0] {
+        let close = straight(&stays, look_m);
+        assert_eq!((close.nodes.len(), close.passages.len()), (3, 2), "{close:?}");
+    }
 }
 
 #[test]

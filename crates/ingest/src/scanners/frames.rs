@@ -37,11 +37,20 @@ struct Edge {
 impl Frames {
     /// Reads the transforms in these files; of a stream, those that are there.
     pub(super) fn read(containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
+        Self::read_topics(containers, is_stream, |_| true)
+    }
+
+    /// Reads those that do not move.
+    pub(super) fn read_static(containers: Vec<Box<dyn Container>>, is_stream: bool) -> Self {
+        Self::read_topics(containers, is_stream, |topic| topic.ends_with("_static"))
+    }
+
+    fn read_topics(containers: Vec<Box<dyn Container>>, is_stream: bool, is_read: impl Fn(&str) -> bool) -> Self {
         let mut frames = Self::default();
         for container in containers {
             let channels = container.contents().channels.iter();
             let encodings: BTreeMap<_, _> = channels
-                .filter(|(_, topic)| ros::is_transforms(&topic.type_name, &topic.encoding))
+                .filter(|(_, topic)| is_read(&topic.name) && ros::is_transforms(&topic.type_name, &topic.encoding))
                 .map(|(&id, topic)| (id, topic.encoding.clone()))
                 .collect();
             if encodings.is_empty() {
@@ -89,7 +98,7 @@ impl Frames {
         self.edges.values_mut().for_each(|edge| edge.poses.sort_by_key(|(stamp_ns, _)| *stamp_ns));
     }
 
-    fn add(&mut self, TransformStamped { header, child_frame_id, transform }: &TransformStamped) {
+    pub(super) fn add(&mut self, TransformStamped { header, child_frame_id, transform }: &TransformStamped) {
         let (place_m, turn) = (transform.translation, transform.rotation);
         let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(turn.w, turn.x, turn.y, turn.z), 1e-9) else {
             return;
@@ -106,7 +115,7 @@ impl Frames {
     }
 
     /// The frame and those that it lies in, each the parent of the one before.
-    fn line<'a>(&'a self, frame: &'a str) -> Vec<&'a str> {
+    pub(super) fn line<'a>(&'a self, frame: &'a str) -> Vec<&'a str> {
         let parent = |frame: &&'a str| self.edges.get(*frame).map(|edge| edge.parent.as_str());
         std::iter::successors(Some(plain_frame(frame)), parent).take(DEEPEST).collect()
     }

@@ -5,6 +5,7 @@
 
 mod around;
 mod frames;
+mod mount;
 mod same_frame;
 
 use crosscut_sensor::Sensor;
@@ -12,6 +13,7 @@ use crosscut_stage::{Notes, Revolution, Source as _, counted};
 
 use self::around::Around;
 use self::frames::Frames;
+pub(crate) use self::mount::Mount;
 use self::same_frame::Agreement;
 use crate::container::{self, Container};
 use crate::stream::Wait;

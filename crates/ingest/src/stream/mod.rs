@@ -22,7 +22,7 @@ use self::feed::{Arrival, Missing};
 pub use self::feed::{Feed, StreamEnded};
 use self::reader::Streamed;
 use crate::container::{ChannelId, Contents, Message, Topic};
-use crate::scanners::Scanners;
+use crate::scanners::{Mount, Scanners};
 use crate::topics::{scan_topic, topics_of};
 use crate::{Damage, Following, IngestError, Loss, LossKind, ReadOptions, Recording, TopicInfo};
 
@@ -137,9 +137,11 @@ impl Recording {
         let stream = Arc::new(Mutex::new(stream));
         let containers = vec![Streamed::boxed(&stream)];
         let scanners = Scanners::open(&containers, &[], options, sensor)?;
+        let is_single = scanners.is_none();
+        let mount = is_single.then(|| Mount::read(&containers, &options.csv, sensor)).flatten();
         let recording = Self::of(containers, Vec::new(), options, sensor.clone())?;
         lock(&stream).history = None;
-        Ok(recording.streamed(scanners))
+        Ok(recording.streamed(scanners, mount))
     }
 }
 

@@ -187,6 +187,31 @@ fn a_loss_of_the_other_scanner_is_a_loss() {
     );
 }
 
+/// The revolutions of the front scanner alone.
+fn front_alone(records: Vec<Record>, settings: &[(&str, crosscut_stage::Value)]) -> (Revolution, Vec<String>) {
+    let folder = Folder::new();
+    let path = folder.add("f.mcap", &Form::CHUNKED.write(&records));
+    let options = ReadOptions { topic: Some("/front/scan".to_owned()), ..ReadOptions::default() };
+    let mut recording = Recording::open(&[path], &options, sensor(settings)).expect("a recording");
+    let (mut revolution, mut notes) = (Revolution::default(), Notes::default());
+    assert!(recording.next(&mut revolution, &mut notes).expect("readable"));
+    (revolution, notes.iter().map(str::to_owned).collect())
+}
+
+#[test]
+fn a_single_scanner_is_mounted_as_the_recording_states_unless_it_is_set() {
+    let records = || fixed().into_iter().chain(scans(3, 0, 30.0)).collect::<Vec<_>>();
+    // The first beam looks 3π/4 to the right of where the scanner does.
+    let first_rad = |revolution: &Revolution| revolution.sweep.as_ref().expect("beams").bearings_rad[0];
+    let (stated, notes) = front_alone(records(), &[]);
+    assert!((first_rad(&stated) - (FRONT[2] - 0.75 * PI)).abs() < 1e-6, "{}", first_rad(&stated));
+    assert!(notes.iter().any(|note| note.contains("by /tf_static")), "{notes:?}");
+    let (set, notes) = front_alone(records(), &[("yaw_rad", crosscut_stage::Value::Number(0.1))]);
+    assert!((first_rad(&set) - (0.1 - 0.75 * PI)).abs() < 1e-6 && !notes.iter().any(|note| note.contains("tf_static")));
+    let (off, _) = front_alone(records(), &[("mount_from_tf", crosscut_stage::Value::Flag(false))]);
+    assert!((first_rad(&off) + 0.75 * PI).abs() < 1e-6);
+}
+
 #[test]
 fn scanners_that_state_one_frame_are_joined_only_if_they_agree() {
     let flight = |rear: [f64; 3]| -> Vec<Record> {

@@ -108,6 +108,28 @@ fn walls_are_straight_after_a_turn_of_the_vehicle() {
     }
 }
 
+/// As drivers of lidars that turn clockwise send it: listed anticlockwise, with a time from beam to beam that is positive.
+fn against_time(scan: LaserScan) -> LaserScan {
+    let (angle_min, angle_max) = (scan.angle_max, scan.angle_min);
+    let ranges = scan.ranges.into_iter().rev().collect();
+    LaserScan { angle_min, angle_max, angle_increment: -scan.angle_increment, ranges, ..scan }
+}
+
+#[test]
+fn beams_listed_against_their_order_in_time_are_found_by_the_scans() {
+    for (rate_rad_s, direction) in [(PI, -1.0), (-PI, -1.0), (PI, 1.0), (-PI, 1.0)] {
+        let scans = || (0..SCANS).map(|number| against_time(scan(number, rate_rad_s, direction)));
+        let heading_rad = rate_rad_s * ((SCANS - 1) as f64 + 0.5) * STEP_NS as f64 * 1e-9;
+        let (revolution, _) = last(scans(), &[]);
+        let off_m = farthest_from_walls_m(&revolution, heading_rad);
+        assert!(off_m < 0.1, "{rate_rad_s} {direction}: {off_m} m");
+        let with_odometry = (0..).zip(scans()).map(|(i, scan)| record_at("/scan", time_ns(i), &scan));
+        let (revolution, _) = last_of(with_odometry.chain(odometry(0.0, rate_rad_s)).collect(), &[]);
+        let off_m = farthest_from_walls_m(&revolution, heading_rad);
+        assert!(off_m < 0.1, "with odometry, {rate_rad_s} {direction}: {off_m} m");
+    }
+}
+
 #[test]
 fn scans_without_times_of_beams_or_turning_stay_unchanged() {
     let without_times = |scan: LaserScan| LaserScan { time_increment: 0.0, ..scan };

@@ -22,7 +22,7 @@ pub(crate) fn fly(frame: &mut Frame) {
     let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, confidence: 1.0 };
     let pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
     let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings: Vec::new() });
-    FlightAnswer { pose, here: Some(here), steady }.put(frame);
+    FlightAnswer { pose, doubt: None, here: Some(here), steady }.put(frame);
 }
 
 /// Whether a value in the recording is that of the frame.

@@ -1,0 +1,124 @@
+//! What the pose knows of its own doubt, on plans that are flown here.
+
+use std::collections::BTreeSet;
+
+use crosscut_detector::{Preset, Settings};
+use crosscut_flight::{Flight, FlightAnswer, Map, Mapper, PARAMS};
+use crosscut_sensor::Sensor;
+use crosscut_simulator::{Plan, Scene};
+use crosscut_stage::{Frame, Params, PoseDoubt};
+use nalgebra::Isometry2;
+
+/// A tunnel of 120 m with two side ways, 40 m apart.
+fn tunnel(roughness_m: f64) -> impl Iterator<Item = Scene> {
+    let plan = format!(
+        r#"{{"nodes":[{{"id":0,"x_m":0,"y_m":0}},{{"id":1,"x_m":40,"y_m":0}},{{"id":2,"x_m":80,"y_m":0}},{{"id":3,"x_m":120,"y_m":0}},
+           {{"id":4,"x_m":40,"y_m":15}},{{"id":5,"x_m":80,"y_m":15}}],
+           "edges":[{{"from":0,"to":1,"width_m":4}},{{"from":1,"to":2,"width_m":4}},{{"from":2,"to":3,"width_m":4}},
+           {{"from":1,"to":4,"width_m":4}},{{"from":2,"to":5,"width_m":4}}],"roughness_m":{roughness_m}}}"#
+    );
+    Plan::from_json(&plan).and_then(|plan| plan.fly(1)).expect("a plan")
+}
+
+/// What was seen of a flight.
+#[derive(Default)]
+struct Seen {
+    /// True pose, pose and doubt of each revolution.
+    poses: Vec<[Isometry2<f64>; 2]>,
+    doubts: Vec<PoseDoubt>,
+    notes: BTreeSet<String>,
+    map: Map,
+}
+
+impl Seen {
+    fn sd_m(&self, at: usize) -> Option<f64> {
+        self.doubts[at].from_start_sd_m(self.poses[at][1].translation.vector.into())
+    }
+
+    fn has_note(&self, part: &str) -> bool {
+        self.notes.iter().any(|note| note.contains(part))
+    }
+
+    /// How far the last pose is off.
+    fn off_m(&self) -> f64 {
+        let ([first, _], [last, found]) = (self.poses[0], self.poses[self.poses.len() - 1]);
+        first.inv_mul(&last).inv_mul(&found).translation.vector.norm()
+    }
+}
+
+/// Follows scenes; `odometry` makes the odometry of the true pose.
+fn follow(scenes: impl Iterator<Item = Scene>, odometry: impl Fn(&Isometry2<f64>) -> Option<Isometry2<f64>>) -> Seen {
+    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
+    let (mut flight, mut mapper) = (Flight::new(&Params::defaults(PARAMS), 0.6), Mapper::default());
+    let (mut frame, mut seen) = (Frame::default(), Seen::default());
+    for scene in scenes {
+        frame.notes.clear();
+        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
+        let pose = scene.pose.expect("a scene of a flight");
+        let pose = Isometry2::new(pose.position_m.coords, pose.heading_rad);
+        frame.revolution.odometry = odometry(&pose);
+        engine.process(&mut frame).expect("no failure");
+        flight.add(&mut frame);
+        mapper.add(&frame);
+        seen.poses.push([pose, FlightAnswer::of(&frame).pose.expect("a pose")]);
+        seen.doubts.push(FlightAnswer::of(&frame).doubt.expect("with a pose"));
+        seen.notes.extend(frame.notes.iter().map(str::to_owned));
+    }
+    seen.map = mapper.map();
+    seen
+}
+
+const STILL: fn(&Isometry2<f64>) -> Option<Isometry2<f64>> = |_| Some(Isometry2::identity());
+const EXACT: fn(&Isometry2<f64>) -> Option<Isometry2<f64>> = |pose| Some(*pose);
+const NONE: fn(&Isometry2<f64>) -> Option<Isometry2<f64>> = |_| None;
+
+#[test]
+fn odometry_that_stands_still_is_not_believed_between_rough_walls() {
+    let seen = follow(tunnel(0.1).take(500), STILL);
+    assert!(seen.has_note("the odometry moved by 0.0 m, the scans by 3."), "{:?}", seen.notes);
+    assert!(seen.off_m() < 1.5, "{} m off", seen.off_m());
+    assert!(seen.sd_m(499).is_some_and(|sd_m| sd_m < 2.0));
+}
+
+#[test]
+fn exact_odometry_is_never_doubted() {
+    let seen = follow(tunnel(0.1).take(300), EXACT);
+    assert!(!seen.has_note("not believed") && !seen.has_note("a new stretch"), "{:?}", seen.notes);
+}
+
+#[test]
+fn the_length_of_a_smooth_tunnel_is_unknown_without_odometry() {
+    let seen = follow(tunnel(0.0), NONE);
+    assert!(seen.has_note("its length is not known"));
+    assert_eq!(seen.sd_m(seen.poses.len() - 1), None);
+    let between = seen.map.passages.iter().filter(|passage| passage.length_sd_m.is_none());
+    assert!(between.count() > 0, "{:?}", seen.map.passages);
+    let junctions = seen.map.nodes.iter().filter(|node| node.ways.len() == 3).count();
+    assert!(junctions >= 2, "two tees that look alike are not one: {}", seen.map.summary());
+}
+
+#[test]
+fn odometry_holds_the_length_of_a_smooth_tunnel() {
+    let seen = follow(tunnel(0.0).take(500), |pose| {
+        Some(Isometry2::new(pose.translation.vector * 1.03, pose.rotation.angle()))
+    });
+    let way_m: f64 = seen.poses.windows(2).map(|two| two[0][0].inv_mul(&two[1][0]).translation.vector.norm()).sum();
+    assert!(
+        seen.off_m() < 0.1 * way_m && seen.sd_m(499).is_some_and(|sd_m| sd_m > 0.3),
+        "{} of {way_m} m",
+        seen.off_m()
+    );
+    assert!(!seen.has_note("not known"), "{:?}", seen.notes);
+}
+
+#[test]
+fn a_gap_begins_a_new_stretch_unless_odometry_leads_across() {
+    let with_gap =
+        || tunnel(0.1).take(400).enumerate().filter(|(at, _)| !(200..260).contains(at)).map(|(_, scene)| scene);
+    let alone = follow(with_gap(), NONE);
+    assert!(alone.has_note("6.1 s without a scan; a new stretch begins"), "{:?}", alone.notes);
+    assert!(alone.sd_m(199).is_some() && alone.sd_m(200).is_none());
+    assert_eq!(alone.doubts[339].stretch, 1);
+    let led = follow(with_gap(), EXACT);
+    assert!(led.off_m() < 1.0 && led.doubts[339].stretch == 0, "{} m off", led.off_m());
+}
