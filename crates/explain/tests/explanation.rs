@@ -178,7 +178,7 @@ fn the_text_names_beams_distances_weights_and_notes() {
     frame.junction.junctions = 2;
     let text = Explanation::of(&frame).to_markdown(&frame, &|wall| ["blue", "orange"][wall as usize]);
     for expected in [
-        "## 2 walls.\n\n**It would be 1 if blue and orange were one: the gap between them is 3.0 m.**",
+        "## 2 walls.\n\n**It would be 1 if orange and blue were one: the gap between them is 3.0 m.**",
         "k = 2 zeros of L",
         "beams 4, 5: 3.00 m",
         "beams 2, 4: 1.50 m",
@@ -247,7 +247,7 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
         Explanation::of(&frame).sentence(&frame, &colors)[1].clone()
     };
     let opening = verdict([3, 4], true, 3.0);
-    assert_eq!(sentence(vec![opening]), "It would be 1 if blue and orange were one: the gap between them is 3.0 m.");
+    assert_eq!(sentence(vec![opening]), "It would be 1 if orange and blue were one: the gap between them is 3.0 m.");
     let inside = verdict([2, 3], false, 0.8);
     assert_eq!(sentence(vec![opening, inside]), "It would be 3 if blue were two: neighbours in it are 1.5 m apart.");
     assert_eq!(sentence(vec![verdict([2, 3], false, 0.0)]), sentence(vec![]), "a gap without room is not near");

@@ -110,12 +110,12 @@ mod tests {
         assert_eq!(junction.wall_of_return, [None, Some(0), Some(0), None]);
         assert_eq!(
             notes.iter().collect::<Vec<_>>(),
-            ["report: 1 cluster of fewer than 2 returns taken for no wall (1 in all)"]
+            ["report: 1 cluster too small to be a wall, of 1 return; report.min_returns is 2"]
         );
         let (_, notes) = walls(&[0.0, 90.0, 180.0], &[Some(0), Some(1), Some(2)], 2);
         assert_eq!(
             notes.iter().collect::<Vec<_>>(),
-            ["report: 3 clusters of fewer than 2 returns taken for no wall (3 in all)"]
+            ["report: 3 clusters too small to be a wall, of 3 returns; report.min_returns is 2"]
         );
     }
 

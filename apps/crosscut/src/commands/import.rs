@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crosscut_detector::{Config, Registry};
-use crosscut_ingest::IngestError;
+use crosscut_ingest::{IngestError, Truths};
 use crosscut_pipeline::StopFlag;
 use crosscut_recorder::{Recorder, RecorderOptions, StoreIds};
 use crosscut_stage::{Frame, Observer, ObserverError};
@@ -36,11 +36,17 @@ pub(crate) fn import(args: &ImportArgs, registry: &Registry) -> anyhow::Result<O
     });
     let name = args.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let options = RecorderOptions { ids, ..observers::recorder_options(name, &config) };
+    let (flight, truth) = (flight.with_shown_truths(Truths::open(&args.file).ok()), options.truth.clone());
     let recorder = Recorder::piped(options, outputs::standard_output()?)?;
     let stop = StopFlag::default();
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(WhileRead { recorder, stop: stop.clone() })];
     let how = How { registry, stop: &stop, bar: &progress::bar(None, true), rate: None, has_poses: true };
-    let flown = fly(flight, &config, &how, &mut observers, &mut |_, _| Ok(()))?;
+    let flown = fly(flight, &config, &how, &mut observers, &mut |frame, judged| {
+        if let Some(judged) = judged {
+            truth.tell(frame.revolution.seq, judged.score.true_walls);
+        }
+        Ok(())
+    })?;
     let mut diagnostics = Diagnostics::default();
     flown.report(None, &mut diagnostics);
     Ok(diagnostics.outcome())
