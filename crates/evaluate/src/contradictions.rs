@@ -30,12 +30,12 @@ pub enum Contradiction {
         /// How far off the first return in the strip is, metres.
         blocked_at_m: f64,
     },
-    /// An island longer than [`ISLAND_M`] is nearest to the sensor, in line with a wall.
+    /// An island longer than 1.5 m is nearest to the sensor, in line with a wall.
     WallAsIsland {
         /// Its length, metres.
         length_m: f64,
     },
-    /// An answer is sure, although a wall that it counts has fewer than [`HANDFUL`] returns.
+    /// An answer is sure, although a wall that it counts has fewer than 6 returns.
     SureOfHandful {
         /// The returns of the smallest wall.
         returns: usize,

@@ -247,7 +247,7 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
         Explanation::of(&frame).sentence(&frame, &colors)[1].clone()
     };
     let opening = verdict([3, 4], true, 3.0);
-    assert_eq!(sentence(vec![opening]), "It would be 1 if orange and blue were one: the gap between them is 3.0 m.");
+    assert_eq!(sentence(vec![opening]), "It would be 1 if blue and orange were one: the gap between them is 3.0 m.");
     let inside = verdict([2, 3], false, 0.8);
     assert_eq!(sentence(vec![opening, inside]), "It would be 3 if blue were two: neighbours in it are 1.5 m apart.");
     assert_eq!(sentence(vec![verdict([2, 3], false, 0.0)]), sentence(vec![]), "a gap without room is not near");
