@@ -15,6 +15,8 @@ from conftest import in_wheel
 from numpy.typing import NDArray
 
 EVERY = 8
+# What the program writes and a recording of results cannot have: who made it, the truth, the time that the flight took.
+OF_PROGRAM = ("/config", "/truth/walls", "/log", "/timing/flight")
 
 
 def rrd(*args: object) -> subprocess.CompletedProcess[str]:
@@ -25,15 +27,15 @@ def listed(recording: Path) -> dict[str, str]:
     """The entities of a recording, each with its rows and what they hold."""
     lines = rrd("ls", recording).stdout.splitlines()
     found = (line.split() for line in lines if line.startswith(" /"))
-    return {words[0]: f"{words[1]} {words[2]} {' '.join(words[4:])}" for words in found if words[0] != "/config"}
+    return {words[0]: f"{words[1]} {words[2]} {' '.join(words[4:])}" for words in found if words[0] not in OF_PROGRAM}
 
 
-@pytest.fixture
-def flight(tee: Path, tmp_path: Path) -> Path:
-    """Every few scans of the shipped flight, without the truth, which results do not know."""
-    path = tmp_path / "tee.mcap"
-    subprocess.run([in_wheel(), "convert", tee, "--every", str(EVERY), "--out", path], check=True, capture_output=True)
-    return path
+def differences(theirs: Path, ours: Path) -> list[str]:
+    """The rows that differ, without what the program knows of the truth, which results do not."""
+    compared = rrd("diff", theirs, ours)
+    assert compared.returncode in (0, 1), compared.stderr
+    rows = [line for line in compared.stdout.splitlines() if " /" in line]
+    return [row for row in rows if "/truth/walls" not in row and " /log " not in row]
 
 
 def values(recording: Path, entity: str, out: Path) -> str:
@@ -44,28 +46,26 @@ def values(recording: Path, entity: str, out: Path) -> str:
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("workers", [1, 2])
-def test_every_entity_is_that_of_the_program(flight: Path, tmp_path: Path, preset: str, workers: int) -> None:
+def test_every_entity_is_that_of_the_program(tee: Path, tmp_path: Path, preset: str, workers: int) -> None:
     theirs, ours = tmp_path / "theirs.rrd", tmp_path / "ours.rrd"
-    subprocess.run([in_wheel(), "run", flight, "--preset", preset, "--save", theirs, "--quiet"], check=True)
+    subprocess.run([in_wheel(), "run", tee, "--every", str(EVERY), "--preset", preset, "--save", theirs, "--quiet"], check=True)
     engine = crosscut.Engine(preset)
     with crosscut.Recorder(ours, engine, name="tee") as recorder:
-        for result in engine.process_many(engine.read(flight), workers=workers):
+        for result in engine.process_many(engine.read(tee, every=EVERY), workers=workers):
             recorder.log(result)
-    compared = rrd("diff", theirs, ours)
-    assert compared.returncode == 0, compared.stdout + compared.stderr
+    assert differences(theirs, ours) == []
     assert listed(ours) == listed(theirs)
 
 
-def test_a_flight_is_recorded_with_its_poses(flight: Path, tmp_path: Path) -> None:
+def test_a_flight_is_recorded_with_its_poses(tee: Path, tmp_path: Path) -> None:
     theirs, ours = tmp_path / "theirs.rrd", tmp_path / "ours.rrd"
-    subprocess.run([in_wheel(), "run", flight, "--save", theirs, "--quiet"], check=True)
+    subprocess.run([in_wheel(), "run", tee, "--every", str(EVERY), "--save", theirs, "--quiet"], check=True)
     engine = crosscut.Engine()
     flown = crosscut.Flight(engine)
     with crosscut.Recorder(ours, engine) as recorder:
-        for scan in engine.read(flight):
+        for scan in engine.read(tee, every=EVERY):
             recorder.log(flown.process(scan))
-    compared = rrd("diff", theirs, ours)
-    assert compared.returncode == 0, compared.stdout + compared.stderr
+    assert differences(theirs, ours) == []
 
 
 def test_a_stage_of_ones_own_is_seen_in_the_same_entities(tee: Path, tmp_path: Path) -> None:
@@ -88,7 +88,8 @@ def test_a_stage_of_ones_own_is_seen_in_the_same_entities(tee: Path, tmp_path: P
         mine, programs = (values(of, entity, tmp_path / "values.csv") for of in (ours, theirs))
         assert mine == programs, entity
     why = rrd("get", theirs, "/report/why", "--revolution", "0", "--out", "-").stdout
-    assert results[0].why.strip() in why, why
+    missing = [part for part in results[0].why.strip().split("\n\n") if part not in why]
+    assert not missing, why
     assert all(result.confidence is None for result in results)
     assert any("nothing was calibrated" in note for note in results[0].notes)
     assert "nothing was calibrated" in results[0].why
@@ -97,7 +98,7 @@ def test_a_stage_of_ones_own_is_seen_in_the_same_entities(tee: Path, tmp_path: P
 def test_the_reasons_are_those_of_the_result(tee: Path) -> None:
     engine = crosscut.Engine("paper")
     results = list(engine.process_many(crosscut.read(tee, every=20), workers=2))
-    assert all(f"k = {result.k}, {result.junctions} wall" in result.why for result in results)
+    assert all(f"k = {result.k} zeros of L, {result.junctions} wall" in result.why for result in results)
     flight = crosscut.Flight(engine)
     flown = [flight.process(scan) for scan in crosscut.read(tee, every=20)]
     assert [result.why.split("\n\n")[:2] for result in flown] == [result.why.split("\n\n")[:2] for result in results]

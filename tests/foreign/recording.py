@@ -33,7 +33,7 @@ LEVEL_TOLERANCE = 0.51
 LEAST_VALUE = 1e-15
 
 # What the page that opens has to show, as words in the names of its views.
-SHOWN = ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "openings", "Why")
+SHOWN = ("Returns", "W", "L", "Eigenvalues", "U", "openings", "Why")
 PICTURE_SIZE = "1400x900"
 # A view is not blank when this share of it differs from its background; a spectrum of a few bars has 3 %.
 DRAWN_SHARE = 0.003

@@ -23,7 +23,7 @@ SIZE = "1400x900"
 # Pages by the option, and words in the names of their views.
 PAGES = {
     "overview": ("Here", "Walls counted", "Place", "Confidence"),
-    "stages": ("Returns", "W", "L", "Eigenvalues", "Embedding", "Labels", "Walls"),
+    "stages": ("Returns", "W", "L", "Eigenvalues", "U", "Walls"),
     "speed": ("Time per stage", "All stages"),
 }
 # More than viewers and the queue before them take in, and more than one part.

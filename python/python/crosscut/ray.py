@@ -268,18 +268,20 @@ def _process(
 
 def _figures(results: Path, map_file: Path) -> dict[str, Any]:
     """Of one flight: what its answers and its map come to."""
-    revolutions, confidences, counts = 0, 0.0, Counter[int]()
+    revolutions, counts = 0, Counter[int]()
+    confidences: list[float] = []  # null with stages that nothing was calibrated for
     with results.open() as lines:
         for line in map(json.loads, lines):
             revolutions += 1
-            confidences += line["confidence"]
+            if line["confidence"] is not None:
+                confidences.append(line["confidence"])
             counts[line["junctions"]] += 1
     flight_map = json.loads(map_file.read_text())
     kinds = Counter(node["kind"] for node in flight_map["nodes"])
     ways = [way for node in flight_map["nodes"] if node["kind"] == "junction" for way in node["ways"]]
     return {
         "revolutions": revolutions,
-        "mean_confidence": confidences / revolutions if revolutions else None,
+        "mean_confidence": sum(confidences) / len(confidences) if confidences else None,
         "most_walls": max(counts, default=None),
         "junctions": kinds["junction"],
         "dead_ends": kinds["dead_end"],
