@@ -166,5 +166,7 @@ mod tests {
             assert_eq!(usize::from(u16::from_le_bytes([header[8], header[9]])), HEADER_BYTES - 10);
             assert_eq!(header.last(), Some(&b'\n'));
         }
+        let text = String::from_utf8_lossy(&header("<i8", &[7])).into_owned();
+        assert!(text.contains("{'descr': '<i8', 'fortran_order': False, 'shape': (7, ), }"), "{text}");
     }
 }

@@ -124,15 +124,18 @@ pub(crate) fn scan_topic(
     }
 }
 
+/// Whether two names are of one topic: ROS 1 has topics without the slash in front, and people leave it out.
+pub(crate) fn is_same_name(one: &str, other: &str) -> bool {
+    one.trim_start_matches('/') == other.trim_start_matches('/')
+}
+
 fn wanted_topic(
     mut topics: Vec<TopicInfo>,
     wanted: &str,
     read_as: Option<ScanType>,
 ) -> Result<(TopicInfo, ScanDecoder), IngestError> {
-    // ROS 1 has topics without the slash in front, and people leave it out.
-    let plain = |name: &str| name.trim_start_matches('/').to_owned();
     let is_there = topics.iter().any(|topic| topic.name == wanted);
-    let is_wanted = |topic: &&TopicInfo| topic.name == wanted || (!is_there && plain(&topic.name) == plain(wanted));
+    let is_wanted = |topic: &&TopicInfo| topic.name == wanted || (!is_there && is_same_name(&topic.name, wanted));
     let found = topics.iter().filter(is_wanted).find_map(|topic| Some((topic.clone(), topic.decoder(read_as)?)));
     if let Some(found) = found {
         return Ok(found);

@@ -23,7 +23,7 @@ pub use self::feed::{Feed, StreamEnded};
 use self::reader::Streamed;
 use crate::container::{ChannelId, Contents, Message, Topic};
 use crate::scanners::{Mount, Scanners};
-use crate::topics::{scan_topic, topics_of};
+use crate::topics::{is_same_name, scan_topic, topics_of};
 use crate::{Damage, Following, IngestError, Loss, LossKind, ReadOptions, Recording, TopicInfo};
 
 /// So long after the first scan, what is not learned by then is done without: nobody waits longer for the first answer.
@@ -317,10 +317,6 @@ fn now_ns() -> u64 {
 
 fn lock(stream: &Mutex<Stream>) -> MutexGuard<'_, Stream> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn is_same_name(wanted: &str, name: &str) -> bool {
-    wanted.trim_start_matches('/') == name.trim_start_matches('/')
 }
 
 fn info(topic: &Topic) -> TopicInfo {

@@ -1,18 +1,13 @@
-//! NumPy's file format, version 1.0: a header that is a Python literal, then the numbers.
-//!
-//! Own code, because the crates for it bring a parser of Python literals and a compiled assembly file for one line of
-//! text. The cross-checks read these files with NumPy.
+//! An array of NumPy that grows while a recording is read.
 
 use std::io::{Seek, Write};
 
 use anyhow::bail;
+use crosscut_debugger::npy::{HEADER_BYTES, header};
 use crosscut_outfile::Whole;
 use crosscut_rrd::{Array, Numbers};
 
 use crate::exit::UsageError;
-
-/// Length of the header, padded with spaces: room for any shape, which is known last.
-const HEADER_BYTES: usize = 192;
 
 /// An array that grows along its first dimension, the revolutions.
 pub(super) struct NpyFile {
@@ -63,32 +58,5 @@ fn descr(numbers: &Numbers) -> &'static str {
         Numbers::F64(_) => "<f8",
         Numbers::F32(_) => "<f4",
         Numbers::I64(_) => "<i8",
-    }
-}
-
-fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
-    let sizes: String = shape.iter().map(|size| format!("{size}, ")).collect();
-    let literal = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({sizes}), }}");
-    let room = HEADER_BYTES - 10;
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend((room as u16).to_le_bytes());
-    header.extend(format!("{literal:<width$}\n", width = room - 1).into_bytes());
-    header
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_header_has_its_stated_length_and_ends_in_a_newline() {
-        for shape in [&[][..], &[7], &[3, 312, 4], &[usize::MAX; 4]] {
-            let header = header("<f8", shape);
-            assert_eq!(header.len(), HEADER_BYTES);
-            assert_eq!(usize::from(u16::from_le_bytes([header[8], header[9]])), HEADER_BYTES - 10);
-            assert_eq!(header.last(), Some(&b'\n'));
-        }
-        let text = String::from_utf8_lossy(&header("<i8", &[7])).into_owned();
-        assert!(text.contains("{'descr': '<i8', 'fortran_order': False, 'shape': (7, ), }"), "{text}");
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::dialect::Dialect;
-use super::names::{Meaning, Name};
+use super::names::{Geometry, Meaning, Name};
 use crate::Found;
 
 /// Rows with fewer cells and no names are points, or pairs of angles and distances.
@@ -50,19 +50,6 @@ pub(super) struct Columns {
     pub(super) unit_m: Option<f64>,
     /// What was taken for what, in words.
     pub(super) taken: String,
-}
-
-/// Parts of the geometry of a scan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[allow(missing_docs)] // the fields of a LaserScan
-pub(super) enum Geometry {
-    AngleMin,
-    AngleMax,
-    AngleIncrement,
-    TimeIncrement,
-    ScanTime,
-    RangeMin,
-    RangeMax,
 }
 
 impl Columns {
@@ -138,35 +125,24 @@ impl Columns {
         let has_number = |column: usize| !first(column).is_nan();
         let (mut seconds, mut nanoseconds) = (None, None);
         for (column, name) in names.iter().enumerate() {
-            let part = match name.meaning() {
+            match name.meaning() {
                 Meaning::Nanoseconds => {
                     nanoseconds.get_or_insert(column);
-                    continue;
                 }
-                Meaning::Seconds if seconds.is_none() => {
-                    seconds = Some(column);
-                    continue;
+                Meaning::Seconds => {
+                    seconds.get_or_insert(column);
                 }
                 Meaning::Time if has_number(column) => {
                     let time = TimeColumn::One { column, unit_ns: name.unit_ns(first(column)) };
                     if name.is_stamp() { &mut self.stamp } else { &mut self.recorded }.get_or_insert(time);
-                    continue;
                 }
                 Meaning::Frame => {
                     self.frame.get_or_insert(column);
-                    continue;
                 }
-                Meaning::AngleMin => Geometry::AngleMin,
-                Meaning::AngleMax => Geometry::AngleMax,
-                Meaning::AngleIncrement => Geometry::AngleIncrement,
-                Meaning::TimeIncrement => Geometry::TimeIncrement,
-                Meaning::ScanTime => Geometry::ScanTime,
-                Meaning::RangeMin => Geometry::RangeMin,
-                Meaning::RangeMax => Geometry::RangeMax,
-                _ => continue,
-            };
-            if has_number(column) {
-                self.geometry.entry(part).or_insert(column);
+                Meaning::Geometry(part) if has_number(column) => {
+                    self.geometry.entry(part).or_insert(column);
+                }
+                _ => {}
             }
         }
         match (seconds, nanoseconds) {

@@ -13,8 +13,9 @@ use std::path::Path;
 use crosscut_messages::{CDR_ENCODING, Endian, Header, LaserScan, Message as _, SCAN_TOPIC, SCHEMA_ENCODING, Time};
 use crosscut_sensor::{CsvGeometry, rescale};
 
-use self::columns::{Columns, Geometry, TimeColumn};
+use self::columns::{Columns, TimeColumn};
 pub(crate) use self::dialect::Dialect;
+use self::names::Geometry;
 use super::lines::{Line, LineFormat, next_line};
 use super::resting_file::RestingFile;
 use super::{ChannelId, Message, Topic};

@@ -61,12 +61,10 @@ pub(super) struct Name {
     is_of_rostopic: bool,
 }
 
-/// What the name of a column without a number stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
-    Time,
-    Seconds,
-    Nanoseconds,
+/// Parts of the geometry of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[allow(missing_docs)] // the fields of a LaserScan
+pub(super) enum Geometry {
     AngleMin,
     AngleMax,
     AngleIncrement,
@@ -74,6 +72,15 @@ pub(super) enum Meaning {
     ScanTime,
     RangeMin,
     RangeMax,
+}
+
+/// What the name of a column without a number stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Meaning {
+    Time,
+    Seconds,
+    Nanoseconds,
+    Geometry(Geometry),
     Frame,
     Angle,
     Range,
@@ -111,13 +118,13 @@ impl Name {
             _ if NANOSECONDS.contains(&stem) && is_in_time => Meaning::Nanoseconds,
             _ if SECONDS.contains(&stem) && is_in_time => Meaning::Seconds,
             _ if TIMES.contains(&stem) => Meaning::Time,
-            "angle_min" | "anglemin" | "start_angle" => Meaning::AngleMin,
-            "angle_max" | "anglemax" | "end_angle" => Meaning::AngleMax,
-            "angle_increment" | "angleincrement" => Meaning::AngleIncrement,
-            "time_increment" => Meaning::TimeIncrement,
-            "scan_time" => Meaning::ScanTime,
-            "range_min" | "rangemin" => Meaning::RangeMin,
-            "range_max" | "rangemax" => Meaning::RangeMax,
+            "angle_min" | "anglemin" | "start_angle" => Meaning::Geometry(Geometry::AngleMin),
+            "angle_max" | "anglemax" | "end_angle" => Meaning::Geometry(Geometry::AngleMax),
+            "angle_increment" | "angleincrement" => Meaning::Geometry(Geometry::AngleIncrement),
+            "time_increment" => Meaning::Geometry(Geometry::TimeIncrement),
+            "scan_time" => Meaning::Geometry(Geometry::ScanTime),
+            "range_min" | "rangemin" => Meaning::Geometry(Geometry::RangeMin),
+            "range_max" | "rangemax" => Meaning::Geometry(Geometry::RangeMax),
             "frame_id" | "frame" => Meaning::Frame,
             "x" | "y" | "z" => Meaning::Coordinate,
             _ if ["ns", "us", "ms", "s"].contains(&self.unit.as_str()) => Meaning::Time,
@@ -214,8 +221,8 @@ mod tests {
             ("/scan/header/stamp/sec", Meaning::Seconds),
             ("stamp_ns", Meaning::Time),
             ("Time (s)", Meaning::Time),
-            ("field.angle_min", Meaning::AngleMin),
-            ("range_max", Meaning::RangeMax),
+            ("field.angle_min", Meaning::Geometry(Geometry::AngleMin)),
+            ("range_max", Meaning::Geometry(Geometry::RangeMax)),
             ("__time", Meaning::Time),
             ("Zeit (s)", Meaning::Time),
             ("speed (m/s)", Meaning::Other),
