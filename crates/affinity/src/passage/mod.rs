@@ -114,7 +114,8 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
 ///    t').
 /// 3. A table (`verdict.rs`) lists the rules and the vetoes. Rules (`rules.rs`, `dark.rs`, `mouth.rs`) measure how much
 ///    room there is for an opening, divided by how much one needs. At 1 and more a vehicle can pass. Vetoes (`line.rs`,
-///    `mouth.rs`) hold where the wall plainly continues, or the gap is a slit. `without` leaves some of them out.
+///    `mouth.rs`) hold where the wall plainly continues, or the gap is a slit, or an opening is too doubtful
+///    (`odds.rs`). `without` leaves some of them out.
 /// 4. Pieces between which no vehicle can pass are joined, at the least |T| first, so that directions come from ever
 ///    longer walls (`joining.rs`). Then walls are cut where a vehicle can pass between all before a gap and all behind
 ///    it, and what is too small for a wall is joined again. What is left over goes to the nearer of the walls beside

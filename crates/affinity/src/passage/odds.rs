@@ -1,5 +1,5 @@
 //! The odds that a vehicle can pass at a gap: a sum of terms, one for each measurement. They show how doubtful the
-//! decision of the rules is.
+//! decision of the rules is, and forbid openings that are too doubtful.
 //!
 //! ```text
 //! ln(p / (1 - p)) = c + Σ f_i(x_i)
@@ -10,6 +10,11 @@ use super::gap::{BUMP_HIDES_BUMPS_AT_CORNER, BUMP_HIDES_M, Gap};
 use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
 use super::verdict::Decision;
+
+/// An opening at which something is seen has at least these odds: 3 of 10 gaps like it are openings.
+const LEAST_ODDS: f64 = 3.0 / 7.0;
+/// The reason where the odds leave no opening.
+const UNLIKELY: &str = "a wall that closes it may be hidden";
 
 /// The names of the measurements at a gap, in the order of the terms.
 pub const MEASURES: [&str; 12] =
@@ -63,8 +68,19 @@ impl Gap<'_> {
     pub(super) fn measures(&self, decision: Decision) -> Measures {
         let one = self.measures_from_nearer(decision);
         let Some(other) = self.by_other_end() else { return one };
-        let other = other.measures_from_nearer(other.decide());
+        let other = other.measures_from_nearer(other.decide_by_rules());
         std::array::from_fn(|at| f64::midpoint(one[at], other[at]))
+    }
+
+    /// The decision; none for an opening if the odds that all measurements together give it are below [`LEAST_ODDS`].
+    /// They then are the room, so that the gap stays as doubtful as it is. Where nothing is seen the rules decide alone:
+    /// no measurement shows how the hidden wall runs.
+    pub(super) fn limited_by_odds(&self, decision: Decision) -> Decision {
+        if self.is_dark || !decision.is_opening() || self.context.thresholds.disabled.odds {
+            return decision;
+        }
+        let odds = odds(&self.measures(decision));
+        if odds < LEAST_ODDS { Decision { room_ratio: odds, reason: UNLIKELY } } else { decision }
     }
 
     /// What is measured from the nearer end. Ratios of lengths are logarithms, angles radians.

@@ -29,8 +29,13 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
 impl Gap<'_> {
-    /// How much room there is, by the rules and vetoes that are left.
+    /// How much room there is, by the rules and vetoes that are left, and by the odds.
     pub(super) fn decide(&self) -> Decision {
+        self.limited_by_odds(self.decide_by_rules())
+    }
+
+    /// How much room there is, by the rules and vetoes of the table.
+    pub(super) fn decide_by_rules(&self) -> Decision {
         let disabled = self.context.thresholds.disabled;
         if let Some(reason) = disabled.veto(VetoPhase::BeforeRules, self) {
             return Decision::no_room(reason);

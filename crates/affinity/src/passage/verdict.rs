@@ -95,7 +95,7 @@ pub(super) const RULES: [Rule; 10] = [
 ];
 
 /// The vetoes. The first that holds decides.
-const VETOES: [Veto; 4] = [
+const VETOES: [Veto; 3] = [
     Veto {
         name: "line",
         words: "the line of the nearer wall goes on",
@@ -104,22 +104,19 @@ const VETOES: [Veto; 4] = [
     },
     Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.is_corner },
     Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.is_clear() && gap.is_slit() },
-    Veto {
-        name: "long_line",
-        words: "the line of the nearer wall over 3 m goes on",
-        phase: VetoPhase::OfOpenings,
-        holds: |gap| gap.is_in_long_line(),
-    },
 ];
 
 /// The veto of inner corners, which a side passage is not either.
 const CORNER: &str = "corner";
 
+/// The veto of openings that are too doubtful, which has their odds as its room (`odds.rs`).
+const ODDS: &str = "odds";
+
 /// The names of all rules and vetoes.
-pub(super) const NAMES: [&str; RULES.len() + VETOES.len()] = {
-    let mut names = [""; RULES.len() + VETOES.len()];
+pub(super) const NAMES: [&str; RULES.len() + VETOES.len() + 1] = {
+    let mut names = [ODDS; RULES.len() + VETOES.len() + 1];
     let mut at = 0;
-    while at < names.len() {
+    while at < RULES.len() + VETOES.len() {
         names[at] = if at < RULES.len() { RULES[at].name } else { VETOES[at - RULES.len()].name };
         at += 1;
     }
@@ -133,13 +130,15 @@ pub(super) struct DisabledRules {
     left_out: [bool; NAMES.len()],
     /// Whether inner corners are left out.
     pub(super) corners: bool,
+    /// Whether the veto by the odds is left out.
+    pub(super) odds: bool,
 }
 
 impl DisabledRules {
     /// Those of these names.
     pub(super) fn new(names: &[String]) -> Self {
         let has = |name: &str| names.iter().any(|other| other == name);
-        Self { left_out: NAMES.map(has), corners: has(CORNER) }
+        Self { left_out: NAMES.map(has), corners: has(CORNER), odds: has(ODDS) }
     }
 
     /// The enabled rules of a group.

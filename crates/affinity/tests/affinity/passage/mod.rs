@@ -3,6 +3,7 @@
 
 mod dead_ends;
 mod pillars;
+mod promises;
 mod verdicts;
 mod ways;
 
