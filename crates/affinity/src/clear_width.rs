@@ -1,8 +1,9 @@
 //! `clear_width`: a wall ends where one number says so, a baseline.
 //!
 //! The returns, without what hangs in the air or stands free ([`Scan`]), are cut where two neighbours are `passage_m` or
-//! more apart. Pieces of fewer than three returns are left out. Of the two ends at a gap, let p be the one that is nearer to
-//! the sensor, and F the line of the other piece over the metre beside the gap. The wall ends there if
+//! more apart. Of the two ends at a gap, let p be the one that is nearer to
+//! the sensor, and F the line of the wall beside the other one, over
+//! the metre behind it. The wall ends there if
 //!
 //! ```text
 //! d(p, F) >= passage_m
@@ -11,7 +12,7 @@
 //! and goes on if not. Nothing is asked of turns, depths, sizes or lost beams: this is what other rules have to beat.
 //! W_ij = 1 between neighbouring returns of one wall, else 0.
 
-use crosscut_scan::{LEAST_WALL_RETURNS, Lengths, Position, Ring, Scan};
+use crosscut_scan::{Lengths, Ring, Scan};
 use crosscut_stage::{
     Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Verdict,
 };
@@ -64,20 +65,20 @@ impl AffinityStage for ClearWidth {
             let [i, j] = [i, j].map(|i| ring.returns[i].number);
             (next[i as usize][0], next[j as usize][1]) = (Some(j), Some(i));
         };
-        let islands = scan.islands.pieces.iter();
-        scan.pieces.iter().chain(islands).flat_map(|piece| piece.windows(2)).for_each(|pair| connect(pair[0], pair[1]));
+        scan.islands.pieces.iter().flat_map(|piece| piece.windows(2)).for_each(|pair| connect(pair[0], pair[1]));
 
-        let walls: Vec<&[usize]> = scan.pieces.iter().filter(|piece| piece.len() >= LEAST_WALL_RETURNS).collect();
-        let gaps = if ring.full_turn { walls.len() } else { walls.len().saturating_sub(1) };
-        let mut widths_m = Vec::with_capacity(gaps);
+        let kept = scan.pieces.returns();
+        let gaps = if ring.full_turn { kept.len() } else { kept.len().saturating_sub(1) };
+        let mut widths_m = Vec::new();
         for at in 0..gaps {
-            let (a, b) = (walls[at], walls[(at + 1) % walls.len()]);
-            let ends = [a[a.len() - 1], b[0]];
+            let ends = [kept[at], kept[(at + 1) % kept.len()]];
             if !ring.are_apart(ends[0], ends[1], *passage_m) {
-                connect(ends[0], ends[1]);
+                if ends[0] != ends[1] {
+                    connect(ends[0], ends[1]);
+                }
                 continue;
             }
-            let width_m = clear_width_m(ring, a, b);
+            let width_m = clear_width_m(ring, kept, at);
             let is_opening = width_m >= *passage_m;
             if !is_opening {
                 connect(ends[0], ends[1]);
@@ -102,25 +103,18 @@ impl AffinityStage for ClearWidth {
     }
 }
 
-/// The distance of the nearer end of a gap from the line of the other piece over the metre beside the gap.
-fn clear_width_m(ring: &Ring, a: &[usize], b: &[usize]) -> f64 {
-    let (p, q) = (a[a.len() - 1], b[0]);
-    let line = |end: usize, mut onward: Box<dyn Iterator<Item = usize> + '_>| -> Position {
-        let (end_m, mut last_m) = (ring.position_m(end), ring.position_m(end));
-        while let Some(next) = onward.next()
-            && (last_m - end_m).norm() < LINE_M
-        {
-            last_m = ring.position_m(next);
-        }
-        last_m - end_m
-    };
-    let chord = ring.position_m(q) - ring.position_m(p);
-    let line = if ring.range_m(p) <= ring.range_m(q) {
-        line(q, Box::new(b[1..].iter().copied()))
-    } else {
-        line(p, Box::new(a[..a.len() - 1].iter().rev().copied()))
-    };
-    line.perp(&chord).abs() / line.norm().max(f64::MIN_POSITIVE)
+/// The distance of the nearer end of the gap behind return number `at` from the line of the metre of wall beside its other
+/// end.
+fn clear_width_m(ring: &Ring, kept: &[usize], at: usize) -> f64 {
+    let n = kept.len();
+    let next = (at + 1) % n;
+    let [p_m, q_m] = [at, next].map(|at| ring.position_m(kept[at]));
+    let is_first_nearer = p_m.norm_squared() <= q_m.norm_squared();
+    let end_m = if is_first_nearer { q_m } else { p_m };
+    let onward = |step: usize| if is_first_nearer { (next + step) % n } else { (at + n - step) % n };
+    let mut ahead_m = (1..n).map(|step| ring.position_m(kept[onward(step)]) - end_m);
+    let line = ahead_m.find(|ahead| ahead.norm() >= LINE_M).unwrap_or(q_m - p_m);
+    line.perp(&(q_m - p_m)).abs() / line.norm().max(f64::MIN_POSITIVE)
 }
 
 /// The widths for which as many gaps are openings: from the widest closed one to the narrowest opening. One wall all around

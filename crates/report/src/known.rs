@@ -19,7 +19,7 @@ use crate::outline::Outline;
 
 /// Sets `known` of each opening of `out`, and counts its gaps.
 pub(crate) fn mark(verdicts: &[Verdict], outline: &Outline, vehicle_width_m: f64, out: &mut Junction) {
-    let lost = lost_within_walls(outline);
+    let lost = lost_within_walls(outline, &out.openings);
     let mut gaps = KnownGaps::default();
     for opening in &mut out.openings {
         let is_seen = edge_of(opening, outline).is_some_and(|edge| is_seen_through(&edge, lost, vehicle_width_m));
@@ -42,12 +42,16 @@ fn edge_of<'a>(opening: &Opening, outline: &'a Outline) -> Option<Edge<'a>> {
     Some(Edge::between(outline, places(opening.returns, outline)?))
 }
 
-/// The beams that came back with nothing between two neighbouring returns of a wall.
-fn lost_within_walls(outline: &Outline) -> LostBeams {
+/// The beams that came back with nothing between two neighbouring returns of a wall, where no opening is.
+fn lost_within_walls(outline: &Outline, openings: &[Opening]) -> LostBeams {
     let (ring, mut lost) = (&outline.ring, LostBeams::default());
     let within_walls = outline.pairs().filter(|[from, to]| from != to && outline.wall(*from) == outline.wall(*to));
     for [from, to] in within_walls {
-        lost.count(ring, ring.dark_between(from, to));
+        let beams = ring.dark_between(from, to);
+        let numbers = [from, to].map(|at| ring.returns[at].number);
+        if beams > 0 && !openings.iter().any(|opening| opening.shares_end_with(numbers)) {
+            lost.count(ring, beams);
+        }
     }
     lost
 }

@@ -384,7 +384,9 @@ fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
         (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
     ];
     let known = |lost_rad: f64| {
-        let (revolution, walls) = scan(&room, 720, |bearing_rad| (bearing_rad - 2.0).abs() < lost_rad);
+        let (mut revolution, walls) = scan(&room, 720, |bearing_rad| (bearing_rad - 2.0).abs() < lost_rad);
+        let beams = &mut revolution.sweep.as_mut().expect("a sweep").beams;
+        beams.iter_mut().filter(|beam| **beam == Beam::Unknown).for_each(|beam| *beam = Beam::NoReturn);
         let partition = Partition { clusters: 1, labels: walls, ..Partition::default() };
         let verdicts = [verdict(&revolution, 0.0, true), verdict(&revolution, 2.0, false)];
         let mut report = Params::defaults(PARAMS);
