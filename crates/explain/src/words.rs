@@ -116,11 +116,11 @@ impl Words<'_> {
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 
-    /// How the gaps are known.
+    /// How the gaps are known, of an affinity that decides where walls end.
     fn gaps(&self) -> Option<String> {
         let KnownGaps { seen, proved, judged } = self.frame.junction.gaps;
         let text = format!("Gaps: {judged} judged, {seen} seen through, {proved} proved to be closed.");
-        (seen + proved + judged > 0).then_some(text)
+        (!self.frame.affinity.verdicts.is_empty()).then_some(text)
     }
 
     /// A line for each wall with its weakest and its strongest edge.
