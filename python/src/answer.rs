@@ -55,7 +55,16 @@ impl Answer {
             line.walls.iter().map(|w| wall.call1((w.id, w.returns, (w.bearing_rad[0], w.bearing_rad[1]), w.island)));
         let openings = line.openings.iter().map(|o| {
             let walls = (o.walls[0], o.walls[1]);
-            opening.call1((o.bearing_rad, o.width_m, o.range_m, o.p, walls, o.evidence.as_str(), o.cut_by_view))
+            opening.call1((
+                o.bearing_rad,
+                o.width_m,
+                o.range_m,
+                o.p,
+                walls,
+                o.evidence.as_str(),
+                o.known.as_str(),
+                o.cut_by_view,
+            ))
         });
         let timings = PyDict::new(py);
         for (step, ms) in timings_ms {
@@ -84,6 +93,13 @@ impl Answer {
         fields.set_item(intern!(py, "eigenvalues"), eigenvalues.into_pyarray(py))?;
         fields.set_item(intern!(py, "walls"), PyTuple::new(py, walls.collect::<PyResult<Vec<_>>>()?)?)?;
         fields.set_item(intern!(py, "openings"), PyTuple::new(py, openings.collect::<PyResult<Vec<_>>>()?)?)?;
+        let gaps = PyDict::new(py);
+        gaps.set_item(intern!(py, "seen"), line.gaps.seen)?;
+        gaps.set_item(intern!(py, "proved"), line.gaps.proved)?;
+        gaps.set_item(intern!(py, "judged"), line.gaps.judged)?;
+        fields.set_item(intern!(py, "gaps"), gaps)?;
+        let holds_for_width_m = line.holds_for_width_m.map(|[least_m, most_m]| (least_m, most_m));
+        fields.set_item(intern!(py, "holds_for_width_m"), holds_for_width_m)?;
         fields.set_item(intern!(py, "labels"), line.labels.into_pyarray(py))?;
         fields.set_item(intern!(py, "clusters"), clusters.into_pyarray(py))?;
         fields.set_item(intern!(py, "notes"), PyTuple::new(py, line.notes)?)?;

@@ -2,7 +2,7 @@
 
 use crosscut_evaluate::tables::Table;
 use crosscut_pipeline::{Answers, NoteCount, Summary};
-use crosscut_stage::{NoteCode, Step, counted};
+use crosscut_stage::{KnownGaps, NoteCode, Step, counted};
 
 use crate::fly::Flown;
 use crate::typeset;
@@ -24,7 +24,9 @@ pub(crate) fn tables(summary: &Summary) -> String {
     if summary.revolutions == 0 {
         return String::new();
     }
-    let mut text = format!("{}\n\n{}\n", typeset::plain(&counts(summary)), typeset::plain(&times(summary)));
+    let mut text = typeset::plain(&counts(summary));
+    text.extend(gaps(summary.gaps).map(|line| format!("\n\n{line}")));
+    text += &format!("\n\n{}\n", typeset::plain(&times(summary)));
     if summary.noted > 0 {
         let more = summary.notes.by_frequency().len().saturating_sub(NOTES_SHOWN) as u64;
         text += &format!("\n{}\n", typeset::plain(&notes(summary, NOTES_SHOWN)));
@@ -33,6 +35,14 @@ pub(crate) fn tables(summary: &Summary) -> String {
         }
     }
     text
+}
+
+/// How the gaps of a run are known; `None` without a gap.
+fn gaps(gaps: KnownGaps) -> Option<String> {
+    let percent = |part: u64| 100.0 * part as f64 / gaps.all() as f64;
+    let [seen, proved, judged] = [gaps.seen, gaps.proved, gaps.judged].map(percent);
+    (gaps.all() > 0)
+        .then(|| format!("gaps: {judged:.1} % judged, {seen:.1} % seen through, {proved:.1} % proved to be closed"))
 }
 
 /// Counts for a history of runs.

@@ -161,6 +161,7 @@ mod tests {
             walls: [0, 0],
             returns: [Some(0), Some(1)],
             evidence: Evidence::SeenThrough,
+            known: crosscut_stage::Known::Judged,
             edge_m: [Point::new(4.0, -1.0, 0.0), Point::new(4.0, 1.0, 0.0)],
             p: None,
         }

@@ -17,6 +17,8 @@ pub struct Evaluation {
     rand_indices: Vec<f64>,
     missed: Proportion,
     false_alarms: Proportion,
+    seen_false: Proportion,
+    judged_gaps: Proportion,
     bearing_errors_rad: Vec<f64>,
     width_errors: Vec<f64>,
     answers: Vec<(f64, bool)>,
@@ -77,6 +79,10 @@ pub struct Openings {
     /// Reported openings that are not there.
     #[serde(rename = "false")]
     pub false_alarms: Proportion,
+    /// Reported openings that are seen through and not there.
+    pub seen_false: Proportion,
+    /// Gaps, openings and closed ones, that are judged: neither seen through nor proved to be closed.
+    pub judged_gaps: Proportion,
     /// Absolute error of the bearings of matched openings, rad.
     pub bearing_error_rad: Option<Percentiles>,
     /// Relative error of the widths of matched openings.
@@ -95,6 +101,10 @@ impl Evaluation {
         self.missed.merge(Proportion { hits: (openings.truth - matched) as u64, of: openings.truth as u64 });
         self.false_alarms
             .merge(Proportion { hits: (openings.reported - matched) as u64, of: openings.reported as u64 });
+        let seen_there = openings.matched.iter().filter(|opening| opening.is_seen).count();
+        self.seen_false.merge(Proportion { hits: (openings.seen - seen_there) as u64, of: openings.seen as u64 });
+        let gaps = score.gaps;
+        self.judged_gaps.merge(Proportion { hits: gaps.judged, of: gaps.seen + gaps.proved + gaps.judged });
         self.bearing_errors_rad.extend(openings.matched.iter().map(|opening| opening.bearing_error_rad));
         self.width_errors.extend(openings.matched.iter().filter_map(|opening| opening.width_error));
         self.answers.extend(score.confidence.map(|confidence| (confidence, score.right)));
@@ -111,6 +121,8 @@ impl Evaluation {
         self.rand_indices.extend(&other.rand_indices);
         self.missed.merge(other.missed);
         self.false_alarms.merge(other.false_alarms);
+        self.seen_false.merge(other.seen_false);
+        self.judged_gaps.merge(other.judged_gaps);
         self.bearing_errors_rad.extend(&other.bearing_errors_rad);
         self.width_errors.extend(&other.width_errors);
         self.answers.extend(&other.answers);
@@ -145,6 +157,8 @@ impl Evaluation {
             openings: Openings {
                 missed: self.missed,
                 false_alarms: self.false_alarms,
+                seen_false: self.seen_false,
+                judged_gaps: self.judged_gaps,
                 bearing_error_rad: Percentiles::of(&self.bearing_errors_rad),
                 width_error: Percentiles::of(&self.width_errors),
             },

@@ -2,7 +2,7 @@
 
 use crosscut_messages::TruthOpening;
 use crosscut_report::OpeningLine;
-use crosscut_stage::wrap_angle_rad;
+use crosscut_stage::{Known, wrap_angle_rad};
 
 use crate::assignment::best_matching;
 
@@ -18,6 +18,8 @@ pub struct OpeningsScore {
     pub reported: usize,
     /// The matched openings.
     pub matched: Vec<MatchedOpening>,
+    /// Number of reported openings that are seen through.
+    pub seen: usize,
 }
 
 /// The errors of a reported opening that matches a true one.
@@ -27,6 +29,12 @@ pub struct MatchedOpening {
     pub bearing_error_rad: f64,
     /// |reported - true| / true width; `None` if the true width is 0.
     pub width_error: Option<f64>,
+    /// The reported one is seen through.
+    pub is_seen: bool,
+}
+
+fn is_seen(opening: &OpeningLine) -> bool {
+    opening.known == Known::Seen.as_str()
 }
 
 /// Matches openings one-to-one: as many as possible, and then with the smallest sum of bearing errors.
@@ -42,11 +50,13 @@ pub(crate) fn score(truth: &[TruthOpening], reported: &[OpeningLine]) -> Opening
     let matched = pairs.into_iter().filter(|&(t, r)| weight(t, r) > 0.0).map(|(t, r)| {
         let true_width_m = truth[t].width_m;
         MatchedOpening {
+            is_seen: is_seen(&reported[r]),
             bearing_error_rad: error_rad(t, r),
             width_error: (true_width_m > 0.0).then(|| (reported[r].width_m - true_width_m).abs() / true_width_m),
         }
     });
-    OpeningsScore { truth: truth.len(), reported: reported.len(), matched: matched.collect() }
+    let seen = reported.iter().filter(|opening| is_seen(opening)).count();
+    OpeningsScore { truth: truth.len(), reported: reported.len(), matched: matched.collect(), seen }
 }
 
 #[cfg(test)]
@@ -59,6 +69,7 @@ mod tests {
         let reported: Vec<_> = reported_deg
             .iter()
             .map(|b| OpeningLine {
+                known: "judged".to_owned(),
                 bearing_rad: b.to_radians(),
                 width_m: 3.0,
                 range_m: 5.0,
@@ -98,6 +109,7 @@ mod tests {
         assert_eq!(scored(&[0.0], &[0.0]).matched[0].width_error, Some(0.25));
         let closed = TruthOpening { bearing_rad: 0.0, width_m: 0.0 };
         let line = OpeningLine {
+            known: "judged".to_owned(),
             bearing_rad: 0.0,
             width_m: 3.0,
             range_m: 5.0,

@@ -1,7 +1,7 @@
 //! The score of one revolution against its truth.
 
 use crosscut_messages::Truth;
-use crosscut_report::ResultsLine;
+use crosscut_report::{GapsLine, ResultsLine};
 
 use crate::contingency::Contingency;
 use crate::openings::{self, OpeningsScore};
@@ -26,6 +26,8 @@ pub struct Score {
     pub adjusted_rand_index: Option<f64>,
     /// Comparison of the openings.
     pub openings: OpeningsScore,
+    /// How the gaps of the answer are known.
+    pub gaps: GapsLine,
     /// Reported confidence; `None` if the answer has none.
     pub confidence: Option<f64>,
 }
@@ -75,6 +77,7 @@ impl Score {
             returns_right: table.beams_right(),
             adjusted_rand_index: two_walls.then(|| table.adjusted_rand_index()),
             openings: openings::score(&truth.openings, &line.openings),
+            gaps: line.gaps,
             confidence: line.confidence,
         })
     }

@@ -140,8 +140,17 @@ pub fn details(scoreboard: &Scoreboard) -> Vec<Table> {
         ),
         by_family_and_configuration(
             scoreboard,
-            "openings: % of the true ones missed, % of the reported ones false, errors of those matched",
-            &["missed", "false", "bearing median °", "bearing p95 °", "width median %", "width p95 %"],
+            "openings: % of the true ones missed, % of the reported ones false, also of those seen through; % of the gaps judged; errors of those matched",
+            &[
+                "missed",
+                "false",
+                "seen and false",
+                "gaps judged",
+                "bearing median °",
+                "bearing p95 °",
+                "width median %",
+                "width p95 %",
+            ],
             |f| {
                 let degrees = |of: fn(&Percentiles) -> f64| {
                     number(f.openings.bearing_error_rad.as_ref().map(|p| of(p).to_degrees()), 1)
@@ -150,6 +159,8 @@ pub fn details(scoreboard: &Scoreboard) -> Vec<Table> {
                 vec![
                     share(f.openings.missed),
                     share(f.openings.false_alarms),
+                    share(f.openings.seen_false),
+                    share(f.openings.judged_gaps),
                     degrees(|p| p.p50),
                     degrees(|p| p.p95),
                     width(|p| p.p50),

@@ -28,4 +28,4 @@ mod words;
 pub use change::Change;
 pub use edges::{Edge, Explanation, WallEdges};
 pub use watch::{Event, Watch};
-pub use words::inequality;
+pub use words::{inequality, widths};

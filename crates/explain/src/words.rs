@@ -1,6 +1,6 @@
 //! The explanation as text.
 
-use crosscut_stage::{Beam, Frame, Spectrum, Verdict, counted};
+use crosscut_stage::{Beam, Frame, KnownGaps, Spectrum, Verdict, counted};
 
 use crate::{Change, Edge, Explanation, WallEdges};
 
@@ -28,6 +28,8 @@ impl Explanation {
         let words = Words { frame, color_of };
         let mut paragraphs = vec![words.count(), words.inequality()];
         paragraphs.extend(self.changes.iter().map(|change| words.change(change)));
+        paragraphs.extend(words.widths());
+        paragraphs.extend(words.gaps());
         paragraphs.extend(words.verdicts());
         paragraphs.extend(words.walls(self));
         paragraphs.extend(self.closest.map(|(walls, returns)| words.closest(walls, returns)));
@@ -35,6 +37,9 @@ impl Explanation {
         paragraphs.join("\n\n")
     }
 }
+
+/// A count holds for every width if it holds for this one: no vehicle is wider.
+const ANY_WIDTH_M: f64 = 100.0;
 
 struct Words<'a> {
     frame: &'a Frame,
@@ -57,6 +62,11 @@ impl Words<'_> {
             text += &format!(" k also counts {}.", beside.join(" and "));
         }
         text
+    }
+
+    /// For which widths of the vehicle the count stays the same.
+    fn widths(&self) -> Option<String> {
+        Some(widths(self.frame.junction.junctions, self.frame.affinity.holds_for_width_m?))
     }
 
     /// The inequality that gives k, and the margin.
@@ -104,6 +114,13 @@ impl Words<'_> {
         let title =
             "Verdicts where walls may end, the closest to the threshold first; p is the probability of an opening:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
+    }
+
+    /// How the gaps are known, of an affinity that decides where walls end.
+    fn gaps(&self) -> Option<String> {
+        let KnownGaps { seen, proved, judged } = self.frame.junction.gaps;
+        let text = format!("Gaps: {judged} judged, {seen} seen through, {proved} proved to be closed.");
+        (!self.frame.affinity.verdicts.is_empty()).then_some(text)
     }
 
     /// A line for each wall with its weakest and its strongest edge.
@@ -191,6 +208,16 @@ pub fn inequality(spectrum: &Spectrum) -> String {
     format!("{below}τ {}{above}", power(spectrum.tolerance))
 }
 
+/// For which widths of the vehicle the count stays the same: "3 walls for vehicles 0.2 to 3.4 m wide; wider, it is 2."
+pub fn widths(count: usize, [least_m, most_m]: [f64; 2]) -> String {
+    let walls = counted(count as u64, "wall");
+    if most_m >= ANY_WIDTH_M {
+        format!("{walls} for vehicles at least {least_m:.1} m wide.")
+    } else {
+        format!("{walls} for vehicles {least_m:.1} to {most_m:.1} m wide; wider, it is {}.", count.saturating_sub(1))
+    }
+}
+
 /// Formats a value as 1.2e-8, or 0.31 if it is near 1.
 fn power(value: f64) -> String {
     if value == 0.0 || (0.01..10.0).contains(&value.abs()) { format!("{value:.2}") } else { format!("{value:.1e}") }
@@ -199,6 +226,12 @@ fn power(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_widths_name_the_count_beyond_them() {
+        assert_eq!(widths(3, [0.2, 3.4]), "3 walls for vehicles 0.2 to 3.4 m wide; wider, it is 2.");
+        assert_eq!(widths(1, [0.1, 100.0]), "1 wall for vehicles at least 0.1 m wide.");
+    }
 
     #[test]
     fn the_inequality_names_the_eigenvalues_on_both_sides() {

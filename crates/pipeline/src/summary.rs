@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_stage::{Failure, Frame, SURE, Step};
+use crosscut_stage::{Failure, Frame, KnownGaps, SURE, Step};
 
 use crate::note_counts::NoteCounts;
 use crate::quantiles::Quantiles;
@@ -14,6 +14,8 @@ pub struct Summary {
     pub revolutions: u64,
     /// Those with each number of junctions.
     pub junctions: BTreeMap<usize, Answers>,
+    /// How their gaps are known.
+    pub gaps: KnownGaps,
     /// Number of them with a note.
     pub noted: u64,
     /// Their notes.
@@ -88,6 +90,7 @@ impl Summary {
         let answers = self.junctions.entry(frame.junction.junctions).or_default();
         answers.revolutions += 1;
         answers.sure += u64::from(frame.junction.confidence.is_some_and(|confidence| confidence >= SURE));
+        self.gaps += frame.junction.gaps;
         self.noted += u64::from(!frame.notes.is_empty());
         self.notes.add(self.revolutions, &frame.notes);
         self.times.add(frame);

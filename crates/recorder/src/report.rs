@@ -65,8 +65,10 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
         format!("k = {k}, {}, confidence {confidence}.", counted(n as u64, "return")),
     ];
     lines.extend(spectrum.margin_decades.map(|margin| format!("Margin of k: {margin:.1} decades.")));
+    let holds_m = frame.affinity.holds_for_width_m;
+    lines.extend(holds_m.map(|holds_m| crosscut_explain::widths(count, holds_m)));
     if !junction.openings.is_empty() {
-        lines.push("\n| opening | width | between walls | seen by |\n|---|---|---|---|".to_owned());
+        lines.push("\n| opening | width | between walls | seen by | known |\n|---|---|---|---|---|".to_owned());
         lines.extend(junction.openings.iter().map(opening_row));
     }
     if !junction.walls.is_empty() {
@@ -79,7 +81,8 @@ fn summary(frame: &Frame, classes: &Classes) -> String {
 fn opening_row(opening: &Opening) -> String {
     let bearing_deg = opening.bearing_rad.to_degrees();
     let [right, left] = opening.walls;
-    format!("| {bearing_deg:+.0}° | {:.1} m | {right}, {left} | {} |", opening.width_m, spaced(&opening.evidence))
+    let (evidence, known) = (spaced(&opening.evidence), opening.known);
+    format!("| {bearing_deg:+.0}° | {:.1} m | {right}, {left} | {evidence} | {known} |", opening.width_m)
 }
 
 fn wall_row(wall: &Wall, classes: &Classes) -> String {

@@ -224,6 +224,7 @@ mod tests {
                 walls: [0, 1],
                 returns: [Some(0), Some(1)],
                 evidence,
+                known: crosscut_stage::Known::Judged,
                 edge_m,
                 p: None,
             })

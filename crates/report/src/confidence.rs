@@ -260,6 +260,7 @@ mod tests {
             walls: [0, 1],
             returns: [Some(0), Some(1)],
             evidence: crosscut_stage::Evidence::NoReturn,
+            known: crosscut_stage::Known::Judged,
             edge_m: [crosscut_stage::Point::origin(); 2],
             p: None,
         };

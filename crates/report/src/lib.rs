@@ -10,6 +10,7 @@
 //! - An **opening** is a gap where the affinity decided that a wall ends. For an affinity that decides nothing, it is an
 //!   edge of the visible free space between two returns that follow each other around the sensor, through which the
 //!   vehicle fits and behind which at least 3 m are not seen to be closed ([`openings`]).
+//! - Each gap is **known** in one of three ways (`known.rs`): seen through, proved to be closed, or judged.
 //! - The **place** is named by the number of openings and by the angle between two (`place.rs`).
 //! - **Confidence** is taken from the zero rule, 1 - 10^-margin, or from the scene, a share of right answers fitted to
 //!   the odds of its gaps and to how clear the most doubtful ones are ([`confidence`], [`odds`]).
@@ -19,6 +20,7 @@
 pub mod confidence;
 mod doorway;
 mod islands;
+mod known;
 pub mod odds;
 pub mod openings;
 mod outline;
@@ -30,6 +32,6 @@ mod walls;
 pub use outline::Outline;
 pub use reporter::{PARAMS, Reporter, VEHICLE_HEIGHT_M, VEHICLE_PARAMS, VEHICLE_WIDTH_M};
 pub use results::{
-    HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
+    GapsLine, HereLine, MAX_EIGENVALUES, OpeningLine, PoseLine, RESULTS_SCHEMA_NAME, RESULTS_SCHEMA_TEXT, ResultsLine,
     SteadyLine, SteadyOpeningLine, WallLine,
 };

@@ -64,7 +64,9 @@ impl Outline {
 
     /// The place in the ring of a return by its number in the revolution; `None` if it is of no wall.
     pub(crate) fn place_of(&self, number: u32) -> Option<usize> {
-        self.ring.returns.iter().position(|one| one.number == number)
+        let first = self.ring.returns.first()?.number;
+        let order = |number: u32| self.order_from(first, number);
+        self.ring.returns.binary_search_by_key(&order(number), |one| order(one.number)).ok()
     }
 
     /// By this, the returns that follow one anticlockwise are in order. Returns are numbered in message order.

@@ -36,6 +36,7 @@ mod tests {
             walls: [0, 0],
             returns: [Some(0), Some(1)],
             evidence: Evidence::NoReturn,
+            known: crosscut_stage::Known::Judged,
             edge_m: [Point::origin(); 2],
             p: None,
         };

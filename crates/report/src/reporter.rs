@@ -8,7 +8,7 @@ use crosscut_stage::{
 
 use crate::openings::{self, OpeningRule};
 use crate::outline::Outline;
-use crate::{confidence, doorway, islands, odds, place, walls};
+use crate::{confidence, doorway, islands, known, odds, place, walls};
 
 const MIN_RETURNS: Count = Count::new("min_returns", "returns", 1)
     .from(1)
@@ -130,6 +130,7 @@ impl Reporter {
         out.junctions = out.walls.iter().filter(|wall| !wall.island).count();
         out.place = place::name(openings::sees_all(outline), out.junctions, &out.openings);
         odds::set_of_openings(verdicts, out);
+        known::mark(verdicts, outline, vehicle_width_m, out);
         out.confidence = if self.uncalibrated {
             notes.add("report: no confidence, as nothing was calibrated for a stage of one's own");
             None
@@ -195,7 +196,7 @@ impl Reporter {
         for number in seen.openings.iter_mut().flat_map(|opening| &mut opening.returns).flatten() {
             *number = view.numbers()[*number as usize];
         }
-        (out.openings, out.junctions) = (seen.openings, seen.junctions);
+        (out.openings, out.junctions, out.gaps) = (seen.openings, seen.junctions, seen.gaps);
         (out.place, out.confidence) = (seen.place, seen.confidence);
         self.view = view;
         done

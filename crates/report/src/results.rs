@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crosscut_flight::{FlightAnswer, Here};
-use crosscut_stage::Frame;
+use crosscut_stage::{Frame, Known};
 use serde::{Deserialize, Serialize};
 
 /// The name of [`RESULTS_SCHEMA_TEXT`].
@@ -40,6 +40,13 @@ pub struct ResultsLine {
     pub walls: Vec<WallLine>,
     /// Openings, by bearing ascending.
     pub openings: Vec<OpeningLine>,
+    /// How the gaps are known.
+    #[serde(default)]
+    pub gaps: GapsLine,
+    /// The widths of the vehicle, about the configured one, for which the count stays the same, metres; null of affinities for
+    /// which the vehicle has no width.
+    #[serde(default)]
+    pub holds_for_width_m: Option<[f64; 2]>,
     /// The place that the vehicle is in; null for a cloud, where no wall is in view, and for a
     /// limited view that has not seen enough around it.
     #[serde(default)]
@@ -86,9 +93,28 @@ pub struct OpeningLine {
     pub walls: [u32; 2],
     /// `seen_through` or `no_return`.
     pub evidence: String,
+    /// How it is known: `seen` or `judged`.
+    #[serde(default = "judged")]
+    pub known: String,
     /// The end of a limited view cuts it: bearing and width are those of the part in view.
     #[serde(default)]
     pub cut_by_view: bool,
+}
+
+/// What is read where a line does not say how an opening is known.
+fn judged() -> String {
+    Known::Judged.to_string()
+}
+
+/// How many gaps are known in each way, in the results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GapsLine {
+    /// Openings that are seen through.
+    pub seen: u64,
+    /// Gaps within walls that no vehicle of this width can pass, whatever is hidden.
+    pub proved: u64,
+    /// Openings, and gaps within walls, that are judged.
+    pub judged: u64,
 }
 
 /// The place that the vehicle is in, in the results.
@@ -174,9 +200,12 @@ impl ResultsLine {
                     p: o.p,
                     walls: o.walls,
                     evidence: o.evidence.to_string(),
+                    known: o.known.to_string(),
                     cut_by_view: o.is_cut_by_view(),
                 })
                 .collect(),
+            gaps: GapsLine { seen: junction.gaps.seen, proved: junction.gaps.proved, judged: junction.gaps.judged },
+            holds_for_width_m: frame.affinity.holds_for_width_m,
             here: flown.here.as_ref().map(HereLine::of),
             steady: flown.steady.as_ref().map(|steady| SteadyLine {
                 junctions: steady.junctions,
@@ -220,7 +249,7 @@ mod tests {
             String::from_utf8(out).expect("text"),
             concat!(
                 r#"{"seq":0,"stamp_ns":0,"returns":0,"junctions":0,"k":0,"margin":null,"confidence":null,"#,
-                r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"here":null,"steady":null,"pose":null,"labels":[],"notes":[]}"#,
+                r#""place":"partial_view","eigenvalues":[],"walls":[],"openings":[],"gaps":{"seen":0,"proved":0,"judged":0},"holds_for_width_m":null,"here":null,"steady":null,"pose":null,"labels":[],"notes":[]}"#,
                 "\n"
             )
         );
@@ -248,6 +277,7 @@ mod tests {
             p: Some(0.5),
             walls: [0; 2],
             evidence: "seen_through".to_owned(),
+            known: judged(),
             cut_by_view: false,
         });
         line.here = Some(here());

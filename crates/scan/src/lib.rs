@@ -21,6 +21,7 @@
 //! makes it; frames and stage traits do not mention it, so that stages that need no geometry do not know of it.
 
 mod clearance;
+mod closed;
 mod direction;
 mod doorway;
 mod dust;
@@ -35,6 +36,7 @@ mod scan;
 mod vehicle;
 
 pub use clearance::Clearance;
+pub use closed::is_closed_by_returns;
 pub use direction::{Directions, direction};
 pub use doorway::{DOORWAY_TIMES, Doorway, beyond, lies_across};
 pub use islands::{BEHIND_M, Islands, WIDEST_RAD, faces_dark};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::Point;
+use crate::{Known, KnownGaps, Point};
 
 /// Answers of at least this confidence are called sure.
 pub const SURE: f64 = 0.9;
@@ -16,6 +16,8 @@ pub struct Junction {
     pub walls: Vec<Wall>,
     /// The openings, by bearing ascending.
     pub openings: Vec<Opening>,
+    /// How its gaps are known: the openings, and the gaps at which the affinity decided that a wall goes on.
+    pub gaps: KnownGaps,
     /// Wall of each return, n entries; `None` for a return of no wall.
     pub wall_of_return: Vec<Option<u32>>,
     /// What kind of place this is.
@@ -52,6 +54,8 @@ pub struct Opening {
     pub returns: [Option<u32>; 2],
     /// Why it is believed.
     pub evidence: Evidence,
+    /// How it is known: seen through, or judged.
+    pub known: Known,
     /// The two ends of the edge of the visible free space that it is made of, metres, clockwise end first.
     pub edge_m: [Point; 2],
     /// The odds that a vehicle can pass, as a probability; `None` where too little is seen to say.

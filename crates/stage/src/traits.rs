@@ -60,6 +60,7 @@ impl dyn AffinityStage + '_ {
             return Err(StageError::NotFinite { what: "the point", index });
         }
         out.verdicts.clear();
+        out.holds_for_width_m = None;
         self.weigh(revolution, out, notes)?;
         out.sum_degrees();
         match (out.degrees.len(), revolution.len()) {

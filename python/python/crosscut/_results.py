@@ -46,6 +46,8 @@ class Opening(NamedTuple):
     """The walls on its clockwise and anticlockwise side; the same twice at a dead end."""
     evidence: str
     """``seen_through`` or ``no_return``."""
+    known: str
+    """``seen``: the beams show a way as wide as the vehicle and 3 m long behind it; or ``judged``."""
     cut_by_view: bool
     """The end of a limited view cuts it: bearing and width are those of the part in view."""
 
@@ -125,6 +127,10 @@ class Result:
     """The walls, by number."""
     openings: tuple[Opening, ...]
     """The openings, by bearing ascending."""
+    gaps: dict[str, int]
+    """How many gaps are ``seen`` through, ``proved`` to be closed, and ``judged``."""
+    holds_for_width_m: tuple[float, float] | None
+    """The widths of the vehicle for which the count stays the same, metres; None where the affinity knows no width."""
     labels: NDArray[np.int32] = dataclasses.field(repr=False)
     """One a beam, in the order of the ranges: its wall; -1 no return; -2 a return of no wall. One a point for a cloud."""
     clusters: NDArray[np.int32] = dataclasses.field(repr=False)
@@ -193,6 +199,8 @@ class Result:
             "eigenvalues": self.eigenvalues[:16].tolist(),
             "walls": [wall._asdict() | {"bearing_rad": list(wall.bearing_rad)} for wall in self.walls],
             "openings": [opening._asdict() | {"walls": list(opening.walls)} for opening in self.openings],
+            "gaps": self.gaps,
+            "holds_for_width_m": self.holds_for_width_m and list(self.holds_for_width_m),
             "here": _here(self.here),
             "steady": self.steady
             and {
@@ -247,6 +255,7 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
         ("p", pa.float64()),
         ("walls", pa.list_(pa.int64())),
         ("evidence", pa.string()),
+        ("known", pa.string()),
         ("cut_by_view", pa.bool_()),
     ]
     schema = pa.schema(
@@ -262,6 +271,8 @@ def results(path: str | os.PathLike[str]) -> pyarrow.Table:
             ("eigenvalues", pa.list_(pa.float64())),
             ("walls", pa.list_(pa.struct(wall))),
             ("openings", pa.list_(pa.struct(opening))),
+            ("gaps", pa.struct([(name, pa.int64()) for name in ("seen", "proved", "judged")])),
+            ("holds_for_width_m", pa.list_(pa.float64())),
             ("here", here),
             ("steady", steady),
             ("pose", pa.struct([(name, pa.float64()) for name in ("x_m", "y_m", "yaw_rad", "sd_m")])),

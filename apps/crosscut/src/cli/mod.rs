@@ -223,7 +223,7 @@ pub(crate) struct ViewArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
-    /// Settings to start from: paper, default, or one of the baselines threshold, breakpoint, dbscan.
+    /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint, dbscan.
     #[arg(long, default_value = "default")]
     pub(crate) preset: String,
     /// Settings that override the preset and crosscut.toml: a TOML file, or a recording made with `run --save` to use its

@@ -130,6 +130,14 @@ impl<'s> Judge<'s> {
         (Decision { room_ratio: least.max(LEAST_ROOM_RATIO), ..decision }, Some(gap.measures(decision)))
     }
 
+    /// The gap between two pieces; `None` if one of them has no direction.
+    pub(super) fn gap<'p>(&mut self, a: &'p [usize], b: &'p [usize]) -> Option<Gap<'p>>
+    where
+        's: 'p,
+    {
+        Gap::between(self.context, a, b, self.directions)
+    }
+
     /// The directions in which a wall runs at the end of piece `a` and on from the start of piece `b`, if they have
     /// one.
     pub(super) fn directions(&mut self, a: &[usize], b: &[usize]) -> [Option<Position>; 2] {

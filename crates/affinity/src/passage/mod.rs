@@ -13,6 +13,7 @@ mod odds;
 mod rules;
 mod terms;
 mod verdict;
+mod widths;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
 use crosscut_stage::{
@@ -211,6 +212,7 @@ impl Passage {
             left_over.extend(joining::join(&mut judge, walls, least_returns));
         }
         self.chains.write(&mut judge, walls, &left_over, leak, out);
+        out.holds_for_width_m = Some(widths::hold_m(&mut judge, walls));
         Ok(())
     }
 
@@ -243,6 +245,7 @@ impl Passage {
                     ..*verdict
                 }),
             );
+            out.holds_for_width_m = seen.holds_for_width_m;
             carrying.write(cloud, view, seen, passage_m, out);
         }
         self.cloud = buffers;

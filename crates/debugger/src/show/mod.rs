@@ -171,7 +171,8 @@ fn openings(frame: &Frame) -> String {
         let [a, b] = opening.walls;
         let odds = opening.p.map_or_else(String::new, |p| format!(", p = {p:.2}"));
         let (at, width_m, evidence) = (degrees(opening.bearing_rad), opening.width_m, opening.evidence.to_string());
-        format!("{at}: {width_m:.2} m wide, between walls {a} and {b}{odds} ({})", evidence.replace('_', " "))
+        let (evidence, known) = (evidence.replace('_', " "), opening.known);
+        format!("{at}: {width_m:.2} m wide, between walls {a} and {b}{odds} ({known}; {evidence})")
     };
     let lines: Vec<String> = frame.junction.openings.iter().map(line).collect();
     if lines.is_empty() { "no opening".to_owned() } else { lines.join("\n") }
@@ -190,7 +191,7 @@ fn as_value(frame: &Frame, what: &str) -> Value {
         }
         "openings" => {
             let openings = frame.junction.openings.iter();
-            let opening = |o: &crosscut_stage::Opening| json!({"bearing_rad": o.bearing_rad, "width_m": o.width_m, "walls": o.walls, "p": o.p});
+            let opening = |o: &crosscut_stage::Opening| json!({"bearing_rad": o.bearing_rad, "width_m": o.width_m, "walls": o.walls, "p": o.p, "known": o.known.as_str()});
             json!({"openings": openings.map(opening).collect::<Vec<_>>()})
         }
         _ => json!({}),

@@ -15,6 +15,8 @@ pub enum Preset {
     /// The best there is.
     #[default]
     Default,
+    /// A baseline: a wall ends where one clear width is that of the vehicle.
+    ClearWidth,
     /// A baseline: returns within a radius of each other are of one wall.
     Threshold,
     /// A baseline: adaptive breakpoints.
@@ -25,7 +27,8 @@ pub enum Preset {
 
 impl Preset {
     /// All presets, in the order in which messages list them.
-    pub const ALL: [Self; 5] = [Self::Paper, Self::Default, Self::Threshold, Self::Breakpoint, Self::Dbscan];
+    pub const ALL: [Self; 6] =
+        [Self::Paper, Self::Default, Self::ClearWidth, Self::Threshold, Self::Breakpoint, Self::Dbscan];
 
     /// The preset of this name.
     ///
@@ -43,6 +46,7 @@ impl Preset {
         match self {
             Self::Paper => "paper",
             Self::Default => "default",
+            Self::ClearWidth => "clear_width",
             Self::Threshold => "threshold",
             Self::Breakpoint => "breakpoint",
             Self::Dbscan => "dbscan",
@@ -53,6 +57,7 @@ impl Preset {
         match self {
             Self::Paper => include_str!("presets/paper.toml"),
             Self::Default => include_str!("presets/default.toml"),
+            Self::ClearWidth => include_str!("presets/clear_width.toml"),
             Self::Threshold => include_str!("presets/threshold.toml"),
             Self::Breakpoint => include_str!("presets/breakpoint.toml"),
             Self::Dbscan => include_str!("presets/dbscan.toml"),

@@ -41,6 +41,7 @@ fn a_pillar_of_one_answer_matches_no_wall() {
 fn openings_are_missing_or_added_relative_to_the_first_answer() {
     let with = |bearings_rad: &[f64]| {
         let opening = |&bearing_rad: &f64| OpeningLine {
+            known: "judged".to_owned(),
             bearing_rad,
             width_m: 3.0,
             range_m: 5.0,

@@ -53,6 +53,7 @@ fn figures_of_four_revolutions_agree_with_a_hand_count() {
 fn openings_are_summed_over_revolutions() {
     let opening = |bearing_rad| TruthOpening { bearing_rad, width_m: 4.0 };
     let line = |bearing_rad, width_m| OpeningLine {
+        known: if width_m == 5.0 { "seen" } else { "judged" }.to_owned(),
         bearing_rad,
         width_m,
         range_m: 5.0,

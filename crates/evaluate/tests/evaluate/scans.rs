@@ -22,6 +22,8 @@ pub(crate) fn answer(labels: &[i32], islands: &[u32]) -> ResultsLine {
         })
         .collect();
     ResultsLine {
+        gaps: crosscut_report::GapsLine::default(),
+        holds_for_width_m: None,
         seq: 0,
         stamp_ns: 0,
         returns: labels.iter().filter(|&&label| label != -1).count(),

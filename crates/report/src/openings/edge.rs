@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_scan::{Clearance, Doorway, Position, Return};
-use crosscut_stage::{Beam, Evidence, Opening};
+use crosscut_stage::{Beam, Evidence, Known, Opening};
 
 use super::{LOOKOUT_M, WIDENS, bearing_rad, point};
 use crate::outline::Outline;
@@ -12,6 +12,9 @@ use crate::outline::Outline;
 /// The line of a wall behind its end is that between two returns this far apart: over a shorter stretch, the line of a
 /// rough wall misses what is far off by more than its roughness.
 const LINE_M: f64 = 1.5;
+
+/// The far side of a branch is no nearer to the direction of the nearer wall than 45°: the cosine of that.
+const BRANCH_COS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// This many bisections of a way of at most 8 m or a half turn leave 1 cm or 0.2°.
 const BISECTIONS: usize = 10;
@@ -155,6 +158,25 @@ impl<'a> Edge<'a> {
         clearance.clear_m.min(2.0 * clearance.depth_m.abs())
     }
 
+    /// How far the walls leave each other's line where the farther one leads away from the line of the nearer one, as the
+    /// far side of a branch does; `None` elsewhere.
+    pub(crate) fn clearance_of_branch(&self) -> Option<Clearance> {
+        let [from_m, to_m] = self.ends_m();
+        let [before, after] = self.ends().map(|end| end.runs_out(self.outline, LINE_M));
+        let (before, after) = (before?, after?);
+        let leads_away = before.dot(&after).abs() < BRANCH_COS;
+        leads_away.then(|| Clearance::at(to_m - from_m, [before, -after], self.by_range()[0].is_clockwise))
+    }
+
+    pub(crate) fn outline(&self) -> &'a Outline {
+        self.outline
+    }
+
+    /// How far its nearer end is from the sensor.
+    pub(crate) fn range_m(&self) -> f64 {
+        self.outline.range_m(self.by_range()[0].at)
+    }
+
     /// How far a strip of this width leaves the edge outward before it meets one of the returns; infinite if it meets
     /// none.
     pub(crate) fn depth_m(&self, returns_m: impl Iterator<Item = Position>, strip_width_m: f64) -> f64 {
@@ -203,6 +225,7 @@ impl<'a> Edge<'a> {
             walls: self.walls(),
             returns: self.returns().map(Some),
             evidence: if self.is_dark() { Evidence::NoReturn } else { Evidence::SeenThrough },
+            known: Known::Judged,
             edge_m: ends_m.map(point),
             p: None,
         };
@@ -238,7 +261,7 @@ impl<'a> Edge<'a> {
     }
 
     /// What the beams between the two returns saw.
-    fn between_beams(&self) -> impl Iterator<Item = Beam> + Clone {
+    pub(crate) fn between_beams(&self) -> impl Iterator<Item = Beam> + Clone {
         self.outline.ring.between(self.clockwise.at, self.anticlockwise.at)
     }
 

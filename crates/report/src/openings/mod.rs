@@ -50,7 +50,7 @@ mod edge;
 mod free_space;
 
 use crosscut_scan::{DOORWAY_TIMES, Position};
-use crosscut_stage::{Beam, Evidence, Opening, Point, Revolution, Verdict};
+use crosscut_stage::{Beam, Evidence, Known, Opening, Point, Revolution, Verdict};
 
 pub(crate) use self::edge::{Edge, WallEnd};
 use crate::outline::Outline;
@@ -187,6 +187,7 @@ fn cut_beside(wall: WallEnd, outline: &Outline, vehicle_width_m: f64) -> Option<
         walls: [outline.wall(wall.at); 2],
         returns,
         evidence: Evidence::NoReturn,
+        known: Known::Judged,
         edge_m: edge_m.map(point),
         p: None,
     })

@@ -4,9 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
 use crate::scenes::{Segment, scan, tee, tunnel};
-use crosscut_report::Outline;
 use crosscut_report::openings::{OpeningRule, find};
-use crosscut_stage::{Beam, Evidence, Opening, Revolution, Verdict};
+use crosscut_report::{Outline, PARAMS, Reporter, VEHICLE_PARAMS};
+use crosscut_stage::{
+    Beam, Evidence, Junction, Known, KnownGaps, Notes, Opening, Params, Partition, Revolution, Spectrum, Verdict,
+};
 
 fn openings(segments: &[(Segment, u32)]) -> Vec<Opening> {
     openings_of(&scan(segments, 360, |_| false))
@@ -369,4 +371,35 @@ fn a_stray_return_deep_inside_a_branch_does_not_make_it_two() {
     let ahead = found.iter().find(|o| o.bearing_rad.abs() < 1.0).expect("the way ahead");
     assert_eq!(ahead.walls, [1, 0]);
     assert_opening(ahead, 0.0, 3.5);
+}
+
+#[test]
+fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
+    let door_m = 1.2;
+    let room = [
+        (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
+        (Segment([3.0, 3.0], [3.0, door_m / 2.0]), 0),
+        (Segment([3.0, -door_m / 2.0], [3.0, -3.0]), 0),
+        (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
+        (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
+    ];
+    let known = |lost_rad: f64| {
+        let (mut revolution, walls) = scan(&room, 720, |bearing_rad| (bearing_rad - 2.0).abs() < lost_rad);
+        let beams = &mut revolution.sweep.as_mut().expect("a sweep").beams;
+        beams.iter_mut().filter(|beam| **beam == Beam::Unknown).for_each(|beam| *beam = Beam::NoReturn);
+        let partition = Partition { clusters: 1, labels: walls, ..Partition::default() };
+        let verdicts = [verdict(&revolution, 0.0, true), verdict(&revolution, 2.0, false)];
+        let mut report = Params::defaults(PARAMS);
+        report.set("openings", "between_walls").expect("there is such a rule");
+        let mut reporter = Reporter::new(&report, &Params::defaults(VEHICLE_PARAMS));
+        let (mut junction, mut notes) = (Junction::default(), Notes::default());
+        let spectrum = Spectrum::default();
+        reporter
+            .report(&revolution, &verdicts, &spectrum, &partition, &mut junction, &mut notes)
+            .expect("one label each");
+        (junction.openings[0].known, junction.gaps)
+    };
+    assert_eq!(known(0.0).0, Known::Seen);
+    assert_eq!(known(0.15).0, Known::Judged, "half as many beams are lost elsewhere");
+    assert_eq!(known(0.0).1, KnownGaps { seen: 1, proved: 1, judged: 0 }, "neighbours in a wall are no gap for 0.6 m");
 }

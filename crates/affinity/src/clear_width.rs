@@ -1,0 +1,130 @@
+//! `clear_width`: a wall ends where one number says so, a baseline.
+//!
+//! The returns, without what hangs in the air or stands free ([`Scan`]), are cut where two neighbours are `passage_m` or
+//! more apart. Of the two ends at a gap, let p be the one that is nearer to
+//! the sensor, and F the line of the wall beside the other one, over
+//! the metre behind it. The wall ends there if
+//!
+//! ```text
+//! d(p, F) >= passage_m
+//! ```
+//!
+//! and goes on if not. Nothing is asked of turns, depths, sizes or lost beams: this is what other rules have to beat.
+//! W_ij = 1 between neighbouring returns of one wall, else 0.
+
+use crosscut_scan::{Lengths, Ring, Scan};
+use crosscut_stage::{
+    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Verdict,
+};
+
+use crate::edges::write_edges;
+
+const PASSAGE_M: Number = Number::new("passage_m", "m", 0.6)
+    .above(0.0)
+    .to(100.0)
+    .follows("vehicle.width_m", 1.0)
+    .doc("vehicle.width_m unless it is set: a wall ends at a gap whose nearer end is at least this far off the line of the other wall");
+
+/// The line of a wall is that of as much of it beside the gap.
+const LINE_M: f64 = 1.0;
+/// Shorter pieces in front of what is on both sides of them stand free.
+const ISLAND_M: f64 = 2.0;
+
+/// One number at a gap.
+pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
+    "clear_width",
+    "a 0/1 graph: a wall ends where the nearer end of a gap is a vehicle's width off the line of the other wall (baseline)",
+    |params| Box::new(ClearWidth { passage_m: params.get(PASSAGE_M), scan: Scan::default(), next: Vec::new() }),
+)
+.params(&[PASSAGE_M.spec])
+.storage(Storage::Sparse(|_, _| 3))
+.needs_beams()
+// It sees ranges, distances and the order of the beams.
+.blind_to(&[Invariance::Turn, Invariance::Mirror]);
+
+struct ClearWidth {
+    passage_m: f64,
+    scan: Scan,
+    /// The next return of the wall of each, and the one before.
+    next: Vec<[Option<u32>; 2]>,
+}
+
+impl AffinityStage for ClearWidth {
+    fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
+        let Some(sweep) = revolution.as_sweep() else {
+            let message = "affinity `clear_width` needs the beams of a 2D sweep, which a point cloud does not have";
+            return Err(StageError::Unsupported(message.to_owned()));
+        };
+        let Self { passage_m, scan, next } = self;
+        let lengths = Lengths { passage_m: *passage_m, island_m: ISLAND_M, stretch_m: LINE_M };
+        scan.make(sweep, &revolution.points_m, &lengths)?;
+        let ring = &scan.ring;
+        next.clear();
+        next.resize(ring.len(), [None; 2]);
+        let mut connect = |i: usize, j: usize| {
+            let [i, j] = [i, j].map(|i| ring.returns[i].number);
+            (next[i as usize][0], next[j as usize][1]) = (Some(j), Some(i));
+        };
+        scan.islands.pieces.iter().flat_map(|piece| piece.windows(2)).for_each(|pair| connect(pair[0], pair[1]));
+
+        let kept = scan.pieces.returns();
+        let gaps = if ring.full_turn { kept.len() } else { kept.len().saturating_sub(1) };
+        let mut widths_m = Vec::new();
+        for at in 0..gaps {
+            let ends = [kept[at], kept[(at + 1) % kept.len()]];
+            if !ring.are_apart(ends[0], ends[1], *passage_m) {
+                if ends[0] != ends[1] {
+                    connect(ends[0], ends[1]);
+                }
+                continue;
+            }
+            let width_m = clear_width_m(ring, kept, at);
+            let is_opening = width_m >= *passage_m;
+            if !is_opening {
+                connect(ends[0], ends[1]);
+            }
+            widths_m.push(width_m);
+            out.verdicts.push(Verdict {
+                returns: ends.map(|i| ring.returns[i].number),
+                is_opening,
+                room_ratio: width_m / *passage_m,
+                p: None,
+                reason: "clear width",
+            });
+        }
+        let (open, closed): (Vec<f64>, Vec<f64>) = widths_m.iter().partition(|width_m| **width_m >= *passage_m);
+        out.holds_for_width_m = Some(holds_m(&open, &closed, ring.full_turn));
+        write_edges(out, revolution.len(), |i, row| {
+            row.extend([Some(i as u32), next[i][0], next[i][1]].into_iter().flatten());
+            row.sort_unstable();
+            row.dedup();
+        });
+        Ok(())
+    }
+}
+
+/// The distance of the nearer end of the gap behind return number `at` from the line of the metre of wall beside its other
+/// end.
+fn clear_width_m(ring: &Ring, kept: &[usize], at: usize) -> f64 {
+    let n = kept.len();
+    let next = (at + 1) % n;
+    let [p_m, q_m] = [at, next].map(|at| ring.position_m(kept[at]));
+    let is_first_nearer = p_m.norm_squared() <= q_m.norm_squared();
+    let end_m = if is_first_nearer { q_m } else { p_m };
+    let onward = |step: usize| if is_first_nearer { (next + step) % n } else { (at + n - step) % n };
+    let mut ahead_m = (1..n).map(|step| ring.position_m(kept[onward(step)]) - end_m);
+    let line = ahead_m.find(|ahead| ahead.norm() >= LINE_M).unwrap_or(q_m - p_m);
+    line.perp(&(q_m - p_m)).abs() / line.norm().max(f64::MIN_POSITIVE)
+}
+
+/// The widths for which as many gaps are openings: from the widest closed one to the narrowest opening. One wall all around
+/// is one wall, with an opening and without.
+fn holds_m(open_m: &[f64], closed_m: &[f64], full_turn: bool) -> [f64; 2] {
+    let least_m = closed_m.iter().copied().fold(0.1, f64::max);
+    let most_m = open_m.iter().copied().fold(100.0, f64::min);
+    match (full_turn, open_m.len()) {
+        (true, 0) => [0.1, 100.0],
+        (true, 1) => [least_m, 100.0],
+        _ => [least_m, most_m],
+    }
+}
