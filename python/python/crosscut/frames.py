@@ -39,6 +39,7 @@ of affinity
 ``verdict_is_opening`` of bool, ``verdict_room_ratio`` of whether a vehicle can pass, the room there, the probability (NaN where
 float64, ``verdict_p`` of float64, ``verdict_reason`` of  too little is seen), and why
 texts
+``holds_for_width_m`` lists of float64                    the widths of the vehicle for which the count holds; empty: not known
 --------------------------------------------------------- ----------------------------------------------------------------------
 of spectral
 --------------------------------------------------------- ----------------------------------------------------------------------

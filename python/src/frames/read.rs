@@ -148,6 +148,7 @@ fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
     let room_ratio: Lists<f64> = columns.read_lists("verdict_room_ratio", 1, rows)?;
     let p: Lists<f64> = columns.read_lists("verdict_p", 1, rows)?;
     let reasons = columns.read_lists_of_texts("verdict_reason", rows)?;
+    let holds: Lists<f64> = columns.read_lists("holds_for_width_m", 1, rows)?;
     for (row, frame) in whole(frames) {
         let n = frame.revolution.len();
         let count = is_opening.row(row).len();
@@ -155,6 +156,7 @@ fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
         if lengths != [count; 4] || returns.row(row).iter().any(|&i| i as usize >= n) {
             return Err(wrong("verdict_returns", row, "does not fit the returns and the other columns of verdicts"));
         }
+        frame.affinity.holds_for_width_m = holds.row(row).try_into().ok(); // none, where it is not known
         frame.affinity.verdicts.extend((0..count).map(|at| Verdict {
             returns: [returns.row(row)[2 * at], returns.row(row)[2 * at + 1]],
             is_opening: is_opening.row(row)[at],

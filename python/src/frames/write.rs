@@ -62,6 +62,8 @@ pub(crate) fn write_step(step: Step, frames: &[Frame], out: &Columns<'_>) -> PyR
             out.lists("verdict_room_ratio", 1, verdicts().map(|of| of.map(|verdict| verdict.room_ratio)))?;
             out.lists("verdict_p", 1, verdicts().map(|of| of.map(|verdict| verdict.p.unwrap_or(f64::NAN))))?;
             out.lists_of_texts("verdict_reason", verdicts().map(|of| of.map(|verdict| verdict.reason)))?;
+            let holds = frames.iter().map(|frame| frame.affinity.holds_for_width_m.filter(|_| done(frame)));
+            out.lists("holds_for_width_m", 1, holds.map(|widths_m| widths_m.into_iter().flatten()))?;
         }
         Step::Spectral => {
             let none = Default::default();

@@ -47,6 +47,7 @@ VERDICTS: dict[str, pa.DataType] = {
     "verdict_room_ratio": _F64S,
     "verdict_p": _F64S,
     "verdict_reason": pa.list_(pa.string()),
+    "holds_for_width_m": _F64S,
 }
 SPECTRUM: dict[str, pa.DataType] = {
     "eigenvalues": _F64S,
