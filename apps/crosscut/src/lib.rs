@@ -21,6 +21,7 @@ mod fly;
 mod interrupt;
 mod live;
 mod map_file;
+mod map_picture;
 mod maps;
 mod observers;
 mod outputs;

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crosscut_flight::Mapper;
+use crosscut_flight::{Mapper, NoPlace, Seen};
 use crosscut_outfile::Keep;
+use crosscut_stage::Frame;
 
 use crate::maps;
 use crate::outputs::Document;
@@ -15,6 +16,8 @@ const EVERY: Duration = Duration::from_secs(1);
 pub(crate) struct MapFile {
     path: PathBuf,
     document: Document,
+    /// What a drawing shows besides the map; `None` in the other formats.
+    seen: Option<Seen>,
     /// When the file was replaced last.
     replaced: Instant,
 }
@@ -23,19 +26,25 @@ impl MapFile {
     /// Opens the file before the work begins.
     pub(crate) fn create(path: &Path, read: &[PathBuf]) -> anyhow::Result<Self> {
         let document = Document::create(path, read, Keep::ThroughPowerLoss)?;
-        Ok(Self { path: path.to_owned(), document, replaced: Instant::now() })
+        let seen = (maps::format_of(path) == "svg").then(Seen::default);
+        Ok(Self { path: path.to_owned(), document, seen, replaced: Instant::now() })
     }
 
-    /// Replaces the file if that is due. An error here is no error: the map may still be written at the end.
-    pub(crate) fn update(&mut self, mapper: &Mapper) {
+    /// Takes the next revolution, which `mapper` and `no_place` took, and replaces the file if that is due. An error here is no
+    /// error: the map may still be written at the end.
+    pub(crate) fn take(&mut self, frame: &Frame, mapper: &Mapper, no_place: &NoPlace) {
+        if let Some(seen) = &mut self.seen {
+            seen.add(frame, mapper);
+        }
         if self.document.is_file() && self.replaced.elapsed() >= EVERY {
-            self.finish(mapper).ok();
+            self.finish(mapper, no_place).ok();
             self.replaced = Instant::now();
         }
     }
 
     /// Writes the map of the whole flight.
-    pub(crate) fn finish(&mut self, mapper: &Mapper) -> anyhow::Result<()> {
-        self.document.write(&maps::text(&self.path, mapper))
+    pub(crate) fn finish(&mut self, mapper: &Mapper, no_place: &NoPlace) -> anyhow::Result<()> {
+        let nothing = Seen::default();
+        self.document.write(&maps::text(&self.path, mapper, no_place, self.seen.as_ref().unwrap_or(&nothing)))
     }
 }

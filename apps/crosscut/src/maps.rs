@@ -3,20 +3,27 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crosscut_flight::{HereKind, Map, Mapper, Node, write_g2o};
+use crosscut_flight::{Map, Mapper, NoPlace, Node, Seen, write_g2o};
 use serde_json::{Value, json};
-use svg::Document;
-use svg::node::element::{Circle, Line, Polyline, Rectangle, Text};
+
+use crate::map_picture::{Drawing, WIDE_PX};
 
 /// The extensions of the formats.
 pub(crate) const FORMATS: [&str; 6] = ["json", "svg", "geojson", "graphml", "g2o", "csv"];
 
-/// The file at `path`.
-pub(crate) fn text(path: &Path, mapper: &Mapper) -> String {
+/// The extension that chooses the format, in small letters.
+pub(crate) fn format_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The file at `path`; of a drawing, with what was `seen`.
+pub(crate) fn text(path: &Path, mapper: &Mapper, no_place: &NoPlace, seen: &Seen) -> String {
     let map = mapper.map();
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str().unwrap_or_default() {
-        "svg" => picture(&map),
+    match format_of(path).as_str() {
+        "svg" => {
+            let title = no_place.reason(&map).unwrap_or_else(|| map.summary());
+            Drawing::of(map, seen, mapper).svg(&title, WIDE_PX)
+        }
         "geojson" => geojson(&map).to_string(),
         "graphml" => graphml(&map),
         "g2o" => write_g2o(&mapper.pose_graph()),
@@ -53,45 +60,6 @@ pub(crate) fn json(map: &Map) -> Value {
         "merges": map.merges.iter().map(merge).collect::<Vec<_>>(),
         "refusals": map.refusals.iter().map(refusal).collect::<Vec<_>>(),
     })
-}
-
-/// From above, x to the right, 8 pixels a metre.
-pub(crate) fn picture(map: &Map) -> String {
-    const SCALE: f64 = 8.0;
-    const MARGIN_M: f64 = 6.0;
-    let places =
-        || map.nodes.iter().map(|node| node.position_m).chain(map.passages.iter().flat_map(|p| p.via_m.clone()));
-    let least = |axis: usize| places().map(|place| place[axis]).fold(f64::INFINITY, f64::min);
-    let most = |axis: usize| places().map(|place| place[axis]).fold(f64::NEG_INFINITY, f64::max);
-    let (left, top) = if map.nodes.is_empty() { (0.0, 0.0) } else { (least(0) - MARGIN_M, most(1) + MARGIN_M) };
-    let (right, bottom) = if map.nodes.is_empty() { (20.0, -5.0) } else { (most(0) + MARGIN_M, least(1) - MARGIN_M) };
-    let at = |x: f64, y: f64| (((x - left) * SCALE), ((top - y) * SCALE));
-    let (width, height) = ((right - left) * SCALE, (top - bottom) * SCALE);
-    let mut page = Document::new()
-        .set("viewBox", (0, 0, width.ceil() as i64, height.ceil() as i64))
-        .set("width", width.ceil() as i64)
-        .set("height", height.ceil() as i64)
-        .set("font-family", "sans-serif")
-        .set("font-size", 12)
-        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));
-    for passage in &map.passages {
-        let course = map.course_m(passage).map(|p| at(p.x, p.y));
-        let points: Vec<String> = course.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let line = Polyline::new().set("points", points.join(" ")).set("fill", "none");
-        page = page.add(line.set("stroke", "#56b4e9").set("stroke-width", 3));
-    }
-    for (id, node) in map.nodes.iter().enumerate() {
-        let (x, y) = at(node.position_m.x, node.position_m.y);
-        for way in &node.ways {
-            let (dx, dy) = (14.0 * way.bearing_rad.cos(), -14.0 * way.bearing_rad.sin());
-            let line = Line::new().set("x1", x).set("y1", y).set("x2", x + dx).set("y2", y + dy).set("stroke-width", 4);
-            page = page.add(line.set("stroke", if way.taken { "#0072b2" } else { "#d55e00" }));
-        }
-        let radius = if node.kind == HereKind::Junction { 6 } else { 4 };
-        page = page.add(Circle::new().set("cx", x).set("cy", y).set("r", radius));
-        page = page.add(Text::new(id.to_string()).set("x", x + 8.0).set("y", y - 8.0));
-    }
-    page.add(Text::new(map.summary()).set("x", 8).set("y", 16)).to_string()
 }
 
 /// In metres of the map's frame, not in degrees, as Nav2's Route Server loads graphs: numbers (`id`) are unique over nodes
@@ -167,7 +135,7 @@ fn csv(map: &Map) -> String {
 mod tests {
     use std::collections::BTreeSet;
 
-    use crosscut_flight::Passage;
+    use crosscut_flight::{HereKind, Passage};
 
     use super::*;
 

@@ -58,7 +58,7 @@ impl Written {
         self.mapper.add(frame);
         self.no_place.add(frame);
         if let Some(map) = &mut self.map {
-            map.update(&self.mapper);
+            map.take(frame, &self.mapper, &self.no_place);
         }
         if let Some(results) = &mut self.results
             && let Err(error) = results.take(frame)
@@ -77,7 +77,7 @@ impl Written {
         if flown.is_empty() {
             return Ok(());
         }
-        let map = self.map.as_mut().and_then(|map| map.finish(&self.mapper).err());
+        let map = self.map.as_mut().and_then(|map| map.finish(&self.mapper, &self.no_place).err());
         diagnostics.lost_all(map.map(|error| format!("{error:#}")));
         self.results.as_mut().map_or(Ok(()), Results::finish)
     }

@@ -9,23 +9,22 @@ use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
 
 use crate::chart::{INK, page};
 
-/// Colours of walls (Okabe and Ito), in the order of recordings for the viewer; repeated when there are more walls.
-const WALLS_RGB: [[u8; 3]; 6] = [
-    [0x56, 0xb4, 0xe9],
-    [0xe6, 0x9f, 0x00],
-    [0x00, 0x9e, 0x73],
-    [0xcc, 0x79, 0xa7],
-    [0xd5, 0x5e, 0x00],
-    [0x00, 0x72, 0xb2],
-];
+/// Colours of walls (Okabe and Ito, the yellow darker than theirs), in the order of recordings for the viewer; repeated when
+/// there are more walls.
+const WALLS_RGB: [[u8; 3]; 5] =
+    [[0x56, 0xb4, 0xe9], [0xe6, 0x9f, 0x00], [0x00, 0x9e, 0x73], [0xd5, 0x5e, 0x00], [0xd6, 0xc7, 0x13]];
 /// Colour of the returns of no wall.
 const NO_WALL: &str = "#8c8c8c";
 
-/// Half the side of a panel, in units of the figure. A unit is a metre unless many returns lie farther away.
+/// Half the side of a panel, in units of the figure. A unit is a metre unless the returns lie farther away or nearer.
 const HALF_M: f64 = 16.0;
 const MARGIN_M: f64 = 1.0;
 /// At least this share of the returns is drawn; outliers beyond may be outside the panel.
 const SHOWN_SHARE: f64 = 0.98;
+/// The most units that a metre takes: the marks of openings, 8 m away, stay inside.
+const MOST_UNITS_PER_M: f64 = 1.8;
+/// Length of the scale.
+const BAR_M: f64 = 5.0;
 const TITLE_M: f64 = 3.0;
 /// Size of a panel with its title and the space between panels.
 const WIDTH_M: f64 = 2.0 * HALF_M + 1.0;
@@ -78,13 +77,10 @@ impl Panel {
             .set("y", -HALF_M - 0.25 * TITLE_M)
             .set("text-anchor", "middle")
             .set("fill", INK);
-        let (panel, units_per_m) = (Group::new().add(frame).add(title), self.units_per_m());
-        if units_per_m < 1.0 {
-            let scaled = Group::new().set("transform", format!("scale({units_per_m:.3})"));
-            panel.add(self.scene(scaled, HALF_M / units_per_m))
-        } else {
-            self.scene(panel, HALF_M)
-        }
+        let units_per_m = self.units_per_m();
+        let scaled = Group::new().set("transform", format!("scale({units_per_m:.3})"));
+        let scene = self.scene(scaled, HALF_M / units_per_m);
+        Group::new().add(frame).add(title).add(scene).add(scale(units_per_m))
     }
 
     /// Adds openings, walls and the vehicle to a group, up to `half_m` to each side.
@@ -100,12 +96,12 @@ impl Panel {
         group.add(vehicle).add(nose)
     }
 
-    /// 1, or less where fewer than [`SHOWN_SHARE`] of the returns would be inside the panel.
+    /// As many as leave [`SHOWN_SHARE`] of the returns inside the panel.
     fn units_per_m(&self) -> f64 {
         let mut reach_m: Vec<f64> = self.returns_m.iter().map(|[x_m, y_m]| x_m.abs().max(y_m.abs())).collect();
         reach_m.sort_by(f64::total_cmp);
         let last_shown = (SHOWN_SHARE * reach_m.len() as f64) as usize;
-        reach_m.get(last_shown).map_or(1.0, |reach_m| ((HALF_M - MARGIN_M) / reach_m).min(1.0))
+        reach_m.get(last_shown).map_or(1.0, |reach_m| ((HALF_M - MARGIN_M) / reach_m).min(MOST_UNITS_PER_M))
     }
 
     /// A path of dots for each wall and for the returns of no wall, up to `half_m` to each side.
@@ -124,6 +120,15 @@ impl Panel {
             (!dots.is_empty()).then(|| Path::new().set("d", dots).set("stroke", colour))
         })
     }
+}
+
+/// A bar in the lower left corner, and its length.
+fn scale(units_per_m: f64) -> Group {
+    let [x, y] = [MARGIN_M - HALF_M, HALF_M - MARGIN_M];
+    let end = x + BAR_M * units_per_m;
+    let bar = Line::new().set("x1", x).set("x2", format!("{end:.2}")).set("y1", y).set("y2", y);
+    let length = Text::new(format!("{BAR_M} m")).set("x", x).set("y", y - 0.6).set("fill", INK);
+    Group::new().add(bar.set("stroke", INK).set("stroke-width", 0.2)).add(length.set("font-size", 0.5 * TITLE_M))
 }
 
 /// The colour of a wall.

@@ -35,7 +35,7 @@ pub use answer::{FlightAnswer, Here, HereKind, Steady, SteadyOpening, Way};
 pub use flight::{Flight, LOOK_AHEAD, LooksAhead, PARAMS, check_live};
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use here::Places;
-pub use map::{Anchored, Located, Map, Mapper, Merge, NoPlace, Node, NodeWay, Passage, Refusal, loops_in};
+pub use map::{Anchored, Located, Map, Mapper, Merge, NoPlace, Node, NodeWay, Passage, Refusal, Seen, loops_in};
 pub use pose::{PoseTracker, Tracked};
 pub use pose_graph::{Edge, PoseGraph, PoseGraphError, Solved};
 pub use scan_match::{Held, Matched, Motion, ScanMatcher};

@@ -1,11 +1,9 @@
 //! The map of the flight so far: where the vehicle was, the walls that it saw, places and passages, and why visits are
 //! taken to be to one place. From above, x to the right, in the frame of the first pose.
 
-use std::collections::BTreeSet;
-
-use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, NoPlace, Node};
-use crosscut_stage::{Frame, Point, counted, junction_of, unit};
-use nalgebra::{Isometry2, Point2};
+use crosscut_flight::{Anchored, FlightAnswer, HereKind, Map, Mapper, NoPlace, Node, Seen};
+use crosscut_stage::{Frame, counted, junction_of, unit};
+use nalgebra::Point2;
 use rerun::{
     Arrows2D, AsComponents, GraphEdges, GraphNodes, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult,
     StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
@@ -25,14 +23,6 @@ const DRAWN_EVERY_M: f64 = 2.0;
 /// Way and walls are drawn again when the way has grown by this share of itself at least: what is written then grows with the
 /// way, not with its square.
 const DRAWN_EVERY_SHARE: f64 = 0.02;
-/// Points of the path are this far apart.
-const PATH_M: f64 = 0.5;
-/// Walls are recorded as the points that lie in other squares of this side than those before.
-const CELL_M: f64 = 0.2;
-/// Walls are added to the drawing each time the vehicle has moved this far.
-const WALLS_EVERY_M: f64 = 0.7;
-/// Returns farther than this add little, and are drawn where the heading of the pose is uncertain.
-const WALLS_WITHIN_M: f64 = 12.0;
 /// All walls are drawn again once this share is new.
 const NEW_SHARE: f64 = 0.25;
 /// Length of the line from the vehicle's disc to where it heads.
@@ -55,11 +45,7 @@ const HERE: [(&str, u32); 4] =
 pub(crate) struct FlightMap {
     mapper: Mapper,
     no_place: NoPlace,
-    path: Vec<Anchored>,
-    way_m: f64,
-    walls: Vec<Anchored>,
-    cells: BTreeSet<[i64; 2]>,
-    walls_from: Option<Point2<f64>>,
+    seen: Seen,
     /// What was drawn last: the map, the number of places of the path, and of the walls, those in `/flight/walls` and all.
     drawn: Map,
     drawn_path: usize,
@@ -93,25 +79,7 @@ impl FlightMap {
     pub(crate) fn add(&mut self, frame: &Frame) {
         self.mapper.add(frame);
         self.no_place.add(frame);
-        let Some(pose) = FlightAnswer::of(frame).pose else { return };
-        let here = self.mapper.anchored(pose);
-        let at_m = self.at(&here);
-        let since_last_m = self.path.last().map(|last| (self.at(last) - at_m).norm());
-        if since_last_m.is_none_or(|since_last_m| since_last_m > PATH_M) {
-            self.path.push(here);
-            self.way_m += since_last_m.unwrap_or(0.0);
-        }
-        if self.walls_from.is_none_or(|from| (from - at_m).norm() > WALLS_EVERY_M) {
-            self.walls_from = Some(at_m);
-            let near = frame.revolution.points_m.iter().map(Point::xy);
-            for point_m in near.filter(|point_m| point_m.coords.norm() < WALLS_WITHIN_M) {
-                let wall = Anchored { visit: here.visit, pose: here.pose * Isometry2::from(point_m.coords) };
-                let at_m = self.at(&wall);
-                if self.cells.insert([at_m.x, at_m.y].map(|along_m| (along_m / CELL_M).floor() as i64)) {
-                    self.walls.push(wall);
-                }
-            }
-        }
+        self.seen.add(frame, &self.mapper);
     }
 
     /// Where something lies by what is known now.
@@ -135,8 +103,8 @@ impl FlightMap {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }
         let visits = self.mapper.poses().len();
-        let due_m = DRAWN_EVERY_M.max(DRAWN_EVERY_SHARE * self.way_m);
-        let is_way_due = self.drawn_path == 0 || self.way_m - self.drawn_way_m > due_m;
+        let due_m = DRAWN_EVERY_M.max(DRAWN_EVERY_SHARE * self.seen.way_m());
+        let is_way_due = self.drawn_path == 0 || self.seen.way_m() - self.drawn_way_m > due_m;
         let mut is_corrected = false;
         if is_way_due || visits != self.told[0] {
             let map = self.mapper.map();
@@ -168,23 +136,23 @@ impl FlightMap {
 
     /// Adds what is new to what is drawn; all of it again if the drift was corrected.
     fn add_drawn(&mut self, is_corrected: bool) {
-        (self.drawn_path, self.drawn_way_m) = (self.path.len(), self.way_m);
+        (self.drawn_path, self.drawn_way_m) = (self.seen.path().len(), self.seen.way_m());
         let [whole, _] = self.drawn_walls;
-        let new = self.walls.len() - whole;
+        let new = self.seen.walls().len() - whole;
         let is_whole = is_corrected || new as f64 > NEW_SHARE * whole as f64;
-        self.drawn_walls = [if is_whole { self.walls.len() } else { whole }, self.walls.len()];
+        self.drawn_walls = [if is_whole { self.seen.walls().len() } else { whole }, self.seen.walls().len()];
     }
 
     fn log_way(&self, rows: &mut Rows, with_whole: bool) {
-        let path = self.path[..self.drawn_path].iter().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
+        let path = self.seen.path()[..self.drawn_path].iter().map(|place| drawn(&self.at(place))).collect::<Vec<_>>();
         rows.log(&FLIGHT_PATH, &LineStrips2D::new([path]));
         let [whole, all] = self.drawn_walls;
         let places = |walls: &[Anchored]| walls.iter().map(|wall| drawn(&self.at(wall))).collect::<Vec<_>>();
         if with_whole {
-            rows.log(&FLIGHT_WALLS, &Points2D::new(places(&self.walls[..whole])));
+            rows.log(&FLIGHT_WALLS, &Points2D::new(places(&self.seen.walls()[..whole])));
         }
-        rows.log(&FLIGHT_WALLS_NEW, &Points2D::new(places(&self.walls[whole..all])));
-        log_scale(rows, places(&self.walls[..all]));
+        rows.log(&FLIGHT_WALLS_NEW, &Points2D::new(places(&self.seen.walls()[whole..all])));
+        log_scale(rows, places(&self.seen.walls()[..all]));
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     let flown = fly(flight, &config, &how, &mut [], &mut |frame, _| {
         mapper.add(frame);
         no_place.add(frame);
-        file.update(&mapper);
+        file.take(frame, &mapper, &no_place);
         Ok(())
     })?;
     bar.finish_and_clear();
@@ -34,7 +34,7 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     if flown.is_empty() {
         return Ok(diagnostics.outcome());
     }
-    file.finish(&mapper)?;
+    file.finish(&mapper, &no_place)?;
     let map = mapper.map();
     if !args.quiet {
         say(map.summary());

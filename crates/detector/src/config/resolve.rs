@@ -147,6 +147,21 @@ impl Config {
         })
     }
 
+    /// The settings that a layer set: `section.key`, the value in TOML, and the layer's name.
+    pub fn set_by_layers(&self) -> Vec<[String; 3]> {
+        let layer = |set_by: &SetBy| if let SetBy::Layer(name) = set_by { Some(name.clone()) } else { None };
+        let of_section = |section: &Resolved| {
+            let set = |key: &str, value: String, set_by: &SetBy| {
+                layer(set_by).map(|layer| [format!("{}.{key}", section.name), value, layer])
+            };
+            let kind = section.kind.as_ref().and_then(|kind| set("kind", format!("{:?}", kind.name), &kind.set_by));
+            let params = section.params.iter().zip(&section.set_by);
+            let params = params.filter_map(|((key, value), set_by)| set(key, value.to_string(), set_by));
+            kind.into_iter().chain(params).collect::<Vec<_>>()
+        };
+        self.sections.iter().flat_map(of_section).collect()
+    }
+
     /// The settings of a section that are not the defaults, as `section.key=value`.
     pub fn changed(&self, section: &str) -> Vec<String> {
         let section = self.section(section);

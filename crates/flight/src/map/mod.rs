@@ -6,6 +6,7 @@ mod no_place;
 mod nodes;
 mod outline;
 mod recognise;
+mod seen;
 mod travelled;
 mod visit;
 
@@ -19,6 +20,7 @@ use crate::HereKind;
 pub use anchored::Anchored;
 pub use mapper::{Located, Mapper};
 pub use no_place::NoPlace;
+pub use seen::Seen;
 
 /// Junctions and dead ends of a flight, and the passages that were flown between them. Positions and bearings are in the
 /// frame of the flight's first pose.

@@ -6,7 +6,7 @@ mod places;
 
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
-use crosscut_flight::{Mapper, NoPlace};
+use crosscut_flight::{Mapper, NoPlace, Seen};
 use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
@@ -28,6 +28,7 @@ struct Shown {
     course: Course,
     mapper: Mapper,
     no_place: NoPlace,
+    seen: Seen,
     places: Places,
     /// Against the truth, if the recording has one.
     evaluation: Evaluation,
@@ -38,6 +39,7 @@ impl Shown {
         self.course.take(frame);
         self.mapper.add(frame);
         self.no_place.add(frame);
+        self.seen.add(frame, &self.mapper);
         self.places.take(frame);
         if let Some(judged) = judged {
             self.evaluation.add(&judged.score);

@@ -8,7 +8,7 @@ use crosscut_stage::{SURE, counted};
 
 use super::Shown;
 use crate::fly::Flown;
-use crate::maps;
+use crate::map_picture::{Drawing, NARROW_PX};
 use crate::summary::{counts, notes, times};
 use crate::typeset::{escaped, html as table};
 
@@ -18,7 +18,7 @@ const STYLE: &str = include_str!("style.css");
 const MOST_NOTES: usize = 30;
 
 pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool) -> String {
-    let Shown { course, mapper, no_place, places, evaluation } = shown;
+    let Shown { course, mapper, no_place, seen, places, evaluation } = shown;
     let summary = &flown.summary;
     let failure = match &summary.end {
         End::Failed(failure) => Some(failure.to_string()),
@@ -53,16 +53,26 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
         has_truth.then(|| ("Against the truth in the recording", accuracy(evaluation))),
         Some((
             "Over time",
-            format!("<div class=\"wide\">{over_time}</div>\n<p>Dots: revolutions whose count differs.</p>\n"),
+            format!(
+                "<p class=\"narrow\">Scroll sideways for all of it.</p>\n<div class=\"wide\">{over_time}</div>\n<p>Dots: revolutions \
+                 whose count differs from most of those around; point at one for the reason.</p>\n"
+            ),
         )),
-        (!map.nodes.is_empty()).then(|| ("Map", format!("<div class=\"map\">{}</div>\n", maps::picture(&map)))),
+        (!seen.path().is_empty()).then(|| {
+            let drawn = Drawing::of(map.clone(), seen, mapper).svg("", NARROW_PX);
+            ("Map", format!("<div class=\"map\">{drawn}</div>\n"))
+        }),
         Some(("Places", places.html(&map))),
         (!lost.is_empty()).then(|| ("Lost", list(&lost))),
         (summary.noted > 0).then(|| ("Notes", table(&notes(summary, MOST_NOTES)))),
         Some(("Time", table(&times(summary)))),
         Some((
             "Settings",
-            format!("<details><summary>all of them</summary><pre>{}</pre></details>\n", escaped(&config.to_string())),
+            format!(
+                "{}<details><summary>all settings</summary><pre>{}</pre></details>\n",
+                changed(config),
+                escaped(&config.to_string())
+            ),
         )),
     ];
     let sections = sections.into_iter().flatten();
@@ -87,6 +97,17 @@ fn id_of(name: &str) -> String {
 fn list(lines: &[String]) -> String {
     let items = lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line)));
     format!("<ul>\n{}</ul>\n", items.collect::<String>())
+}
+
+/// The settings that the preset, a file or an option set, folded.
+fn changed(config: &Config) -> String {
+    let rows = config.set_by_layers().into_iter().map(Vec::from).collect::<Vec<_>>();
+    if rows.is_empty() {
+        return "<p>All settings have their defaults.</p>\n".to_owned();
+    }
+    let header = ["setting", "value", "set by"].map(str::to_owned).to_vec();
+    let changed = table(&Table { title: String::new(), header, rows });
+    format!("<details><summary>settings that are not the defaults</summary>{changed}</details>\n")
 }
 
 fn accuracy(evaluation: &Evaluation) -> String {

@@ -13,10 +13,10 @@ use crate::typeset::escaped;
 const MOST_PLACES: usize = 60;
 
 /// What the pictures of a card show.
-const LEGEND: &str = "Left in each card: the returns, each wall in its colour, around the vehicle, which heads up; a dashed line \
+const LEGEND: &str = "Left in each card: the returns, each wall in its colour, around the vehicle, which heads up, and a scale of 5 m; a dashed line \
     leads to each opening, and the bar across it is as wide as the opening. Right: the eigenvalues of L; the blue ones, below τ \
     (dashes), are counted in k, and exact zeros stand on the floor at 1e-18. The margin is how many decades τ may move \
-    before k changes.";
+    before k changes. k also counts pieces that are no wall: islands, and clusters of too few returns.";
 
 /// Size of the picture of eigenvalues.
 const SPECTRUM_PX: [f64; 2] = [198.0, 130.0];
@@ -147,10 +147,19 @@ impl Stay {
             format!("<li>{:+.0}°, {width_m:.1} m wide, {range_m:.1} m away</li>", bearing_rad.to_degrees())
         });
         let notes = self.clearest.notes.iter().map(|note| format!("<li>{}</li>", escaped(note)));
+        let shown = &self.clearest;
+        let disagrees = (!self.agrees(shown.openings.len(), shown.walls)).then(|| {
+            format!(
+                "<br>No single scan here shows this: it is what several scans say together. This one has {} and {}.",
+                counted(shown.walls as u64, "wall"),
+                counted(shown.openings.len() as u64, "opening")
+            )
+        });
         format!(
             "<figure>\n<figcaption><b>{}</b>{node}<br><a href=\"#over-time\">revolutions {from} to {to}</a>; shown {seq}: k = {k}{margin}, confidence \
-             {confidence}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
+             {confidence}{}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
             escaped(&self.what),
+            disagrees.unwrap_or_default(),
             sheet(std::slice::from_ref(&self.clearest.panel), 1),
             self.clearest.spectrum(),
             openings.collect::<String>(),

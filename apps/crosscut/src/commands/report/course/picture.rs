@@ -9,7 +9,7 @@ use super::{Course, Moment};
 /// Colour of the dots at flips.
 const FLIP: &str = COLOURS[3];
 
-const LEFT_PX: f64 = 80.0;
+const LEFT_PX: f64 = 150.0;
 /// Width of a lane. Where there are more revolutions than pixels, several share a column.
 const LANE_COLUMNS: usize = 1000;
 const RIGHT_PX: f64 = LEFT_PX + LANE_COLUMNS as f64;
@@ -58,7 +58,7 @@ fn lanes(moments: &[Moment]) -> [Lane; 3] {
     let margins = values(|moment| moment.margin.unwrap_or(0.0));
     [
         Lane { name: "walls", top: most + 0.5, colour: INK, values: walls },
-        Lane { name: "margin", top: MARGIN_DECADES, colour: COLOURS[0], values: margins },
+        Lane { name: "margin, decades", top: MARGIN_DECADES, colour: COLOURS[0], values: margins },
         Lane {
             name: "confidence",
             top: 1.0,
