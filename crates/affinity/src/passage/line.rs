@@ -13,12 +13,21 @@ const REACH_TIMES: f64 = 2.5;
 const REACH_RETURNS: usize = 2;
 /// The farther wall is no farther away than this many times the place's size.
 const REACH_SHARE: f64 = 6.0;
+/// The length of wall over which a second line is taken, in case the end of the wall lies on a bump.
+const LONG_M: f64 = 3.0;
+/// Over that length a straight wall strays from its line by no more than this many times the roughness of the walls.
+const LONG_BUMPS: f64 = 8.0;
 
 impl Gap<'_> {
     /// Whether the next beam meets the line of the nearer wall, or something in front of it. So it is in the corner of
     /// a dead end, where returns are far apart only because the sides are seen at a grazing angle.
     pub(super) fn is_in_line(&self) -> bool {
         self.holds_one_beam_at_most() && self.goes_on_along(self.nearer_onward())
+    }
+
+    /// Whether the next beam meets the line of the nearer wall over [`LONG_M`], if the wall is straight there.
+    pub(super) fn is_in_long_line(&self) -> bool {
+        self.holds_one_beam_at_most() && self.long_line().is_some_and(|onward| self.goes_on_along(onward))
     }
 
     /// Whether the farther wall begins about where the nearer one would continue if it ran on in this direction: in front
@@ -43,5 +52,15 @@ impl Gap<'_> {
         let (ring, (near, end)) = (&self.context.scan.ring, self.nearer());
         let (last, before) = (end.at(near, 0), end.at(near, REACH_RETURNS.min(near.len() - 1)));
         ring.spacing_m(last, before) * ring.beams_from(self.ends[0], self.ends[1]) as f64
+    }
+
+    /// The direction in which the nearer wall runs towards its end over [`LONG_M`]; `None` if it is not straight there.
+    fn long_line(&self) -> Option<Position> {
+        let (ring, (near, end)) = (&self.context.scan.ring, self.nearer());
+        let from_end_m = |k: usize| ring.position_m(end.at(near, k)) - ring.position_m(end.at(near, 0));
+        let far = (1..near.len()).find(|&k| from_end_m(k).norm_squared() >= LONG_M * LONG_M)?;
+        let onward = -from_end_m(far).normalize();
+        let most_off_m = LONG_BUMPS * self.context.scan.roughness.sd_m;
+        (1..far).all(|k| onward.perp(&from_end_m(k)).abs() <= most_off_m).then_some(onward)
     }
 }
