@@ -9,6 +9,11 @@ use super::MapTruth;
 impl MapTruth {
     /// What keeps a map from being exact, and wrong numbers of ways, one sentence each.
     pub fn differences(&self, map: &Map) -> Vec<String> {
+        let visits: Vec<Vec<[u64; 2]>> = map.nodes.iter().map(|node| node.visits.clone()).collect();
+        self.seen_by(&visits).differences_of(map)
+    }
+
+    fn differences_of(&self, map: &Map) -> Vec<String> {
         let mut said = Vec::new();
         let named = self.named(map);
         let mut seen = BTreeSet::new();

@@ -220,6 +220,7 @@ impl Navigator {
     }
 
     fn limit(&self) -> Option<End> {
-        ((self.now - self.last_new) as f64 > LIMIT + LIMIT_PER_M * (self.map_m + self.farthest_m)).then_some(End::GaveUp)
+        ((self.now - self.last_new) as f64 > LIMIT + LIMIT_PER_M * (self.map_m + self.farthest_m))
+            .then_some(End::GaveUp)
     }
 }
