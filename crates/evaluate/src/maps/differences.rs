@@ -47,7 +47,7 @@ impl MapTruth {
             (Some(Some(place)), 1) if !is_first => {
                 Some(format!("node {id} ({kind}, {ways} ways) is place {place} once more"))
             }
-            (Some(Some(place)), 1) if self.places[*place].ways != ways => {
+            (Some(Some(place)), 1) if !self.has_ways(*place, ways) => {
                 Some(format!("node {id} has {ways} ways, place {place} {}", self.places[*place].ways))
             }
             (Some(Some(_)), 1) => None,

@@ -109,7 +109,14 @@ impl MapTruth {
             before.is_some_and(|before| self.places[before].ways == 3) && !found.contains(&before)
         };
         let unseen: Vec<usize> = self.bays.iter().filter(is_unseen).copied().collect();
-        Self { bays: Vec::new(), ..self.without(&unseen) }
+        self.without(&unseen)
+    }
+
+    /// Whether a place has this number of ways, those to bays counted or not.
+    pub(super) fn has_ways(&self, place: usize, ways: usize) -> bool {
+        let bays = self.bays.iter().filter(|&&bay| self.passages[bay].ends.contains(&place)).count();
+        let all = self.places[place].ways;
+        (all - bays.min(all)..=all).contains(&ways)
     }
 
     /// Without passages to dead ends, which are parts of the places before them. The passages of places that keep two ways are
