@@ -4,7 +4,7 @@ use nalgebra::{Isometry2, Matrix2, Matrix3, Point2, Vector3};
 
 use crosscut_stage::{MotionDoubt, Notes, Number, ParamSpec, Params, PoseDoubt, Revolution, Word, is_finite_pose};
 
-use crate::agreement::{Agreement, Compared};
+use crate::agreement::{Agreement, Compared, Slip};
 use crate::gap::Clock;
 use crate::scan_match::NEIGHBOURS_M;
 use crate::{Held, Matched, Motion, ScanMatcher};
@@ -25,7 +25,7 @@ const ODOMETRY_FLOOR_M: Number = Number::new("odometry_floor_m", "m", 0.005)
 /// Parameters of the pose.
 pub(crate) const POSE_PARAMS: [ParamSpec; 3] = [POSE.spec, ODOMETRY_SHARE.spec, ODOMETRY_FLOOR_M.spec];
 
-/// A motion farther than this many standard deviations from the predicted one is noted as a slip or a jump.
+/// A motion farther than this many standard deviations from steady motion, where nothing else predicts it, is noted as a jump.
 const SURPRISING: f64 = 6.0;
 
 /// Errors of poses that are matched to walls, for each metre of the way and for each radian that the vehicle turns; of the
@@ -143,7 +143,8 @@ impl PoseTracker {
             let matched = self.matcher.add(revolution, predicted);
             let doubt = self.by_scan(&matched, predicted.is_some());
             begins |= matched.lost && predicted.is_none();
-            notes.extend(odd(&matched, begins));
+            notes.extend(odd(&matched, begins, predicted.is_some()));
+            notes.extend(self.slip(motion.as_ref(), &matched));
             notes.extend(self.unknown_length(&matched, predicted.is_some()));
             notes.extend(motion.and_then(|motion| self.compare(&motion, &matched)));
             (matched.pose, doubt, matched.lost)
@@ -205,6 +206,21 @@ impl PoseTracker {
         is_unknown.then_some("pose: the walls do not show how far along the passage; its length is not known")
     }
 
+    /// A slip of the wheels, or a jump.
+    fn slip(&mut self, odometry: Option<&Motion>, matched: &Matched) -> Option<String> {
+        let is_held = !matched.lost && matched.held == Held::Everywhere && !self.agreement.contradicts();
+        let Some(odometry) = odometry.filter(|_| is_held) else {
+            self.agreement.interrupt();
+            return None;
+        };
+        let Slip { odometry, scans, deviations } =
+            self.agreement.slip(odometry, &self.pose.inv_mul(&matched.pose), self.odometry_share)?;
+        let moved = |[way_m, turn_rad]: [f64; 2]| format!("{way_m:.1} m and {:.0} degrees", turn_rad.to_degrees());
+        let (odometry, scans) = (moved(odometry), moved(scans));
+        let apart = format!("{deviations:.0} standard deviations apart");
+        Some(format!("pose: a slip or a jump: the odometry moved by {odometry}, the scans by {scans}, {apart}"))
+    }
+
     /// Compares odometry and scans, and what there is to note about it.
     fn compare(&mut self, odometry: &Motion, matched: &Matched) -> Option<String> {
         let are_neighbours = odometry.step.translation.vector.norm() < NEIGHBOURS_M;
@@ -229,14 +245,14 @@ fn deviation_m(matched: &Matched, along: &nalgebra::Unit<nalgebra::Vector2<f64>>
 }
 
 /// What is odd about a match.
-fn odd(matched: &Matched, begins: bool) -> Option<String> {
+fn odd(matched: &Matched, begins: bool, has_odometry: bool) -> Option<String> {
     if matched.lost {
         let share = 100.0 * matched.matched;
         let stretch = if begins { ": a new stretch" } else { "" };
         Some(format!("pose: lost, as only {share:.0} % of the walls match those before; the map begins here{stretch}"))
-    } else if matched.surprise > SURPRISING {
+    } else if matched.surprise > SURPRISING && !has_odometry {
         let times = matched.surprise;
-        Some(format!("pose: a slip or a jump, {times:.0} standard deviations from the predicted motion"))
+        Some(format!("pose: a slip or a jump, {times:.0} standard deviations from steady motion"))
     } else {
         None
     }

@@ -300,7 +300,7 @@ note_codes! {
         done "The map begins anew here; what came before is not joined to it."
         remedy "Record odometry and every scan. At the start of a flight nothing is to be done.";
     "N095" ["pose: a slip or a jump"]
-        seen "The scan shows another motion than the odometry, as where wheels slip."
+        seen "Over the last metres the scans show another motion than the odometry, as where wheels slip; without odometry, the scan shows a jump."
         done "The motion that the scan shows is used."
         remedy "Look at the odometry if this is often so.";
     "N099" ["no picture of W and L"]

@@ -1,8 +1,10 @@
 //! How right the map of a flight is, against the mine that it went through.
 //!
 //! A *place* is a junction or a dead end of the mine; distances to it are in widths of its widest passage. A dead end that is
-//! seen from the place before it, within 1.575 widths, is a part of that place: by the definition of `here` no way leads
-//! to it. A place that keeps two ways is then a part of a passage. A visit of the
+//! seen from the place before it, within 1.34 widths of its narrowest passage, is a part of that place: by the definition of
+//! `here` no way leads to it. A place that keeps two ways is then a part of a passage. Up to 1.81 widths of its widest passage
+//! the dead end is a *bay*: the three looks of `here` differ. A junction of two ways and a bay may be on the map or not, and one
+//! of more ways with the bay or without; either is right. A visit of the
 //! map belongs to the place that is nearest in its middle, if that is within 1.6 widths. A place was *flown through* if
 //! the vehicle came within 0.4 widths; the place in which a flight begins is not, as half of it was never flown.
 //!
@@ -72,11 +74,12 @@ impl MapFigures {
     /// Judges the map of a flight.
     pub fn of(map: &Map, truth: &MapTruth) -> Self {
         let visits: Vec<Vec<[u64; 2]>> = map.nodes.iter().map(|node| node.visits.clone()).collect();
+        let truth = &truth.seen_by(&visits);
         let mut figures = Self::of_visits(&visits, truth);
         let through = truth.flown_through();
         let matched = matched(&visits, &through, truth);
         for &(node, place) in &matched {
-            figures.degree.count(map.nodes[node].ways.len() == truth.places[place].ways);
+            figures.degree.count(truth.has_ways(place, map.nodes[node].ways.len()));
         }
         let named = truth.named(map);
         for (passage, right) in map.passages.iter().zip(&named.passages) {
@@ -108,6 +111,7 @@ impl MapFigures {
     /// Judges visits alone, by node: a way of counting that has no ways and no passages.
     pub fn of_visits(visits: &[Vec<[u64; 2]>], truth: &MapTruth) -> Self {
         let mut figures = Self::default();
+        let truth = &truth.seen_by(visits);
         let through = truth.flown_through();
         let matched = matched(visits, &through, truth).len() as u64;
         figures.precision = Proportion { hits: matched, of: visits.len() as u64 };

@@ -11,6 +11,9 @@ use super::{BELONGS, THROUGH, VISITED, ordered};
 /// The look at a place, 1.5 local widths, and the twentieth by which a way leads farther.
 const POCKET_WIDTHS: f64 = 1.5 * 1.05;
 
+/// The shortest and the longest of the three looks that a place is judged in, of that.
+const LOOKS: [f64; 2] = [0.85, 1.15];
+
 /// The mine of a flight, and where each revolution was taken.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapTruth {
@@ -20,6 +23,9 @@ pub struct MapTruth {
     pub passages: Vec<TruePassage>,
     /// Each revolution of the flight, in order.
     pub at: Vec<WhereAt>,
+    /// Bays, as indices of `passages`: dead ends so near to the place before them that the looks at it differ.
+    #[serde(default)]
+    pub bays: Vec<usize>,
 }
 
 /// A junction or a dead end.
@@ -31,6 +37,8 @@ pub struct TruePlace {
     pub ways: usize,
     /// Width of its widest passage, metres.
     pub width_m: f64,
+    /// Width of its narrowest passage, metres.
+    pub narrowest_m: f64,
 }
 
 /// A passage between two places.
@@ -52,55 +60,104 @@ pub struct WhereAt {
 }
 
 impl From<&TruthMap> for MapTruth {
-    /// The mine as a flight shows it, without revolutions. A dead end that is seen from the place before it is a part of that
-    /// place, and a place that keeps two ways is a part of a passage.
+    /// The mine as a flight shows it, without revolutions. A dead end that every look at the place before it sees is a part of
+    /// that place, and a place that keeps two ways is a part of a passage.
     fn from(map: &TruthMap) -> Self {
         let place = |node: &crosscut_messages::TruthNode| TruePlace {
             position_m: [node.x_m, node.y_m],
             ways: node.ways.len(),
             width_m: node.ways.iter().map(|way| way.width_m).fold(0.0, f64::max),
+            narrowest_m: node.ways.iter().map(|way| way.width_m).fold(f64::INFINITY, f64::min),
         };
         let passage =
             |edge: &crosscut_messages::TruthEdge| TruePassage { ends: [edge.from, edge.to], length_m: edge.length_m };
-        let mut places: Vec<TruePlace> = map.nodes.iter().map(place).collect();
-        let mut passages: Vec<TruePassage> = map.edges.iter().map(passage).collect();
-        let is_place = leave_out_pockets(&mut places, &mut passages);
+        let places: Vec<TruePlace> = map.nodes.iter().map(place).collect();
+        let passages: Vec<TruePassage> = map.edges.iter().map(passage).collect();
+        let nearer = |passage: &TruePassage, [narrowest, widest]: [f64; 2]| {
+            pocket(&places, passage).is_some_and(|(_, before)| {
+                let TruePlace { width_m, narrowest_m, .. } = places[before];
+                passage.length_m < POCKET_WIDTHS * f64::max(narrowest * narrowest_m, widest * width_m)
+            })
+        };
+        let [shortest, longest] = LOOKS;
+        // The local width of a place lies between those of its passages.
+        let is_pocket = |at: usize| nearer(&passages[at], [shortest, 0.0]);
+        let is_bay = |at: usize| nearer(&passages[at], [0.0, longest]);
+        let all = 0..passages.len();
+        let (pockets, others): (Vec<usize>, Vec<usize>) = all.partition(|&at| is_pocket(at));
+        let bays = others.into_iter().filter(|&at| is_bay(at)).collect();
+        Self { places, passages, at: Vec::new(), bays }.without(&pockets)
+    }
+}
+
+/// The dead end of a passage to one, and the place before it.
+fn pocket(places: &[TruePlace], passage: &TruePassage) -> Option<(usize, usize)> {
+    let [a, b] = passage.ends;
+    [(a, b), (b, a)].into_iter().find(|&(end, before)| places[end].ways == 1 && places[before].ways > 1)
+}
+
+impl MapTruth {
+    /// The mine as these visits saw it, by node: a bay is a way where they have a node at the place before it, and else a part
+    /// of a passage. Beside three other ways it is one.
+    pub(super) fn seen_by(&self, visits: &[Vec<[u64; 2]>]) -> Self {
+        if self.bays.is_empty() {
+            return self.clone();
+        }
+        let found: BTreeSet<Option<usize>> = visits.iter().flat_map(|visits| self.places_of(visits)).collect();
+        let is_unseen = |bay: &&usize| {
+            let before = pocket(&self.places, &self.passages[**bay]).map(|(_, before)| before);
+            before.is_some_and(|before| self.places[before].ways == 3) && !found.contains(&before)
+        };
+        let unseen: Vec<usize> = self.bays.iter().filter(is_unseen).copied().collect();
+        self.without(&unseen)
+    }
+
+    /// Whether a place has this number of ways, those to bays counted or not.
+    pub(super) fn has_ways(&self, place: usize, ways: usize) -> bool {
+        let bays = self.bays.iter().filter(|&&bay| self.passages[bay].ends.contains(&place)).count();
+        let all = self.places[place].ways;
+        (all - bays.min(all)..=all).contains(&ways)
+    }
+
+    /// Without passages to dead ends, which are parts of the places before them. The passages of places that keep two ways are
+    /// joined.
+    fn without(&self, pockets: &[usize]) -> Self {
+        let mut places = self.places.clone();
+        let mut is_place = vec![true; places.len()];
+        for &at in pockets {
+            if let Some((end, before)) = pocket(&places, &self.passages[at]) {
+                is_place[end] = false;
+                places[before].ways -= 1;
+            }
+        }
+        let is_left = |at: &usize| !pockets.contains(at);
+        // Each with the bay that it is, as a passage through a bend is none.
+        let left = (0..self.passages.len()).filter(is_left);
+        let mut passages: Vec<(TruePassage, bool)> =
+            left.map(|at| (self.passages[at], self.bays.contains(&at))).collect();
+        let is_bend = |place: &usize| is_place[*place] && places[*place].ways == 2;
+        let bends: Vec<usize> = (0..places.len()).filter(is_bend).collect();
+        for bend in bends {
+            let at: Vec<usize> = (0..passages.len()).filter(|&at| passages[at].0.ends.contains(&bend)).collect();
+            let &[first, second] = &at[..] else { continue };
+            let (second, _) = passages.swap_remove(second);
+            let other = |passage: &TruePassage| passage.ends[usize::from(passage.ends[0] == bend)];
+            let first = &mut passages[first];
+            let ends = [other(&first.0), other(&second)];
+            *first = (TruePassage { ends, length_m: first.0.length_m + second.length_m }, false);
+            is_place[bend] = false;
+        }
         let number: Vec<usize> = is_place
             .iter()
             .scan(0, |next, &is_place| Some(std::mem::replace(next, *next + usize::from(is_place))))
             .collect();
-        passages.iter_mut().for_each(|passage| passage.ends = passage.ends.map(|end| number[end]));
+        passages.iter_mut().for_each(|(passage, _)| passage.ends = passage.ends.map(|end| number[end]));
+        let bays = (0..passages.len()).filter(|&at| passages[at].1).collect();
+        let passages = passages.into_iter().map(|(passage, _)| passage).collect();
         let places =
             places.into_iter().zip(is_place).filter(|(_, is_place)| *is_place).map(|(place, _)| place).collect();
-        Self { places, passages, at: Vec::new() }
+        Self { places, passages, at: self.at.clone(), bays }
     }
-}
-
-/// Leaves out dead ends in sight of the place before them, and joins the passages of places that keep two ways. Returns
-/// which places are left.
-fn leave_out_pockets(places: &mut [TruePlace], passages: &mut Vec<TruePassage>) -> Vec<bool> {
-    let mut is_place = vec![true; places.len()];
-    passages.retain(|&TruePassage { ends: [a, b], length_m }| {
-        let is_pocket = |end: usize, before: usize| {
-            places[end].ways == 1 && places[before].ways > 1 && length_m < POCKET_WIDTHS * places[before].width_m
-        };
-        let pocket = [(a, b), (b, a)].into_iter().find(|&(end, before)| is_pocket(end, before));
-        if let Some((end, before)) = pocket {
-            is_place[end] = false;
-            places[before].ways -= 1;
-        }
-        pocket.is_none()
-    });
-    for bend in (0..places.len()).filter(|&place| places[place].ways == 2) {
-        let at: Vec<usize> = (0..passages.len()).filter(|&at| passages[at].ends.contains(&bend)).collect();
-        let &[first, second] = &at[..] else { continue };
-        let second = passages.swap_remove(second);
-        let other = |passage: &TruePassage| passage.ends[usize::from(passage.ends[0] == bend)];
-        let first = &mut passages[first];
-        *first = TruePassage { ends: [other(first), other(&second)], length_m: first.length_m + second.length_m };
-        is_place[bend] = false;
-    }
-    is_place
 }
 
 /// Which places and passages of the mine those of a map are.

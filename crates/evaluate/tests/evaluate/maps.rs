@@ -10,13 +10,14 @@ use nalgebra::Point2;
 /// From 10 m before the first place to the third and back to the second, a metre and a nanosecond at a time; at stamp 100
 /// the vehicle is at the first place.
 fn truth() -> MapTruth {
-    let place = |x_m: f64, ways| TruePlace { position_m: [x_m, 0.0], ways, width_m: 4.0 };
+    let place = |x_m: f64, ways| TruePlace { position_m: [x_m, 0.0], ways, width_m: 4.0, narrowest_m: 4.0 };
     let there_and_back = (-10..=40).chain((20..40).rev());
     let at = |(stamp, x): (u64, i32)| WhereAt { stamp_ns: stamp, position_m: [f64::from(x), 0.0] };
     MapTruth {
         places: vec![place(0.0, 3), place(20.0, 3), place(40.0, 1)],
         passages: vec![TruePassage { ends: [0, 1], length_m: 20.0 }, TruePassage { ends: [1, 2], length_m: 20.0 }],
         at: (90..).zip(there_and_back).map(at).collect(),
+        bays: Vec::new(),
     }
 }
 
@@ -154,7 +155,29 @@ fn a_dead_end_in_sight_of_the_place_before_it_is_a_part_of_that_place() {
     };
     let far = MapTruth::from(&mine(7.0));
     assert_eq!((far.places.len(), far.passages.len(), far.places[1].ways), (4, 3, 3));
-    let near = MapTruth::from(&mine(6.0));
+    let near = MapTruth::from(&mine(5.0));
     assert_eq!(near.passages, [TruePassage { ends: [0, 1], length_m: 50.0 }], "{near:?}");
     assert_eq!((near.places.len(), near.places[1].position_m), (2, [50.0, 0.0]));
+    assert_eq!([&far, &near].map(|truth| truth.bays.len()), [1, 0], "between the looks either is right");
+    assert_eq!(MapTruth::from(&mine(8.0)).bays, [0_usize; 0]);
+}
+
+#[test]
+fn a_junction_of_a_bay_may_be_on_the_map_or_not() {
+    let place = |x_m: f64, y_m: f64, ways| TruePlace { position_m: [x_m, y_m], ways, width_m: 4.0, narrowest_m: 4.0 };
+    let passage = |from, to, length_m| TruePassage { ends: [from, to], length_m };
+    let at = (0..60).map(|at| WhereAt { stamp_ns: at, position_m: [at as f64, 0.0] }).collect();
+    let truth = MapTruth {
+        places: vec![place(0.0, 0.0, 1), place(20.0, 0.0, 3), place(20.0, 6.0, 1), place(50.0, 0.0, 1)],
+        passages: vec![passage(0, 1, 20.0), passage(1, 2, 6.0), passage(1, 3, 30.0)],
+        at,
+        bays: vec![1],
+    };
+    let figures = |visits: &[Vec<[u64; 2]>]| {
+        let MapFigures { precision, recall, .. } = MapFigures::of_visits(visits, &truth);
+        [precision, recall].map(|of| (of.hits, of.of))
+    };
+    assert_eq!(figures(&[vec![[18, 22]], vec![[48, 52]]]), [(2, 2); 2], "with it");
+    assert_eq!(figures(&[vec![[48, 52]]]), [(1, 1); 2], "without it");
+    assert_eq!(figures(&[vec![[18, 22]]]), [(1, 1), (1, 2)], "the end is missing");
 }

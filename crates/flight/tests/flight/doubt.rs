@@ -86,6 +86,27 @@ fn exact_odometry_is_never_doubted() {
     assert!(!seen.has_note("not believed") && !seen.has_note("a new stretch"), "{:?}", seen.notes);
 }
 
+/// The wheels spin for a second or two while the vehicle moves on: at 200 revolutions the odometry gains 1.5 m.
+#[test]
+fn wheels_that_slip_are_noted_with_both_figures() {
+    let gained = std::cell::Cell::new(0);
+    let seen = follow(tunnel(0.1).take(300), |pose| {
+        gained.set(gained.get() + 1);
+        let slipped_m = 0.1 * f64::from((gained.get() - 200).clamp(0, 15));
+        Some(pose * Isometry2::translation(slipped_m, 0.0))
+    });
+    assert!(seen.has_note("a slip or a jump: the odometry moved by"), "{:?}", seen.notes);
+    assert!(seen.off_m() < 0.75, "{} m off", seen.off_m());
+}
+
+#[test]
+fn odometry_that_drifts_slips_nowhere() {
+    let seen = follow(tunnel(0.1).take(400), |pose| {
+        Some(Isometry2::new(pose.translation.vector * 1.05, pose.rotation.angle()))
+    });
+    assert!(!seen.has_note("a slip"), "{:?}", seen.notes);
+}
+
 #[test]
 fn the_length_of_a_smooth_tunnel_is_unknown_without_odometry() {
     let seen = follow(tunnel(0.0), NONE);

@@ -34,7 +34,8 @@ const STUCK_M: f64 = 1.0;
 /// The mission is given up after this many times in a row.
 const MOST_STUCK: u32 = 6;
 
-/// A mission that finds nothing new is given up after this many revolutions, and these for each metre of the map.
+/// A mission that finds nothing new is given up after this many revolutions, and these for each metre of the map and of the
+/// farthest place from the start: a passage is on the map once its end is found.
 const LIMIT: f64 = 1500.0;
 const LIMIT_PER_M: f64 = 30.0;
 
@@ -104,6 +105,8 @@ pub struct Navigator {
     stuck: u32,
     last_new: u64,
     map_m: f64,
+    /// The farthest that the vehicle was from its start.
+    farthest_m: f64,
 }
 
 impl Navigator {
@@ -133,6 +136,7 @@ impl Navigator {
             stuck: 0,
             last_new: 0,
             map_m: 0.0,
+            farthest_m: 0.0,
         }
     }
 
@@ -182,6 +186,7 @@ impl Navigator {
     fn move_to(&mut self, here_m: Point2<f64>) {
         let moved_m = self.last_m.map_or(f64::INFINITY, |last_m| (here_m - last_m).norm());
         if moved_m > 0.2 {
+            self.farthest_m = self.farthest_m.max(here_m.coords.norm());
             self.way_m += if moved_m.is_finite() { moved_m } else { 0.0 };
             self.last_m = Some(here_m);
         }
@@ -215,6 +220,7 @@ impl Navigator {
     }
 
     fn limit(&self) -> Option<End> {
-        ((self.now - self.last_new) as f64 > LIMIT + LIMIT_PER_M * self.map_m).then_some(End::GaveUp)
+        ((self.now - self.last_new) as f64 > LIMIT + LIMIT_PER_M * (self.map_m + self.farthest_m))
+            .then_some(End::GaveUp)
     }
 }

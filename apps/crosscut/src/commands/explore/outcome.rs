@@ -46,6 +46,15 @@ fn end(flown: &Flown) -> &'static str {
     }
 }
 
+/// What a navigator that gave up would need to go on.
+fn needed(flown: &Flown) -> String {
+    match (flown.map.nodes.len(), flown.map.ways_not_taken()) {
+        (0, _) => "a junction or a dead end, of which it saw none".to_owned(),
+        (_, 0) => "a way that it has not taken, or one home".to_owned(),
+        (_, open) => format!("a route over the map to {} not taken", counted(open as u64, "way")),
+    }
+}
+
 /// The outcome in three lines.
 pub(super) fn words(flown: &Flown) -> String {
     let home = if flown.home { "home again" } else { "not home" };
@@ -55,10 +64,10 @@ pub(super) fn words(flown: &Flown) -> String {
         several => format!("{several} crashes"),
     };
     let why = match flown.end.map(crosscut_navigate::End::name) {
-        Some("stuck") => "; it could not get on",
-        Some("gave_up") => "; it found nothing new for too long",
-        None => "; it was stopped",
-        _ => "",
+        Some("stuck") => "; it could not get on".to_owned(),
+        Some("gave_up") => format!("; it found nothing new for too long: it would need {}", needed(flown)),
+        None => "; it was stopped".to_owned(),
+        _ => String::new(),
     };
     let bound = if flown.offline_is_exact { "" } else { "at most " };
     format!(
