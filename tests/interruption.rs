@@ -1,5 +1,6 @@
 //! Ctrl-C and kill: results so far are kept.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -41,6 +42,38 @@ fn an_interrupted_flight_ends_with_130_and_complete_results() {
     assert!(ran.stderr.contains("stopping"), "{}", ran.stderr);
     let lines = lines(&std::fs::read_to_string(results).expect("results"));
     assert!(lines.len() < 600 && column(&lines, "seq").into_iter().eq(0..lines.len() as u64));
+}
+
+/// Long before the time that a flight in progress has.
+#[cfg(unix)]
+fn ends_soon_by_a_signal(child: Child) {
+    std::thread::sleep(Duration::from_millis(500)); // it waits by then, or will
+    signal(&child, "TERM");
+    let sent = Instant::now();
+    Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    assert!(sent.elapsed() < Duration::from_secs(6), "{:?}", sent.elapsed());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_a_wait_for_standard_input() {
+    let start = std::fs::read(shipped_flight()).expect("a recording");
+    for sent in [0, start.len() / 2] {
+        let mut child = crosscut(["run", "-", "--quiet"]).stdin(Stdio::piped()).spawn().expect("the program starts");
+        let mut pipe = child.stdin.take().expect("a pipe");
+        pipe.write_all(&start[..sent]).expect("it reads");
+        ends_soon_by_a_signal(child);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_a_wait_for_a_reader() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is on every Unix").success());
+    let args = ["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), pipe.as_os_str()];
+    ends_soon_by_a_signal(crosscut(args).stderr(Stdio::piped()).spawn().expect("the program starts"));
 }
 
 #[test]

@@ -215,7 +215,7 @@ fn recording(start: &[u8], data: &[u8]) {
             scans += 1;
             assert!(revolution.points_m.len() <= 1 << 20, "a scan has more returns than there may be beams");
         }
-        if let Ok(converted) = convert(inputs, &options, sensor(&[]).echo(), Cursor::new(Vec::new())) {
+        if let Ok(converted) = convert(inputs, &options, sensor(&[]).echo(), Cursor::new(Vec::new()), || ()) {
             assert!(scans == 0 || !converted.messages.is_empty(), "{scans} scans are not converted");
         }
     });

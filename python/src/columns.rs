@@ -41,6 +41,11 @@ impl Columns<'_> {
         self.0.set_item(name, (PyArray1::from_vec(py, lists.starts), texts))
     }
 
+    #[cfg(feature = "rerun")]
+    pub(crate) fn has(&self, name: &str) -> PyResult<bool> {
+        self.0.contains(name)
+    }
+
     fn column(&self, name: &str) -> PyResult<Bound<'_, PyAny>> {
         self.0.get_item(name)?.ok_or_else(|| PyKeyError::new_err(format!("frames have no column {name}")))
     }

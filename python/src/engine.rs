@@ -98,6 +98,12 @@ impl Engine {
         done.ok_or_else(|| Class::Error.error(py, "this engine is busy; use one engine per thread"))
     }
 
+    /// Runs the report on a frame as it is after k-means; whether it did not fail.
+    #[cfg(feature = "rerun")]
+    pub(crate) fn report_on(&self, py: Python<'_>, frame: &mut Frame) -> PyResult<bool> {
+        self.working(py, |work| work.stages.run_step(Step::Report, frame).is_ok())
+    }
+
     /// The failure of a stage; the exception that a stage in Python raised is its cause. An interrupt stays one.
     fn failed(&self, py: Python<'_>, failure: &Failure) -> PyErr {
         let raised = self.callables.raised();

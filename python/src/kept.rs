@@ -1,6 +1,6 @@
 //! What stays of a scan behind its result.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use crosscut_detector::Frame;
 use pyo3::prelude::*;
@@ -14,6 +14,7 @@ pub(crate) struct Kept {
     engine: Py<Engine>,
     scan: Py<Scan>,
     seq: u64,
+    #[cfg_attr(not(feature = "rerun"), expect(dead_code, reason = "a build without recordings has no recorder"))]
     frame: Mutex<Option<Frame>>,
 }
 
@@ -23,8 +24,9 @@ impl Kept {
     }
 
     /// The frame, once.
+    #[cfg(feature = "rerun")]
     pub(crate) fn take(&self) -> Option<Frame> {
-        self.frame.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.frame.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
     }
 }
 

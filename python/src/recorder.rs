@@ -10,9 +10,12 @@ use crosscut_report::VEHICLE_WIDTH_M;
 use crosscut_stage::{Observer as _, ObserverError};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
+use crate::columns::Columns;
 use crate::engine::Engine;
 use crate::error::Class;
+use crate::frames::read_to_record;
 use crate::kept::Kept;
 
 /// A recording that is being written.
@@ -42,6 +45,13 @@ impl Recorder {
     fn with<T: Send>(&self, py: Python<'_>, body: impl FnOnce(&mut Option<Open>) -> T + Send) -> T {
         py.detach(|| body(&mut self.open.lock().unwrap_or_else(PoisonError::into_inner)))
     }
+
+    fn add(&self, py: Python<'_>, frame: Frame) -> PyResult<()> {
+        match self.with(py, move |open| open.as_mut().map(|open| open.add(frame))) {
+            None => Err(Class::Error.error(py, "the recorder is closed")),
+            Some(added) => added.map_err(|error| Class::Error.error(py, error)),
+        }
+    }
 }
 
 #[pymethods]
@@ -67,17 +77,23 @@ impl Recorder {
 
     /// Adds the frame of a result.
     fn log(&self, py: Python<'_>, kept: &Kept) -> PyResult<()> {
-        let refused = |text: &str| Err(Class::Error.error(py, text));
         let Some(frame) = kept.take() else {
-            return refused(
-                "this result has no matrices to record: it was made before the recorder was opened, by another engine, or it \
-                 was recorded already",
-            );
+            let text = "this result has no matrices to record: it was made before the recorder was opened, by another engine, \
+                        or it was recorded already";
+            return Err(Class::Error.error(py, text));
         };
-        match self.with(py, move |open| open.as_mut().map(|open| open.add(frame))) {
-            None => refused("the recorder is closed"),
-            Some(added) => added.map_err(|error| Class::Error.error(py, error)),
+        self.add(py, frame)
+    }
+
+    /// Runs the report of `engine` on frames in columns, up to the first that has failed, and adds them.
+    fn log_frames(&self, py: Python<'_>, columns: Bound<'_, PyDict>, engine: &Engine) -> PyResult<()> {
+        for mut frame in read_to_record(&Columns(columns))? {
+            if !engine.report_on(py, &mut frame)? {
+                break;
+            }
+            self.add(py, frame)?;
         }
+        Ok(())
     }
 
     /// Ends the file.

@@ -1,7 +1,7 @@
 //! Handling of signals.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::Builder;
 use std::time::Duration;
 
@@ -21,6 +21,17 @@ const GRACE: Duration = Duration::from_secs(10);
 /// Whether a signal asked for the end.
 static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
 
+/// How many outputs are being opened.
+static OPENING: AtomicUsize = AtomicUsize::new(0);
+
+/// Opens an output. A pipe is open only once it has a reader; nothing is made before, so a signal does not wait for it.
+pub(crate) fn while_opening<T>(open: impl FnOnce() -> T) -> T {
+    OPENING.fetch_add(1, Ordering::Relaxed);
+    let opened = open();
+    OPENING.fetch_sub(1, Ordering::Relaxed);
+    opened
+}
+
 /// Whether a signal asked for the end, which is then why a command failed.
 pub(crate) fn is_requested() -> bool {
     IS_REQUESTED.load(Ordering::Relaxed)
@@ -39,7 +50,9 @@ pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
         let quit = || {
             std::thread::sleep(READING);
             stop_reading();
-            std::thread::sleep(GRACE);
+            if OPENING.load(Ordering::Relaxed) == 0 {
+                std::thread::sleep(GRACE);
+            }
             std::process::exit(i32::from(INTERRUPTED));
         };
         Builder::new().name("grace".to_owned()).spawn(quit).ok(); // without it, a second Ctrl-C is needed

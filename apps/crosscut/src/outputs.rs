@@ -10,6 +10,7 @@ use anyhow::Context;
 use crosscut_outfile::{Growing, Keep, Replaced};
 
 use crate::exit::UsageError;
+use crate::interrupt::while_opening;
 
 /// Opens an output that grows, or standard output for `-`. Refuses one of the files `read` and a file that another run
 /// writes to. An existing file keeps its contents until the first flush, and a file that is never flushed is not there.
@@ -19,7 +20,7 @@ pub(crate) fn grow(path: &Path, read: &[PathBuf]) -> anyhow::Result<Box<dyn Writ
     }
     refuse(&[path], read)?;
     let cannot = || format!("cannot write {}", path.display());
-    Ok(Box::new(Growing::create(path, Keep::ThroughPowerLoss).with_context(cannot)?))
+    Ok(Box::new(while_opening(|| Growing::create(path, Keep::ThroughPowerLoss)).with_context(cannot)?))
 }
 
 /// An output that is written as a whole, once or again and again. Until then an existing file keeps its contents.
@@ -41,7 +42,7 @@ impl Document {
         } else {
             refuse(&[path], read)?;
             let cannot = || format!("cannot write {}", path.display());
-            Out::File(Replaced::create(path, keep).with_context(cannot)?)
+            Out::File(while_opening(|| Replaced::create(path, keep)).with_context(cannot)?)
         };
         Ok(Self { path: path.to_owned(), out })
     }

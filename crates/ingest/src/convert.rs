@@ -109,7 +109,7 @@ impl Selection<'_> {
 
 /// Writes the recordings in `inputs` into `out` as one MCAP: the scans that `options` select on `/scan`, clouds on
 /// `/points`, odometry on `/odom`, transforms on `/tf` and `/tf_static`. Values and times stay as they are; of several
-/// echoes of a beam, `echo` is its range.
+/// echoes of a beam, `echo` is its range. `written` is called for each message.
 ///
 /// # Errors
 /// When there are no scans that can be read, or `out` cannot be written.
@@ -118,6 +118,7 @@ pub fn convert(
     options: &ReadOptions,
     echo: Echo,
     out: impl Write + Seek,
+    mut written: impl FnMut(),
 ) -> Result<Converted, ConvertError> {
     let (containers, losses) = open_all(inputs, &options.csv)?;
     let routes = routes(topics_of(containers.iter().map(|container| container.contents())), options, echo)?;
@@ -145,6 +146,7 @@ pub fn convert(
                     mcap.write_to_known_channel(&header, &data)?;
                     *count = count.wrapping_add(1);
                     *converted.messages.entry(route.to.clone()).or_default() += 1;
+                    written();
                 }
                 Err(_) => *converted.undecodable.entry(route.to.clone()).or_default() += 1,
             }

@@ -42,7 +42,8 @@ def main() -> None:
                 made["u_value"].append(u.ravel())
             arrays |= {name: pa.array(column) for name, column in made.items()}
             none = pa.array([[]] * len(frames))
-            arrays |= {"margin_decades": pa.array([np.nan] * len(frames)), "u_row_start": none, "u_column": none}
+            arrays |= {"zero_tolerance": pa.array([ZERO] * len(frames)), "margin_decades": pa.array([np.nan] * len(frames))}
+            arrays |= {"u_row_start": none, "u_column": none}
             frames = pa.StructArray.from_arrays(list(arrays.values()), list(arrays))
         node.send_output("frames", frames, event["metadata"])
 

@@ -40,6 +40,11 @@ class Recorder:
             raise TypeError("a copy of a result cannot be recorded; record the result itself")
         self._native.log(result._kept)
 
+    def log_frames(self, columns: dict[str, Any]) -> None:
+        """Adds frames after kmeans in columns (:mod:`crosscut.frames`), up to the first that has failed. W and U are shown where
+        their columns are there."""
+        self._native.log_frames(columns, self._engine._native)
+
     def close(self) -> None:
         """Ends the file. It can be read before, up to the last 2.5 s of the flight."""
         if self._open:

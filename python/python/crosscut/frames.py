@@ -36,13 +36,14 @@ of affinity
 ``w_row_start`` lists of uint64, ``w_column`` of uint32,  W, n x n: row i has the entries from w_row_start[i] to w_row_start[i + 1].
 ``w_value`` of float64                                    With all its entries, it has no row starts and no columns
 ``verdict_returns`` lists of 2 uint32                     what was decided at the gaps between two returns, by kinds that do so
-``verdict_is_way`` of bool, ``verdict_room_ratio`` of     whether a vehicle can pass, the room there, the probability (NaN where
+``verdict_is_opening`` of bool, ``verdict_room_ratio`` of whether a vehicle can pass, the room there, the probability (NaN where
 float64, ``verdict_p`` of float64, ``verdict_reason`` of  too little is seen), and why
 texts
 --------------------------------------------------------- ----------------------------------------------------------------------
 of spectral
 --------------------------------------------------------- ----------------------------------------------------------------------
 ``eigenvalues`` lists of float64, ``k`` uint64            ascending, at least the k zeros
+``zero_tolerance`` float64                                eigenvalues below it count as zero
 ``margin_decades`` float64                                NaN where there is none
 ``u_row_start``, ``u_column``, ``u_value``                U, n x k, as W
 --------------------------------------------------------- ----------------------------------------------------------------------

@@ -11,6 +11,8 @@ mod write;
 use crosscut_stage::Beam;
 
 pub(crate) use self::read::read;
+#[cfg(feature = "rerun")]
+pub(crate) use self::read::read_to_record;
 pub(crate) use self::write::{write_scans, write_step};
 
 /// In `return_of_beam`: a beam that came back with nothing, and one of which nothing is known.

@@ -31,6 +31,19 @@ pub(crate) fn read(step: Step, columns: &Columns<'_>) -> PyResult<Vec<Frame>> {
     Ok(frames)
 }
 
+/// Reads frames as they are before the report, with W and U where these are there: a stage may have left them out.
+#[cfg(feature = "rerun")]
+pub(crate) fn read_to_record(columns: &Columns<'_>) -> PyResult<Vec<Frame>> {
+    let mut frames = read_scans(columns)?;
+    if columns.has("w_value")? {
+        read_graphs(columns, &mut frames)?;
+    }
+    read_verdicts(columns, &mut frames)?;
+    read_spectra(columns, &mut frames, columns.has("u_value")?)?;
+    read_partitions(columns, &mut frames)?;
+    Ok(frames)
+}
+
 fn read_scans(columns: &Columns<'_>) -> PyResult<Vec<Frame>> {
     let seq: Vec<u64> = columns.read_numbers("seq", None)?;
     let rows = seq.len();
@@ -172,6 +185,7 @@ fn read_spectra(columns: &Columns<'_>, frames: &mut [Frame], with_u: bool) -> Py
     let rows = frames.len();
     let eigenvalues: Lists<f64> = columns.read_lists("eigenvalues", 1, rows)?;
     let k: Vec<u64> = columns.read_numbers("k", Some(rows))?;
+    let tolerances: Vec<f64> = columns.read_numbers("zero_tolerance", Some(rows))?;
     let margins: Vec<f64> = columns.read_numbers("margin_decades", Some(rows))?;
     let matrices = if with_u { Some(Matrices::read("u", columns, rows)?) } else { None };
     for (row, frame) in whole(frames) {
@@ -182,6 +196,7 @@ fn read_spectra(columns: &Columns<'_>, frames: &mut [Frame], with_u: bool) -> Py
         let spectrum = &mut frame.spectrum;
         spectrum.eigenvalues.extend_from_slice(eigenvalues.row(row));
         spectrum.k = k;
+        spectrum.tolerance = tolerances[row];
         spectrum.margin_decades = Some(margins[row]).filter(|margin| !margin.is_nan());
         let Some(matrices) = &matrices else { continue };
         match matrices.row(row, [n, k])? {

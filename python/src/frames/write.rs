@@ -68,6 +68,7 @@ pub(crate) fn write_step(step: Step, frames: &[Frame], out: &Columns<'_>) -> PyR
             let spectra = || frames.iter().map(|frame| if done(frame) { &frame.spectrum } else { &none });
             out.lists("eigenvalues", 1, spectra().map(|of| of.eigenvalues.iter().copied()))?;
             out.numbers("k", spectra().map(|of| of.k as u64))?;
+            out.numbers("zero_tolerance", spectra().map(|of| of.tolerance))?;
             out.numbers("margin_decades", spectra().map(|of| of.margin_decades.unwrap_or(f64::NAN)))?;
             let matrices: Vec<_> = spectra()
                 .map(|of| {

@@ -20,6 +20,9 @@ pub(crate) struct ConvertArgs {
     /// Single setting that overrides the file: ingest.echo=VALUE or csv.KEY=VALUE. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE", value_parser = setting_of_conversion)]
     pub(crate) set: Vec<String>,
+    /// Show no progress and no summary.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 fn setting_of_conversion(setting: &str) -> Result<String, &'static str> {

@@ -13,7 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::files_read;
 use crate::say::say;
-use crate::{config, interrupt, outputs};
+use crate::{config, interrupt, outputs, progress};
 
 /// Writes the recording. What is at `--out` is replaced only when there is a whole recording to take its place.
 pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -31,10 +31,14 @@ pub(crate) fn convert(args: &ConvertArgs, registry: &Registry) -> anyhow::Result
     let cannot = || format!("cannot write {}", args.out.display());
     let mut file = Whole::create(&args.out, Keep::ThroughKill).with_context(cannot)?;
     interrupt::quit_without(&file)?;
-    let converted = crosscut_ingest::convert(&args.input.recordings.input, &options, echo, &mut file)?;
+    let bar = progress::counter("messages", args.quiet);
+    let converted = crosscut_ingest::convert(&args.input.recordings.input, &options, echo, &mut file, || bar.inc(1))?;
+    bar.finish_and_clear();
     file.finish().with_context(cannot)?;
     let written = converted.messages.iter().map(|(topic, count)| format!("{} on {topic}", counted(*count, "message")));
-    say(format_args!("{}: {}", args.out.display(), written.collect::<Vec<_>>().join(", ")));
+    if !args.quiet {
+        say(format_args!("{}: {}", args.out.display(), written.collect::<Vec<_>>().join(", ")));
+    }
     let mut diagnostics = Diagnostics::default();
     for (topic, count) in &converted.undecodable {
         diagnostics.lost(format_args!("{} for {topic} cannot be decoded", counted(*count, "message")));

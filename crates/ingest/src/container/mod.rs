@@ -15,6 +15,7 @@ mod rosbag2;
 mod single_cloud;
 mod spool;
 mod sqlite;
+mod standard_input;
 mod survey;
 mod table;
 mod topic_reader;
@@ -39,6 +40,7 @@ pub(crate) use self::chunked::Visitor;
 pub(crate) use self::mcap::{FollowedMcap, PipedMcap, follow as follow_mcap, metadata as mcap_metadata};
 pub use self::spool::KeptStandardInput;
 pub(crate) use self::spool::{Plain, keep_standard_input};
+pub(crate) use self::standard_input::StandardInput;
 
 pub(crate) use self::bag::MAGIC as ROS1_BAG_MAGIC;
 pub(crate) use self::carmen::is_log as is_carmen_log;

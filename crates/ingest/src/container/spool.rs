@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
+use super::standard_input::StandardInput;
 use crate::{Damage, limits, stopping};
 
 const BUFFER_BYTES: usize = 256 * 1024;
@@ -124,8 +125,8 @@ pub(super) fn standard_input() -> io::Result<Spooled> {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     match &mut *kept {
         Some(Some(copied)) => Ok(copied.clone()),
-        Some(empty) => Ok(empty.insert(Plain::of(io::stdin())?.spool()?).clone()),
-        None => Plain::of(io::stdin())?.spool(),
+        Some(empty) => Ok(empty.insert(Plain::of(StandardInput::open()?)?.spool()?).clone()),
+        None => Plain::of(StandardInput::open()?)?.spool(),
     }
 }
 

@@ -5,12 +5,12 @@ use std::path::Path;
 use std::thread::Builder;
 
 use super::feed::{Feeding, FileFeed};
-use crate::container::{PipedMcap, Plain, keep_standard_input};
+use crate::container::{PipedMcap, Plain, StandardInput, keep_standard_input};
 
 /// Reads standard input into `feed` on a thread of its own, if it is an MCAP; otherwise keeps it, to be read as a whole, and gives
 /// `false`.
 pub(super) fn read(feed: FileFeed) -> io::Result<bool> {
-    let input = Plain::of(io::stdin())?;
+    let input = Plain::of(StandardInput::open()?)?;
     if input.start != mcap::MAGIC {
         keep_standard_input(input)?;
         return Ok(false);

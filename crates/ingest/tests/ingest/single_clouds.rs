@@ -38,7 +38,7 @@ fn a_converted_cloud_keeps_points_and_their_other_fields() {
     for (name, bytes) in all() {
         let mut mcap = Cursor::new(Vec::new());
         let converted =
-            convert(&[folder.add(&name, &bytes)], &ReadOptions::default(), Echo::First, &mut mcap).expect(&name);
+            convert(&[folder.add(&name, &bytes)], &ReadOptions::default(), Echo::First, &mut mcap, || ()).expect(&name);
         assert_eq!(converted.messages, BTreeMap::from([("/points".to_owned(), 1)]), "{name}");
         let mcap = mcap.into_inner();
         let message = mcap::MessageStream::new(&mcap).expect("an MCAP").next().expect("a message").expect("whole");

@@ -161,7 +161,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_source(dataflow)
     _add_report(dataflow)
     dataflow.add_argument("--record", type=Path, metavar="FLIGHT.rrd", dest="recording",
-                          help="a recording for the Rerun viewer, also of stages of your own; needs rerun-sdk")
+                          help="a recording for the Rerun viewer, also of stages of your own")
     dataflow.add_argument("--place", action="append", default=[], type=_pair, metavar="NODE=MACHINE",
                           help=f"run a node on a machine; nodes are {', '.join(NODES)}")
     dataflow.add_argument("--own", action="append", default=[], type=_pair, metavar="STAGE=COMMAND",

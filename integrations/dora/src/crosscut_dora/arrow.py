@@ -48,7 +48,12 @@ VERDICTS: dict[str, pa.DataType] = {
     "verdict_p": _F64S,
     "verdict_reason": pa.list_(pa.string()),
 }
-SPECTRUM: dict[str, pa.DataType] = {"eigenvalues": _F64S, "k": pa.uint64(), "margin_decades": pa.float64()}
+SPECTRUM: dict[str, pa.DataType] = {
+    "eigenvalues": _F64S,
+    "k": pa.uint64(),
+    "zero_tolerance": pa.float64(),
+    "margin_decades": pa.float64(),
+}
 U: dict[str, pa.DataType] = {"u_row_start": _U64S, "u_column": _U32S, "u_value": _F64S}
 CLUSTERS: dict[str, pa.DataType] = {"clusters": _I32S}
 

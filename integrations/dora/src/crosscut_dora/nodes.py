@@ -12,7 +12,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from crosscut import Engine, Error, Flight
+from crosscut import Engine, Error, Flight, Recorder
 from crosscut import frames as stages
 
 from . import arrow
@@ -93,18 +93,16 @@ def record(node: Any, engine: Engine, path: Path) -> int:
     """Records the frames for the viewer, each once, and passes on what the report reads."""
     order, failed, recording = Order[Any](), "", None
     try:
-        from .record import Recording
-
-        recording = Recording(path, engine)
-    except (ImportError, RuntimeError) as error:
-        failed = f"record: {error}; a recording needs rerun-sdk (pip install rerun-sdk==0.36.3), and its folder"
+        recording = Recorder(path, engine)
+    except (Error, ImportError) as error:
+        failed = f"record: {error}"
     for event in _inputs(node):
         value, about = event["value"], event["metadata"]
         for frames, ended in order.take(about["number"], (value, about["ended"] or bool(about["failed"]))):
             if recording is not None:
                 try:
-                    recording.close() if ended else recording.add(frames)
-                except (ValueError, KeyError, OSError) as error:
+                    recording.close() if ended else recording.log_frames(arrow.columns(frames))
+                except (Error, ValueError, KeyError) as error:
                     failed, recording = f"record: {error}", None
         about["failed"] = about["failed"] or failed
         if not about["ended"] and not about["failed"]:

@@ -1,6 +1,7 @@
 //! `compare --golden`: what every stage makes of a flight against what was kept before.
 
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -18,7 +19,7 @@ use crate::fly::{Flight, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::{say, show};
-use crate::{progress, typeset};
+use crate::{progress, text_file, typeset};
 
 /// The files of a folder: what the stages made, an object a revolution; the settings; tolerances by value.
 const VALUES: &str = "stages.jsonl";
@@ -130,23 +131,23 @@ struct Golden {
 
 impl Golden {
     fn read(folder: &Path) -> anyhow::Result<Self> {
-        let text = |name: &str| {
-            let path = folder.join(name);
-            std::fs::read_to_string(&path).map_err(|error| {
-                UsageError(format!("{error}: {}; --update keeps what the stages make now", path.display()))
-            })
+        let unread = |name: &str, error: io::Error| {
+            UsageError(format!("{error}: {}; --update keeps what the stages make now", folder.join(name).display()))
         };
-        let values = text(VALUES)?;
-        let line = |(number, line): (usize, &str)| {
-            let kept: Kept = serde_json::from_str(line).map_err(|error| {
-                UsageError(format!("line {}: {error}: {}", number + 1, folder.join(VALUES).display()))
-            })?;
+        let text = |name: &str| text_file::read(&folder.join(name)).map_err(|error| unread(name, error));
+        let wrong = |number: usize, error: &dyn std::fmt::Display| {
+            UsageError(format!("line {}: {error}: {}", number + 1, folder.join(VALUES).display()))
+        };
+        let line = |(number, line): (usize, io::Result<String>)| {
+            let line = line.map_err(|error| wrong(number, &error))?;
+            let kept: Kept = serde_json::from_str(&line).map_err(|error| wrong(number, &error))?;
             anyhow::Ok((kept.seq, kept.values))
         };
         let tolerances = if folder.join(TOLERANCE).exists() { text(TOLERANCE)? } else { "{}".to_owned() };
         let tolerances: BTreeMap<String, f64> = serde_json::from_str(&tolerances)
             .map_err(|error| UsageError(format!("{error}: {}", folder.join(TOLERANCE).display())))?;
-        let revolutions = values.lines().enumerate().map(line).collect::<anyhow::Result<_>>()?;
+        let lines = text_file::lines(&folder.join(VALUES)).map_err(|error| unread(VALUES, error))?;
+        let revolutions = lines.enumerate().map(line).collect::<anyhow::Result<_>>()?;
         let golden = Self { folder: folder.to_owned(), revolutions, settings: text(SETTINGS)?, tolerances };
         golden.refuse_unknown_tolerances()?;
         Ok(golden)
