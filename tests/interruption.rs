@@ -72,7 +72,8 @@ fn a_signal_ends_a_wait_for_a_reader() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is on every Unix").success());
-    let args = ["run".as_ref(), shipped_flight().as_os_str(), "--results".as_ref(), pipe.as_os_str()];
+    let flight = shipped_flight();
+    let args = ["run".as_ref(), flight.as_os_str(), "--results".as_ref(), pipe.as_os_str()];
     ends_soon_by_a_signal(crosscut(args).stderr(Stdio::piped()).spawn().expect("the program starts"));
 }
 

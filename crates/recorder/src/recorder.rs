@@ -336,7 +336,7 @@ impl Recorder {
         self.times.log(rows, frame);
         self.notes.log(rows, frame);
         if share.exact_refused {
-            let text = "the count changes often: for a while no more exact matrices are recorded for that";
+            let text = "the count changes often: exact matrices are recorded at fewer of the changes";
             rows.log(&LOG, &TextLog::new(text).with_level(TextLogLevel::WARN));
         }
     }
