@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rerun::{MediaType, RecordingStream, RecordingStreamResult, Scalars, TextDocument};
+use rerun::{RecordingStream, RecordingStreamResult, Scalars, TextDocument};
 
 use crate::colors::{TRUTH, series};
 use crate::rows::Rows;
@@ -42,5 +42,5 @@ pub(crate) fn log(rows: &mut Rows, seq: u64, truth: Option<&(usize, String)>, be
     if before.replace(*walls) != Some(*walls) || seq.is_multiple_of(AGAIN_EVERY) {
         rows.log(&TRUTH_WALLS, &Scalars::single(*walls as f64));
     }
-    rows.log(&TRUTH_JSON, &TextDocument::new(json.as_str()).with_media_type(MediaType::TEXT));
+    rows.log(&TRUTH_JSON, &TextDocument::new(json.as_str()));
 }

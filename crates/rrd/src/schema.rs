@@ -163,7 +163,7 @@ entities! {
         down, its first angle and increment, NaN where there are several sensors";
     SCAN_POINTS: "/scan/returns/exact", TENSOR, ["return", "axis"], "m", Exact, Event,
         "returns in f64, where they do not follow from ranges and `/scan/beams/sweep`";
-    SCAN_ODOMETRY: "/scan/odometry", TENSOR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
+    SCAN_ODOMETRY: "/scan/odometry", SCALAR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
         "pose by odometry, at each revolution that has one";
     SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each";
     SCAN_MOUNTING: "/scan/mounting", "Transform3D:quaternion", [], "", F32, Once,

@@ -201,8 +201,7 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
 fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
     Some(match (entity, component) {
         ("/report/place", "StateChange:state") => |value, frame| is_text(value, &frame.junction.place.to_string()),
-        ("/truth/json", "TextDocument:text") => |value, _| is_text(value, TRUTH_JSON),
-        ("/truth/json", "TextDocument:media_type") => |value, _| is_text(value, "text/plain"),
+        ("/truth/json", _) => |value, _| is_text(value, TRUTH_JSON),
         ("/scan/notes", _) => {
             |value, frame| is_text(value, &frame.notes.of_revolution().collect::<Vec<_>>().join("\n"))
         }
