@@ -23,6 +23,7 @@ use crate::cli::InputArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{UsageError, is_closed_pipe};
 use crate::live::{RobotAddress, refuse_live};
+use crate::recorded::{self, Recorded};
 use crate::related::refuse_unrelated;
 
 /// The recordings that a command reads and its files of settings, which no output may replace.
@@ -46,12 +47,20 @@ pub(crate) fn files_to_come(
 
 /// A flight that is open.
 pub(crate) struct Flight {
-    recording: Recording,
+    scans: Read,
     truths: Option<Truths>,
     /// What cannot be compared with the truths is a loss.
     is_judged: bool,
     /// The last part.
     path: PathBuf,
+}
+
+/// Where the scans come from.
+enum Read {
+    /// Files of a robot, or what it sends.
+    Flown(Box<Recording>),
+    /// A recording of this program.
+    Recorded(Recorded),
 }
 
 /// The truth of a revolution, if the flight has it.
@@ -60,9 +69,14 @@ type TruthAt = Result<Option<Truth>, TruthError>;
 impl Flight {
     /// Opens the `parts` of a flight, of which `args` select scans, with the sensor of `config`.
     pub(crate) fn open(parts: &[PathBuf], args: &InputArgs, config: &Config) -> anyhow::Result<Self> {
+        if let Some(path) = recorded::only(parts)? {
+            let recorded = Recorded::open(path, args, config)?;
+            let is_judged = recorded.has_truth();
+            return Ok(Self { scans: Read::Recorded(recorded), truths: None, is_judged, path: path.to_owned() });
+        }
         refuse_unrelated(parts, args, config)?;
         let recording = Recording::open(parts, &args.read_options(config), Sensor::new(config.params("ingest")))?;
-        Ok(Self { recording, truths: None, is_judged: false, path: parts.last().cloned().unwrap_or_default() })
+        Ok(Self::flown(recording, parts.last().cloned().unwrap_or_default()))
     }
 
     /// Opens what is read as it comes: files that are still being written, or appear one after the other. It ends at the latest
@@ -75,7 +89,7 @@ impl Flight {
         check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
         let sensor = Sensor::new(config.params("ingest"));
         let recording = Recording::follow(inputs, &args.read_options(config), &sensor, following)?;
-        Ok(Self { recording, truths: None, is_judged: false, path: inputs.last().cloned().unwrap_or_default() })
+        Ok(Self::flown(recording, inputs.last().cloned().unwrap_or_default()))
     }
 
     /// Opens standard input, to be read as it comes if it is an MCAP.
@@ -86,7 +100,7 @@ impl Flight {
             Err(_) => None, // later scans are known once all of it is there
         };
         match streamed {
-            Some(recording) => Ok(Self { recording, truths: None, is_judged: false, path: PathBuf::from("-") }),
+            Some(recording) => Ok(Self::flown(recording, PathBuf::from("-"))),
             None => Self::open(&args.recordings.input, args, config),
         }
     }
@@ -109,7 +123,11 @@ impl Flight {
             ..args.read_options(config)
         };
         let recording = Recording::of_robot(&robot.address, messages, &options, &sensor, following)?;
-        Ok(Self { recording, truths: None, is_judged: false, path: PathBuf::from(&robot.address) })
+        Ok(Self::flown(recording, PathBuf::from(&robot.address)))
+    }
+
+    fn flown(recording: Recording, path: PathBuf) -> Self {
+        Self { scans: Read::Flown(Box::new(recording)), truths: None, is_judged: false, path }
     }
 
     /// This flight with the truth of its scans for what is shown of it: what cannot be compared is no loss.
@@ -119,42 +137,65 @@ impl Flight {
 
     /// This flight with the truth of its scans, which its recording holds.
     pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
-        Self { is_judged: truths.is_some(), truths, ..self }
+        Self { is_judged: self.is_judged || truths.is_some(), truths, ..self }
+    }
+
+    /// Whether its scans have their truths already.
+    pub(crate) fn has_truths(&self) -> bool {
+        matches!(&self.scans, Read::Recorded(recorded) if recorded.has_truth())
     }
 
     /// Whether its scans are clouds of points.
     #[cfg(feature = "rerun")]
     pub(crate) fn gives_clouds(&self) -> bool {
-        self.recording.gives_clouds()
+        matches!(&self.scans, Read::Flown(recording) if recording.gives_clouds())
     }
 
     /// Whether it is read as it comes.
     pub(crate) fn is_stream(&self) -> bool {
-        self.recording.is_stream()
+        matches!(&self.scans, Read::Flown(recording) if recording.is_stream())
     }
 
     /// How many revolutions there will be, if that is known.
     pub(crate) fn total_revolutions(&mut self) -> Option<u64> {
-        self.recording.total_revolutions()
+        match &mut self.scans {
+            Read::Flown(recording) => recording.total_revolutions(),
+            Read::Recorded(_) => None,
+        }
     }
 
     /// Reads the next revolution and its truth; `None` at the end.
     pub(crate) fn next(&mut self, out: &mut Revolution, notes: &mut Notes) -> Result<Option<TruthAt>, SourceError> {
-        let more = self.recording.next(out, notes)?;
-        let at_ns = self.recording.last_log_time_ns();
-        Ok(more.then(|| self.truths.as_mut().map_or(Ok(None), |truths| truths.at(at_ns))))
+        Ok(match &mut self.scans {
+            Read::Flown(recording) => {
+                let more = recording.next(out, notes)?;
+                let at_ns = recording.last_log_time_ns();
+                more.then(|| self.truths.as_mut().map_or(Ok(None), |truths| truths.at(at_ns)))
+            }
+            Read::Recorded(recorded) => recorded.next(out, notes)?.then(|| recorded.truth()),
+        })
     }
 
     /// What was lost of the flight, now that it is read; with what `judge` could not compare.
     pub(crate) fn losses(&self, judge: Judge) -> Vec<String> {
-        let lost = self.recording.losses().iter().map(ToString::to_string);
-        let judge = judge.messages(&self.path);
-        lost.chain(judge.into_iter().filter(|_| self.is_judged)).collect()
+        let mut lost: Vec<String> = match &self.scans {
+            Read::Flown(recording) => recording.losses().iter().map(ToString::to_string).collect(),
+            Read::Recorded(recorded) => recorded.losses().to_vec(),
+        };
+        lost.extend(judge.messages(&self.path).into_iter().filter(|_| self.is_judged));
+        lost
+    }
+
+    fn starts_at_s(&self) -> Option<f64> {
+        match &self.scans {
+            Read::Flown(recording) => recording.starts_at_s(),
+            Read::Recorded(recorded) => recorded.starts_at_s(),
+        }
     }
 
     /// The scans of the inputs that were passed over, and what is odd about their times.
     pub(crate) fn left_out(&self) -> Vec<String> {
-        let recording = &self.recording;
+        let Read::Flown(recording) = &self.scans else { return Vec::new() };
         let mut notes = Vec::new();
         if recording.of_other_frames() > 0 {
             let scans = counted(recording.of_other_frames(), "scan");
@@ -210,7 +251,7 @@ pub(crate) fn fly(
     Ok(Flown {
         summary: ran.context("a thread could not be started")?,
         elapsed: start.elapsed(),
-        starts_at_s: flight.recording.starts_at_s().unwrap_or(0.0),
+        starts_at_s: flight.starts_at_s().unwrap_or(0.0),
         losses: flight.losses(judge),
         left_out: flight.left_out(),
         returns,
@@ -240,6 +281,13 @@ fn lock(truths: &Mutex<VecDeque<TruthAt>>) -> std::sync::MutexGuard<'_, VecDeque
 pub(crate) struct Judged {
     pub(crate) truth: Truth,
     pub(crate) score: Score,
+}
+
+impl Judged {
+    /// The truth as a recording holds it.
+    pub(crate) fn json(&self) -> String {
+        String::from_utf8(self.truth.to_json()).unwrap_or_default()
+    }
 }
 
 /// Compares answers with truths, and counts those that cannot be compared.

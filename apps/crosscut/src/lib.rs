@@ -26,6 +26,11 @@ mod maps;
 mod observers;
 mod outputs;
 mod progress;
+#[cfg(feature = "rerun")]
+mod recorded;
+#[cfg(not(feature = "rerun"))]
+#[path = "recorded_without_rerun.rs"]
+mod recorded;
 mod related;
 mod run_log;
 mod say;
@@ -82,6 +87,7 @@ pub fn run(
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
         Command::Debug(args) => commands::debug::debug(args, registry),
+        Command::Replay(args) => commands::replay::replay(args, registry),
         Command::Runs(args) => commands::runs::runs(&args),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),

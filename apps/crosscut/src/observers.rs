@@ -11,14 +11,17 @@ use crate::cli::ConfigArgs;
 use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
 
+/// Tells the `seq` of a revolution, its true number of walls and its truth as JSON.
+pub(crate) type TellTruth = Box<dyn Fn(u64, usize, String) + Send + Sync>;
+
 /// The observers that receive each frame after its results are written.
 #[derive(Default)]
 pub(crate) struct Observers {
     pub(crate) list: Vec<Box<dyn Observer>>,
     /// Whether viewers can connect after the run as well.
     pub(crate) served: bool,
-    /// Tells the recorder the true number of walls of a revolution, before it observes its frame.
-    pub(crate) truth: Option<Box<dyn Fn(u64, usize) + Send + Sync>>,
+    /// Tells the recorder the truth of a revolution with its number of walls, before it observes its frame.
+    pub(crate) truth: Option<TellTruth>,
     /// Number of revolutions recorded so far, if there is a recorder.
     recorded: Option<Arc<AtomicU64>>,
 }
@@ -62,7 +65,7 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         Ok(recorder) => {
             recorder.served().inspect(|served| crate::commands::view::say_where(served));
             let (served, recorded) = (recorder.served().is_some(), Some(recorder.recorded()));
-            let truth: Box<dyn Fn(u64, usize) + Send + Sync> = Box::new(move |seq, walls| truth.tell(seq, walls));
+            let truth: TellTruth = Box::new(move |seq, walls, json| truth.tell(seq, walls, json));
             Observers { list: vec![Box::new(recorder)], served, truth: Some(truth), recorded }
         }
         Err(error) => {

@@ -16,6 +16,7 @@ mod inject;
 mod matrices;
 mod moves;
 pub mod npy;
+mod replay;
 mod session;
 mod settings;
 mod show;

@@ -11,6 +11,30 @@ use crate::npy::NpyArray;
 use crate::session::{answer_in_words, merge};
 use crate::{Refused, Reply, Session};
 
+/// What a stage makes of a revolution, out of a file.
+pub(crate) enum Array {
+    W(Mat<f64>),
+    U(Mat<f64>),
+    Labels(Vec<i64>),
+}
+
+/// Reads `what`, W, U or labels, of a revolution with n returns.
+pub(crate) fn array_in(what: &str, path: &str, n: usize) -> Result<Array, Refused> {
+    let cannot = |error: String| Refused::Failed(format!("{error}, in {path}"));
+    let array = File::open(path).map_err(|error| error.to_string());
+    let array = array.and_then(|mut file| NpyArray::read(&mut file)).map_err(cannot)?;
+    match (what, &array.shape[..]) {
+        ("W", &[rows, columns]) if rows == n && columns == n => affinity(&array).map(Array::W).map_err(cannot),
+        ("U", &[rows, columns]) if rows == n => Ok(Array::U(matrix(&array, rows, columns))),
+        ("labels", &[rows]) if rows == n => Ok(Array::Labels(array.values.iter().map(|&label| label as i64).collect())),
+        ("W" | "U" | "labels", shape) => {
+            let fits = if what == "W" { format!("{n}x{n}") } else { counted(n as u64, "row") };
+            Err(cannot(format!("the shape {shape:?} does not fit: {what} of this revolution has {fits}")))
+        }
+        _ => Err(takes("inject")),
+    }
+}
+
 impl Session {
     pub(crate) fn set(&mut self, words: &[String]) -> Result<Reply, Refused> {
         let text = words.concat();
@@ -58,26 +82,12 @@ impl Session {
                 }
             }
             [what, path] => {
-                let cannot = |error: String| Refused::Failed(format!("{error}, in {path}"));
-                let array = File::open(path).map_err(|error| error.to_string());
-                let array = array.and_then(|mut file| NpyArray::read(&mut file)).map_err(cannot)?;
-                let n = self.frame().revolution.len();
+                let array = array_in(what, path, self.frame().revolution.len())?;
                 let injected = given.injected.entry(seq).or_default();
-                match (what.as_str(), &array.shape[..]) {
-                    ("W", &[rows, columns]) if rows == n && columns == n => {
-                        injected.w = Some(affinity(&array).map_err(cannot)?);
-                    }
-                    ("U", &[rows, columns]) if rows == n => injected.u = Some(matrix(&array, rows, columns)),
-                    ("labels", &[rows]) if rows == n => {
-                        injected.labels = Some(array.values.iter().map(|&label| label as i64).collect());
-                    }
-                    ("W" | "U" | "labels", shape) => {
-                        let fits = if what == "W" { format!("{n}x{n}") } else { counted(n as u64, "row") };
-                        return Err(cannot(format!(
-                            "the shape {shape:?} does not fit: {what} of this revolution has {fits}"
-                        )));
-                    }
-                    _ => return Err(takes("inject")),
+                match array {
+                    Array::W(w) => injected.w = Some(w),
+                    Array::U(u) => injected.u = Some(u),
+                    Array::Labels(labels) => injected.labels = Some(labels),
                 }
             }
             _ => return Err(takes("inject")),

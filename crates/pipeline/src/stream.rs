@@ -175,6 +175,7 @@ impl Ingest<'_> {
         let cause = match catch_unwind(AssertUnwindSafe(|| self.source.next(&mut frame.revolution, &mut frame.notes))) {
             Ok(Ok(more)) => {
                 frame.timings.set_ns(Step::Ingest, elapsed_ns(start));
+                frame.notes.begin_stages();
                 return more;
             }
             Ok(Err(error)) => FailureCause::Error(error.to_string()),

@@ -33,6 +33,7 @@
 //! To record something new: an entity in [`schema`], a function in the file of its area that takes the frame, and a view
 //! in `layout/views.rs` on a page of `layout/pages.rs`. The test `every_entity` then asks for a comparison.
 
+mod as_read;
 mod backlog;
 mod beam_order;
 mod colors;

@@ -14,6 +14,7 @@ use rerun::sink::LogSink;
 use rerun::{Clear, MediaType, RecordingStream, RecordingStreamBuilder, TextDocument};
 use rerun::{TextLog, TextLogLevel};
 
+use crate::as_read::AsRead;
 use crate::backlog::{Backlog, Lost, Room};
 use crate::beam_order::BeamOrder;
 use crate::colors::annotation_context;
@@ -87,6 +88,7 @@ pub struct Recorder {
     notes: Notes,
     map: FlightMap,
     beams: BeamGeometry,
+    as_read: AsRead,
     pictures: Pictures,
     bands: Bands,
     absent: Absent,
@@ -177,6 +179,7 @@ impl Recorder {
             notes: Notes::default(),
             map: FlightMap::default(),
             beams: BeamGeometry::default(),
+            as_read: AsRead::default(),
             pictures: Pictures::default(),
             bands: Bands::default(),
             absent: Absent::default(),
@@ -286,7 +289,7 @@ impl Recorder {
             self.give_up_file(error)?;
         }
         log_static(&self.rec, &self.options.config_toml, self.mine.as_ref())?;
-        (self.beams, self.absent) = (BeamGeometry::default(), Absent::default());
+        (self.beams, self.as_read, self.absent) = (BeamGeometry::default(), AsRead::default(), Absent::default());
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
         }
@@ -305,6 +308,7 @@ impl Recorder {
             profile::log_axes(rows, reach_m, sweep);
         }
         scan::log(rows, frame, &classes, reach_m);
+        self.as_read.log(rows, frame);
         let scale = spectrum::embedding_scale(&frame.spectrum.u);
         spectrum::log(rows, frame);
         if share.matrices {
@@ -326,7 +330,8 @@ impl Recorder {
         self.absent.log(rows, frame, share.matrices, &order);
         let revolution = &frame.revolution;
         let truth = self.options.truth.of(revolution.seq);
-        truth::log(rows, revolution.seq, truth, &mut self.truth_before);
+        truth::log(rows, revolution.seq, truth.as_ref(), &mut self.truth_before);
+        let truth = truth.map(|(walls, _)| walls);
         let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
         let told = Told { classes: &classes, reach_m, source: &self.options.source, first_ns, truth };
         let explanation = why::log(rows, frame, &told, &mut self.watch);

@@ -15,7 +15,14 @@ use crate::value::Array;
 use crate::{ReadError, Recording, Row, Value, span};
 
 /// Entities that ingest makes, with those below them; the other entities of `/scan` are made by the report.
-const MADE_BY_INGEST: [Entity; 4] = [schema::SCAN_RANGES, schema::SCAN_SEEN, schema::SCAN_BEAMS, schema::SCAN_RETURNS];
+const MADE_BY_INGEST: [Entity; 6] = [
+    schema::SCAN_RANGES,
+    schema::SCAN_SEEN,
+    schema::SCAN_BEAMS,
+    schema::SCAN_RETURNS,
+    schema::SCAN_ODOMETRY,
+    schema::SCAN_NOTES,
+];
 
 /// Drawings in the coordinates of U: other eigenvectors of the same span look different.
 const DRAWN_FROM_U: [(Entity, &str); 3] = [

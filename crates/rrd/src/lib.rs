@@ -30,6 +30,7 @@ mod difference;
 pub mod messages;
 pub mod parts;
 mod recording;
+mod revolutions;
 mod rows;
 pub mod schema;
 mod span;
@@ -39,6 +40,7 @@ use std::path::PathBuf;
 
 pub use difference::{Difference, Differences, differences};
 pub use recording::{Component, RecordedEntity, Recording, is_picture};
+pub use revolutions::{RecordedScan, Revolutions};
 pub use rows::{Row, Rows};
 pub use value::{Array, Numbers, Value};
 

@@ -157,6 +157,15 @@ entities! {
     SCAN_BEAMS: "/scan/beams", TENSOR, ["beam"], "rad", Exact, Change, "bearing of each beam in the body frame";
     SCAN_BEAMS_WIRE: "/scan/beams/wire", TENSOR, ["angle_min, angle_increment, range_min, range_max"], "rad, m", Exact,
         Change, "beam geometry as on the wire, f32";
+    SCAN_SWEEP: "/scan/beams/sweep", TENSOR,
+        ["step_rad, range_max_m, full_turn, missing, yaw_rad, upside_down, first_rad, increment_rad"], "rad, m", Exact,
+        Change, "how the beams were taken: step, limit, full turn, missing beams; the sensor's yaw, whether it is upside \
+        down, its first angle and increment, NaN where there are several sensors";
+    SCAN_POINTS: "/scan/returns/exact", TENSOR, ["return", "axis"], "m", Exact, Event,
+        "returns in f64, where they do not follow from ranges and `/scan/beams/sweep`";
+    SCAN_ODOMETRY: "/scan/odometry", SCALAR, ["x_m, y_m, cos, sin"], "m", Exact, Event,
+        "pose by odometry, at each revolution that has one";
+    SCAN_NOTES: "/scan/notes", DOCUMENT, [], "", Exact, Change, "what ingest noted, a line each";
     SCAN_MOUNTING: "/scan/mounting", "Transform3D:quaternion", [], "", F32, Once,
         "how the sensor's frame is turned in the body frame";
     SCAN_WALLS: "/scan/walls", LINES_3D, ["point", "axis"], "m", Drawing, Revolution,
@@ -221,6 +230,7 @@ entities! {
     REPORT_JUNCTIONS: "/report/junctions", SCALAR, [], "", Exact, Revolution, "number of walls that is reported";
     TRUTH_WALLS: "/truth/walls", SCALAR, [], "", Exact, Event,
         "true number of walls, where the flight has its truth: when it changes, and at every tenth revolution";
+    TRUTH_JSON: "/truth/json", DOCUMENT, [], "", Exact, Event, "the truth of each revolution that has one";
     REPORT_CONFIDENCE: "/report/confidence", SCALAR, [], "", Exact, Revolution, "confidence in that number, 0 to 1";
     REPORT_PLACE: "/report/place", "StateChange:state", [], "", Exact, Revolution, "place, such as `tee`";
     REPORT_SUMMARY: "/report/summary", DOCUMENT, [], "", Words, Revolution, "answer with its openings and walls";

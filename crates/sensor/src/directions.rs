@@ -31,8 +31,9 @@ impl Directions {
         }
         self.bearings_rad.clear();
         self.beams.clear();
+        let fan = fan.mounted(sensor.yaw_rad, sensor.upside_down);
         for beam in 0..beams {
-            let angle_rad = sensor.in_body_frame_rad(fan.angle_rad(beam));
+            let angle_rad = fan.angle_rad(beam);
             let bearing_rad = wrap_angle_rad(angle_rad);
             let (sin, cos) = angle_rad.sin_cos();
             self.bearings_rad.push(bearing_rad);

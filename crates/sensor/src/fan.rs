@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_messages::LaserScan;
-use crosscut_stage::Notes;
+use crosscut_stage::{self as stage, Notes};
 
 /// A finer step cannot be told from none: f32 angles near π are 2.4e-7 apart.
 const LEAST_STEP_RAD: f64 = 1e-6;
@@ -74,8 +74,10 @@ impl Fan {
         }
     }
 
-    pub(crate) fn angle_rad(&self, beam: usize) -> f64 {
-        self.first_rad + beam as f64 * self.increment_rad
+    /// Its beams in the body frame, of a sensor that is mounted like this.
+    pub(crate) fn mounted(&self, yaw_rad: f64, upside_down: bool) -> stage::Fan {
+        let Self { first_rad, increment_rad, .. } = *self;
+        stage::Fan { yaw_rad, upside_down, first_rad, increment_rad }
     }
 
     /// How many beams there are before the one that would look again where the first one looks.

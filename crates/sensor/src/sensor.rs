@@ -258,6 +258,7 @@ impl Sensor {
             notes.add(format!("turned by {turned_deg:.1}° during the scan: beams brought to the middle of it"));
         }
         sweep.step_rad = fan.step_rad();
+        sweep.fan = Some(fan.mounted(self.yaw_rad, self.upside_down));
         let missing = fan.missing();
         (sweep.full_turn, sweep.missing) = (missing.is_some(), missing.unwrap_or(0));
         if sweep.missing > 0 {
@@ -289,11 +290,6 @@ impl Sensor {
     /// An angle that the vehicle turned, as the sensor's own bearings count it.
     pub(crate) fn own_angle_rad(&self, angle_rad: f64) -> f64 {
         if self.upside_down { -angle_rad } else { angle_rad }
-    }
-
-    /// Turning a sensor over mirrors its bearings; then the yaw is added.
-    pub(crate) fn in_body_frame_rad(&self, angle_rad: f64) -> f64 {
-        self.yaw_rad + self.own_angle_rad(angle_rad)
     }
 
     /// A place in the body frame, in the frame of the sensor.

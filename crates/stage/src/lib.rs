@@ -48,7 +48,7 @@ pub use param::{Count, Flag, Follows, Interval, Names, Number, Pairs, Param, Par
 pub use params::{ParamError, ParamErrorKind, ParamValue, Params, Value};
 pub use partition::Partition;
 pub use pose_doubt::{MotionDoubt, PoseDoubt};
-pub use revolution::{Beam, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
+pub use revolution::{Beam, Fan, Revolution, Sweep, View, is_finite_pose, unit, widest_run, wrap_angle_rad};
 pub use spectrum::Spectrum;
 pub use storage::Storage;
 pub use traits::{AffinityStage, KmeansStage, Observer, ObserverError, Source, SourceError, SpectralStage, StageError};

@@ -30,6 +30,12 @@ impl Notes {
         self.sentences.iter().map(String::as_str)
     }
 
+    /// The sentences on the revolution itself, before stages began to work on it.
+    pub fn of_revolution(&self) -> impl ExactSizeIterator<Item = &str> {
+        let end = self.of_revolution.unwrap_or(self.sentences.len()).min(self.sentences.len());
+        self.sentences[..end].iter().map(String::as_str)
+    }
+
     /// `note` without its numbers and the s of plurals: "3 beams masked" is of the same kind as "1 beam masked".
     pub fn kind_of(note: &str) -> String {
         note.chars().filter(|c| !matches!(c, '0'..='9' | '.' | 's')).collect()

@@ -44,6 +44,35 @@ pub struct Sweep {
     pub missing: usize,
     /// The message's own `angle_min`, `angle_increment`, `range_min`, `range_max`, untouched.
     pub wire_geometry: [f32; 4],
+    /// Where its beams look, if they are those of one scanner, whose returns lie where ranges and angles put them.
+    pub fan: Option<Fan>,
+}
+
+/// Where the beams of one scanner look: beam i at yaw ± (first + i·increment), minus if the scanner hangs upside down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fan {
+    /// Direction of the scanner's zero angle in the body frame, anticlockwise.
+    pub yaw_rad: f64,
+    /// The scanner hangs upside down.
+    pub upside_down: bool,
+    /// Angle of the first beam in the scanner's frame.
+    pub first_rad: f64,
+    /// From a beam to the next; negative where the scanner turns clockwise.
+    pub increment_rad: f64,
+}
+
+impl Fan {
+    /// Angle of a beam in the body frame, not wrapped. Turning a scanner over mirrors its angles; then the yaw is added.
+    pub fn angle_rad(&self, beam: usize) -> f64 {
+        let own_rad = self.first_rad + beam as f64 * self.increment_rad;
+        self.yaw_rad + if self.upside_down { -own_rad } else { own_rad }
+    }
+
+    /// Where a return of this range lies in the body frame: (r cos θ, r sin θ, 0).
+    pub fn point_m(&self, beam: usize, range_m: f32) -> Point {
+        let ((sin, cos), range_m) = (self.angle_rad(beam).sin_cos(), f64::from(range_m));
+        Point::new(range_m * cos, range_m * sin, 0.0)
+    }
 }
 
 /// What one beam saw.
@@ -181,6 +210,7 @@ impl Sweep {
         self.full_turn = false;
         self.missing = 0;
         self.wire_geometry = [0.0; 4];
+        self.fan = None;
     }
 }
 

@@ -91,6 +91,7 @@ fn read_scans(columns: &Columns<'_>) -> PyResult<Vec<Frame>> {
                 full_turn: full_turn[row],
                 missing: missing[row] as usize,
                 wire_geometry: [0, 1, 2, 3].map(|at| wire_geometry[4 * row + at]),
+                fan: None,
             });
         }
         revolution.odometry = match *odometry.row(row) {

@@ -1,7 +1,12 @@
-//! The options of `debug`.
+//! The options of `debug` and `replay`.
 
-use clap::Args;
+use std::num::NonZeroU64;
+use std::path::PathBuf;
 
+use clap::{Args, ValueEnum};
+use crosscut_stage::Step;
+
+use super::input::RecordingsArgs;
 use super::{ConfigArgs, InputArgs};
 
 #[derive(Debug, Args)]
@@ -14,4 +19,64 @@ pub(crate) struct DebugArgs {
     /// after it.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReplayArgs {
+    /// Recording made with `run --save`; or a flight, which is then read with the settings below.
+    #[arg(value_name = "FLIGHT.rrd")]
+    pub(crate) input: PathBuf,
+    /// The first stage that runs with other settings, or on arrays of another program.
+    #[arg(long, value_name = "STAGE", default_value = "affinity")]
+    pub(crate) from: StageArg,
+    /// Folder of arrays for that stage, a file for each revolution: W-107.npy for spectral, U-107.npy for kmeans,
+    /// labels-107.npy for report. Revolutions without a file keep what the stages make.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) given: Option<PathBuf>,
+    /// Setting that differs, of that stage or a later one (`spectral.zero_tolerance=1e-8`); may be repeated.
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Write the new results: a line of JSON for each revolution; `-` is standard output.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub(crate) results: Option<PathBuf>,
+    /// Settings to compare with, of a flight that is no recording (.rrd): the preset.
+    #[arg(long, default_value = "default")]
+    pub(crate) preset: String,
+    /// Settings over these: a TOML file.
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) config: Option<PathBuf>,
+}
+
+impl ReplayArgs {
+    /// All scans of the input.
+    pub(crate) fn input(&self) -> InputArgs {
+        InputArgs {
+            recordings: RecordingsArgs { input: vec![self.input.clone()], read_as: None },
+            topic: Vec::new(),
+            from: None,
+            to: None,
+            join: false,
+            every: NonZeroU64::MIN,
+        }
+    }
+}
+
+/// A stage to replay from.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum StageArg {
+    Affinity,
+    Spectral,
+    Kmeans,
+    Report,
+}
+
+impl From<StageArg> for Step {
+    fn from(stage: StageArg) -> Self {
+        match stage {
+            StageArg::Affinity => Self::Affinity,
+            StageArg::Spectral => Self::Spectral,
+            StageArg::Kmeans => Self::Kmeans,
+            StageArg::Report => Self::Report,
+        }
+    }
 }

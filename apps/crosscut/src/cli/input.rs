@@ -12,7 +12,8 @@ use super::seconds;
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordingsArgs {
-    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them; `-` is standard input.
+    /// Recordings (MCAP, ROS 1 bag, rosbag2 .db3, CARMEN log, CSV, PCD, PLY) or folders of them, or one made with `run --save`
+    /// (.rrd); `-` is standard input.
     #[arg(required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Type of the messages on the topic, if the recording does not state it or uses another name: LaserScan,

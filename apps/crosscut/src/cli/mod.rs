@@ -23,7 +23,7 @@ use crate::config;
 use crate::maps::FORMATS;
 use crate::say::say;
 use convert::ConvertArgs;
-use debug::DebugArgs;
+use debug::{DebugArgs, ReplayArgs};
 use explore::ExploreArgs;
 pub(crate) use input::InputArgs;
 use input::RecordingsArgs;
@@ -64,6 +64,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Debug a flight at a prompt: go to any scan, see what each stage made, change settings, answer the flight again, compare.
     Debug(DebugArgs),
+    /// Answer a recording (.rrd) again from one stage on, with other settings or on arrays of another program: which scans change.
+    Replay(ReplayArgs),
     /// Try every combination of some settings on a set of flights, each file one: tables and pictures, with accuracy where
     /// there is truth.
     Sweep(SweepArgs),

@@ -43,7 +43,7 @@ pub(crate) fn import(args: &ImportArgs, registry: &Registry) -> anyhow::Result<O
     let how = How { registry, stop: &stop, bar: &progress::bar(None, true), rate: None, has_poses: true };
     let flown = fly(flight, &config, &how, &mut observers, &mut |frame, judged| {
         if let Some(judged) = judged {
-            truth.tell(frame.revolution.seq, judged.score.true_walls);
+            truth.tell(frame.revolution.seq, judged.score.true_walls, judged.json());
         }
         Ok(())
     })?;

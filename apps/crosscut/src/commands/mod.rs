@@ -9,6 +9,7 @@ pub(crate) mod explore;
 pub(crate) mod import;
 pub(crate) mod info;
 pub(crate) mod map;
+pub(crate) mod replay;
 pub(crate) mod report;
 #[cfg(feature = "rerun")]
 pub(crate) mod rrd;

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     let flown = fly(flight, &config, &how, &mut observers.list, &mut |frame, judged| {
         silence.end();
         if let (Some(tell), Some(judged)) = (&truth, judged) {
-            tell(frame.revolution.seq, judged.score.true_walls);
+            tell(frame.revolution.seq, judged.score.true_walls, judged.json());
         }
         if let Some(gaps) = &mut gaps {
             gaps.take(frame.revolution.stamp_ns);

@@ -24,6 +24,7 @@ const COLOURS: [&str; 3] = ["blue", "orange", "green"];
 
 /// The true number of walls at every revolution.
 const TRUTH: usize = 3;
+const TRUTH_JSON: &str = r#"{"walls":3}"#;
 
 /// A flight with everything that can be recorded: an empty revolution, notes, a sparse W.
 fn flight() -> Vec<Frame> {
@@ -34,6 +35,7 @@ fn flight() -> Vec<Frame> {
     frames.iter_mut().for_each(flight_map::fly);
     for frame in &mut frames {
         frame.timings.flight_ns = Some(250_000);
+        frame.revolution.odometry = Some(nalgebra::Isometry2::new([1.5, -2.5].into(), 0.7));
     }
     let verdict =
         |is_opening, room_ratio| Verdict { returns: [0, 9], is_opening, room_ratio, reason: "width", p: None };
@@ -85,6 +87,20 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
         ("/scan/ranges", _) => |value, frame| {
             let ranges_m = &sweep(frame).ranges_m;
             is(value, &[ranges_m.len()], Numbers::F32(ranges_m.clone()))
+        },
+        ("/scan/beams/sweep", _) => |value, frame| {
+            let Value::Numbers(array) = value else { return false };
+            let (stored, sweep) = (array.to_f64(), sweep(frame));
+            stored[..4] == [sweep.step_rad, sweep.range_max_m, 1.0, 0.0] && stored[4..].iter().all(|x| x.is_nan())
+        },
+        ("/scan/returns/exact", _) => |value, frame| {
+            let points = frame.revolution.points_m.iter().flat_map(|p| [p.x, p.y, p.z]);
+            is_f64s(value, &[frame.revolution.len(), 3], points.collect())
+        },
+        ("/scan/odometry", _) => |value, frame| {
+            let pose = frame.revolution.odometry.expect("every frame has one");
+            let (at, turned) = (pose.translation.vector, pose.rotation);
+            is_f64s(value, &[4], vec![at.x, at.y, turned.re, turned.im])
         },
         ("/scan/seen", _) => |value, frame| {
             let seen = sweep(frame).beams.iter().map(|beam| match beam {
@@ -185,6 +201,10 @@ fn number_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame)
 fn text_comparison(entity: &str, component: &str) -> Option<fn(&Value, &Frame) -> bool> {
     Some(match (entity, component) {
         ("/report/place", "StateChange:state") => |value, frame| is_text(value, &frame.junction.place.to_string()),
+        ("/truth/json", _) => |value, _| is_text(value, TRUTH_JSON),
+        ("/scan/notes", _) => {
+            |value, frame| is_text(value, &frame.notes.of_revolution().collect::<Vec<_>>().join("\n"))
+        }
         ("/report/why", _) => |value, frame| {
             let (why, color_of) = (Explanation::of(frame), |wall: u32| COLOURS[wall as usize]);
             let context = format!("tee.mcap, preset paper · revolution {}", frame.revolution.seq);
@@ -260,7 +280,7 @@ fn every_component_of_every_entity_holds_what_the_pipeline_made() {
     let folder = tempfile::tempdir().unwrap();
     let (frames, path) = (flight(), folder.path().join("flight.rrd"));
     let options = reading::options(&path);
-    frames.iter().for_each(|frame| options.truth.tell(frame.revolution.seq, TRUTH));
+    frames.iter().for_each(|frame| options.truth.tell(frame.revolution.seq, TRUTH, TRUTH_JSON.to_owned()));
     record_with(RecorderOptions { source: "tee.mcap, preset paper".to_owned(), ..options }, &frames);
     let recording = Recording::open(&path).unwrap();
     let mut compared = BTreeSet::new();

@@ -13,5 +13,6 @@ mod merged;
 mod parts;
 mod read_back;
 mod reading;
+mod rebuilding;
 mod slow_disk;
 mod values;

@@ -2,23 +2,25 @@
 //! edited on a terminal, and JSON-RPC.
 
 mod editor;
-mod flight;
+pub(super) mod flight;
 mod json;
 mod outside;
 mod plain;
 
 use std::io::{self, IsTerminal as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crosscut_debugger::{Refused, Reply, Session};
-use crosscut_detector::Registry;
+use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
+use crate::cli::ConfigArgs;
 use crate::cli::debug::DebugArgs;
 use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::files_read;
+use crate::recorded;
 
 /// A session with what it may write.
 struct Debugger {
@@ -42,7 +44,7 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
         return Err(UsageError("standard input holds the commands; name a file of the flight".to_owned()).into());
     }
     let read = files_read(&args.input, args.config.config.clone())?;
-    let layers = config::layers(&args.config.preset, args.config.config.as_deref(), &[("--set", &args.config.set)])?;
+    let layers = layers(&args.input.recordings.input, &args.config)?;
     let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let json = args.json;
     let (reader, lost) = flight::reader(args.input);
@@ -67,6 +69,22 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
         _ => Outcome::Failed, // a script wants to know
     })
 }
+
+/// The layers of settings. Those of a recording (.rrd) lie on the preset.
+pub(crate) fn layers(inputs: &[PathBuf], args: &ConfigArgs) -> anyhow::Result<Vec<Layer>> {
+    let mut layers = config::layers(&args.preset, args.config.as_deref(), &[("--set", &args.set)])?;
+    if let Some(recording) = recorded::only(inputs)? {
+        if args.preset != DEFAULT {
+            let text = "a recording (.rrd) is debugged with the settings that it was made with: leave --preset out";
+            return Err(UsageError(text.to_owned()).into());
+        }
+        layers.insert(1, recorded::settings(recording)?);
+    }
+    Ok(layers)
+}
+
+/// The preset that nobody asked for.
+const DEFAULT: &str = "default";
 
 /// Splits a line at spaces; what stands between double quotes is one word.
 fn words(line: &str) -> Vec<String> {

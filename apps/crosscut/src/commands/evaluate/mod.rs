@@ -139,8 +139,10 @@ fn with_truth(
     diagnostics: &mut Diagnostics,
 ) -> anyhow::Result<(Vec<PathBuf>, Option<u64>)> {
     let messages_in = |path: &PathBuf| {
-        Truths::open(path)?;
         let flight = Flight::open(std::slice::from_ref(path), &args.input, &columns[0].config);
+        if !flight.as_ref().is_ok_and(Flight::has_truths) {
+            Truths::open(path)?;
+        }
         anyhow::Ok(flight?.total_revolutions())
     };
     let (mut kept, mut sum, mut refused) = (Vec::new(), Some(0), Vec::new());

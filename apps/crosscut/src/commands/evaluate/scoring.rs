@@ -46,9 +46,13 @@ impl Scored {
 
 /// Streams the recording through the stages of `config` and scores each result.
 pub(super) fn score(path: &PathBuf, args: &InputArgs, config: &Config, how: &How<'_>) -> anyhow::Result<Scored> {
-    let flight = Flight::open(std::slice::from_ref(path), args, config)?.with_truths(Some(Truths::open(path)?));
+    let flight = Flight::open(std::slice::from_ref(path), args, config)?;
+    let (flight, mine) = if flight.has_truths() {
+        (flight, Ok(None)) // the map of the mine is not recorded
+    } else {
+        (flight.with_truths(Some(Truths::open(path)?)), truth_map(path)?.transpose())
+    };
     let (mut evaluation, mut wrong, mut right) = (Evaluation::default(), Wrong::default(), Vec::new());
-    let mine = truth_map(path)?.transpose();
     let bad_map = mine.as_ref().err().map(|error| format!("{error}, in {}", path.display()));
     let mut followed = mine.ok().flatten().map(|mine| Followed::new(&mine));
     let how = How { has_poses: followed.is_some(), ..*how };

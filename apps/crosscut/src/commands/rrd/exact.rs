@@ -1,17 +1,15 @@
-//! W, L, U and what follows from them in full precision, recomputed from the recorded ranges with the recorded
+//! W, L, U and what follows from them in full precision, recomputed from the recorded scans with the recorded
 //! configuration.
 
 use std::iter::Peekable;
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use crosscut_detector::{Config, Engine, Layer, Registry};
-use crosscut_messages::{Header, LaserScan, Time};
 use crosscut_rrd::schema::{self, Entity};
-use crosscut_rrd::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
-use crosscut_sensor::{Sensor, UPSIDE_DOWN};
+use crosscut_rrd::{Array, Numbers, ReadError, Recording, Revolutions, Row, Rows, Value};
 use crosscut_spectral::Laplacian;
-use crosscut_stage::{Frame, wrap_angle_rad};
+use crosscut_stage::Frame;
 
 use super::selection::Selection;
 use crate::exit::UsageError;
@@ -69,13 +67,10 @@ fn array(shape: [usize; 2], dims: [&str; 2], values: Vec<f64>) -> Array {
 
 /// The recorded configuration and sensor, ready to recompute an entity.
 pub(super) struct Recomputation<'a> {
-    sensor: Sensor,
-    upside_down: bool,
+    scans: Revolutions<'a>,
     engine: Engine,
     frame: Frame,
     read_values: ReadValues,
-    bearings_rad: LatestAt<'a>,
-    wire: LatestAt<'a>,
     eigenvalues: LatestAt<'a>,
 }
 
@@ -90,13 +85,10 @@ impl<'a> Recomputation<'a> {
         let layer = Layer::file(Path::new("/config"), &toml)?;
         let config = Config::resolve(registry, &[layer]).context("it was recorded by another version of crosscut")?;
         Ok(Self {
-            sensor: Sensor::new(config.params("ingest")),
-            upside_down: config.params("ingest").get(UPSIDE_DOWN),
+            scans: recording.revolutions().context("the recording does not hold all of its scans: record it again")?,
             engine: Engine::new(&config, registry),
             frame: Frame::default(),
             read_values,
-            bearings_rad: LatestAt::new(recording, schema::SCAN_BEAMS)?,
-            wire: LatestAt::new(recording, schema::SCAN_BEAMS_WIRE)?,
             eigenvalues: LatestAt::new(recording, schema::SPECTRAL_EIGENVALUES)?,
         })
     }
@@ -104,12 +96,12 @@ impl<'a> Recomputation<'a> {
     /// Calls `take` with the value at every selected revolution. Returns where eigenvalues disagree with the recording.
     pub(super) fn run(
         mut self,
-        ranges: Rows,
+        rows: Rows,
         selection: &Selection,
         mut take: impl FnMut(&Row, Value) -> anyhow::Result<()>,
     ) -> anyhow::Result<Vec<String>> {
         let mut lost = Vec::new();
-        for row in ranges {
+        for row in rows {
             let row = row?;
             if selection.holds(&row) {
                 lost.extend(self.process(&row)?);
@@ -121,34 +113,13 @@ impl<'a> Recomputation<'a> {
 
     /// Runs all stages on a recorded revolution. Returns how its eigenvalues disagree with the recorded ones.
     fn process(&mut self, row: &Row) -> anyhow::Result<Option<String>> {
-        let ranges_m = f32s(&row.value(schema::SCAN_RANGES.values)?).context("/scan/ranges are not f32")?;
-        let Some(wire) = self.wire.at(row.revolution)?.as_ref().and_then(f32s) else {
-            bail!("revolution {} has no beam geometry", row.revolution);
+        let scan = loop {
+            let scan = self.scans.next().context("the recording ends before its rows do")??;
+            if scan.revolution.seq == row.revolution.cast_unsigned() {
+                break scan;
+            }
         };
-        let [angle_min, angle_increment, range_min, range_max] = wire[..] else {
-            bail!("/scan/beams/wire is not 4 numbers")
-        };
-        let bearings_rad = self.bearings_rad.at(row.revolution)?.as_ref().map(numbers).unwrap_or_default();
-        let turned_rad = if self.upside_down { -turn_rad(&bearings_rad) } else { turn_rad(&bearings_rad) };
-        let scan = LaserScan {
-            header: Header { stamp: Time::from_ns(row.stamp_ns.unwrap_or(0).cast_unsigned()), ..Header::default() },
-            angle_min,
-            // Not recorded. Ingest derives bearings from it where the increment is unusable; to f32 it is the same.
-            angle_max: (f64::from(angle_min) + turned_rad) as f32,
-            angle_increment,
-            range_min,
-            range_max,
-            ranges: ranges_m,
-            ..LaserScan::default()
-        };
-        let Frame { revolution, notes, .. } = &mut self.frame;
-        notes.clear();
-        self.sensor.revolution(&scan, revolution, notes);
-        revolution.seq = row.revolution.cast_unsigned();
-        let sweep = revolution.sweep.as_ref().context("the sensor makes a sweep of every scan")?;
-        if bearings_rad != sweep.bearings_rad {
-            bail!("the bearings of revolution {} do not follow from what is recorded of its message", row.revolution);
-        }
+        (self.frame.revolution, self.frame.notes) = (scan.revolution, scan.notes);
         self.engine.process(&mut self.frame)?;
         let recorded = self.eigenvalues.at(row.revolution)?.as_ref().map(numbers).unwrap_or_default();
         Ok(disagreement(&recorded, &self.frame.spectrum.eigenvalues).map(|off| {
@@ -158,11 +129,6 @@ impl<'a> Recomputation<'a> {
             )
         }))
     }
-}
-
-/// The angle from the first bearing to the last, summed over all between them: it may exceed half a turn.
-fn turn_rad(bearings_rad: &[f64]) -> f64 {
-    bearings_rad.windows(2).map(|pair| wrap_angle_rad(pair[1] - pair[0])).sum()
 }
 
 /// The largest distance of recorded from recomputed eigenvalues, if it is more than rounding.
@@ -191,13 +157,6 @@ impl<'a> LatestAt<'a> {
             self.latest = Some(row?.value(self.component)?);
         }
         Ok(&self.latest)
-    }
-}
-
-fn f32s(value: &Value) -> Option<Vec<f32>> {
-    match value {
-        Value::Numbers(Array { numbers: Numbers::F32(values), .. }) => Some(values.clone()),
-        _ => None,
     }
 }
 

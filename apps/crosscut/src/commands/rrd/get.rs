@@ -94,7 +94,7 @@ fn without_picture(recording: &Recording, component: &str, selection: &Selection
     Ok(found)
 }
 
-/// Values recomputed from the recorded ranges, and where they disagree with the recording.
+/// Values recomputed from the recorded scans, and where they disagree with the recording.
 fn recompute(
     args: &RrdGetArgs,
     recording: &Recording,
@@ -103,9 +103,9 @@ fn recompute(
     registry: &Registry,
 ) -> anyhow::Result<(Output, Vec<String>)> {
     let recomputation = Recomputation::new(recording, entity, registry)?;
-    let ranges = rows(recording, schema::SCAN_RANGES.path)?;
+    let scans = rows(recording, schema::SCAN_RETURNS.path)?;
     let mut output = Output::create(&args.out, selection.is_one())?;
-    let lost = recomputation.run(ranges, selection, |row, value| output.add(Some(row), &value))?;
+    let lost = recomputation.run(scans, selection, |row, value| output.add(Some(row), &value))?;
     Ok((output, lost))
 }
 
