@@ -8,7 +8,7 @@ use clap::{Command, CommandFactory};
 use super::Cli;
 
 /// Two lines for each command, the most wanted first; each line is a command that the parser accepts.
-const EXAMPLES: [(&str, [&str; 2]); 21] = [
+const EXAMPLES: [(&str, [&str; 2]); 22] = [
     ("", ["crosscut run FLIGHT.bag", "crosscut run recordings/tee.mcap --preset paper --save tee.rrd"]),
     (
         "run",
@@ -35,6 +35,13 @@ const EXAMPLES: [(&str, [&str; 2]); 21] = [
         ],
     ),
     ("debug", ["crosscut debug FLIGHT.bag", "crosscut debug FLIGHT.bag --preset paper --json"]),
+    (
+        "replay",
+        [
+            "crosscut replay FLIGHT.rrd --from affinity --set vehicle.width_m=0.8",
+            "crosscut replay FLIGHT.rrd --from spectral --given matrices/",
+        ],
+    ),
     (
         "sweep",
         [
