@@ -43,6 +43,6 @@ fn a_figure_has_a_coloured_dot_for_every_return() {
     let first = random.lines().find(|line| line.contains("<path")).expect("a wall");
     let dots = first.matches("h0").count();
     assert!((300..=360).contains(&dots) && first.contains("stroke=\"#56b4e9\""), "{dots} dots: {first}");
-    let [texts, scales] = ["<text", " m</text>"].map(|of| random.matches(of).count());
+    let [texts, scales] = ["<text", " m\n</text>"].map(|of| random.matches(of).count());
     assert_eq!((texts - scales, scales), (15, 15), "the count above every panel, and its scale");
 }
