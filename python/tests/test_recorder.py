@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 EVERY = 8
 # What the program writes and a recording of results cannot have: who made it, the truth, the time that the flight took.
-OF_PROGRAM = ("/config", "/truth/walls", "/log", "/timing/flight")
+OF_PROGRAM = ("/config", "/truth/walls", "/truth/json", "/log", "/timing/flight")
 
 
 def rrd(*args: object) -> subprocess.CompletedProcess[str]:
@@ -35,7 +35,7 @@ def differences(theirs: Path, ours: Path) -> list[str]:
     compared = rrd("diff", theirs, ours)
     assert compared.returncode in (0, 1), compared.stderr
     rows = [line for line in compared.stdout.splitlines() if " /" in line]
-    return [row for row in rows if "/truth/walls" not in row and " /log " not in row]
+    return [row for row in rows if "/truth/" not in row and " /log " not in row]
 
 
 def values(recording: Path, entity: str, out: Path) -> str:
