@@ -13,6 +13,7 @@ use crosscut_stage::{Notes, Revolution, SourceError, Step};
 
 use crate::cli::InputArgs;
 use crate::exit::UsageError;
+use crate::say::say;
 
 /// Scans that wait to be taken.
 const WAITING: usize = 64;
@@ -131,25 +132,32 @@ pub(crate) fn settings(path: &Path) -> anyhow::Result<Layer> {
     Ok(Layer::file(path, &toml)?)
 }
 
-/// Scans are recorded as ingest made them: other settings of ingest cannot be tried on them. Those that nobody set count for
-/// none.
+/// Scans are recorded as ingest made them: other settings of ingest cannot be tried on them. Those that nobody but a preset
+/// set are passed over with a note.
 fn refuse_other_ingest(path: &Path, recording: &Recording, config: &Config) -> anyhow::Result<()> {
-    let of = |config: &Config| settings_of_step(config, Step::Ingest);
-    let registry = Registry::standard();
     let toml = recording.config_toml().unwrap_or_default();
-    let Ok(recorded) = Layer::file(path, &toml).and_then(|layer| Config::resolve(&registry, &[layer])) else {
+    let Ok(recorded) = Layer::file(path, &toml).and_then(|layer| Config::resolve(&Registry::standard(), &[layer]))
+    else {
         return Ok(()); // with kinds of one's own
     };
-    let (recorded, unset, wanted) = (of(&recorded), of(&Config::resolve(&registry, &[])?), of(config));
-    let other = wanted.lines().filter(|line| !recorded.lines().any(|known| known == *line));
-    let other: Vec<&str> = other.filter(|line| !unset.lines().any(|known| known == *line)).collect();
-    if other.is_empty() {
+    let recorded = settings_of_step(&recorded, Step::Ingest);
+    let of_ingest = settings_of_step(config, Step::Ingest);
+    let (mut refused, mut passed_over) = (Vec::new(), Vec::new());
+    for [key, value, layer] in config.set_by_layers() {
+        let setting = format!("{key}={value}");
+        if of_ingest.lines().any(|line| line == setting) && !recorded.lines().any(|line| line == setting) {
+            if layer.starts_with("preset ") { &mut passed_over } else { &mut refused }.push(setting);
+        }
+    }
+    let path = path.display();
+    if !passed_over.is_empty() {
+        let settings = passed_over.join(", ");
+        say(format_args!("note: {path} holds its scans as ingest made them; {settings} of the preset has no effect"));
+    }
+    if refused.is_empty() {
         return Ok(());
     }
-    Err(UsageError(format!(
-        "{} holds its scans as ingest made them; {} needs the file that was flown",
-        path.display(),
-        other.join(", ")
-    ))
-    .into())
+    let settings = refused.join(", ");
+    Err(UsageError(format!("{path} holds its scans as ingest made them; {settings} needs the file that was flown"))
+        .into())
 }

@@ -69,7 +69,6 @@ impl AffinityStage for ClearWidth {
 
         let kept = scan.pieces.returns();
         let gaps = if ring.full_turn { kept.len() } else { kept.len().saturating_sub(1) };
-        let mut widths_m = Vec::new();
         for at in 0..gaps {
             let ends = [kept[at], kept[(at + 1) % kept.len()]];
             if !ring.are_apart(ends[0], ends[1], *passage_m) {
@@ -83,7 +82,6 @@ impl AffinityStage for ClearWidth {
             if !is_opening {
                 connect(ends[0], ends[1]);
             }
-            widths_m.push(width_m);
             out.verdicts.push(Verdict {
                 returns: ends.map(|i| ring.returns[i].number),
                 is_opening,
@@ -92,8 +90,6 @@ impl AffinityStage for ClearWidth {
                 reason: "clear width",
             });
         }
-        let (open, closed): (Vec<f64>, Vec<f64>) = widths_m.iter().partition(|width_m| **width_m >= *passage_m);
-        out.holds_for_width_m = Some(holds_m(&open, &closed, ring.full_turn));
         write_edges(out, revolution.len(), |i, row| {
             row.extend([Some(i as u32), next[i][0], next[i][1]].into_iter().flatten());
             row.sort_unstable();
@@ -115,16 +111,4 @@ fn clear_width_m(ring: &Ring, kept: &[usize], at: usize) -> f64 {
     let mut ahead_m = (1..n).map(|step| ring.position_m(kept[onward(step)]) - end_m);
     let line = ahead_m.find(|ahead| ahead.norm() >= LINE_M).unwrap_or(q_m - p_m);
     line.perp(&(q_m - p_m)).abs() / line.norm().max(f64::MIN_POSITIVE)
-}
-
-/// The widths for which as many gaps are openings: from the widest closed one to the narrowest opening. One wall all around
-/// is one wall, with an opening and without.
-fn holds_m(open_m: &[f64], closed_m: &[f64], full_turn: bool) -> [f64; 2] {
-    let least_m = closed_m.iter().copied().fold(0.1, f64::max);
-    let most_m = open_m.iter().copied().fold(100.0, f64::min);
-    match (full_turn, open_m.len()) {
-        (true, 0) => [0.1, 100.0],
-        (true, 1) => [least_m, 100.0],
-        _ => [least_m, most_m],
-    }
 }

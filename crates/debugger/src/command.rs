@@ -124,7 +124,7 @@ pub(crate) fn takes(name: &str) -> Refused {
 
 fn unknown(name: &str) -> Refused {
     let names: Vec<_> = COMMANDS.iter().map(|command| command.name).collect();
-    Refused::Unknown(format!("there is no command {name:?}{}", crosscut_detector::nearest_and_all(name, &names)))
+    Refused::Unknown(format!("there is no command {name:?}; {}", crosscut_detector::nearest_and_all(name, &names)))
 }
 
 fn help() -> Reply {

@@ -208,13 +208,17 @@ pub fn inequality(spectrum: &Spectrum) -> String {
     format!("{below}τ {}{above}", power(spectrum.tolerance))
 }
 
-/// For which widths of the vehicle the count stays the same: "3 walls for vehicles 0.2 to 3.4 m wide; wider, it is 2."
+/// For which widths of the vehicle the count stays the same: "3 walls by these gaps for vehicles 0.2 to 3.4 m wide; wider, it
+/// is 2."
 pub fn widths(count: usize, [least_m, most_m]: [f64; 2]) -> String {
     let walls = counted(count as u64, "wall");
     if most_m >= ANY_WIDTH_M {
-        format!("{walls} for vehicles at least {least_m:.1} m wide.")
+        format!("{walls} by these gaps for vehicles at least {least_m:.1} m wide.")
     } else {
-        format!("{walls} for vehicles {least_m:.1} to {most_m:.1} m wide; wider, it is {}.", count.saturating_sub(1))
+        format!(
+            "{walls} by these gaps for vehicles {least_m:.1} to {most_m:.1} m wide; wider, it is {}.",
+            count.saturating_sub(1)
+        )
     }
 }
 
@@ -229,8 +233,8 @@ mod tests {
 
     #[test]
     fn the_widths_name_the_count_beyond_them() {
-        assert_eq!(widths(3, [0.2, 3.4]), "3 walls for vehicles 0.2 to 3.4 m wide; wider, it is 2.");
-        assert_eq!(widths(1, [0.1, 100.0]), "1 wall for vehicles at least 0.1 m wide.");
+        assert_eq!(widths(3, [0.2, 3.4]), "3 walls by these gaps for vehicles 0.2 to 3.4 m wide; wider, it is 2.");
+        assert_eq!(widths(1, [0.1, 100.0]), "1 wall by these gaps for vehicles at least 0.1 m wide.");
     }
 
     #[test]

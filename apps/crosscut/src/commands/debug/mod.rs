@@ -86,13 +86,22 @@ pub(crate) fn layers(inputs: &[PathBuf], args: &ConfigArgs) -> anyhow::Result<Ve
 /// The preset that nobody asked for.
 const DEFAULT: &str = "default";
 
-/// Splits a line at spaces; what stands between double quotes is one word.
+/// Splits a line at spaces; what stands between double quotes is one word. Quotes within a word are a part of it, as those of
+/// a list.
 fn words(line: &str) -> Vec<String> {
-    let (mut words, mut word, mut is_quoted, mut is_word) = (Vec::new(), String::new(), false, false);
+    let (mut words, mut word) = (Vec::new(), String::new());
+    let (mut is_quoted, mut is_word, mut is_within) = (false, false, false);
     for character in line.chars() {
         match character {
-            '"' => (is_quoted, is_word) = (!is_quoted, true),
+            '"' => {
+                if is_word && (!is_quoted || is_within) {
+                    word.push('"');
+                }
+                is_within |= is_word && !is_quoted;
+                (is_quoted, is_word) = (!is_quoted, true);
+            }
             space if space.is_whitespace() && !is_quoted => {
+                is_within = false;
                 if std::mem::take(&mut is_word) {
                     words.push(std::mem::take(&mut word));
                 }
@@ -120,6 +129,10 @@ mod tests {
     fn quotes_keep_spaces_within_a_word() {
         assert_eq!(words("  get W  \"my file.npy\" "), ["get", "W", "my file.npy"]);
         assert_eq!(words("note \"\""), ["note", ""]);
+        assert_eq!(
+            words("set affinity.without=[\"doors\",\"line\"] x"),
+            ["set", "affinity.without=[\"doors\",\"line\"]", "x"]
+        );
         assert!(words(" \t").is_empty());
     }
 }
