@@ -79,6 +79,15 @@ impl Flight {
         Ok(Self::flown(recording, parts.last().cloned().unwrap_or_default()))
     }
 
+    /// The same with the truth of its scans, where its only part holds that.
+    pub(crate) fn open_with_truths(parts: &[PathBuf], args: &InputArgs, config: &Config) -> anyhow::Result<Self> {
+        let flight = Self::open(parts, args, config)?;
+        Ok(match parts {
+            [only] if !flight.has_truths() => flight.with_truths(Truths::open(only).ok()),
+            _ => flight,
+        })
+    }
+
     /// Opens what is read as it comes: files that are still being written, or appear one after the other. It ends at the latest
     /// when `following` is over.
     pub(crate) fn follow(args: &InputArgs, config: &Config, following: &Following) -> anyhow::Result<Self> {
@@ -137,12 +146,12 @@ impl Flight {
 
     /// This flight with the truth of its scans, which its recording holds.
     pub(crate) fn with_truths(self, truths: Option<Truths>) -> Self {
-        Self { is_judged: self.is_judged || truths.is_some(), truths, ..self }
+        Self { is_judged: truths.is_some(), truths, ..self }
     }
 
-    /// Whether its scans have their truths already.
+    /// Whether its scans are compared with their truths. Those of a recording of this program have them from the start.
     pub(crate) fn has_truths(&self) -> bool {
-        matches!(&self.scans, Read::Recorded(recorded) if recorded.has_truth())
+        self.is_judged
     }
 
     /// Whether its scans are clouds of points.

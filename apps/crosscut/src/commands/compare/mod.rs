@@ -14,7 +14,6 @@ use crosscut_detector::Registry;
 use crosscut_evaluate::experiment::{self, Experiment};
 use crosscut_evaluate::verdict::Surer;
 use crosscut_evaluate::{Agreement, Differences};
-use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use crosscut_pipeline::{End, StopFlag};
 use crosscut_report::ResultsLine;
@@ -66,9 +65,7 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     }
     let read = files_read(&args.input, configurations::files(&args.with))?;
     let input = &args.input.recordings.input;
-    let truths = || if let [only] = &input[..] { Truths::open(only).ok() } else { None };
-    let open = |of: &Configuration| Ok(Flight::open(input, &args.input, &of.config)?.with_truths(truths()));
-    let flights = configurations.iter().map(open);
+    let flights = configurations.iter().map(|of| Flight::open_with_truths(input, &args.input, &of.config));
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
     let stop = stop_on_interrupt()?;
     let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;

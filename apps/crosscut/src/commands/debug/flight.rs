@@ -5,7 +5,6 @@ use std::rc::Rc;
 
 use crosscut_debugger::{Reader, Scan};
 use crosscut_detector::Config;
-use crosscut_ingest::Truths;
 
 use crate::cli::InputArgs;
 use crate::fly::{Flight, Judge};
@@ -26,9 +25,7 @@ pub(in crate::commands) fn reader(input: InputArgs) -> (Reader, Lost) {
 }
 
 fn scans(input: &InputArgs, config: &Config) -> anyhow::Result<(Vec<Scan>, Vec<String>)> {
-    let parts = &input.recordings.input;
-    let truths = if let [only] = &parts[..] { Truths::open(only).ok() } else { None };
-    let mut flight = Flight::open(parts, input, config)?.with_truths(truths);
+    let mut flight = Flight::open_with_truths(&input.recordings.input, input, config)?;
     let (mut scans, mut judge) = (Vec::new(), Judge::default());
     loop {
         let mut scan = Scan::default();

@@ -7,7 +7,6 @@ mod places;
 use crosscut_detector::Registry;
 use crosscut_evaluate::Evaluation;
 use crosscut_flight::{Mapper, NoPlace, Seen};
-use crosscut_ingest::Truths;
 use crosscut_outfile::Keep;
 use crosscut_stage::Frame;
 
@@ -54,9 +53,8 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     let stop = stop_on_interrupt()?;
     let mut out = Document::create(&args.out, &read, Keep::ThroughKill)?;
     let input = &args.input.recordings.input;
-    let truths = if let [only] = &input[..] { Truths::open(only).ok() } else { None };
-    let has_truth = truths.is_some();
-    let mut flight = Flight::open(input, &args.input, &config)?.with_truths(truths);
+    let mut flight = Flight::open_with_truths(input, &args.input, &config)?;
+    let has_truth = flight.has_truths();
     let bar = progress::bar(flight.total_revolutions(), args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: true };
     let mut shown = Shown::default();
