@@ -27,6 +27,7 @@
 //! L become numbers by their scale, see [`Row::value`].
 
 mod difference;
+mod latest;
 pub mod messages;
 pub mod parts;
 mod recording;
@@ -39,6 +40,7 @@ mod value;
 use std::path::PathBuf;
 
 pub use difference::{Difference, Differences, differences};
+pub use latest::Latest;
 pub use recording::{Component, RecordedEntity, Recording, is_picture};
 pub use revolutions::{RecordedScan, Revolutions};
 pub use rows::{Row, Rows};

@@ -1,12 +1,10 @@
 //! Revolutions rebuilt from a recording as ingest made them, to the last bit.
 
-use std::iter::Peekable;
-
 use crosscut_stage::{Beam, Fan, Notes, Point, Revolution, Sweep};
 use nalgebra::{Complex, Isometry2, Translation2, UnitComplex};
 
 use crate::schema::{self, Entity};
-use crate::{Array, Numbers, ReadError, Recording, Row, Rows, Value};
+use crate::{Array, Latest, Numbers, ReadError, Recording, Row, Rows, Value};
 
 /// A scan as ingest gave it to the stages.
 #[derive(Clone, Debug, Default)]
@@ -41,11 +39,7 @@ impl Recording {
     pub fn revolutions(&self) -> Result<Revolutions<'_>, ReadError> {
         let returns = self.rows(schema::SCAN_RETURNS.path)?;
         self.rows(schema::SCAN_NOTES.path)?; // every version that records all of a scan writes it at the first one
-        let latest = |entity: Entity| Latest {
-            rows: self.rows(entity.path).ok().map(Iterator::peekable),
-            component: entity.values,
-            latest: None,
-        };
+        let latest = |entity: Entity| self.latest(entity);
         Ok(Revolutions {
             returns,
             ranges: latest(schema::SCAN_RANGES),
@@ -78,14 +72,14 @@ impl Revolutions<'_> {
         (revolution.seq, revolution.stamp_ns) = (at.cast_unsigned(), row.stamp_ns.unwrap_or(0).cast_unsigned());
         revolution.sweep = self.sweep(at)?;
         revolution.points_m = match (self.points.only_at(at)?, &revolution.sweep) {
-            (Some(exact), _) => points(&f64s(exact)),
+            (Some(exact), _) => points(&exact.to_f64()),
             (None, Some(Sweep { fan: Some(fan), beams, ranges_m, .. })) => {
                 let returns = beams.iter().enumerate().filter(|(_, beam)| matches!(beam, Beam::Return(_)));
                 returns.map(|(beam, _)| fan.point_m(beam, ranges_m[beam])).collect()
             }
-            (None, _) => points(&f64s(&row.value(schema::SCAN_RETURNS.values)?)),
+            (None, _) => points(&row.value(schema::SCAN_RETURNS.values)?.to_f64()),
         };
-        revolution.odometry = match self.odometry.only_at(at)?.map(f64s).as_deref() {
+        revolution.odometry = match self.odometry.only_at(at)?.map(Value::to_f64).as_deref() {
             Some(&[x_m, y_m, cos, sin]) => {
                 let rotation = UnitComplex::new_unchecked(Complex::new(cos, sin));
                 Some(Isometry2::from_parts(Translation2::new(x_m, y_m), rotation))
@@ -104,9 +98,9 @@ impl Revolutions<'_> {
         let Some(ranges) = self.ranges.only_at(at)? else { return Ok(None) };
         let ranges_m = match ranges {
             Value::Numbers(Array { numbers: Numbers::F32(ranges_m), .. }) => ranges_m.clone(),
-            other => f64s(other).into_iter().map(|range_m| range_m as f32).collect(),
+            other => other.to_f64().into_iter().map(|range_m| range_m as f32).collect(),
         };
-        let seen = self.seen.only_at(at)?.map(f64s).unwrap_or_default();
+        let seen = self.seen.only_at(at)?.map(Value::to_f64).unwrap_or_default();
         let mut returns = 0..;
         let beams = seen.into_iter().map(|seen| match seen {
             2.0 => returns.next().map_or(Beam::Unknown, Beam::Return),
@@ -114,13 +108,13 @@ impl Revolutions<'_> {
             _ => Beam::Unknown,
         });
         let mut sweep = Sweep { ranges_m, beams: beams.collect(), ..Sweep::default() };
-        sweep.bearings_rad = self.bearings.at(at)?.map(f64s).unwrap_or_default();
+        sweep.bearings_rad = self.bearings.at(at)?.map(Value::to_f64).unwrap_or_default();
         if let Some(Value::Numbers(Array { numbers: Numbers::F32(wire), .. })) = self.wire.at(at)?
             && let [_, _, _, _] = wire[..]
         {
             sweep.wire_geometry.copy_from_slice(wire);
         }
-        if let Some(geometry) = self.sweep.at(at)?.map(f64s)
+        if let Some(geometry) = self.sweep.at(at)?.map(Value::to_f64)
             && let [step_rad, range_max_m, full_turn, missing, yaw_rad, upside_down, first_rad, increment_rad] =
                 geometry[..]
         {
@@ -134,48 +128,6 @@ impl Revolutions<'_> {
             });
         }
         Ok(Some(sweep))
-    }
-}
-
-/// The values of a component at ascending revolutions.
-struct Latest<'a> {
-    /// `None` of an entity that the recording lacks.
-    rows: Option<Peekable<Rows<'a>>>,
-    component: &'static str,
-    /// What was logged last, with its revolution.
-    latest: Option<(i64, Value)>,
-}
-
-impl Latest<'_> {
-    /// What was logged last up to this revolution.
-    fn at(&mut self, revolution: i64) -> Result<Option<&Value>, ReadError> {
-        self.go_to(revolution)?;
-        Ok(self.latest.as_ref().map(|(_, value)| value))
-    }
-
-    /// What was logged at this revolution.
-    fn only_at(&mut self, revolution: i64) -> Result<Option<&Value>, ReadError> {
-        self.go_to(revolution)?;
-        Ok(self.latest.as_ref().filter(|(at, _)| *at == revolution).map(|(_, value)| value))
-    }
-
-    fn go_to(&mut self, revolution: i64) -> Result<(), ReadError> {
-        let Some(rows) = &mut self.rows else { return Ok(()) };
-        let mut last = None;
-        while let Some(row) = rows.next_if(|row| row.as_ref().map_or(true, |row| row.revolution <= revolution)) {
-            last = Some(row?);
-        }
-        if let Some(row) = last {
-            self.latest = Some((row.revolution, row.value(self.component)?));
-        }
-        Ok(())
-    }
-}
-
-fn f64s(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Numbers(array) => array.to_f64(),
-        _ => Vec::new(),
     }
 }
 

@@ -69,6 +69,13 @@ impl Numbers {
     }
 }
 
+impl Value {
+    /// Its numbers as f64; none of words, or of several arrays.
+    pub fn to_f64(&self) -> Vec<f64> {
+        if let Self::Numbers(array) = self { array.to_f64() } else { Vec::new() }
+    }
+}
+
 impl Array {
     /// The numbers as f64; whole numbers beyond 2^53 are rounded.
     pub fn to_f64(&self) -> Vec<f64> {

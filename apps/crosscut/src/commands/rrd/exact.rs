@@ -1,13 +1,12 @@
 //! W, L, U and what follows from them in full precision, recomputed from the recorded scans with the recorded
 //! configuration.
 
-use std::iter::Peekable;
 use std::path::Path;
 
 use anyhow::Context;
 use crosscut_detector::{Config, Engine, Layer, Registry};
 use crosscut_rrd::schema::{self, Entity};
-use crosscut_rrd::{Array, Numbers, ReadError, Recording, Revolutions, Row, Rows, Value};
+use crosscut_rrd::{Array, Latest, Numbers, Recording, Revolutions, Row, Rows, Value};
 use crosscut_spectral::Laplacian;
 use crosscut_stage::Frame;
 
@@ -71,7 +70,7 @@ pub(super) struct Recomputation<'a> {
     engine: Engine,
     frame: Frame,
     read_values: ReadValues,
-    eigenvalues: LatestAt<'a>,
+    eigenvalues: Latest<'a>,
 }
 
 impl<'a> Recomputation<'a> {
@@ -89,7 +88,7 @@ impl<'a> Recomputation<'a> {
             engine: Engine::new(&config, registry),
             frame: Frame::default(),
             read_values,
-            eigenvalues: LatestAt::new(recording, schema::SPECTRAL_EIGENVALUES)?,
+            eigenvalues: recording.latest(schema::SPECTRAL_EIGENVALUES),
         })
     }
 
@@ -121,7 +120,7 @@ impl<'a> Recomputation<'a> {
         };
         (self.frame.revolution, self.frame.notes) = (scan.revolution, scan.notes);
         self.engine.process(&mut self.frame)?;
-        let recorded = self.eigenvalues.at(row.revolution)?.as_ref().map(numbers).unwrap_or_default();
+        let recorded = self.eigenvalues.at(row.revolution)?.map(Value::to_f64).unwrap_or_default();
         Ok(disagreement(&recorded, &self.frame.spectrum.eigenvalues).map(|off| {
             format!(
                 "revolution {}: recomputed eigenvalues are off by {off:.1e}: made by another version?",
@@ -138,31 +137,4 @@ fn disagreement(recorded: &[f64], recomputed: &[f64]) -> Option<f64> {
     }
     let off = recorded.iter().zip(recomputed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     (off > ROUNDING).then_some(off)
-}
-
-/// The value of a component that was logged last, at ascending revolutions.
-struct LatestAt<'a> {
-    rows: Peekable<Rows<'a>>,
-    component: &'static str,
-    latest: Option<Value>,
-}
-
-impl<'a> LatestAt<'a> {
-    fn new(recording: &'a Recording, entity: Entity) -> Result<Self, ReadError> {
-        Ok(Self { rows: recording.rows(entity.path)?.peekable(), component: entity.values, latest: None })
-    }
-
-    fn at(&mut self, revolution: i64) -> Result<&Option<Value>, ReadError> {
-        while let Some(row) = self.rows.next_if(|row| row.as_ref().map_or(true, |row| row.revolution <= revolution)) {
-            self.latest = Some(row?.value(self.component)?);
-        }
-        Ok(&self.latest)
-    }
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Numbers(array) => array.to_f64(),
-        _ => Vec::new(),
-    }
 }
