@@ -3,7 +3,8 @@
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crosscut_stage::Step;
 
 use super::input::RecordingsArgs;
@@ -27,8 +28,8 @@ pub(crate) struct ReplayArgs {
     #[arg(value_name = "FLIGHT.rrd")]
     pub(crate) input: PathBuf,
     /// The first stage that runs with other settings, or on arrays of another program.
-    #[arg(long, value_name = "STAGE", default_value = "affinity")]
-    pub(crate) from: StageArg,
+    #[arg(long, value_name = "STAGE", default_value = "affinity", value_parser = stage())]
+    pub(crate) from: Step,
     /// Folder of arrays for that stage, a file for each revolution: W-107.npy for spectral, U-107.npy for kmeans,
     /// labels-107.npy for report. Revolutions without a file keep what the stages make.
     #[arg(long, value_name = "DIR")]
@@ -61,22 +62,12 @@ impl ReplayArgs {
     }
 }
 
-/// A stage to replay from.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum StageArg {
-    Affinity,
-    Spectral,
-    Kmeans,
-    Report,
+/// The stages that a flight can be replayed from.
+fn stages() -> impl Iterator<Item = Step> {
+    Step::ALL.into_iter().filter(|step| *step != Step::Ingest)
 }
 
-impl From<StageArg> for Step {
-    fn from(stage: StageArg) -> Self {
-        match stage {
-            StageArg::Affinity => Self::Affinity,
-            StageArg::Spectral => Self::Spectral,
-            StageArg::Kmeans => Self::Kmeans,
-            StageArg::Report => Self::Report,
-        }
-    }
+fn stage() -> impl TypedValueParser<Value = Step> {
+    let of_name = |name: String| stages().find(|step| step.name() == name).expect("a possible value");
+    PossibleValuesParser::new(stages().map(Step::name)).map(of_name)
 }

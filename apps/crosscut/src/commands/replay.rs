@@ -21,18 +21,17 @@ use crate::say::{say, show};
 pub(crate) fn replay(args: ReplayArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let input = args.input();
     let read = files_read(&input, args.config.clone())?;
-    let from = args.from.into();
     let start = ConfigArgs { preset: args.preset, config: args.config, set: Vec::new() };
     let layers = layers(&input.recordings.input, &start)?;
     let (reader, lost) = flight::reader(input);
     let mut session = Session::new(registry.clone(), layers, reader).map_err(error_of)?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
-    session.set_from(from, &args.set).map_err(error_of)?;
+    session.set_from(args.from, &args.set).map_err(error_of)?;
     if let Some(folder) = &args.given {
-        session.inject_all(from, folder).map_err(error_of)?;
+        session.inject_all(args.from, folder).map_err(error_of)?;
     }
-    let said = session.replayed(from).map_err(error_of)?.text;
+    let said = session.replayed(args.from).map_err(error_of)?.text;
     if let Some(path) = &args.results {
         let mut out = outputs::grow(path, &read)?;
         for (line, failure) in session.lines() {

@@ -89,30 +89,21 @@ const DEFAULT: &str = "default";
 /// Splits a line at spaces; what stands between double quotes is one word. Quotes within a word are a part of it, as those of
 /// a list.
 fn words(line: &str) -> Vec<String> {
-    let (mut words, mut word) = (Vec::new(), String::new());
-    let (mut is_quoted, mut is_word, mut is_within) = (false, false, false);
+    let (mut words, mut word) = (Vec::new(), None::<String>);
+    // Between quotes, whether these are a part of the word.
+    let mut quotes = None;
     for character in line.chars() {
         match character {
             '"' => {
-                if is_word && (!is_quoted || is_within) {
-                    word.push('"');
-                }
-                is_within |= is_word && !is_quoted;
-                (is_quoted, is_word) = (!is_quoted, true);
+                let is_part = quotes.unwrap_or(word.is_some());
+                word.get_or_insert_default().extend(is_part.then_some('"'));
+                quotes = if quotes.is_none() { Some(is_part) } else { None };
             }
-            space if space.is_whitespace() && !is_quoted => {
-                is_within = false;
-                if std::mem::take(&mut is_word) {
-                    words.push(std::mem::take(&mut word));
-                }
-            }
-            other => {
-                word.push(other);
-                is_word = true;
-            }
+            space if space.is_whitespace() && quotes.is_none() => words.extend(word.take()),
+            other => word.get_or_insert_default().push(other),
         }
     }
-    words.extend(is_word.then_some(word));
+    words.extend(word);
     words
 }
 
