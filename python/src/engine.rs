@@ -98,7 +98,7 @@ impl Engine {
         done.ok_or_else(|| Class::Error.error(py, "this engine is busy; use one engine per thread"))
     }
 
-    /// Runs the report on a frame as it is after k-means; whether it did not fail.
+    /// Runs the report on a frame that k-means has filled. Returns whether it succeeded.
     #[cfg(feature = "rerun")]
     pub(crate) fn report_on(&self, py: Python<'_>, frame: &mut Frame) -> PyResult<bool> {
         self.working(py, |work| work.stages.run_step(Step::Report, frame).is_ok())

@@ -12,7 +12,7 @@ pub(crate) fn bar(total: Option<u64>, quiet: bool) -> ProgressBar {
     }
 }
 
-/// The same for things of which nobody knows how many there will be.
+/// A counter on standard error of things whose number is not known ahead.
 pub(crate) fn counter(things: &str, quiet: bool) -> ProgressBar {
     drawn(&format!("{{spinner}} {{pos}} {things}, {{per_sec}}"), None, quiet)
 }

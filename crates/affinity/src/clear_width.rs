@@ -1,9 +1,8 @@
 //! `clear_width`: a wall ends where one number says so, a baseline.
 //!
 //! The returns, without what hangs in the air or stands free ([`Scan`]), are cut where two neighbours are `passage_m` or
-//! more apart. Of the two ends at a gap, let p be the one that is nearer to
-//! the sensor, and F the line of the wall beside the other one, over
-//! the metre behind it. The wall ends there if
+//! more apart. Of the two ends at a gap, let p be the one that is nearer to the sensor, and F the line of the wall beside the
+//! other one, over the metre behind it. The wall ends there if
 //!
 //! ```text
 //! d(p, F) >= passage_m

@@ -113,14 +113,14 @@ impl<'s> Judge<'s> {
 
     /// The room ratio between two pieces with directions, if that makes an opening.
     pub(super) fn room_ratio_of_opening(&mut self, a: &[usize], b: &[usize]) -> Option<f64> {
-        let decision = Gap::between(self.context, a, b, self.directions)?.decide();
+        let decision = self.gap(a, b)?.decide();
         decision.is_opening().then_some(decision.room_ratio)
     }
 
     /// What makes the gap between two walls an opening, and the least room that there is, or would be if the wall turned
     /// by [`DOUBT_RAD`] less or more. With what its odds rest on, unless a piece has no direction.
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
-        let Some(gap) = Gap::between(self.context, a, b, self.directions) else {
+        let Some(gap) = self.gap(a, b) else {
             let reason = "too little is seen for a direction";
             return (Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason }, None);
         };

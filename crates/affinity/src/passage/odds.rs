@@ -73,7 +73,7 @@ impl Gap<'_> {
     }
 
     /// The decision; none for an opening if the odds that all measurements together give it are below [`LEAST_ODDS`].
-    /// They then are the room, so that the gap stays as doubtful as it is. Where nothing is seen the rules decide alone:
+    /// The odds are then the room, so the gap keeps its doubt. Where nothing is seen the rules decide alone:
     /// no measurement shows how the hidden wall runs.
     pub(super) fn limited_by_odds(&self, decision: Decision) -> Decision {
         if self.is_dark || !decision.is_opening() || self.context.thresholds.disabled.odds {

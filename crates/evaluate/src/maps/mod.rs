@@ -75,7 +75,7 @@ impl MapFigures {
     pub fn of(map: &Map, truth: &MapTruth) -> Self {
         let visits: Vec<Vec<[u64; 2]>> = map.nodes.iter().map(|node| node.visits.clone()).collect();
         let truth = &truth.seen_by(&visits);
-        let mut figures = Self::of_visits(&visits, truth);
+        let mut figures = Self::of_visits_seen(&visits, truth);
         let through = truth.flown_through();
         let matched = matched(&visits, &through, truth);
         for &(node, place) in &matched {
@@ -110,8 +110,12 @@ impl MapFigures {
 
     /// Judges visits alone, by node: a way of counting that has no ways and no passages.
     pub fn of_visits(visits: &[Vec<[u64; 2]>], truth: &MapTruth) -> Self {
+        Self::of_visits_seen(visits, &truth.seen_by(visits))
+    }
+
+    /// The same against the mine as these visits saw it.
+    fn of_visits_seen(visits: &[Vec<[u64; 2]>], truth: &MapTruth) -> Self {
         let mut figures = Self::default();
-        let truth = &truth.seen_by(visits);
         let through = truth.flown_through();
         let matched = matched(visits, &through, truth).len() as u64;
         figures.precision = Proportion { hits: matched, of: visits.len() as u64 };

@@ -27,15 +27,11 @@ impl StandardInput {
     /// # Errors
     /// When the thread cannot be started.
     pub(crate) fn open() -> io::Result<Self> {
-        Self::of(io::stdin())
-    }
-
-    fn of(mut input: impl Read + Send + 'static) -> io::Result<Self> {
         let (sender, parts) = bounded(MOST_WAITING);
         let read = move || {
             loop {
                 let mut part = vec![0; PART_BYTES];
-                let read = match input.read(&mut part) {
+                let read = match io::stdin().read(&mut part) {
                     Ok(0) => return,
                     Ok(count) => {
                         part.truncate(count);

@@ -128,16 +128,21 @@ fn one_wall_with_nothing_over_half_a_turn_is_open_there() {
     assert!(found.iter().all(Opening::is_cut_by_view), "of the masked side nothing is known: {found:#?}");
 }
 
-#[test]
-fn openings_are_the_verdicts_and_know_their_returns() {
-    let door_m = 1.0;
-    let room = [
+/// A room of 6 m x 6 m whose wall ahead has a door.
+fn room_with_door(door_m: f64) -> [(Segment, u32); 5] {
+    [
         (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
         (Segment([3.0, 3.0], [3.0, door_m / 2.0]), 0),
         (Segment([3.0, -door_m / 2.0], [3.0, -3.0]), 0),
         (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
         (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
-    ];
+    ]
+}
+
+#[test]
+fn openings_are_the_verdicts_and_know_their_returns() {
+    let door_m = 1.0;
+    let room = room_with_door(door_m);
     let scan = scan(&room, 720, |_| false);
     let by = |is_opening: bool| {
         let verdict = verdict(&scan.0, 0.0, is_opening);
@@ -375,14 +380,7 @@ fn a_stray_return_deep_inside_a_branch_does_not_make_it_two() {
 
 #[test]
 fn a_door_is_seen_through_until_walls_lose_as_many_beams() {
-    let door_m = 1.2;
-    let room = [
-        (Segment([-3.0, 3.0], [3.0, 3.0]), 0),
-        (Segment([3.0, 3.0], [3.0, door_m / 2.0]), 0),
-        (Segment([3.0, -door_m / 2.0], [3.0, -3.0]), 0),
-        (Segment([3.0, -3.0], [-3.0, -3.0]), 0),
-        (Segment([-3.0, -3.0], [-3.0, 3.0]), 0),
-    ];
+    let room = room_with_door(1.2);
     let known = |lost_rad: f64| {
         let (mut revolution, walls) = scan(&room, 720, |bearing_rad| (bearing_rad - 2.0).abs() < lost_rad);
         let beams = &mut revolution.sweep.as_mut().expect("a sweep").beams;
