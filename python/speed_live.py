@@ -87,7 +87,7 @@ def measure_answers(router: str) -> None:
     """From a scan that is sent to its line of results."""
     with tempfile.TemporaryDirectory() as folder:
         for name, options in (("answers", []), ("answers, recorded", ["--save", f"{folder}/flight.rrd"])):
-            command = [Path(sys.executable).with_name("crosscut"), "run", f"zenoh://{router}/{TOPIC}", "--as", "sensor_msgs/msg/LaserScan"]
+            command = [str(Path(sys.executable).with_name("crosscut")), "run", f"zenoh://{router}/{TOPIC}", "--as", "sensor_msgs/msg/LaserScan"]
             program = subprocess.Popen([*command, "--quiet", "--results", "-", *options], stdout=subprocess.PIPE)
             robot = subprocess.Popen([sys.executable, __file__, "scans", router])
             latencies_ms: list[float] = []
