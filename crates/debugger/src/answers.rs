@@ -59,6 +59,8 @@ impl Session {
             held.set_answers(answers.to_vec());
         }
         self.held = Some(held);
+        self.version += 1;
+        self.holds += 1;
         let here = self.here();
         Reply::new(format!("A: {}", here.text), here.value)
     }

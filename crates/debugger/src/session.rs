@@ -44,6 +44,10 @@ pub struct Session {
     /// What `again` compares with: before the first change since the whole flight was answered.
     pub(crate) before: Option<(Given, Option<Vec<Answer>>)>,
     pub(crate) breaks: Vec<When>,
+    /// How often what there is to see became another.
+    pub(crate) version: u64,
+    /// How often something was held.
+    pub(crate) holds: u64,
 }
 
 impl Session {
@@ -68,6 +72,8 @@ impl Session {
             held: None,
             before: None,
             breaks: Vec::new(),
+            version: 0,
+            holds: 0,
         })
     }
 
@@ -84,6 +90,26 @@ impl Session {
     /// The present settings.
     pub fn config(&self) -> &Config {
         &self.now.given.config
+    }
+
+    /// The held settings, if there are any.
+    pub fn held_config(&self) -> Option<&Config> {
+        self.held.as_ref().map(|held| &held.given.config)
+    }
+
+    /// Another number once something else is held.
+    pub fn holds(&self) -> u64 {
+        self.holds
+    }
+
+    /// The truth of the present revolution, if the recording has one.
+    pub fn truth(&self) -> Option<&Truth> {
+        self.now.given.flight[self.at].truth.as_ref()
+    }
+
+    /// Another number once the present revolution, its answer or what is held became another.
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// Number of revolutions of the flight.
@@ -145,6 +171,7 @@ impl Session {
     /// Goes to a place of the flight.
     pub(crate) fn go_to(&mut self, at: usize) {
         self.at = at;
+        self.version += 1;
         self.now.go_to(at);
         let seq = self.frame().revolution.seq;
         if let Some(held) = &mut self.held

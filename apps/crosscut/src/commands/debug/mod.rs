@@ -6,6 +6,11 @@ pub(super) mod flight;
 mod json;
 mod outside;
 mod plain;
+#[cfg(feature = "rerun")]
+mod viewing;
+#[cfg(not(feature = "rerun"))]
+#[path = "viewing_without_rerun.rs"]
+mod viewing;
 
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
@@ -14,6 +19,7 @@ use crosscut_debugger::{Refused, Reply, Session};
 use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
+use self::viewing::Viewing;
 use crate::cli::ConfigArgs;
 use crate::cli::debug::DebugArgs;
 use crate::config;
@@ -21,19 +27,34 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::files_read;
 use crate::recorded;
+use crate::say::say;
 
 /// A session with what it may write.
 struct Debugger {
     session: Session,
     outside: Outside,
+    /// `None` without --view, or after the viewer was closed.
+    viewing: Option<Viewing>,
 }
 
 impl Debugger {
     /// Does what the words say.
     fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
-        match self.outside.command(&mut self.session, words) {
+        let done = match self.outside.command(&mut self.session, words) {
             Some(done) => done,
             None => self.session.command(words),
+        };
+        self.follow();
+        done
+    }
+
+    /// Shows in the viewer what the session stands at. Without the viewer it goes on.
+    fn follow(&mut self) {
+        if let Some(viewing) = &mut self.viewing
+            && let Err(error) = viewing.follow(&self.session)
+        {
+            say(format_args!("note: {error}; the session goes on without it"));
+            self.viewing = None;
         }
     }
 }
@@ -43,8 +64,13 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
     if args.input.recordings.input.iter().any(|path| path == Path::new("-")) {
         return Err(UsageError("standard input holds the commands; name a file of the flight".to_owned()).into());
     }
+    #[cfg(not(feature = "rerun"))]
+    if args.view {
+        return Err(crate::exit::without_rerun());
+    }
     let read = files_read(&args.input, args.config.config.clone())?;
     let layers = layers(&args.input.recordings.input, &args.config)?;
+    let (preset, has_view) = (args.config.preset.clone(), args.view);
     let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let json = args.json;
     let (reader, lost) = flight::reader(args.input);
@@ -54,7 +80,10 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
     })?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
-    let mut debugger = Debugger { session, outside: Outside { name, read } };
+    let viewing =
+        if has_view { Viewing::open(&name, &preset).map_err(|error| diagnostics.lost(error)).ok() } else { None };
+    let mut debugger = Debugger { session, outside: Outside { name, read }, viewing };
+    debugger.follow();
     let refused = if json {
         json::answer_all(&mut debugger, io::stdin().lock(), &mut io::stdout().lock())?;
         0
@@ -64,6 +93,9 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
     } else {
         plain::answer_all(&mut debugger, io::stdin().lock())?
     };
+    if let Some(Err(error)) = debugger.viewing.map(Viewing::end) {
+        say(format_args!("note: {error}"));
+    }
     Ok(match (refused, diagnostics.outcome()) {
         (0, outcome) => outcome,
         _ => Outcome::Failed, // a script wants to know
