@@ -2,6 +2,7 @@
 
 use crosscut_debugger::Session;
 use crosscut_detector::Config;
+use crosscut_messages::Truth;
 use crosscut_recorder::{Answered, Beside, DebugView, RecorderError, RecorderOptions, TrueWalls};
 use crosscut_stage::Frame;
 
@@ -58,11 +59,16 @@ impl Viewing {
     fn answered<'a>(&self, session: &Session, frame: &'a Frame, config: &Config) -> Answered<'a> {
         let truth = TrueWalls::default();
         if let Some(of) = session.truth() {
-            truth.tell(frame.revolution.seq, of.walls as usize, String::from_utf8(of.to_json()).unwrap_or_default());
+            tell(&truth, frame.revolution.seq, of);
         }
         let changed: String =
             session.differing(config).iter().map(|[key, _, value]| format!(", {key}={value}")).collect();
         let source = format!("{}{changed}", self.source);
         (frame, RecorderOptions { source, truth, ..recorder_options(self.name.clone(), config) })
     }
+}
+
+/// Tells a recorder the truth of a revolution.
+pub(super) fn tell(truths: &TrueWalls, seq: u64, truth: &Truth) {
+    truths.tell(seq, truth.walls as usize, String::from_utf8(truth.to_json()).unwrap_or_default());
 }
