@@ -4,6 +4,7 @@
 //! Messages are read from the files one by one, changed where they must be, and handed to the native viewer's standard
 //! input or to a server; nothing is kept here, whatever the size of the recording.
 
+mod differences;
 mod flight;
 mod sensors;
 
@@ -125,7 +126,11 @@ impl Opened<'_> {
             let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
             let mut other = Facts::default();
             damages.extend(beside.send(&at(Some(RIGHT)), &mut other, take)?);
-            let [left, right] = names([&self.show.flight[0], &self.show.beside[0]]);
+            let files = names([&self.show.flight[0], &self.show.beside[0]]);
+            let names = differences::titles(&files, [&facts, &other]);
+            let compared = differences::messages(store, &names, &files, [&facts, &other]);
+            compared.map_err(RecorderError::from)?.into_iter().all(&mut *take);
+            let [left, right] = names;
             let left = Side { below: LEFT, name: &left, extent: facts.extent };
             let right = Side { below: RIGHT, name: &right, extent: other.extent };
             lay_out(&Shown::Beside { first, sides: [left, right] }, take)?;
