@@ -103,10 +103,7 @@ pub fn run(
     };
     match outcome {
         Ok(outcome) => outcome.into(),
-        Err(error) if interrupt::is_requested() => {
-            exit::report(&error);
-            exit::INTERRUPTED
-        }
+        Err(error) if interrupt::is_requested() => exit::report_interrupted(&error),
         Err(error) => exit::report(&error),
     }
 }

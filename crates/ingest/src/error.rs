@@ -1,6 +1,6 @@
 //! Why there is nothing to read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crosscut_stage::counted;
 
@@ -13,6 +13,12 @@ pub enum IngestError {
     /// No file was named.
     #[error("no recording was given")]
     NoInput,
+    /// Nothing has this name.
+    #[error("there is no file or folder {}", path.display())]
+    Missing {
+        /// What was named.
+        path: PathBuf,
+    },
     /// A file or folder cannot be opened.
     #[error("cannot open {}", path.display())]
     Open {
@@ -97,7 +103,11 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// No truth to hold results against.
-    #[error("there is no truth in JSON on /truth; the recording has\n{topics}\n({})", path.display())]
+    #[error(
+        "no truth to hold results against: {} has none in JSON on /truth, as `crosscut simulate` writes it, but\n{topics}\n\
+         without a truth, `crosscut compare` shows where configurations differ",
+        path.display()
+    )]
     NoTruth {
         /// The file.
         path: PathBuf,
@@ -123,6 +133,15 @@ pub enum IngestError {
 }
 
 impl IngestError {
+    /// A file or folder that cannot be opened, or is not there.
+    pub(crate) fn cannot_open(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            std::io::ErrorKind::NotFound => Self::Missing { path },
+            _ => Self::Open { path, source },
+        }
+    }
+
     /// Whether a recording that is still being written may have been looked at before its first scan.
     pub(crate) fn may_be_too_early(&self) -> bool {
         match self {

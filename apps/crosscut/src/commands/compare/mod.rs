@@ -63,11 +63,11 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         let usage = "compare needs at least two configurations: --with default --with paper";
         return Err(UsageError(usage.to_owned()).into());
     }
+    let stop = stop_on_interrupt()?; // before any recording is looked through
     let read = files_read(&args.input, configurations::files(&args.with))?;
     let input = &args.input.recordings.input;
     let flights = configurations.iter().map(|of| Flight::open_with_truths(input, &args.input, &of.config));
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
-    let stop = stop_on_interrupt()?;
     let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
 
     let bar = progress::bar(flights[0].total_revolutions(), args.quiet);

@@ -30,6 +30,7 @@ use self::scoring::FlightTime;
 
 /// Runs every configuration on every recording and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let stop = stop_on_interrupt()?; // before any recording is looked through
     let default = ["default".to_owned()];
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, registry)?;
@@ -47,7 +48,6 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
-    let stop = stop_on_interrupt()?;
     let mut outputs = Outputs::open(args, &read)?;
 
     let bar = progress::bar(revolutions, args.quiet);
