@@ -12,6 +12,7 @@ import socket
 import subprocess
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rrd import RERUN
@@ -22,16 +23,26 @@ SETTLING_FRAMES = 40
 
 # Stands in for the viewer's command, which would open a window.
 HEADLESS_RERUN = """#!/bin/sh
-if [ "$1" = mcap ]; then exec {rerun} "$@"; fi
-for argument; do shift; [ "$argument" = --port=auto ] || set -- "$@" "$argument"; done
-exec {rerun} --headless --window-size {size} --port {port} "$@"
+case "$1" in mcap | viewer-mcp) exec {rerun} "$@" ;; esac
+port={port}
+for argument; do
+    shift
+    case "$argument" in
+        --port=auto) ;;
+        --port=*) port=${{argument#--port=}} ;;
+        *) set -- "$@" "$argument" ;;
+    esac
+done
+echo "$port" >"$(dirname "$0")/port"
+exec {rerun} --headless --window-size {size} --port "$port" "$@"
 """
 
 
 class Viewer:
     """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, command: list, port: int, environment: dict, whole: bool = True):
+    def __init__(self, command: list, port: int | Path, environment: dict, whole: bool = True):
+        """`port` is that of the viewer, or a file that will have it."""
         self._log = tempfile.TemporaryFile()
         quiet = {"RUST_LOG": "error", "NO_COLOR": "1"}
         self._viewer = subprocess.Popen(
@@ -47,7 +58,7 @@ class Viewer:
             client = {"name": "screenshot", "version": "1"}
             self._request("initialize", protocolVersion="2024-11-05", capabilities={}, clientInfo=client)
             self._send(method="notifications/initialized")
-            self._wait_until_loaded(f"http://127.0.0.1:{port}", whole)
+            self._wait_until_loaded(lambda: f"http://127.0.0.1:{port_of(port)}", whole)
         except BaseException:
             self.close()
             raise
@@ -68,7 +79,7 @@ class Viewer:
         folder = Path(tempfile.mkdtemp(prefix="viewer-"))
         (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
         (folder / "rerun").chmod(0o755)
-        return cls(command, port, {"PATH": f"{folder}:{os.environ['PATH']}"})
+        return cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"})
 
     def __enter__(self):
         return self
@@ -96,6 +107,14 @@ class Viewer:
                     return timeline["max"]
         return None
 
+    def revolution(self) -> int | None:
+        """The one that is shown; `None` while nothing is loaded."""
+        for recording in self._call("viewer_state").get("recordings", []):
+            time = recording.get("current_time") or {}
+            if time.get("timeline") == "revolution":
+                return time.get("time")
+        return None
+
     def show(self, revolution: int):
         self._call("set_time", timeline="revolution", time=revolution)
         self._settle()
@@ -119,10 +138,10 @@ class Viewer:
     def _settle(self):
         self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
 
-    def _wait_until_loaded(self, endpoint: str, whole: bool):
+    def _wait_until_loaded(self, endpoint: Callable[[], str], whole: bool):
         """Loaded as a whole is when the flight has grown no more while some frames were drawn."""
         deadline = time.monotonic() + DEADLINE_S
-        while not self._connects(endpoint):
+        while not self._connects(endpoint()):
             if self._viewer.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not start: {self._said()}")
             time.sleep(0.1)
@@ -161,6 +180,13 @@ class Viewer:
     def _said(self) -> str:
         self._log.seek(0)
         return self._log.read().decode(errors="replace").strip()[-600:]
+
+
+def port_of(port: int | Path) -> int | str:
+    """0, where nobody listens, while the file is not there."""
+    if isinstance(port, int):
+        return port
+    return port.read_text().strip() or "0" if port.exists() else "0"
 
 
 def free_port() -> int:

@@ -67,7 +67,7 @@ pub(crate) fn without_rerun() -> anyhow::Error {
 /// Reports what a signal ended; that is no error.
 pub(crate) fn report_interrupted(error: &anyhow::Error) -> u8 {
     if !is_of_closed_pipe(error) {
-        say(format_args!("interrupted: {error:#}"));
+        say(format_args!("interrupted: {}", error.root_cause()));
     }
     INTERRUPTED
 }

@@ -20,6 +20,7 @@ mod exit;
 mod fly;
 mod interrupt;
 mod live;
+mod looking;
 mod map_file;
 mod map_picture;
 mod maps;

@@ -104,15 +104,12 @@ pub enum IngestError {
     },
     /// No truth to hold results against.
     #[error(
-        "no truth to hold results against: {} has none in JSON on /truth, as `crosscut simulate` writes it, but\n{topics}\n\
-         without a truth, `crosscut compare` shows where configurations differ",
+        "there is no truth in it: nothing in JSON on /truth, as `crosscut simulate` writes it (`crosscut compare` needs none): {}",
         path.display()
     )]
     NoTruth {
         /// The file.
         path: PathBuf,
-        /// All topics.
-        topics: TopicList,
     },
     /// A live robot can no longer be heard.
     #[error("{cause}: {}", path.display())]
@@ -172,7 +169,10 @@ fn without_recordings(files: usize, folders: usize) -> String {
     match (files, folders) {
         (0, 0) => "the folder is empty".to_owned(),
         (0, _) => format!("no file in this folder, but {}; name that of the flight", counted(folders as u64, "folder")),
-        _ => format!("none of the {files} files in this folder is a recording (.mcap, .db3, .bag, .clf, .pcd, .ply)"),
+        _ => format!(
+            "none of the {files} files in this folder is a recording of a robot (.mcap, .db3, .bag, .clf, .pcd, .ply); a table or \
+             a recording of crosscut (.rrd) is given by its name"
+        ),
     }
 }
 

@@ -287,7 +287,11 @@ impl Resolved {
             section: self.name,
             kind: wanted.to_string(),
             nearest: if name.starts_with(CODE) {
-                format!("code runs if the command line names it (--set {}.kind={name})", self.name)
+                format!(
+                    "a stage of Python runs in the wheel's program alone (`python/run --install`, docs/python.md), where the \
+                     command line names it: --set {}.kind={name}",
+                    self.name
+                )
             } else {
                 nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>())
             },
