@@ -34,7 +34,6 @@ impl Saved {
     ) -> anyhow::Result<Option<Self>> {
         let options = RecorderOptions {
             path: args.save.clone(),
-            scope: args.scope.scope(),
             source: format!("mission {name}, seed {}, preset {}", args.seed, args.config.preset),
             ..observers::recorder_options(name.to_owned(), config)
         };
