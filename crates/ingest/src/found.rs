@@ -303,7 +303,8 @@ fn is_table(text: &str) -> bool {
         })
     };
     let is_prose = || cells.iter().any(|cell| cell.split_whitespace().count() > MOST_WORDS);
-    are_numbers(&cells) || (first.matches(',').count() >= 3 && !is_prose()) || has_names() || is_above_numbers()
+    let mut has_header = || first.matches(',').count() >= 3 || has_names() || is_above_numbers();
+    are_numbers(&cells) || (!is_prose() && has_header())
 }
 
 #[cfg(test)]
