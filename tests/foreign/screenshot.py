@@ -116,8 +116,11 @@ class Viewer:
         return None
 
     def show(self, revolution: int):
-        self._call("set_time", timeline="revolution", time=revolution)
-        self._settle()
+        for _ in range(5):  # a layout that comes later goes to the end of the flight
+            self._call("set_time", timeline="revolution", time=revolution)
+            self._settle()
+            if self.revolution() == revolution:
+                return
 
     def light(self):
         """From the dark theme, which a viewer without a desktop starts with, to the light one."""

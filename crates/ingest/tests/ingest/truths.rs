@@ -96,7 +96,7 @@ fn a_recording_without_truth_is_refused_with_what_needs_none() {
     assert!(text.contains("/truth") && text.contains("crosscut compare") && text.contains("flight.mcap"), "{text}");
     let mut in_cdr = truth_at(time_ns(0), 1);
     in_cdr.encoding = "cdr";
-    assert!(refused(&[in_cdr]).contains("cdr"));
+    assert!(refused(&[in_cdr]).contains("in JSON"));
 }
 
 #[test]

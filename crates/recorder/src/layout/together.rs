@@ -15,8 +15,9 @@ pub(crate) const DIFFERS_SUMMARY: &str = "/differs/summary";
 
 /// Two flights: where they differ, and below it the scan and the reasons of both, the first on the left.
 pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
+    let truth = if left.has_truth() || right.has_truth() { ", truth green" } else { "" };
     let lines = Tabs::new([
-        left.lines_of_both("Walls counted: left orange, right blue, truth green", DIFFERS_WALLS),
+        left.lines_of_both(&format!("Walls counted: left orange, right blue{truth}"), DIFFERS_WALLS),
         left.lines_of_both("Confidence: left orange, right blue", DIFFERS_CONFIDENCE),
     ]);
     let flight = Vertical::new([lines.into(), left.strip_of_both(right)]).with_row_shares([0.8, 1.2]);

@@ -276,7 +276,7 @@ impl Views {
         let contents = self.entities([REPORT_DOUBT, REPORT_PLACE]);
         let view = StateTimelineView::new(self.titled("Place and doubt: click to go there"));
         let view = view.with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", whole_flight())
+        self.properties.with(view, "TimeAxis", linked())
     }
 
     /// The way, walls, places and passages so far, from above.
@@ -315,7 +315,7 @@ impl Views {
         ];
         let view = StateTimelineView::new("Where they differ (walls left | right), places: click to go there");
         let view = view.with_origin("/").with_contents(contents);
-        self.properties.with(view, "TimeAxis", whole_flight())
+        self.properties.with(view, "TimeAxis", linked())
     }
 
     /// The revolutions from which on two flights differ.
@@ -332,7 +332,7 @@ impl Views {
         let contents = self.entities([FLIGHT_HERE, REPORT_PLACE]);
         let view = StateTimelineView::new(self.titled("Place: steady, and of each scan; click to go there"));
         let view = view.with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", whole_flight())
+        self.properties.with(view, "TimeAxis", linked())
     }
 
     pub(super) fn flight_summary(&self) -> ContainerLike {
@@ -374,8 +374,12 @@ impl Views {
     }
 }
 
-/// A time axis with the whole flight. One that is linked to the others shows a part of a long flight, from which the strips of
-/// states differ.
+/// The time axis of a strip of states, which shows the whole flight.
+fn linked() -> TimeAxis {
+    TimeAxis::new().with_link(LinkAxis::LinkToGlobal)
+}
+
+/// The time axis of a plot of the whole flight. A plot that is linked shows a part of a long flight.
 fn whole_flight() -> TimeAxis {
     TimeAxis::new().with_link(LinkAxis::Independent).with_view_range(rerun::datatypes::TimeRange::EVERYTHING)
 }
