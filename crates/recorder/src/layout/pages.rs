@@ -59,7 +59,7 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
 /// The map of the flight so far: the way, the walls, the places and passages, and why.
 pub(super) fn map(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.flight_summary(), views.flight_graph(), views.answer(), views.log("Log")]);
-    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.22]);
+    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.3]);
     let page = Horizontal::new([views.flight_map(), aside.into()]).with_column_shares([1.0, 0.62]);
     page.with_name("Map: places and passages").into()
 }

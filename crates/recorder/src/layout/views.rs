@@ -329,8 +329,8 @@ impl Views {
     }
 
     pub(super) fn flight_places(&mut self) -> ContainerLike {
-        let contents = self.entities([FLIGHT_HERE, REPORT_PLACE]);
-        let view = StateTimelineView::new(self.titled("Place: steady, and of each scan; click to go there"));
+        let contents = self.entities([REPORT_DOUBT, FLIGHT_HERE, REPORT_PLACE]);
+        let view = StateTimelineView::new(self.titled("Doubt, and place: steady, and of each scan; click to go there"));
         let view = view.with_origin(self.origin()).with_contents(contents);
         self.properties.with(view, "TimeAxis", linked())
     }
