@@ -65,7 +65,7 @@ impl fmt::Display for Event {
 }
 
 /// What is doubtful of an answer, the worst first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Doubt {
     /// The count is wrong by the truth.
     Wrong,

@@ -45,17 +45,33 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(REPORT_DOUBT.path, &doubts)
 }
 
+/// A doubt lasts until this many revolutions in a row are less doubtful: in a long flight shorter stretches cannot be seen.
+const LASTING: u32 = 20;
+
 /// What is doubtful, if it is not what was logged before.
 #[derive(Default)]
 pub(crate) struct Doubts {
-    before: Option<Doubt>,
+    shown: Option<Doubt>,
+    /// Revolutions in a row that were less doubtful than that.
+    less: u32,
 }
 
 impl Doubts {
     pub(crate) fn log(&mut self, rows: &mut Rows, doubt: Doubt) {
-        if self.before.replace(doubt) != Some(doubt) {
+        if self.is_new(doubt) {
             rows.log(&REPORT_DOUBT, &StateChange::single(doubt.name()));
         }
+    }
+
+    /// Whether `doubt` is shown from here on.
+    fn is_new(&mut self, doubt: Doubt) -> bool {
+        let is_less = self.shown.is_some_and(|shown| doubt > shown);
+        self.less = if is_less { self.less + 1 } else { 0 };
+        if is_less && self.less < LASTING {
+            return false;
+        }
+        self.less = 0;
+        self.shown.replace(doubt) != Some(doubt)
     }
 }
 
@@ -252,6 +268,17 @@ mod tests {
         let expected = [vec![0.0, 1.0, 2.0], vec![0.0, 3.0], vec![3.0, 4.0, 5.0]];
         assert_eq!(lines.iter().map(along).collect::<Vec<_>>(), expected);
         assert!(lines[1].1 == color(WEAK_EDGE) && lines[2].1 == color(EDGE));
+    }
+
+    #[test]
+    fn a_doubt_begins_at_once_and_ends_after_a_while() {
+        let mut doubts = Doubts::default();
+        assert!(doubts.is_new(Doubt::None) && doubts.is_new(Doubt::Unsure) && doubts.is_new(Doubt::Wrong));
+        for _ in 0..3 {
+            assert!((1..LASTING).all(|_| !doubts.is_new(Doubt::None)) && !doubts.is_new(Doubt::Wrong), "it lasts");
+        }
+        assert!((1..LASTING).all(|_| !doubts.is_new(Doubt::None)) && doubts.is_new(Doubt::None));
+        assert!(!doubts.is_new(Doubt::None) && doubts.is_new(Doubt::Wrong));
     }
 
     #[test]

@@ -233,7 +233,8 @@ entities! {
     TRUTH_JSON: "/truth/json", DOCUMENT, [], "", Exact, Event, "the truth of each revolution that has one";
     REPORT_CONFIDENCE: "/report/confidence", SCALAR, [], "", Exact, Revolution, "confidence in that number, 0 to 1";
     REPORT_DOUBT: "/report/doubt", "StateChange:state", [], "", Exact, Change,
-        "`wrong` where the truth has another count, `unsure` from a low confidence until it has recovered, else `none`";
+        "`wrong` where the truth has another count, `unsure` from a low confidence until it has recovered, either until 20 \
+        revolutions in a row are better; else `none`";
     REPORT_PLACE: "/report/place", "StateChange:state", [], "", Exact, Revolution, "place, such as `tee`";
     REPORT_SUMMARY: "/report/summary", DOCUMENT, [], "", Words, Revolution, "answer with its openings and walls";
     REPORT_WHY: "/report/why", DOCUMENT, [], "", Words, Revolution, "why the count is what it is, with all notes";
