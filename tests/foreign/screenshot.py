@@ -13,6 +13,7 @@ import socket
 import subprocess
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rrd import RERUN
@@ -25,17 +26,29 @@ SPAWNED_AT = 9876
 
 # Stands in for the viewer's command, which would open a window.
 HEADLESS_RERUN = """#!/bin/sh
-if [ "$1" = mcap ]; then exec {rerun} "$@"; fi
-for argument; do shift; case "$argument" in --port=*) ;; *) set -- "$@" "$argument" ;; esac; done
-[ "$1" = --version ] || echo $$ > "$(dirname "$0")/pid"
-exec {rerun} --headless --window-size {size} --port {port} "$@"
+case "$1" in mcap | viewer-mcp) exec {rerun} "$@" ;; esac
+port={port}
+for argument; do
+    shift
+    case "$argument" in
+        --port=auto) ;;
+        --port=*) port=${{argument#--port=}} ;;
+        *) set -- "$@" "$argument" ;;
+    esac
+done
+if [ "$1" != --version ]; then
+    echo $$ >"$(dirname "$0")/pid"
+    echo "$port" >"$(dirname "$0")/port"
+fi
+exec {rerun} --headless --window-size {size} --port "$port" "$@"
 """
 
 
 class Viewer:
     """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, command: list, port: int, environment: dict, whole: bool = True, talks: bool = False):
+    def __init__(self, command: list, port: int | Path, environment: dict, whole: bool = True, talks: bool = False):
+        """`port` is that of the viewer, or a file that will have it."""
         self._log = tempfile.TemporaryFile()
         self._detached = None  # where the id of a viewer is that leaves the group of its program
         ends = (subprocess.PIPE, subprocess.PIPE) if talks else (subprocess.DEVNULL, self._log)
@@ -53,7 +66,7 @@ class Viewer:
             client = {"name": "screenshot", "version": "1"}
             self._request("initialize", protocolVersion="2024-11-05", capabilities={}, clientInfo=client)
             self._send(method="notifications/initialized")
-            self._wait_until_loaded(f"http://127.0.0.1:{port}", whole)
+            self._wait_until_loaded(lambda: f"http://127.0.0.1:{port_of(port)}", whole)
         except BaseException:
             self.close()
             raise
@@ -72,13 +85,13 @@ class Viewer:
         """The one that another program starts: it finds a viewer on its path that needs no screen."""
         port = free_port()
         folder = headless_rerun(size, port)
-        return cls(command, port, {"PATH": f"{folder}:{os.environ['PATH']}"})
+        return cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"})
 
     @classmethod
     def beside(cls, command: list[str], size: str) -> "Viewer":
         """The one that a program starts and talks to, which takes a request and gives an answer a line (`ask`)."""
         folder = headless_rerun(size, SPAWNED_AT)
-        viewer = cls(command, SPAWNED_AT, {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
+        viewer = cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
         viewer._detached = folder / "pid"
         return viewer
 
@@ -131,14 +144,19 @@ class Viewer:
                     return of["max"]
         return None
 
-    def time(self) -> tuple[str, int]:
-        """The timeline that is shown, and where on it."""
-        recording = self._call("viewer_state")["recordings"][0]
-        return recording["current_time"]["timeline"], recording["current_time"]["time"]
+    def time(self) -> tuple[str, int] | None:
+        """The timeline that is shown, and where on it; `None` while nothing is loaded."""
+        for recording in self._call("viewer_state").get("recordings", []):
+            if time := recording.get("current_time"):
+                return time["timeline"], time["time"]
+        return None
 
     def show(self, revolution: int):
-        self._call("set_time", timeline="revolution", time=revolution)
-        self.settle()
+        for _ in range(5):  # a layout that comes later goes to the end of the flight
+            self._call("set_time", timeline="revolution", time=revolution)
+            self.settle()
+            if self.time() == ("revolution", revolution):
+                return
 
     def light(self):
         """From the dark theme, which a viewer without a desktop starts with, to the light one."""
@@ -160,10 +178,10 @@ class Viewer:
         """Waits until what has come is drawn."""
         self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
 
-    def _wait_until_loaded(self, endpoint: str, whole: bool):
+    def _wait_until_loaded(self, endpoint: Callable[[], str], whole: bool):
         """Loaded as a whole is when the flight has grown no more while some frames were drawn."""
         deadline = time.monotonic() + DEADLINE_S
-        while not self._connects(endpoint):
+        while not self._connects(endpoint()):
             if self._viewer.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not start: {self._said()}")
             time.sleep(0.1)
@@ -210,6 +228,13 @@ def headless_rerun(size: str, port: int) -> Path:
     (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
     (folder / "rerun").chmod(0o755)
     return folder
+
+
+def port_of(port: int | Path) -> int | str:
+    """0, where nobody listens, while the file is not there."""
+    if isinstance(port, int):
+        return port
+    return port.read_text().strip() or "0" if port.exists() else "0"
 
 
 def free_port() -> int:

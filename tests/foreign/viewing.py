@@ -37,6 +37,7 @@ def check(flights: Flights, verdicts: Verdicts):
     for page, words in PAGES.items():
         command = flights.crosscut.command("view", saved, "--layout", page)
         check_view(command, f"view --layout {page}", words, flights, verdicts)
+    check_at(saved, flights, verdicts)
     check_beside(saved, flights, verdicts)
     check_sensors(flights, verdicts)
     check_importer(flights, verdicts)
@@ -77,15 +78,24 @@ def ground_level(pixels: np.ndarray, place: dict) -> float:
     return float(np.median([pixels[top, left].mean(), pixels[top, right].mean(), pixels[bottom, right].mean()]))
 
 
+def check_at(saved: Path, flights: Flights, verdicts: Verdicts):
+    """The viewer opens at the revolution that was asked for."""
+    with Viewer.started_by(flights.crosscut.command("view", saved, "--at", "7"), SIZE) as viewer:
+        deadline = time.monotonic() + 60
+        while (shown := viewer.time()) != ("revolution", 7) and time.monotonic() < deadline:
+            time.sleep(0.2)
+    verdicts.that(shown == ("revolution", 7), "view --at 7", f"{shown}")
+
+
 def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
-    """The same flight with other settings."""
+    """The same flight with other settings: what differs, and both, by their presets."""
     other = flights.work / "other.rrd"
     flights.crosscut("run", flights.shipped()[0].path, "--preset", "default", "--save", other, "--quiet").expect(0)
     command = flights.crosscut.command("view", saved, "--beside", other)
-    names = (saved.stem, other.stem)
-    both = [f"{name}: {view}" for name in names for view in ("Walls, openings", "W, upper half", "Eigenvalues", "Walls counted")]
-    check_view(command, "view --beside", both, flights, verdicts)
-    stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (2, "W"), (7, "Walls"))]
+    names = ("paper", "default")
+    both = [f"{name}: {view}" for name in names for view in ("scan", "W, upper half", "eigenvalues", "why")]
+    check_view(command, "view --beside", [*both, "Walls counted", "What differs", "Where they differ"], flights, verdicts)
+    stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (2, "W"), (4, "Eigenvalues"))]
     check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)
 
 

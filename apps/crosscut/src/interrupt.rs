@@ -38,7 +38,7 @@ pub(crate) fn is_requested() -> bool {
     IS_REQUESTED.load(Ordering::Relaxed)
 }
 
-/// A flag that Ctrl-C sets, so that work in progress is finished. A second Ctrl-C quits at once.
+/// A flag that a signal (Ctrl-C, `kill`) sets, so that work in progress is finished. A second one quits at once.
 pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
     let stop = StopFlag::default();
     let set = stop.clone();
@@ -46,7 +46,7 @@ pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
         if IS_REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
-        say("stopping after the scans in progress (press Ctrl-C again to quit at once, without them)");
+        say("stopping after the scans in progress (a second signal, as of Ctrl-C, quits at once, without them)");
         set.set();
         let quit = || {
             std::thread::sleep(READING);

@@ -21,6 +21,7 @@ mod fly;
 mod host;
 mod interrupt;
 mod live;
+mod looking;
 mod map_file;
 mod map_picture;
 mod maps;
@@ -98,10 +99,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: 
     };
     match outcome {
         Ok(outcome) => outcome.into(),
-        Err(error) if interrupt::is_requested() => {
-            exit::report(&error);
-            exit::INTERRUPTED
-        }
+        Err(error) if interrupt::is_requested() => exit::report_interrupted(&error),
         Err(error) => exit::report(&error),
     }
 }

@@ -81,6 +81,8 @@ fn source(run: &RunArgs) -> String {
     let ConfigArgs { preset, config, set } = &run.config;
     let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
     let over = over.map_or_else(String::new, |name| format!(" with {name}"));
+    // What is recorded changes no answer.
+    let set: Vec<&str> = set.iter().map(String::as_str).filter(|setting| !setting.starts_with("recording.")).collect();
     let changed = if set.is_empty() { String::new() } else { format!(", --set {}", set.join(" ")) };
     format!("{file}, preset {preset}{over}{changed}")
 }

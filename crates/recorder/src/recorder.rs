@@ -86,6 +86,7 @@ pub struct Recorder {
     recorded: Arc<AtomicU64>,
     tracks: Tracks,
     watch: Watch,
+    doubts: why::Doubts,
     times: Times,
     notes: Notes,
     map: FlightMap,
@@ -194,6 +195,7 @@ impl Recorder {
             recorded: Arc::default(),
             tracks: Tracks::default(),
             watch: Watch::default(),
+            doubts: why::Doubts::default(),
             times: Times::default(),
             notes: Notes::default(),
             map: FlightMap::default(),
@@ -219,6 +221,11 @@ impl Recorder {
         &mut self.rows
     }
 
+    /// Writes a text in Markdown that holds for the whole recording.
+    pub(crate) fn log_static_text(&mut self, path: &str, text: &str) -> Result<(), ObserverError> {
+        self.rec.log_static(path, &TextDocument::from_markdown(text)).map_err(|e| ObserverError(e.to_string()))
+    }
+
     /// Number of revolutions within the scope. It can still be read when the flight has dropped the recorder.
     pub fn recorded(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.recorded)
@@ -242,7 +249,8 @@ impl Recorder {
             mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
         }
         if self.extent.is_none() {
-            self.send_layout(Extent::of(frame))?;
+            let has_truth = self.options.truth.of(revolution.seq).is_some();
+            self.send_layout(Extent { has_truth, ..Extent::of(frame) })?;
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
@@ -309,6 +317,7 @@ impl Recorder {
         }
         log_static(&self.rec, &self.options.config_toml, self.mine.as_ref())?;
         (self.beams, self.as_read, self.absent) = (BeamGeometry::default(), AsRead::default(), Absent::default());
+        self.doubts = why::Doubts::default();
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
         }
@@ -354,6 +363,7 @@ impl Recorder {
         let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
         let told = Told { classes: &classes, reach_m, source: &self.options.source, first_ns, truth };
         let explanation = why::log(rows, frame, &told, &mut self.watch);
+        self.doubts.log(rows, self.watch.doubt());
         if share.matrices {
             why::log_marks(rows, frame, &order, &explanation);
         }

@@ -215,6 +215,9 @@ pub(crate) struct ViewArgs {
     /// that the recording was made for]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
+    /// Revolution to open at. [default: the last]
+    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve")]
+    pub(crate) at: Option<u64>,
     /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
     pub(crate) beside: Option<PathBuf>,

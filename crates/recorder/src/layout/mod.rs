@@ -5,7 +5,7 @@
 pub(crate) mod mission;
 mod pages;
 mod properties;
-mod together;
+pub(crate) mod together;
 mod views;
 
 use crosscut_stage::Frame;
@@ -73,11 +73,13 @@ pub(crate) struct Extent {
     pub(crate) places: usize,
     /// The affinity decides gap by gap: its gaps are shown before the eigenvalues.
     pub(crate) by_gaps: bool,
+    /// The flight has its truth.
+    pub(crate) has_truth: bool,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { range_m: 15.0, places: 360, by_gaps: false }
+        Self { range_m: 15.0, places: 360, by_gaps: false, has_truth: false }
     }
 }
 
@@ -97,12 +99,14 @@ impl Extent {
             range_m: limit_m.unwrap_or(f64::INFINITY).min(seen_m),
             places: if places > 0 { places } else { default.places },
             by_gaps: !frame.affinity.verdicts.is_empty(),
+            has_truth: default.has_truth,
         }
     }
 
     /// Records the extent, so that the recording can be laid out again.
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
-        let values = vec![self.range_m, self.places as f64, f64::from(u8::from(self.by_gaps))];
+        let [by_gaps, has_truth] = [self.by_gaps, self.has_truth].map(|is_so| f64::from(u8::from(is_so)));
+        let values = vec![self.range_m, self.places as f64, by_gaps, has_truth];
         rec.log_static(EXTENT.path, &f64_vector(values, EXTENT.dims))
     }
 
@@ -113,8 +117,9 @@ impl Extent {
         match &data.first()?.buffer {
             TensorBuffer::F64(values) => match values.as_ref() {
                 [range_m, places, ..] => {
-                    let by_gaps = values.get(2).is_some_and(|by_gaps| *by_gaps > 0.0);
-                    Some(Self { range_m: *range_m, places: *places as usize, by_gaps })
+                    let is_set = |at: usize| values.get(at).is_some_and(|value| *value > 0.0);
+                    let [by_gaps, has_truth] = [2, 3].map(is_set);
+                    Some(Self { range_m: *range_m, places: *places as usize, by_gaps, has_truth })
                 }
                 _ => None,
             },

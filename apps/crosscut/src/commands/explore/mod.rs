@@ -160,7 +160,7 @@ impl Fleet<'_> {
         });
         let lost = journal.and_then(|journal| journal.finish().err());
         diagnostics.lost_all(lost.map(|error| format!("{:#}", anyhow::Error::from(error))));
-        diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
+        diagnostics.lost_all(saved.and_then(|saved| saved.finish(&flown).err()));
         Ok(flown)
     }
 
