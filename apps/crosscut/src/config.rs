@@ -59,7 +59,7 @@ pub(crate) fn found() -> Option<PathBuf> {
 
 impl ConfigArgs {
     pub(crate) fn resolve(&self, registry: &Registry) -> Result<Config, UsageError> {
-        resolve(&self.preset, self.config.as_deref(), &[("--set", &self.set)], registry)
+        resolve(self.preset(), self.config.as_deref(), &[("--set", &self.set)], registry)
     }
 }
 

@@ -6,6 +6,7 @@ use crosscut_detector::{Config, Preset, Registry};
 
 use crate::config;
 use crate::exit::UsageError;
+use crate::looking::quoted;
 
 /// A configuration with the name it has in tables.
 pub(crate) struct Configuration {
@@ -30,6 +31,18 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
         }
     }
     Ok(configurations)
+}
+
+/// The options of `debug` that choose each configuration.
+pub(crate) fn options(with: &[String], set: &[String]) -> Vec<String> {
+    let of = |text: &String| {
+        let Ok(With { preset, file, settings, .. }) = With::parse(text) else { return String::new() };
+        let preset = preset.map(|preset| format!("--preset {preset}"));
+        let file = file.map(|file| format!("--config {}", quoted(file)));
+        let settings = settings.iter().chain(set).map(|setting| format!("--set {}", quoted(setting)));
+        preset.into_iter().chain(file).chain(settings).collect::<Vec<_>>().join(" ")
+    };
+    with.iter().map(of).collect()
 }
 
 /// The files that `with` names.

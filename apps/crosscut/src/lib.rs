@@ -21,6 +21,7 @@ mod fly;
 mod host;
 mod interrupt;
 mod live;
+mod looking;
 mod map_file;
 mod map_picture;
 mod maps;

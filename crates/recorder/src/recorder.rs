@@ -41,12 +41,13 @@ use crate::timing::Times;
 use crate::tracks::Tracks;
 use crate::why::Told;
 use crate::{
-    exact, gaps, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing, truth, viewer,
-    why,
+    eigenvectors, exact, gaps, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing,
+    truth, viewer, why,
 };
 
-/// Sensor time between two flushes. Each flush writes the description of all columns once more.
-const FLUSH_AFTER_NS: u64 = 2_500_000_000;
+/// Sensor time between two flushes. Each flush writes the description of all columns once more, and a recorded flight can be
+/// recorded again.
+const FLUSH_AFTER_NS: u64 = 10_000_000_000;
 /// Sensor time between two flushes of a live flight, which cannot be repeated.
 const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
 /// Most revolutions between two flushes, whatever their stamps.
@@ -523,6 +524,8 @@ fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> 
     log_config(rec, config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
+    matrices::log_static(rec)?;
+    eigenvectors::log_static(rec)?;
     spectrum::log_static(rec)?;
     partition::log_static(rec)?;
     profile::log_static(rec)?;

@@ -27,7 +27,7 @@ use crate::fly::{Flight, Flown, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::show;
-use crate::{progress, typeset};
+use crate::{looking, progress, typeset};
 
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
@@ -81,7 +81,9 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        let sentences = shown::sentences(&configurations, &compared);
+        let options = configurations::options(&args.with, &args.set);
+        let sentences =
+            shown::sentences(&configurations, &compared, looking::hint(&compared.outcomes, input, &options));
         show(format_args!("{sentences}\n{}", typeset::text(&shown::tables(&configurations, &compared, args.all))))?;
     }
     Ok(diagnostics.outcome())
