@@ -13,8 +13,8 @@ from verdicts import Verdicts
 KILLS = 12
 SEED = 3
 DEADLINE_S = 120
-# How much of the file must be there for some revolution to be: the layout comes first, and the first chunks have 64 revolutions.
-FIRST_SHARE = 0.65
+# How much of the file must be there for some revolution to be: the layout comes first, and the first chunks are 2.5 s long.
+FIRST_SHARE = 0.4
 
 
 def check(flights: Flights, verdicts: Verdicts):

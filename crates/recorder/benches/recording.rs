@@ -23,7 +23,7 @@ const ROUNDS: usize = 5;
 const FULL_SHARE: u64 = 10;
 const PERIOD_NS: u64 = 100_000_000;
 /// Rows of a revolution go to the file together with those of this many others, as in a recording.
-const FLUSH_AFTER: u64 = 64;
+const FLUSH_AFTER: u64 = 25;
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 

@@ -33,10 +33,7 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_show_labels(true)
         .with_radii([ui(0.0)])
         .with_colors([color(WORDS)]);
-    rec.log_static(AFFINITY_GAPS_AXIS.path, &[&lines as &dyn AsComponents, &names])?;
-    let columns = LineStrips2D::update_fields().with_radii([Radius::new_scene_units(0.2 * COLUMN)]);
-    let widths = Points2D::update_fields().with_show_labels(true).with_radii([ui(0.0)]).with_colors([color(WORDS)]);
-    rec.log_static(AFFINITY_GAPS.path, &[&columns as &dyn AsComponents, &widths])
+    rec.log_static(AFFINITY_GAPS_AXIS.path, &[&lines as &dyn AsComponents, &names])
 }
 
 /// A column for each gap from the threshold up, or down, with the width of the gap.
@@ -48,8 +45,9 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     gaps.truncate(DRAWN);
     let x = |at: usize| COLUMN * (at as f32 + 0.75);
     let columns = gaps.iter().enumerate().map(|(at, gap)| [[x(at), 0.0], [x(at), y(gap.room_ratio)]]);
-    let lines =
-        LineStrips2D::new(columns).with_colors(gaps.iter().map(|gap| color(if gap.is_opening { ZEROS } else { GREY })));
+    let lines = LineStrips2D::new(columns)
+        .with_radii([Radius::new_scene_units(0.2 * COLUMN)])
+        .with_colors(gaps.iter().map(|gap| color(if gap.is_opening { ZEROS } else { GREY })));
     let points_m = &frame.revolution.points_m;
     let width_m = |gap: &Verdict| {
         let [a, b] = gap.returns.map(|i| points_m.get(i as usize));
@@ -57,7 +55,10 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     };
     let beyond = |ratio: f64| y(ratio) + if ratio > 1.0 { -3.4 } else { 1.0 };
     let widths = Points2D::new(gaps.iter().enumerate().map(|(at, gap)| [x(at), beyond(gap.room_ratio)]))
-        .with_labels(gaps.iter().map(|gap| width_m(gap).map_or(String::new(), |width_m| format!("{width_m:.1} m"))));
+        .with_labels(gaps.iter().map(|gap| width_m(gap).map_or(String::new(), |width_m| format!("{width_m:.1} m"))))
+        .with_show_labels(true)
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([color(WORDS)]);
     rows.log(&AFFINITY_GAPS, &[&lines as &dyn AsComponents, &widths]);
 }
 

@@ -12,7 +12,7 @@ use crate::beam_order::{BeamOrder, LARGEST_SIDE};
 use crate::colors::{VIRIDIS, WORDS, WORDS_ON_PICTURES, color};
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
-use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
+use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_MARKS, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
 use crate::tensors::f32_vector;
 
 /// The level of a value of 1 or more. There is a level for each decade down to level 0, which is 1e-16 or less.
@@ -121,8 +121,10 @@ pub(crate) fn look(colors: Colormap) -> EncodedDepthImage {
         .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
 }
 
-/// Look of the pictures of W and L.
+/// Look of the pictures of W and L, and of the marks on that of W.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let marks = Points2D::update_fields().with_radii([Radius::new_ui_points(3.0)]).with_show_labels(true);
+    rec.log_static(AFFINITY_MARKS.path, &marks)?;
     rec.log_static(AFFINITY_W.path, &look(Colormap::Viridis))?;
     rec.log_static(SPECTRAL_L.path, &look(Colormap::Viridis))
 }

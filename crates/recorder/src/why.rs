@@ -37,8 +37,6 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
     let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
     rec.log_static(SCAN_LINKS_EDGES.path, &edges)?;
-    rec.log_static(AFFINITY_LINKS.path, &LineStrips3D::update_fields().with_radii([ui(0.5)]))?;
-    rec.log_static(AFFINITY_MARKS.path, &Points2D::update_fields().with_radii([ui(3.0)]).with_show_labels(true))?;
     rec.log_static(REPORT_WHY.path, &TextDocument::update_fields().with_media_type(MediaType::MARKDOWN))
 }
 
@@ -184,7 +182,7 @@ pub(crate) fn log_graph(rows: &mut Rows, frame: &Frame) {
     let every = links.len().div_ceil(DRAWN_A_RETURN * n.max(1)).max(1);
     let (lines, colors): (Vec<_>, Vec<_>) =
         chains(&frame.revolution, links.into_iter().step_by(every)).into_iter().unzip();
-    let lines = LineStrips3D::new(lines).with_colors(colors);
+    let lines = LineStrips3D::new(lines).with_colors(colors).with_radii([Radius::new_ui_points(0.5)]);
     rows.log(&AFFINITY_LINKS, &lines);
 }
 
