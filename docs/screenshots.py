@@ -72,9 +72,9 @@ def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around
     """The recording of a flight, or of some revolutions of it."""
     saved = WORK / f"{name}.rrd"
     saved.parent.mkdir(parents=True, exist_ok=True)
-    chosen = [] if around is None else ["--record-revolutions", f"{max(0, around - 20)}..{around + 20}"]
+    chosen = [] if around is None else ["--set", f"recording.revolutions=[[{max(0, around - 20)}, {around + 20}]]"]
     changes = [part for setting in settings for part in ("--set", setting)]
-    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--record", detail, *chosen]
+    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--detail", detail, *chosen]
     subprocess.run(command, check=True)
     return saved
 

@@ -19,6 +19,8 @@ pub enum Found {
     CutRosBag,
     Sqlite,
     Rerun,
+    /// A compressed file in a compressed file.
+    CompressedTwice,
     Gzip,
     Xz,
     SevenZip,
@@ -118,6 +120,9 @@ impl Found {
         if container::ROS1_BAG_MAGIC.starts_with(start) {
             return Self::CutRosBag;
         }
+        if container::is_compressed(start) {
+            return Self::CompressedTwice;
+        }
         if start.get(TAR_SIGN.0..).is_some_and(|rest| rest.starts_with(TAR_SIGN.1)) {
             return Self::Tar;
         }
@@ -182,6 +187,7 @@ impl fmt::Display for Found {
             Self::CutRosBag => "it is cut off within the first 13 bytes of a ROS 1 bag",
             Self::Sqlite => "it is an SQLite file without the tables `topics` and `messages` of a rosbag2",
             Self::Rerun => "it is a Rerun recording, which is what crosscut writes; give the recording it was made of",
+            Self::CompressedTwice => "it is compressed twice; decompress it first, once: `zstd -d FILE`, `lz4 -d`, `bunzip2`",
             Self::Gzip => "it is compressed with gzip; decompress it first: `gunzip FILE`",
             Self::Xz => "it is compressed with xz; decompress it first: `unxz FILE`",
             Self::SevenZip => "it is a 7z archive; unpack it first: `7z x FILE`",

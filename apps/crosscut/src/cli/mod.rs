@@ -189,8 +189,11 @@ pub(crate) struct MapArgs {
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
-    pub(crate) out: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "json", value_parser = PathBufValueParser::new().try_map(map_path))]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the map as JSON, as in a file .json.
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Show no progress bar and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,

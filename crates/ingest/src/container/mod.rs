@@ -152,6 +152,11 @@ pub(crate) fn reopen_file(contents: &Contents, csv: &CsvGeometry) -> Result<Box<
     open_plain(path, &on_disk, file, &start, csv)
 }
 
+/// Whether a file that begins with `start` is compressed as a whole, in a way that is decompressed here.
+pub(crate) fn is_compressed(start: &[u8]) -> bool {
+    Compression::of(start).is_some()
+}
+
 /// Opens a temporary copy of `path`.
 fn open_spooled(
     path: &Path,

@@ -34,7 +34,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    let config = args.config.resolve(registry)?;
+    let config = args.config.resolve_with(args.scope.setting(), registry)?;
     check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;

@@ -32,8 +32,7 @@ impl Saved {
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Option<Self>> {
         let path = args.save.clone();
-        let options =
-            RecorderOptions { path, scope: args.scope.scope(), ..observers::recorder_options(name.to_owned(), config) };
+        let options = RecorderOptions { path, ..observers::recorder_options(name.to_owned(), config) };
         let created = args.save.is_some().then(|| Self::create(options, world)).transpose();
         diagnostics.lost_all(created.as_ref().err());
         Ok(created.unwrap_or_default())
