@@ -227,6 +227,12 @@ impl Mapper {
             (Some(last), Some(corrected)) => corrected * last.tracked.inv_mul(&visit.anchor),
             _ => visit.anchor,
         };
+        let stayed = self.last.as_ref().filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
+        // From a part of a junction, the rest of it may be out of view: it looks like a dead end.
+        if stayed.is_some_and(|last| self.map.nodes[last].kind == HereKind::Junction && visit.kind == HereKind::DeadEnd)
+        {
+            return;
+        }
         let walls = Walls::new(&visit.outline);
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
@@ -244,7 +250,6 @@ impl Mapper {
             self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
         }
         let found = self.recognise(&visit, &walls, &predicted);
-        let stayed = self.last.as_ref().filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
         let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
                 let node = self.merge(&visit, &candidate, runner_up, number);
@@ -255,8 +260,12 @@ impl Mapper {
                 };
                 self.reconsider(node)
             }
-            (None, Some(node)) => node,
-            (None, None) => self.add_node(&visit, walls, number),
+            (None, Some(node)) if self.map.nodes[node].kind == visit.kind => node,
+            (None, Some(end)) if self.is_new(end) => {
+                let node = self.add_node(&visit, walls, number);
+                self.absorb(end, node)
+            }
+            (None, _) => self.add_node(&visit, walls, number),
         };
         let [first, this] = [self.places[node].first_visit, number].map(|visit| self.graph.poses[visit]);
         let turned_rad = first.inv_mul(&this).rotation.angle();
@@ -274,9 +283,8 @@ impl Mapper {
         let is_near = |off_m: f64| off_m < NEAR_LOOKS * look_m;
         let mut between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
         let to_last = last.tracked.inverse();
-        is_alike
-            && self.flown_sd_m(last, visit).is_some()
-            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || has_mouths_of(last, visit))
+        self.flown_sd_m(last, visit).is_some()
+            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || is_alike && has_mouths_of(last, visit))
             && is_near(apart.translation.vector.norm())
             && between.all(|(_, place_m)| is_near((to_last * place_m).coords.norm()))
     }
