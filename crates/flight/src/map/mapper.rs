@@ -16,7 +16,7 @@ use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 
 /// A visit has ended once the vehicle has moved this far in a passage: the place may be in doubt in between. One to a
 /// dead end, only once it is certain by which side the vehicle leaves.
-const LEFT_M: f64 = 2.0;
+const LEFT_M: f64 = 1.0;
 const LEFT_DEAD_END_M: f64 = 5.0;
 
 /// Between two visits of one node, a passage is longer than this.
