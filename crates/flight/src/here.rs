@@ -58,6 +58,9 @@ const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
 /// What matters of a ray lies within this many times the look.
 const FARTHEST_REACH: f64 = LOOKS[2] * LEAST_REACH;
 
+/// In the middle of a place, a look that is shorter by this sees its mouths, too.
+const MIDDLE_LOOKS: f64 = 0.6;
+
 /// A mouth is at least this wide, in local widths.
 const LEAST_MOUTH_WIDTHS: f64 = 0.25;
 
@@ -129,7 +132,8 @@ impl Places {
             outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&tracked.pose, bearing_rad, reach_m));
         }
         let width_m = outline.local_width_m();
-        let look_m = (self.look_widths * width_m).max(self.least_look_m).min(farthest_look_m);
+        let wanted_m = (self.look_widths * width_m).max(self.least_look_m);
+        let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
         let Place { kind, ways, is_seen } = place?;
@@ -139,7 +143,11 @@ impl Places {
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
         let seen = if is_seen { 1.0 } else { UNSEEN_CONFIDENCE };
         let confidence = junction.confidence.unwrap_or(0.0) * seen * alike as f64 / LOOKS.len() as f64;
-        Some(Here { kind, look_m, ways, confidence })
+        // In a hall that is wider than the look there is no middle to tell.
+        let middle_m = (MIDDLE_LOOKS * wanted_m).min(look_m);
+        let middle = outline.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
+        let is_middle = middle.is_some_and(|middle| middle.ways.len() == ways.len());
+        Some(Here { kind, look_m, ways, is_middle, confidence })
     }
 }
 

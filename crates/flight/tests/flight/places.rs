@@ -2,14 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crosscut_detector::{Preset, Settings};
-use crosscut_flight::{Flight, FlightAnswer, Here};
+use crosscut_flight::{FlightAnswer, Here};
 use crosscut_messages::TruthPlace;
-use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
-use crosscut_stage::{Frame, Params};
 
-use crate::{follow, scenario};
+use crate::{Follower, follow, scenario};
 
 fn is_right(here: &Here, truth: Option<TruthPlace>) -> bool {
     let kind = |truth: TruthPlace| format!("{:?}", truth.kind) == format!("{:?}", here.kind);
@@ -88,16 +85,11 @@ fn a_view_with_no_line_through_the_sensor_knows_no_place_at_first() {
 /// First scans of flights that begin along a flight, with a view of 255 degrees: all, those that know the place, and those
 /// that are right.
 fn first_places(name: &str, seed: u64) -> [usize; 3] {
-    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
-    let (mut frame, mut found) = (Frame::default(), [0; 3]);
+    let mut found = [0; 3];
     for mut scene in (scenario(name).fly)(seed).step_by(5) {
         narrow(&mut scene, 127.5);
-        let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
-        frame.notes.clear();
-        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame).expect("no failure");
-        flight.add(&mut frame);
-        let here = &FlightAnswer::of(&frame).here;
+        let mut follower = Follower::default();
+        let here = &FlightAnswer::of(follower.follow(&scene)).here;
         let is = here.as_ref().filter(|_| scene.truth.here.is_some()).map(|here| is_right(here, scene.truth.here));
         found = [found[0] + 1, found[1] + usize::from(is.is_some()), found[2] + usize::from(is == Some(true))];
     }

@@ -2,14 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crosscut_detector::{Preset, Settings};
-use crosscut_flight::{Flight, FlightAnswer, Steady};
+use crosscut_flight::{FlightAnswer, Steady};
 use crosscut_messages::Time;
-use crosscut_sensor::Sensor;
 use crosscut_simulator::Scene;
-use crosscut_stage::{Frame, Params};
 
-use crate::{follow, scenario};
+use crate::{Follower, follow, scenario};
 
 struct Flown {
     truth: usize,
@@ -88,21 +85,17 @@ fn scans_without_stamps_move_the_steady_answer_too() {
 #[test]
 fn after_a_cut_the_steady_answer_is_that_of_the_scans_after_it() {
     // Of a flight without odometry, 40 scans in one place and then 40 in another, where another number of walls is seen.
-    let (sensor, mut engine) = (Sensor::default(), Settings::new(Preset::Default).engine().expect("the preset"));
-    let mut flight = Flight::new(&Params::defaults(crosscut_flight::PARAMS), 0.6);
-    let mut frame = Frame::default();
-    let mut cut = Vec::new();
-    for (at, scene) in
-        (scenario("mine").fly)(1).enumerate().filter(|(at, _)| (60..100).contains(at) || *at >= 300).take(42)
-    {
-        frame.notes.clear();
-        sensor.revolution(&scene.scan, &mut frame.revolution, &mut frame.notes);
-        engine.process(&mut frame).expect("no failure");
-        flight.add(&mut frame);
-        let flown = FlightAnswer::of(&frame);
-        let stretch = flown.doubt.expect("a pose").stretch;
-        cut.push((at, stretch, frame.junction.junctions, flown.steady.as_ref().map(|steady| steady.junctions)));
-    }
+    let mut follower = Follower::default();
+    let is_of_the_cut = |at: &usize| (60..100).contains(at) || *at >= 300;
+    let scenes = (scenario("mine").fly)(1).enumerate().filter(|(at, _)| is_of_the_cut(at)).take(42);
+    let cut: Vec<_> = scenes
+        .map(|(at, scene)| {
+            let frame = follower.follow(&scene);
+            let flown = FlightAnswer::of(frame);
+            let stretch = flown.doubt.expect("a pose").stretch;
+            (at, stretch, frame.junction.junctions, flown.steady.as_ref().map(|steady| steady.junctions))
+        })
+        .collect();
     let [before, after] = [cut[39], cut[40]];
     assert!(before.1 == 0 && after.1 == 1, "the cut is seen: {cut:?}");
     assert!(before.3 != Some(after.2), "the places differ: {before:?} {after:?}");
