@@ -67,11 +67,12 @@ fn fly(has_odometry: bool) -> Result<Vec<At>, Box<dyn Error>> {
         let of = FlightAnswer::of(&frame);
         let found = of.pose.ok_or("scans have poses")?.translation.vector;
         let sd_m = of.doubt.and_then(|doubt| doubt.from_start_sd_m(found.into()));
-        let is_back = along.last().is_some_and(|last: &At| moved.translation.x < last.x_m - 0.3);
+        let farthest_m = along.iter().map(|at: &At| at.x_m).fold(0.0, f64::max);
+        let is_back = pose.translation.x < farthest_m - 0.3;
         if is_back || pose.translation.y.abs() > 3.0 {
             break;
         }
-        along.push(At { x_m: moved.translation.x, sd_m, off_m: (found - moved.translation.vector).norm() });
+        along.push(At { x_m: pose.translation.x, sd_m, off_m: (found - moved.translation.vector).norm() });
     }
     Ok(along)
 }

@@ -147,7 +147,10 @@ impl Mapper {
         let is_known = self.doubt.since(&self.in_node_doubt).is_some_and(|since| since.sd_m(place_m).is_some());
         let has_ended = |open: &OpenVisit| match (node, open.kind()) {
             (Some(node), kind) if kind != node => true,
-            (Some(_), kind) => kind == HereKind::Junction && open.has_left_the_middle(self.way.way_m),
+            (Some(_), kind) => {
+                kind == HereKind::Junction
+                    && (open.has_left_the_middle(self.way.way_m) || open.has_turned_back(&place_m))
+            }
             (None, _) if !is_known => true,
             (None, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
             (None, _) => self.way.way_m - self.in_node_at_m > LEFT_M,

@@ -103,6 +103,12 @@ impl OpenVisit {
         self.middle_at_m.is_some_and(|middle_at_m| way_m - middle_at_m > LEFT_MIDDLE_M)
     }
 
+    /// Whether the vehicle saw this place from its edge alone and is back within the look of the stay before.
+    pub(crate) fn has_turned_back(&self, place_m: &Point2<f64>) -> bool {
+        let look_m = self.samples.last().map(|sample| sample.look_m).filter(|_| self.middle_at_m.is_none());
+        self.follows.zip(look_m).is_some_and(|(before_m, look_m)| (place_m - before_m).norm() < look_m)
+    }
+
     pub(crate) fn kind(&self) -> HereKind {
         self.kind
     }
