@@ -13,6 +13,8 @@ import sensors  # noqa: E402
 from screenshot import Viewer  # noqa: E402
 
 SIZE = "1400x900"
+# The viewer's own bar on top: it has badges of the machine that draws, and nothing of the page.
+BAR_PX = 28
 IMAGES, WORK = ROOT / "docs/images", ROOT / "target/screenshots"
 # Real recordings: see docs/viewing.md for their origin.
 REAL = ROOT / "../shared/data"
@@ -34,6 +36,7 @@ def main(crosscut: str):
             take(crosscut, [paper, "--layout", "stages"], seq, "tee")
             take(crosscut, [paper, "--layout", "stages"], seq, "stages-light", light=True)
     maps(crosscut)
+    mission(crosscut)
     robot = WORK / "robot.mcap"
     sensors.write(robot)
     take(crosscut, [run(crosscut, robot, "default", "robot"), "--with", robot], 20, "sensors-robot")
@@ -45,6 +48,13 @@ def maps(crosscut: str):
     loops = WORK / "loops.mcap"
     subprocess.run([crosscut, "simulate", "loops", "--seed", "1", "--out", loops, "--quiet"], check=True)
     take(crosscut, [run(crosscut, loops, "default", "loops", detail="light"), "--layout", "map"], 3000, "map-loops")
+
+
+def mission(crosscut: str):
+    """A mission at one of its decisions."""
+    saved = WORK / "mission.rrd"
+    subprocess.run([crosscut, "explore", "loops", "--seed", "7", "--save", saved, "--detail", "light", "--quiet"], check=True)
+    take(crosscut, [saved], 2112, "mission")
 
 
 def why(crosscut: str, tee: Path):
@@ -72,9 +82,9 @@ def run(crosscut: str, flight: Path, preset: str, name: str, settings=(), around
     """The recording of a flight, or of some revolutions of it."""
     saved = WORK / f"{name}.rrd"
     saved.parent.mkdir(parents=True, exist_ok=True)
-    chosen = [] if around is None else ["--record-revolutions", f"{max(0, around - 20)}..{around + 20}"]
+    chosen = [] if around is None else ["--set", f"recording.revolutions=[[{max(0, around - 20)}, {around + 20}]]"]
     changes = [part for setting in settings for part in ("--set", setting)]
-    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--record", detail, *chosen]
+    command = [crosscut, "run", flight, "--preset", preset, *changes, "--save", saved, "--quiet", "--detail", detail, *chosen]
     subprocess.run(command, check=True)
     return saved
 
@@ -87,7 +97,9 @@ def take(crosscut: str, what: list, seq: int, name: str, light: bool = False):
             viewer.light()
         viewer.save(path)
     # 256 colours are enough for lines and letters, and a third of the size; chosen so that a wall of two returns keeps its own.
-    few = Image.open(path).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
+    page = Image.open(path).convert("RGB")
+    page = page.crop((0, BAR_PX, page.width, page.height))
+    few = page.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}, {path.stat().st_size / 1e3:.0f} KB")
 

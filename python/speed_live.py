@@ -1,17 +1,24 @@
-"""Times messages of a live robot on their way to this process, on this machine: `python/run live`.
+"""Times a live robot on this machine: `python/run live`.
 
-Messages are as long as a scan of 360 beams in CDR and leave another process at 40 Hz, with their send time. Over Zenoh they go
-through a router, over DDS straight.
+First messages on their way to this process: they are as long as a scan of 360 beams in CDR and leave another process at 40 Hz, with
+their send time. Over Zenoh they go through a router, over DDS straight. Then scans, from there to the line of their results,
+without and with a recording beside.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import signal
 import socket
+import struct
 import subprocess
 import sys
+import tempfile
+import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,6 +66,49 @@ def measure(name: str, where: str) -> None:
     print(f"{name}: {len(latencies_ms)} of {MESSAGES} at {HZ} Hz, p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
 
 
+def send_scans(router: str) -> None:
+    from mcap.reader import make_reader
+
+    with (Path(__file__).parents[1] / "recordings/tee.mcap").open("rb") as file:
+        scans = [message.data for _, _, message in make_reader(file).iter_messages(topics=["/scan"])]
+    robot = zenoh.open(_zenoh._settings(router, None))
+    time.sleep(2)
+    start = time.monotonic()
+    for number in range(MESSAGES):
+        time.sleep(max(0.0, start + number / HZ - time.monotonic()))
+        scan = bytearray(scans[number % len(scans)])
+        scan[4:12] = struct.pack("<II", *divmod(time.time_ns(), 10**9))  # the stamp, behind the four bytes that CDR begins with
+        robot.put(TOPIC, bytes(scan))
+    time.sleep(2)
+    robot.close()
+
+
+def measure_answers(router: str) -> None:
+    """From a scan that is sent to its line of results."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, options in (("answers", []), ("answers, recorded", ["--save", f"{folder}/flight.rrd"])):
+            command = [str(Path(sys.executable).with_name("crosscut")), "run", f"zenoh://{router}/{TOPIC}", "--as", "sensor_msgs/msg/LaserScan"]
+            program = subprocess.Popen([*command, "--quiet", "--results", "-", *options], stdout=subprocess.PIPE)
+            robot = subprocess.Popen([sys.executable, __file__, "scans", router])
+            latencies_ms: list[float] = []
+            reader = threading.Thread(target=take_lines, args=(program.stdout, latencies_ms))
+            reader.start()
+            robot.wait()
+            program.send_signal(signal.SIGINT)
+            reader.join()
+            program.wait()
+            # The first wait for the second in which the program looks at what it hears.
+            told = latencies_ms[2 * HZ :]
+            p50, p99 = np.percentile(told, [50, 99])
+            print(f"{name}: {len(told)} at {HZ} Hz, p50 {p50:.2f} ms, p99 {p99:.2f} ms", flush=True)
+
+
+def take_lines(lines: Any, latencies_ms: list[float]) -> None:
+    for line in lines:
+        arrived_ns = time.time_ns()
+        latencies_ms.append((arrived_ns - json.loads(line)["stamp_ns"]) / 1e6)
+
+
 def main() -> None:
     os.environ["CYCLONEDDS_URI"] = LOOPBACK
     with socket.socket() as probe:
@@ -70,11 +120,14 @@ def main() -> None:
     config.insert_json5("scouting/multicast/enabled", "false")
     with zenoh.open(config):
         measure("Zenoh", f"127.0.0.1:{port}")
+        measure_answers(f"127.0.0.1:{port}")
     measure("DDS", "dds")
 
 
 if __name__ == "__main__":
-    if sys.argv[1:]:
+    if sys.argv[2:]:
+        send_scans(sys.argv[2])
+    elif sys.argv[1:]:
         send(sys.argv[1])
     else:
         main()

@@ -96,7 +96,7 @@ fn a_mission_is_recorded_for_the_viewer() {
         assert_eq!(rows_of(&saved, stage), Some(revolutions), "a mission can be asked why: {stage}");
     }
     let light = folder.path().join("light.rrd").display().to_string();
-    let thinned = ["--record", "light", "--record-revolutions", "20..29", "--quiet"];
+    let thinned = ["--detail", "light", "--set", "recording.revolutions=[[20, 29]]", "--quiet"];
     run([&["explore", "tee", "--seed", "3", "--save", &light][..], &thinned].concat()).expect_code(0);
     let rows = ["/affinity/W", "/report/why", "/mission/walls"].map(|entity| rows_of(&light, entity));
     assert_eq!(rows, [None, Some(10), Some(revolutions)], "the mission is whole, the stages are not");

@@ -126,8 +126,7 @@ fn a_file_that_is_no_recording_is_identified() {
     refused("empty.mcap", b"");
     refused("noise.mcap", &[7; 4096]);
     let ran = run(["run", "nowhere.mcap"]).expect_code(1);
-    assert_eq!(ran.stderr.matches("(os error").count(), 1, "the cause is told once: {}", ran.stderr);
-    assert!(ran.stderr.starts_with("error: cannot open nowhere.mcap: "), "{}", ran.stderr);
+    assert_eq!(ran.stderr, "error: there is no file or folder nowhere.mcap\n");
     let ran = refused("flight.bag", b"#ROSRECORD V1.2\nand more");
     assert!(ran.stderr.contains("rosbag fix"), "{}", ran.stderr);
     let ran = refused("flight.mcap", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n");

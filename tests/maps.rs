@@ -32,6 +32,18 @@ fn the_map_has_the_fields_of_the_contract() {
 }
 
 #[test]
+fn a_map_is_printed_as_it_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("map.json");
+    map(&out).expect_code(0);
+    let flight = shipped_flight();
+    let printed = run(["map", flight.to_str().expect("UTF-8"), "--json"]).expect_code(0);
+    assert_eq!(printed.stdout, std::fs::read_to_string(out).expect("written"));
+    assert!(printed.stderr.contains("1 junction"), "words go to standard error: {}", printed.stderr);
+    run(["map", flight.to_str().expect("UTF-8")]).expect_code(2);
+}
+
+#[test]
 fn every_format_of_a_map_is_written_and_others_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (name, start) in [

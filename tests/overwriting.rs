@@ -104,12 +104,12 @@ fn a_later_part_never_replaces_another_file() {
     let at = |name: &str| folder.path().join(name);
     std::fs::rename(at("flight.mcap"), at("in-2.rrd")).expect("renamed");
     std::fs::rename(at("settings.toml"), at("in-7.out")).expect("renamed");
-    refused(folder.path(), "run @in-2.rrd --save @in.rrd --record-part 50");
-    refused(folder.path(), "run @in-2.rrd --save @z.rrd --results @z-2.rrd --record-part 50");
+    refused(folder.path(), "run @in-2.rrd --save @in.rrd --set recording.part_revolutions=50");
+    refused(folder.path(), "run @in-2.rrd --save @z.rrd --results @z-2.rrd --set recording.part_revolutions=50");
     refused(folder.path(), "run @in-2.rrd --config @in-7.out --save @in.out");
     #[cfg(unix)]
     {
         std::fs::hard_link(at("in-2.rrd"), at("z-3.rrd")).expect("a link");
-        refused(folder.path(), "run @in-2.rrd --save @z.rrd --record-part 50");
+        refused(folder.path(), "run @in-2.rrd --save @z.rrd --set recording.part_revolutions=50");
     }
 }

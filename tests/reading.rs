@@ -187,7 +187,7 @@ fn what_cannot_be_exported_is_said_with_what_can() {
     says(get(&flight, "/report/place", &folder.path().join("x.jsonl"), &[]).expect_code(2), ".npy, .csv or .md");
     says(get(&flight, "/affinity/W", &flight, &[]).expect_code(2), "overwritten");
     let light = folder.path().join("light.rrd");
-    let arguments = ["run", "--quiet", "--to", "0.5", "--record", "light", "--save"].map(std::ffi::OsString::from);
+    let arguments = ["run", "--quiet", "--to", "0.5", "--detail", "light", "--save"].map(std::ffi::OsString::from);
     run(arguments.into_iter().chain([light.clone().into(), shipped_flight().into()])).expect_code(0);
     says(get(&light, "/affinity/W", &out, &[]).expect_code(2), "--exact recomputes it");
 }
@@ -219,8 +219,8 @@ fn diff_finds_the_first_stage_that_differs() {
         |code| rrd(&["diff", flight.to_str().expect("UTF-8"), other.to_str().expect("UTF-8")]).expect_code(code).stdout;
     recorded(&other, &["--set", "pipeline.workers=1"]);
     assert!(compare(0).contains("pipeline.workers = 1"), "settings that differ are said");
-    recorded(&other, &["--record-part", "5"]);
-    assert!(compare(0).starts_with("the same"), "split into parts");
+    recorded(&other, &["--set", "recording.part_revolutions=5"]);
+    assert!(compare(0).contains("recording.part_revolutions = 5"), "split into parts");
     recorded(&other, &["--set", "affinity.sigma_per_m2=1.4"]);
     let said = compare(1);
     assert!(said.contains("different first at revolution 0, in affinity"), "{said}");
@@ -292,7 +292,7 @@ fn a_file_with_several_recordings_asks_which_one_is_meant() {
 /// Paths of the shipped flight in three parts.
 fn in_parts(folder: &Path) -> [PathBuf; 3] {
     let parts = ["tee.rrd", "tee-2.rrd", "tee-3.rrd"].map(|name| folder.join(name));
-    recorded(&parts[0], &["--record-part", "8"]);
+    recorded(&parts[0], &["--set", "recording.part_revolutions=8"]);
     parts
 }
 

@@ -45,10 +45,10 @@ fn an_empty_recording_is_reported() {
         let save = ["run", flight.to_str().expect("UTF-8"), "--quiet", "--save", saved.to_str().expect("UTF-8")];
         run([&save, more].concat()).expect_code(0).stderr
     };
-    for beyond in [["--record-revolutions", "500.."], ["--record-seconds", "100.."]] {
-        assert!(said(&beyond).contains("the recording is empty"), "{beyond:?}");
+    for beyond in ["recording.revolutions=[[500, 600]]", "recording.spans_s=[[100, inf]]"] {
+        assert!(said(&["--set", beyond]).contains("the recording is empty"), "{beyond:?}");
     }
-    assert_eq!(said(&["--record-revolutions", "4.."]), "");
+    assert_eq!(said(&["--set", "recording.revolutions=[[4, inf]]"]), "");
 }
 
 #[test]

@@ -73,7 +73,13 @@ fn parts_are_shown_together_and_missing_ones_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flight = file(folder.path(), "tunnel.mcap", &tunnel(5, &Writing::default()));
     let [first, second] = ["long.rrd", "long-2.rrd"].map(|name| folder.path().join(name));
-    let save = ["--quiet".as_ref(), "--record-part".as_ref(), "2".as_ref(), "--save".as_ref(), first.as_os_str()];
+    let save = [
+        "--quiet".as_ref(),
+        "--set".as_ref(),
+        "recording.part_revolutions=2".as_ref(),
+        "--save".as_ref(),
+        first.as_os_str(),
+    ];
     run(["run".as_ref(), flight.as_os_str()].into_iter().chain(save)).expect_code(0);
     let (ran, given) = view(folder.path(), &[&first]);
     ran.expect_code(0);

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use crosscut_detector::Frame;
+use crosscut_detector::recording::DETAIL;
 use crosscut_flight::{Flight as Poses, FlightAnswer};
-use crosscut_recorder::{Detail, Recorder as Recording, RecorderOptions, Scope};
+use crosscut_recorder::{Recorder as Recording, RecorderOptions};
 use crosscut_report::VEHICLE_WIDTH_M;
-use crosscut_stage::{Observer as _, ObserverError};
+use crosscut_stage::{Observer as _, ObserverError, Value};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -57,19 +58,14 @@ impl Recorder {
 #[pymethods]
 impl Recorder {
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, engine: &Engine, name: String, detail: &str) -> PyResult<Self> {
-        let detail = match detail {
-            "light" => Detail::Light,
-            "default" => Detail::Default,
-            "full" => Detail::Full,
-            other => return Err(PyValueError::new_err(format!("detail is light, default or full, not {other}"))),
-        };
-        let config = engine.config();
-        let options = RecorderOptions {
-            path: Some(path),
-            scope: Scope { detail, ..Scope::default() },
-            ..crosscut::recorder_options(name, config)
-        };
+    fn new(py: Python<'_>, path: PathBuf, engine: &Engine, name: String, detail: Option<String>) -> PyResult<Self> {
+        let mut config = engine.config().clone();
+        if let Some(detail) = detail {
+            let detail =
+                DETAIL.spec.check(Value::Text(detail)).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            config = config.with("recording", DETAIL.spec.name, detail);
+        }
+        let options = RecorderOptions { path: Some(path), ..crosscut::recorder_options(name, &config) };
         let recording = py.detach(|| Recording::new(options)).map_err(|error| Class::Error.because(py, &error))?;
         let poses = Poses::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M));
         Ok(Self { open: Mutex::new(Some(Open { recording, poses })) })

@@ -19,7 +19,7 @@ import crosscut
         (lambda: crosscut.Engine(settings={"affinity": 1}), crosscut.SettingsError, "not of the form section.key=value"),
         (lambda: crosscut.Engine(vehicle={"width_m": -1}), crosscut.SettingsError, "width_m = -1.0 is not allowed"),
         (lambda: crosscut.Engine(afinity="rbf"), TypeError, "there is no argument or section 'afinity'"),
-        (lambda: crosscut.read("absent.mcap"), crosscut.ReadError, "cannot open absent.mcap: No such file"),
+        (lambda: crosscut.read("absent.mcap"), crosscut.ReadError, "there is no file or folder absent.mcap"),
         (lambda: crosscut.count([[1.0]], 0, 0.1), TypeError, "not an array of one dimension"),
         (lambda: crosscut.Engine().process(np.zeros(3)), TypeError, "not an array of two dimensions"),
         (lambda: crosscut.Engine().process(np.zeros((3, 4))), ValueError, "2 or 3 columns, not 4"),

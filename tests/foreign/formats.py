@@ -29,6 +29,17 @@ CUTS = 24
 FIRST_RAD, RANGE_MAX_M = np.float32(-np.pi), scenes.RANGE_MAX_M
 
 
+TABLE_OF_TOPICS = (
+    "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
+    "serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL)"
+)
+TABLE_OF_MESSAGES = (
+    "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL)"
+)
+# The documentation states how many channels of a file are known.
+MOST_CHANNELS = 65_536
+
+
 def check(flights: Flights, verdicts: Verdicts):
     folder = flights.work / "formats"
     shutil.rmtree(folder, ignore_errors=True)
@@ -40,6 +51,7 @@ def check(flights: Flights, verdicts: Verdicts):
     check_containers(folder, base, messages, reference, flights, verdicts)
     check_cuts(folder, reference, flights, verdicts)
     check_conversion(folder, reference, flights, verdicts)
+    check_channels(folder, messages, flights, verdicts)
     check_other_files(folder, base, flights, verdicts)
 
 
@@ -103,13 +115,8 @@ def write_with_log(path: Path, messages: list[Message]) -> Path:
     connection = sqlite3.connect(live)
     connection.execute("PRAGMA journal_mode=WAL")
     connection.execute("PRAGMA wal_autocheckpoint=0")
-    connection.execute(
-        "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
-        "serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL)"
-    )
-    connection.execute(
-        "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL)"
-    )
+    connection.execute(TABLE_OF_TOPICS)
+    connection.execute(TABLE_OF_MESSAGES)
     connection.execute("CREATE INDEX timestamp_idx ON messages (timestamp ASC)")
     connection.execute("INSERT INTO topics VALUES(1,'/scan',?,'cdr','')", (writing.LASER_SCAN,))
     for m in messages:
@@ -119,6 +126,25 @@ def write_with_log(path: Path, messages: list[Message]) -> Path:
     shutil.copy(f"{live}-wal", f"{path}-wal")
     connection.close()
     return path
+
+
+def check_channels(folder: Path, messages: list[Message], flights: Flights, verdicts: Verdicts):
+    """Of a database with one topic too many, messages of the last are counted as lost, and all others are read."""
+    path = folder / "channels.db3"
+    connection = sqlite3.connect(path)
+    connection.execute(TABLE_OF_TOPICS)
+    connection.execute(TABLE_OF_MESSAGES)
+    names = [(id, f"/scan{id}", writing.LASER_SCAN, "cdr", "") for id in range(1, MOST_CHANNELS + 2)]
+    connection.executemany("INSERT INTO topics VALUES(?,?,?,?,?)", names)
+    for topic in (MOST_CHANNELS, MOST_CHANNELS + 1):
+        rows = [(topic, m.log_time_ns, m.data) for m in messages]
+        connection.executemany("INSERT INTO messages(topic_id,timestamp,data) VALUES(?,?,?)", rows)
+    connection.commit()
+    connection.close()
+    ran = flights.crosscut.results(path, "--topic", f"/scan{MOST_CHANNELS}")
+    lines, loss = ran.stdout.count(b"\n"), f"the definition of a topic is lost, and with it {len(messages)} messages"
+    same = ran.code == 3 and lines == len(messages) and loss in ran.words
+    verdicts.that(same, "a topic too many", f"{lines} lines, exit code {ran.code}: {ran.words.strip()[:120]}")
 
 
 def write_table(path: Path, messages: list[Message]):

@@ -5,6 +5,7 @@
 """
 
 import argparse
+import contextlib
 import json
 import os
 import signal
@@ -12,6 +13,7 @@ import socket
 import subprocess
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rrd import RERUN
@@ -19,24 +21,41 @@ from rrd import RERUN
 DEADLINE_S = 120
 # Frames that the viewer draws after a change before it is looked at: pictures are decoded on the way.
 SETTLING_FRAMES = 40
+# Where a viewer listens that is started during a flight.
+SPAWNED_AT = 9876
 
 # Stands in for the viewer's command, which would open a window.
 HEADLESS_RERUN = """#!/bin/sh
-if [ "$1" = mcap ]; then exec {rerun} "$@"; fi
-for argument; do shift; [ "$argument" = --port=auto ] || set -- "$@" "$argument"; done
-exec {rerun} --headless --window-size {size} --port {port} "$@"
+case "$1" in mcap | viewer-mcp) exec {rerun} "$@" ;; esac
+port={port}
+for argument; do
+    shift
+    case "$argument" in
+        --port=auto) ;;
+        --port=*) port=${{argument#--port=}} ;;
+        *) set -- "$@" "$argument" ;;
+    esac
+done
+if [ "$1" != --version ]; then
+    echo $$ >"$(dirname "$0")/pid"
+    echo "$port" >"$(dirname "$0")/port"
+fi
+exec {rerun} --headless --window-size {size} --port "$port" "$@"
 """
 
 
 class Viewer:
     """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, command: list, port: int, environment: dict, whole: bool = True):
+    def __init__(self, command: list, port: int | Path, environment: dict, whole: bool = True, talks: bool = False):
+        """`port` is that of the viewer, or a file that will have it."""
         self._log = tempfile.TemporaryFile()
+        self._detached = None  # where the id of a viewer is that leaves the group of its program
+        ends = (subprocess.PIPE, subprocess.PIPE) if talks else (subprocess.DEVNULL, self._log)
         quiet = {"RUST_LOG": "error", "NO_COLOR": "1"}
         self._viewer = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log,
-            env={**os.environ, **quiet, **environment}, start_new_session=True,
+            command, stdin=ends[0], stdout=ends[1], stderr=self._log,
+            env={**os.environ, **quiet, **environment}, start_new_session=True, text=True,
         )  # fmt: skip
         self._control = subprocess.Popen(
             [RERUN, "viewer-mcp"],
@@ -47,7 +66,7 @@ class Viewer:
             client = {"name": "screenshot", "version": "1"}
             self._request("initialize", protocolVersion="2024-11-05", capabilities={}, clientInfo=client)
             self._send(method="notifications/initialized")
-            self._wait_until_loaded(f"http://127.0.0.1:{port}", whole)
+            self._wait_until_loaded(lambda: f"http://127.0.0.1:{port_of(port)}", whole)
         except BaseException:
             self.close()
             raise
@@ -65,10 +84,32 @@ class Viewer:
     def started_by(cls, command: list[str], size: str) -> "Viewer":
         """The one that another program starts: it finds a viewer on its path that needs no screen."""
         port = free_port()
-        folder = Path(tempfile.mkdtemp(prefix="viewer-"))
-        (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
-        (folder / "rerun").chmod(0o755)
-        return cls(command, port, {"PATH": f"{folder}:{os.environ['PATH']}"})
+        folder = headless_rerun(size, port)
+        return cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"})
+
+    @classmethod
+    def beside(cls, command: list[str], size: str) -> "Viewer":
+        """The one that a program starts and talks to, which takes a request and gives an answer a line (`ask`)."""
+        folder = headless_rerun(size, SPAWNED_AT)
+        viewer = cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
+        viewer._detached = folder / "pid"
+        return viewer
+
+    def ask(self, method: str, *params) -> dict:
+        """The program's answer to a request of JSON-RPC."""
+        request = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
+        self._viewer.stdin.write(json.dumps(request) + "\n")
+        self._viewer.stdin.flush()
+        return json.loads(self._viewer.stdout.readline())
+
+    def kill(self):
+        """The viewer, not the program that started it."""
+        os.kill(int(self._detached.read_text()), signal.SIGKILL)
+
+    def leave(self) -> tuple[int, str]:
+        """Ends what is asked; the exit code, and what was said on standard error."""
+        self._viewer.stdin.close()
+        return self._viewer.wait(), self._said()
 
     def __enter__(self):
         return self
@@ -83,6 +124,9 @@ class Viewer:
             os.killpg(self._viewer.pid, signal.SIGTERM)  # with the viewer that it started
             os.killpg(self._viewer.pid, signal.SIGCONT)
         self._viewer.wait()
+        if self._detached:
+            with contextlib.suppress(ProcessLookupError):
+                self.kill()
 
     def pause(self):
         """It reads no more, and does not answer."""
@@ -90,23 +134,37 @@ class Viewer:
 
     def last_revolution(self) -> int | None:
         """`None` while nothing is loaded."""
+        return self.last("revolution")
+
+    def last(self, timeline: str) -> int | None:
+        """The last time of a timeline; `None` while nothing is loaded."""
         for recording in self._call("viewer_state").get("recordings", []):
-            for timeline in recording["timelines"]:
-                if timeline["timeline"] == "revolution":
-                    return timeline["max"]
+            for of in recording["timelines"]:
+                if of["timeline"] == timeline:
+                    return of["max"]
+        return None
+
+    def time(self) -> tuple[str, int] | None:
+        """The timeline that is shown, and where on it; `None` while nothing is loaded."""
+        for recording in self._call("viewer_state").get("recordings", []):
+            if time := recording.get("current_time"):
+                return time["timeline"], time["time"]
         return None
 
     def show(self, revolution: int):
-        self._call("set_time", timeline="revolution", time=revolution)
-        self._settle()
+        for _ in range(5):  # a layout that comes later goes to the end of the flight
+            self._call("set_time", timeline="revolution", time=revolution)
+            self.settle()
+            if self.time() == ("revolution", revolution):
+                return
 
     def light(self):
         """From the dark theme, which a viewer without a desktop starts with, to the light one."""
         for target in ({"role": "Button", "label_contains": "Menu"}, {"content_contains": "Settings"}, {"content_contains": "Light"}):
             self._call("click", **target)
-            self._settle()
+            self.settle()
         self._call("press_key", key="Escape")
-        self._settle()
+        self.settle()
 
     def views(self) -> dict[str, dict]:
         """The views on the screen by name, with their place: x, y, w, h in pixels, without the title."""
@@ -116,13 +174,14 @@ class Viewer:
     def save(self, path: Path):
         self._call("screenshot", save_path=str(path.resolve()))
 
-    def _settle(self):
+    def settle(self):
+        """Waits until what has come is drawn."""
         self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
 
-    def _wait_until_loaded(self, endpoint: str, whole: bool):
+    def _wait_until_loaded(self, endpoint: Callable[[], str], whole: bool):
         """Loaded as a whole is when the flight has grown no more while some frames were drawn."""
         deadline = time.monotonic() + DEADLINE_S
-        while not self._connects(endpoint):
+        while not self._connects(endpoint()):
             if self._viewer.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not start: {self._said()}")
             time.sleep(0.1)
@@ -130,7 +189,7 @@ class Viewer:
         while now is None or (whole and now != before):
             if time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not load the recording: {self._said()}")
-            self._settle()
+            self.settle()
             before, now = now, self.last_revolution()
 
     def _connects(self, endpoint: str) -> bool:
@@ -161,6 +220,21 @@ class Viewer:
     def _said(self) -> str:
         self._log.seek(0)
         return self._log.read().decode(errors="replace").strip()[-600:]
+
+
+def headless_rerun(size: str, port: int) -> Path:
+    """A folder with a viewer's command that needs no screen."""
+    folder = Path(tempfile.mkdtemp(prefix="viewer-"))
+    (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
+    (folder / "rerun").chmod(0o755)
+    return folder
+
+
+def port_of(port: int | Path) -> int | str:
+    """0, where nobody listens, while the file is not there."""
+    if isinstance(port, int):
+        return port
+    return port.read_text().strip() or "0" if port.exists() else "0"
 
 
 def free_port() -> int:

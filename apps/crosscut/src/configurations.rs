@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crosscut_detector::{Config, Preset, Registry};
 
-use crate::config;
 use crate::exit::UsageError;
+use crate::{config, looking};
 
 /// A configuration with the name it has in tables.
 pub(crate) struct Configuration {
@@ -30,6 +30,17 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
         }
     }
     Ok(configurations)
+}
+
+/// A `--with` and the settings of `set` as options of `run`.
+pub(crate) fn run_options(with: &str, set: &[String]) -> Vec<String> {
+    With::parse(with).map_or_else(
+        |_| Vec::new(),
+        |With { preset, file, settings, .. }| {
+            let settings: Vec<String> = settings.iter().chain(set).cloned().collect();
+            looking::options(preset.filter(|preset| *preset != "default"), file.map(Path::new), &settings)
+        },
+    )
 }
 
 /// The files that `with` names.

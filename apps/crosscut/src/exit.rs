@@ -64,15 +64,26 @@ pub(crate) fn without_rerun() -> anyhow::Error {
     UsageError(text.to_owned()).into()
 }
 
+/// Reports what a signal ended; that is no error.
+pub(crate) fn report_interrupted(error: &anyhow::Error) -> u8 {
+    if !is_of_closed_pipe(error) {
+        say(format_args!("interrupted: {}", error.root_cause()));
+    }
+    INTERRUPTED
+}
+
 /// Reports the error that ended a command and returns the exit code. A reader that closes our output pipe (`| head`)
 /// interrupts the command; that is no error and prints nothing.
 pub(crate) fn report(error: &anyhow::Error) -> u8 {
-    let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
-    if causes.any(is_closed_pipe) {
+    if is_of_closed_pipe(error) {
         return Outcome::Interrupted.into();
     }
     say(format_args!("error: {error:#}"));
     if error.is::<UsageError>() { WRONG_USAGE } else { Outcome::Failed.into() }
+}
+
+fn is_of_closed_pipe(error: &anyhow::Error) -> bool {
+    error.chain().filter_map(|cause| cause.downcast_ref()).any(is_closed_pipe)
 }
 
 /// Whether the reader of the output closed the pipe.

@@ -53,6 +53,8 @@ pub(crate) struct Flight {
     is_judged: bool,
     /// The last part.
     path: PathBuf,
+    /// Recordings of this program (.rrd) in the folders that were named: nobody asked for these.
+    left_out: Vec<PathBuf>,
 }
 
 /// Where the scans come from.
@@ -72,11 +74,13 @@ impl Flight {
         if let Some(path) = recorded::only(parts)? {
             let recorded = Recorded::open(path, args, config)?;
             let is_judged = recorded.has_truth();
-            return Ok(Self { scans: Read::Recorded(recorded), truths: None, is_judged, path: path.to_owned() });
+            let (scans, path) = (Read::Recorded(recorded), path.to_owned());
+            return Ok(Self { scans, truths: None, is_judged, path, left_out: Vec::new() });
         }
         refuse_unrelated(parts, args, config)?;
         let recording = Recording::open(parts, &args.read_options(config), Sensor::new(config.params("ingest")))?;
-        Ok(Self::flown(recording, parts.last().cloned().unwrap_or_default()))
+        let flight = Self::flown(recording, parts.last().cloned().unwrap_or_default());
+        Ok(Self { left_out: recorded_in_folders(parts), ..flight })
     }
 
     /// The same with the truth of its scans, where its only part holds that.
@@ -136,7 +140,7 @@ impl Flight {
     }
 
     fn flown(recording: Recording, path: PathBuf) -> Self {
-        Self { scans: Read::Flown(Box::new(recording)), truths: None, is_judged: false, path }
+        Self { scans: Read::Flown(Box::new(recording)), truths: None, is_judged: false, path, left_out: Vec::new() }
     }
 
     /// This flight with the truth of its scans for what is shown of it: what cannot be compared is no loss.
@@ -206,6 +210,10 @@ impl Flight {
     pub(crate) fn left_out(&self) -> Vec<String> {
         let Read::Flown(recording) = &self.scans else { return Vec::new() };
         let mut notes = Vec::new();
+        if let [first, ..] = &self.left_out[..] {
+            let recordings = counted(self.left_out.len() as u64, "recording");
+            notes.push(format!("left out {recordings} of Rerun; name one to run it: {}", first.display()));
+        }
         if recording.of_other_frames() > 0 {
             let scans = counted(recording.of_other_frames(), "scan");
             notes.push(format!("left out {scans} whose frame is not ingest.frame_id"));
@@ -221,6 +229,15 @@ impl Flight {
         }
         notes
     }
+}
+
+/// The recordings of this program in the folders among these inputs, by name.
+fn recorded_in_folders(inputs: &[PathBuf]) -> Vec<PathBuf> {
+    let in_folder = |input: &PathBuf| std::fs::read_dir(input).ok();
+    let files = inputs.iter().filter_map(in_folder).flatten().flatten().map(|entry| entry.path());
+    let mut recorded: Vec<_> = files.filter(|path| path.extension().is_some_and(|ending| ending == "rrd")).collect();
+    recorded.sort();
+    recorded
 }
 
 /// How flights are flown.

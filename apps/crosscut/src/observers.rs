@@ -50,7 +50,6 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
         live: run.rate.is_some() || crate::live::live_input(&run.input).is_some(),
         source: source(run),
         layout: args.layout.into(),
-        scope: args.scope.scope(),
         ..recorder_options(name, config)
     };
     let truth = options.truth.clone();
@@ -82,6 +81,8 @@ fn source(run: &RunArgs) -> String {
     let ConfigArgs { preset, config, set } = &run.config;
     let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
     let over = over.map_or_else(String::new, |name| format!(" with {name}"));
+    // What is recorded changes no answer.
+    let set: Vec<&str> = set.iter().map(String::as_str).filter(|setting| !setting.starts_with("recording.")).collect();
     let changed = if set.is_empty() { String::new() } else { format!(", --set {}", set.join(" ")) };
     format!("{file}, preset {preset}{over}{changed}")
 }
@@ -96,8 +97,29 @@ pub fn recorder_options(name: String, config: &Config) -> crosscut_recorder::Rec
     RecorderOptions {
         name,
         config_toml: format!("# crosscut {}\n{config}", env!("CARGO_PKG_VERSION")),
+        scope: scope(config.params("recording")),
         mounting: Mounting { yaw_rad: ingest.get(YAW_RAD), upside_down: ingest.get(UPSIDE_DOWN) },
         ..RecorderOptions::default()
+    }
+}
+
+/// What is recorded, by the settings of section `recording`.
+#[cfg(feature = "rerun")]
+fn scope(recording: &crosscut_stage::Params) -> crosscut_recorder::Scope {
+    use crosscut_detector::recording::{DETAIL, EXACT_EVERY, PART_REVOLUTIONS, REVOLUTIONS, SPANS_S};
+    use crosscut_recorder::{Detail, Scope};
+    use std::num::NonZeroU64;
+
+    Scope {
+        detail: match recording.get(DETAIL).as_str() {
+            "light" => Detail::Light,
+            "full" => Detail::Full,
+            _ => Detail::Default,
+        },
+        exact_every: NonZeroU64::new(recording.get(EXACT_EVERY) as u64),
+        revolutions: recording.get(REVOLUTIONS).into_iter().map(|[from, to]| from as u64..=to as u64).collect(),
+        seconds: recording.get(SPANS_S).into_iter().map(|[from, to]| from..=to).collect(),
+        part_revolutions: NonZeroU64::new(recording.get(PART_REVOLUTIONS) as u64).unwrap_or(NonZeroU64::MIN),
     }
 }
 
@@ -112,9 +134,9 @@ pub(crate) fn open(run: &RunArgs, _: &Config, _: &mut Diagnostics) -> anyhow::Re
 
 #[cfg(feature = "rerun")]
 mod of_arguments {
-    use crosscut_recorder::{Detail, Layout, Scope};
+    use crosscut_recorder::Layout;
 
-    use crate::cli::record::{DetailArg, LayoutArg, ScopeArgs};
+    use crate::cli::record::LayoutArg;
 
     impl From<LayoutArg> for Layout {
         fn from(layout: LayoutArg) -> Self {
@@ -123,29 +145,6 @@ mod of_arguments {
                 LayoutArg::Stages => Self::Stages,
                 LayoutArg::Map => Self::Map,
                 LayoutArg::Speed => Self::Speed,
-            }
-        }
-    }
-
-    impl From<DetailArg> for Detail {
-        fn from(detail: DetailArg) -> Self {
-            match detail {
-                DetailArg::Light => Self::Light,
-                DetailArg::Default => Self::Default,
-                DetailArg::Full => Self::Full,
-            }
-        }
-    }
-
-    impl ScopeArgs {
-        pub(crate) fn scope(&self) -> Scope {
-            let all = Scope::default();
-            Scope {
-                detail: self.record.into(),
-                exact_every: self.record_every,
-                revolutions: self.record_revolutions.clone().unwrap_or(all.revolutions),
-                seconds: self.record_seconds.clone().unwrap_or(all.seconds),
-                part_revolutions: self.record_part,
             }
         }
     }

@@ -16,6 +16,7 @@ mod config;
 mod detector;
 mod engine;
 mod memory;
+pub mod recording;
 mod registry;
 mod settings;
 

@@ -27,5 +27,5 @@ mod words;
 
 pub use change::Change;
 pub use edges::{Edge, Explanation, WallEdges};
-pub use watch::{Event, Watch};
+pub use watch::{Doubt, Event, Watch};
 pub use words::{inequality, widths};

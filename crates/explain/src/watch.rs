@@ -64,6 +64,31 @@ impl fmt::Display for Event {
     }
 }
 
+/// What is doubtful of an answer, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doubt {
+    /// The count is wrong by the truth.
+    Wrong,
+    /// The confidence was low, and has not recovered since.
+    Unsure,
+    /// Neither.
+    None,
+}
+
+impl Doubt {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Wrong, Self::Unsure, Self::None];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wrong => "wrong",
+            Self::Unsure => "unsure",
+            Self::None => "none",
+        }
+    }
+}
+
 /// Compares each revolution with the previous one.
 #[derive(Debug, Default)]
 pub struct Watch {
@@ -105,5 +130,14 @@ impl Watch {
             }
         }
         events
+    }
+
+    /// What is doubtful of the last revolution that was watched.
+    pub fn doubt(&self) -> Doubt {
+        match (self.wrong, self.unsure) {
+            (Some(_), _) => Doubt::Wrong,
+            (None, true) => Doubt::Unsure,
+            (None, false) => Doubt::None,
+        }
     }
 }

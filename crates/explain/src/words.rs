@@ -108,7 +108,12 @@ impl Words<'_> {
             let between = self.between(verdict.returns.map(|i| i as usize));
             let Verdict { room_ratio, reason, .. } = verdict;
             let odds = verdict.p.map_or(String::new(), |p| format!(", p = {p:.2}"));
-            format!("- **{room_ratio:.2}** times the room that an opening needs ({reason}){odds}: {what} ({between})")
+            let room = if *room_ratio == 0.0 {
+                "a rule forbids an opening".to_owned()
+            } else {
+                format!("**{room_ratio:.2}** times the room that an opening needs")
+            };
+            format!("- {what} ({between}): {room} ({reason}){odds}")
         };
         let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
         let title =

@@ -265,9 +265,9 @@ fn verdicts_closest_to_the_threshold_come_first() {
     assert_eq!(
         reported,
         [
-            "- **1.10** times the room that an opening needs (width), p = 0.25: an opening (returns 3, 4: 3.00 m)",
-            "- **0.80** times the room that an opening needs (width), p = 0.25: the wall continues (returns 2, 3: 1.50 m)",
-            "- **0.01** times the room that an opening needs (width), p = 0.25: the wall continues (returns 0, 1: 1.00 m)",
+            "- an opening (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
         ]
     );
 }

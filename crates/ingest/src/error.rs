@@ -1,6 +1,6 @@
 //! Why there is nothing to read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crosscut_stage::counted;
 
@@ -13,6 +13,12 @@ pub enum IngestError {
     /// No file was named.
     #[error("no recording was given")]
     NoInput,
+    /// Nothing has this name.
+    #[error("there is no file or folder {}", path.display())]
+    Missing {
+        /// What was named.
+        path: PathBuf,
+    },
     /// A file or folder cannot be opened.
     #[error("cannot open {}", path.display())]
     Open {
@@ -97,12 +103,13 @@ pub enum IngestError {
         topics: TopicList,
     },
     /// No truth to hold results against.
-    #[error("there is no truth in JSON on /truth; the recording has\n{topics}\n({})", path.display())]
+    #[error(
+        "there is no truth in it: nothing in JSON on /truth, as `crosscut simulate` writes it (`crosscut compare` needs none): {}",
+        path.display()
+    )]
     NoTruth {
         /// The file.
         path: PathBuf,
-        /// All topics.
-        topics: TopicList,
     },
     /// A live robot can no longer be heard.
     #[error("{cause}: {}", path.display())]
@@ -123,6 +130,15 @@ pub enum IngestError {
 }
 
 impl IngestError {
+    /// A file or folder that cannot be opened, or is not there.
+    pub(crate) fn cannot_open(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            std::io::ErrorKind::NotFound => Self::Missing { path },
+            _ => Self::Open { path, source },
+        }
+    }
+
     /// Whether a recording that is still being written may have been looked at before its first scan.
     pub(crate) fn may_be_too_early(&self) -> bool {
         match self {
@@ -153,7 +169,10 @@ fn without_recordings(files: usize, folders: usize) -> String {
     match (files, folders) {
         (0, 0) => "the folder is empty".to_owned(),
         (0, _) => format!("no file in this folder, but {}; name that of the flight", counted(folders as u64, "folder")),
-        _ => format!("none of the {files} files in this folder is a recording (.mcap, .db3, .bag, .clf, .pcd, .ply)"),
+        _ => format!(
+            "none of the {files} files in this folder is a recording of a robot (.mcap, .db3, .bag, .clf, .pcd, .ply); a table or \
+             a recording of crosscut (.rrd) is given by its name"
+        ),
     }
 }
 

@@ -19,6 +19,8 @@ pub enum Found {
     CutRosBag,
     Sqlite,
     Rerun,
+    /// A compressed file in a compressed file.
+    CompressedTwice,
     Gzip,
     Xz,
     SevenZip,
@@ -56,6 +58,8 @@ pub enum Found {
     Pcd,
     /// Read by a container; never reported.
     Ply,
+    /// Text of no known format.
+    Text,
     /// Its first bytes.
     Unknown(Vec<u8>),
 }
@@ -118,13 +122,17 @@ impl Found {
         if container::ROS1_BAG_MAGIC.starts_with(start) {
             return Self::CutRosBag;
         }
+        if container::is_compressed(start) {
+            return Self::CompressedTwice;
+        }
         if start.get(TAR_SIGN.0..).is_some_and(|rest| rest.starts_with(TAR_SIGN.1)) {
             return Self::Tar;
         }
         if let Some((_, found)) = SIGNS.iter().find(|(sign, _)| start.starts_with(sign)) {
             return found.clone();
         }
-        Self::in_text(start).unwrap_or_else(|| Self::Unknown(start[..start.len().min(8)].to_vec()))
+        let unknown = || if is_text(start) { Self::Text } else { Self::Unknown(start[..start.len().min(8)].to_vec()) };
+        Self::in_text(start).unwrap_or_else(unknown)
     }
 
     fn in_text(start: &[u8]) -> Option<Self> {
@@ -181,7 +189,11 @@ impl fmt::Display for Found {
             }
             Self::CutRosBag => "it is cut off within the first 13 bytes of a ROS 1 bag",
             Self::Sqlite => "it is an SQLite file without the tables `topics` and `messages` of a rosbag2",
-            Self::Rerun => "it is a Rerun recording, which is what crosscut writes; give the recording it was made of",
+            Self::Rerun => {
+                "it is a Rerun recording, as `run --save` writes it: give its name to `crosscut run` or `crosscut debug`, or to \
+                 `crosscut rrd ls`, which lists what is in it"
+            },
+            Self::CompressedTwice => "it is compressed twice; decompress it first, once: `zstd -d FILE`, `lz4 -d`, `bunzip2`",
             Self::Gzip => "it is compressed with gzip; decompress it first: `gunzip FILE`",
             Self::Xz => "it is compressed with xz; decompress it first: `unxz FILE`",
             Self::SevenZip => "it is a 7z archive; unpack it first: `7z x FILE`",
@@ -250,11 +262,24 @@ impl fmt::Display for Found {
             }
             Self::Pcd => "it is a point cloud in PCD",
             Self::Ply => "it is a point cloud in PLY",
+            Self::Text => "it is text, but no table of ranges; such a table has a scan a row: time, r0, r1, ...",
             Self::Unknown(start) => {
                 return write!(f, "it begins with the bytes {start:02x?}, which is no known format");
             }
         })
     }
+}
+
+/// The name of a column has this many words at most; a part of a sentence may have more.
+const MOST_WORDS: usize = 4;
+
+/// Whether these bytes, of which the last may be cut, are characters that people read.
+fn is_text(start: &[u8]) -> bool {
+    let whole = match std::str::from_utf8(start) {
+        Err(error) if error.error_len().is_none() => std::str::from_utf8(&start[..error.valid_up_to()]),
+        whole => whole,
+    };
+    whole.is_ok_and(|text| !text.contains(|c: char| c.is_control() && !c.is_whitespace()))
 }
 
 /// Whether a text is a table. Its first lines may be comments, and its last line may be cut.
@@ -273,10 +298,13 @@ fn is_table(text: &str) -> bool {
         lines.next().is_some_and(|next| {
             let dialect = Dialect::of(next);
             let next = dialect.cells(next);
-            next.len() > 1 && next.iter().any(|cell| dialect.number(cell).is_some_and(|number| !number.is_nan()))
+            let is_number = |cell: &&&str| dialect.number(cell).is_some_and(|number| !number.is_nan());
+            next.len() > 1 && 2 * next.iter().filter(is_number).count() >= next.len()
         })
     };
-    are_numbers(&cells) || first.matches(',').count() >= 3 || has_names() || is_above_numbers()
+    let is_prose = || cells.iter().any(|cell| cell.split_whitespace().count() > MOST_WORDS);
+    let mut has_header = || first.matches(',').count() >= 3 || has_names() || is_above_numbers();
+    are_numbers(&cells) || (!is_prose() && has_header())
 }
 
 #[cfg(test)]
@@ -297,7 +325,10 @@ mod tests {
         assert_eq!(found("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n"), Found::LfsPointer);
         assert_eq!(found("\n<!DOCTYPE html>\n<title>Sign in</title>"), Found::WebPage);
         assert_eq!(found("rosbag2_bagfile_information:\n  version: 9\n"), Found::BagMetadata);
-        assert!(matches!(found("Dear reader, all is well\nAll is well, dear reader\n"), Found::Unknown(_)));
+        assert!(matches!(found("Dear reader, all is well\nAll is well, dear reader\n"), Found::Text));
+        let sentence = "It reads logs, tables of ranges, what a robot sends, and whatever else there is to be read\nin 2026 or so\n";
+        assert_eq!(found(sentence), Found::Text);
+        assert_eq!(found("MIT License\n\nCopyright (c) 2026 whoever\n"), Found::Text);
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn recordings_in(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, IngestError> {
 }
 
 fn add_folder(folder: &Path, parts: &mut Parts) -> Result<(), IngestError> {
-    let failed = |source| IngestError::Open { path: folder.to_owned(), source };
+    let failed = |source| IngestError::cannot_open(folder, source);
     let (mut files, mut folders) = (Vec::new(), 0);
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

@@ -38,7 +38,7 @@ impl Stored {
     /// # Errors
     /// When the file cannot be opened.
     pub fn metadata(path: &Path, name: &str) -> Result<BTreeMap<String, String>, IngestError> {
-        let failed = |source| IngestError::Open { path: path.to_owned(), source };
+        let failed = |source| IngestError::cannot_open(path, source);
         Ok(container::mcap_metadata(path, name).map_err(failed)?.unwrap_or_default())
     }
 }

@@ -6,8 +6,7 @@ use std::path::Path;
 use crosscut_messages::{JSON_ENCODING, TRUTH_MAP_TOPIC, TRUTH_TOPIC, Truth, TruthError, TruthMap, TruthMapError};
 
 use crate::container::{self, TopicReader};
-use crate::topics::topics_of;
-use crate::{CsvGeometry, IngestError, TopicList};
+use crate::{CsvGeometry, IngestError};
 
 /// The truths of one recording. A truth belongs to the scan with the same log time; of several with the same log time,
 /// the first to the first.
@@ -44,8 +43,7 @@ impl Truths {
         let mut channels = contents.channels_of(TRUTH_TOPIC);
         channels.retain(|id| contents.channels.get(id).is_some_and(|topic| topic.encoding == JSON_ENCODING));
         if channels.is_empty() || contents.count(&channels) == Some(0) {
-            let topics = TopicList(topics_of(std::iter::once(contents)));
-            return Err(IngestError::NoTruth { path: path.to_owned(), topics });
+            return Err(IngestError::NoTruth { path: path.to_owned() });
         }
         Ok(Self { reader: TopicReader::new(container, channels), waiting: BTreeMap::new() })
     }

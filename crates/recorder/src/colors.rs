@@ -30,6 +30,8 @@ pub(crate) const NO_WALL: u16 = u16::MAX;
 pub(crate) const GREY: u32 = 0x8C8C_8CFF;
 /// Text in a view. The background is 0x161616 or 0xEFEFEF; this contrasts about equally with both.
 pub(crate) const WORDS: u32 = 0x7C7C_7CFF;
+/// Labels, which have a dark ground of their own.
+pub(crate) const LABEL: u32 = 0xC8C8_C8FF;
 /// Text on the picture of a matrix, which is dark in both themes.
 pub(crate) const WORDS_ON_PICTURES: u32 = 0xFFFF_FFFF;
 /// Grid lines and circles to read distances by.
@@ -85,6 +87,9 @@ pub(crate) const PLACES: [(&str, u32); 8] = [
     ("junction_5", 0xD55E_00FF),
     ("partial_view", 0x8F6B_E8FF),
 ];
+
+/// Colours of `wrong` and `unsure`, and of neither.
+pub(crate) const DOUBTS: [u32; 3] = [0xD32F_2FFF, 0xD6C7_13FF, 0x4A4A_4AFF];
 
 /// A colour given as 0xRRGGBBAA.
 pub(crate) fn color(rgba: u32) -> Color {

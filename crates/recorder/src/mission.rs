@@ -7,28 +7,31 @@
 //! | `/mission/vehicle`, `/mission/trail` | where the vehicle is by its own map, and the way that it came |
 //! | `/mission/scan`, `/mission/openings` | the returns coloured by wall, and the edges of the openings |
 //! | `/mission/goal`, `/mission/choice` | where it heads for now, and the way chosen last |
-//! | `/mission/map/passages`, `/mission/map/ways`, `/mission/map/places` | the map: ways taken blue, new ones red |
+//! | `/mission/map/passages`, `/mission/map/ways`, `/mission/map/places` | the map: ways taken blue, the others pink |
+//! | `/mission/scale` | a bar to read distances by, static |
+//! | `/mission/outcome` | what became of the mission, static; written at its end |
 //! | `/mission/why`, `/mission/log` | the last decision in words, and all of them |
 //! | `/mission/walls`, `/mission/new_ways` | the count of walls, and the number of ways left, over revolutions |
 
 use crosscut_flight::{HereKind, Map, Node, NodeWay};
-use crosscut_stage::{Frame, Observer as _, ObserverError};
+use crosscut_stage::{Frame, Observer as _, ObserverError, counted};
 use nalgebra::{Isometry2, Point2};
 use rerun::{
     Arrows3D, AsComponents, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, Scalars,
     TextDocument, TextLog, TextLogLevel,
 };
 
-use crate::colors::{EDGE, GREY, OPENING, REPORTED, WORDS, ZEROS, color, series};
+use crate::colors::{EDGE, GREY, LABEL, OPENING, REPORTED, VEHICLE, WORDS, ZEROS, color, series};
 use crate::layout::mission::ENTITIES;
 use crate::options::{RecorderError, RecorderOptions};
 use crate::recorder::Recorder;
 use crate::rows::Rows;
+use crate::scan::step_m;
 use crate::tracks::{Classes, Tracks};
 
-/// A way of a place on the map that was taken, and one that was not.
+/// A way of a place on the map that was taken, and one that was not, as on the page of the map.
 const TAKEN: u32 = 0x0072_B2FF;
-const NEW: u32 = 0xD55E_00FF;
+const NEW: u32 = OPENING;
 
 /// The trail is written anew after this many revolutions.
 const TRAIL_EVERY: u64 = 10;
@@ -91,7 +94,24 @@ impl Mine {
     pub(crate) fn log_static(&self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let outline = LineStrips3D::new(self.lines.iter().cloned()).with_colors([color(EDGE)]);
         rec.log_static(ENTITIES.mine, &outline.with_radii([Radius::new_ui_points(1.0)]))?;
+        self.log_scale(rec)?;
         log_looks(rec)
+    }
+
+    /// A bar of a round length below the mine, and the length.
+    fn log_scale(&self, rec: &RecordingStream) -> RecordingStreamResult<()> {
+        let [low, high] = self.corners_m;
+        let length_m = step_m(high.x - low.x);
+        let at = |x: f64| above(Point2::new(low.x + x, low.y), 0.0);
+        let bar = LineStrips3D::new([[at(0.0), at(length_m)]])
+            .with_colors([color(WORDS)])
+            .with_radii([Radius::new_ui_points(1.5)]);
+        let name = Points3D::new([at(0.5 * length_m)])
+            .with_labels([format!("{length_m} m")])
+            .with_show_labels(true)
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_colors([color(LABEL)]);
+        rec.log_static(ENTITIES.scale, &[&bar as &dyn AsComponents, &name])
     }
 }
 
@@ -131,12 +151,14 @@ impl MissionRecorder {
         Ok(())
     }
 
-    /// Ends the file.
+    /// Ends the file, with what became of the mission as Markdown.
     ///
     /// # Errors
     /// When a write has failed.
-    pub fn finish(&mut self) -> Result<(), ObserverError> {
-        self.recorder.finish()
+    pub fn finish(&mut self, outcome: &str) -> Result<(), ObserverError> {
+        let logged = self.recorder.log_static_text(ENTITIES.outcome, outcome);
+        self.recorder.finish()?;
+        logged
     }
 }
 
@@ -176,8 +198,12 @@ fn log_decision(rows: &mut Rows, moment: &MissionMoment, decision: &MissionDecis
     let place = decision.place.map_or_else(|| "No place of the map".to_owned(), |place| format!("Place {place}"));
     let why = decision.why;
     rows.log_at(ENTITIES.log, &TextLog::new(format!("{place}: {why}")).with_level(TextLogLevel::INFO));
-    let seen = moment.frame.junction.junctions;
-    let text = format!("## {place}\n\n{why}\n\nWalls in view: {seen}. The vehicle {}.", moment.doing);
+    let (seen, seq) = (moment.frame.junction.junctions as u64, moment.frame.revolution.seq);
+    let text = format!(
+        "**{place}, revolution {seq}: {why}.**\n\n{} in view; the vehicle {}. Why {seen}: page *Stages*, at revolution {seq}.",
+        counted(seen, "wall"),
+        moment.doing
+    );
     rows.log_at(ENTITIES.why, &TextDocument::from_markdown(text));
 }
 
@@ -199,10 +225,12 @@ fn log_map(rows: &mut Rows, map: &Map) {
     let places = Points3D::new(map.nodes.iter().map(|node| above(node.position_m, 0.7)))
         .with_labels(labels)
         .with_show_labels(true)
-        .with_radii(radii);
-    rows.log_at(ENTITIES.places, &places.with_colors([color(WORDS)]));
+        .with_radii(radii)
+        .with_colors(map.nodes.iter().map(|node| color(if is_junction(node) { REPORTED } else { LABEL })));
+    rows.log_at(ENTITIES.places, &places);
     rows.log_at(ENTITIES.new_ways, &Scalars::single(map.ways_not_taken() as f64));
 }
+
 /// What never changes: colours and widths.
 fn log_looks(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
@@ -210,12 +238,12 @@ fn log_looks(rec: &RecordingStream) -> RecordingStreamResult<()> {
         |rgba: u32, width: f32| LineStrips3D::update_fields().with_radii([ui(width)]).with_colors([color(rgba)]);
     let arrows = |rgba: u32, width: f32| Arrows3D::update_fields().with_radii([ui(width)]).with_colors([color(rgba)]);
     let looks: [(&str, &dyn AsComponents); 9] = [
-        (ENTITIES.vehicle, &arrows(REPORTED, 4.0)),
+        (ENTITIES.vehicle, &arrows(VEHICLE, 4.0)),
         (ENTITIES.trail, &lines(GREY, 1.0)),
         (ENTITIES.scan, &Points3D::update_fields().with_radii([ui(2.0)])),
         (ENTITIES.openings, &lines(OPENING, 2.0)),
-        (ENTITIES.goal, &lines(REPORTED, 1.0)),
-        (ENTITIES.choice, &arrows(OPENING, 3.0)),
+        (ENTITIES.goal, &lines(VEHICLE, 1.0)),
+        (ENTITIES.choice, &arrows(VEHICLE, 2.0)),
         (ENTITIES.passages, &lines(ZEROS, 2.0)),
         (ENTITIES.walls, &series("walls in view", REPORTED, 1.5)),
         (ENTITIES.new_ways, &series("ways not taken", NEW, 1.5)),

@@ -55,6 +55,8 @@ const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 const SEND_AFTER_BYTES: usize = 16 << 20;
 /// Time between two flushes to a viewer. Half of it would double the file.
 const LIVE_TICK: Duration = Duration::from_millis(500);
+/// The timeline of revolutions that are shown one after the other ([`Recorder::show`]).
+pub(crate) const COMMAND: &str = "command";
 
 /// Records every frame that it sees.
 pub struct Recorder {
@@ -84,6 +86,7 @@ pub struct Recorder {
     recorded: Arc<AtomicU64>,
     tracks: Tracks,
     watch: Watch,
+    doubts: why::Doubts,
     times: Times,
     notes: Notes,
     map: FlightMap,
@@ -99,13 +102,21 @@ pub struct Recorder {
     unflushed: u32,
 }
 
+/// What is around a recording beside its options.
+#[derive(Default)]
+struct Around {
+    pipe: Option<PipeSink>,
+    mine: Option<Mine>,
+    sink: Option<Box<dyn LogSink>>,
+}
+
 impl Recorder {
     /// Opens the file and the viewer, and writes all that holds for the whole recording.
     ///
     /// # Errors
     /// When the file cannot be created, there is no viewer, or the environment turns recordings off.
     pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
-        Self::open(options, None, None)
+        Self::open(options, Around::default())
     }
 
     /// Writes the recording into `pipe` as well, as it is made.
@@ -113,15 +124,22 @@ impl Recorder {
     /// # Errors
     /// As [`Recorder::new`].
     pub fn piped(options: RecorderOptions, pipe: impl Write + Send + 'static) -> Result<Self, RecorderError> {
-        Self::open(options, Some(PipeSink::new(Box::new(pipe))), None)
+        let pipe = Some(PipeSink::new(Box::new(pipe)));
+        Self::open(options, Around { pipe, ..Around::default() })
     }
 
     /// Records the stages of a mission, which adds its own rows.
     pub(crate) fn of_mission(options: RecorderOptions, mine: Mine) -> Result<Self, RecorderError> {
-        Self::open(options, None, Some(mine))
+        Self::open(options, Around { mine: Some(mine), ..Around::default() })
     }
 
-    fn open(options: RecorderOptions, pipe: Option<PipeSink>, mine: Option<Mine>) -> Result<Self, RecorderError> {
+    /// Sends what is shown one revolution after the other ([`Recorder::show`]) to `sink`.
+    pub(crate) fn beside(options: RecorderOptions, sink: Box<dyn LogSink>) -> Result<Self, RecorderError> {
+        Self::open(options, Around { sink: Some(sink), ..Around::default() })
+    }
+
+    fn open(options: RecorderOptions, around: Around) -> Result<Self, RecorderError> {
+        let Around { pipe, mine, sink } = around;
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
@@ -137,14 +155,16 @@ impl Recorder {
             live.push(Live::start(Outlet::Server(server))?);
         }
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
+        let at_once = !live.is_empty() || sink.is_some();
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
+        sinks.extend(sink);
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         sinks.extend(pipe.clone().map(|pipe| Box::new(pipe) as Box<dyn LogSink>));
         sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
         let backlog = options.live.then(Backlog::default);
         sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
         let batches = ChunkBatcherConfig {
-            flush_tick: if live.is_empty() { Duration::MAX } else { LIVE_TICK },
+            flush_tick: if at_once { LIVE_TICK } else { Duration::MAX },
             flush_num_bytes: SEND_AFTER_BYTES as u64,
             ..ChunkBatcherConfig::DEFAULT
         };
@@ -157,7 +177,7 @@ impl Recorder {
         rec.set_log_tick_enabled(false);
         log_static(&rec, &options.config_toml, mine.as_ref())?;
         Ok(Self {
-            rows: Rows::new(rec.clone(), !live.is_empty()),
+            rows: Rows::new(rec.clone(), at_once),
             rec,
             file,
             file_lost: None,
@@ -175,6 +195,7 @@ impl Recorder {
             recorded: Arc::default(),
             tracks: Tracks::default(),
             watch: Watch::default(),
+            doubts: why::Doubts::default(),
             times: Times::default(),
             notes: Notes::default(),
             map: FlightMap::default(),
@@ -200,6 +221,11 @@ impl Recorder {
         &mut self.rows
     }
 
+    /// Writes a text in Markdown that holds for the whole recording.
+    pub(crate) fn log_static_text(&mut self, path: &str, text: &str) -> Result<(), ObserverError> {
+        self.rec.log_static(path, &TextDocument::from_markdown(text)).map_err(|e| ObserverError(e.to_string()))
+    }
+
     /// Number of revolutions within the scope. It can still be read when the flight has dropped the recorder.
     pub fn recorded(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.recorded)
@@ -223,7 +249,8 @@ impl Recorder {
             mounting::log(&self.rec, self.options.mounting, &revolution.frame_id)?;
         }
         if self.extent.is_none() {
-            self.send_layout(Extent::of(frame))?;
+            let has_truth = self.options.truth.of(revolution.seq).is_some();
+            self.send_layout(Extent { has_truth, ..Extent::of(frame) })?;
             self.rec.send_recording_start_time(revolution.stamp_ns.cast_signed())?;
             self.flushed_stamp_ns = revolution.stamp_ns;
         }
@@ -290,6 +317,7 @@ impl Recorder {
         }
         log_static(&self.rec, &self.options.config_toml, self.mine.as_ref())?;
         (self.beams, self.as_read, self.absent) = (BeamGeometry::default(), AsRead::default(), Absent::default());
+        self.doubts = why::Doubts::default();
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
         }
@@ -335,6 +363,7 @@ impl Recorder {
         let first_ns = *self.first_ns.get_or_insert(revolution.stamp_ns);
         let told = Told { classes: &classes, reach_m, source: &self.options.source, first_ns, truth };
         let explanation = why::log(rows, frame, &told, &mut self.watch);
+        self.doubts.log(rows, self.watch.doubt());
         if share.matrices {
             why::log_marks(rows, frame, &order, &explanation);
         }
@@ -356,15 +385,68 @@ impl Recorder {
         self.rows.log(&LOG, &TextLog::new(failure).with_level(TextLogLevel::ERROR));
     }
 
+    /// Shows one revolution, which need not follow upon the one before, as the next moment of the timeline `command`. What was
+    /// flushed is on its way when this returns.
+    pub(crate) fn show(&mut self, frame: &Frame, options: RecorderOptions, command: i64) -> Result<(), RecorderError> {
+        if options.config_toml != self.options.config_toml {
+            log_config(&self.rec, &options.config_toml)?;
+        }
+        self.options = options;
+        self.rec.set_time_sequence(COMMAND, command);
+        self.rows.set_time(frame.revolution.seq, frame.revolution.stamp_ns);
+        let extent = Extent::of(frame);
+        let is_alike = |before: &Extent| (before.places, before.by_gaps) == (extent.places, extent.by_gaps);
+        if !self.extent.as_ref().is_some_and(is_alike) {
+            self.log_extent(Extent { range_m: self.extent.map_or(extent.range_m, |before| before.range_m), ..extent })?;
+        }
+        self.watch = Watch::default(); // it would compare with the revolution that was shown before
+        match &frame.failure {
+            None => self.log(frame, Share { matrices: true, ..Share::default() }),
+            Some(failure) => {
+                self.log_failure(&failure.to_string());
+                (self.beams, self.as_read, self.absent) = Default::default(); // they are cleared, too
+            }
+        }
+        self.flush_to_the_end()
+    }
+
+    /// With the colours, range and time of the other recorder, so that both can be compared.
+    pub(crate) fn seeing_as(mut self, other: &Self) -> Self {
+        self.colour_as(other);
+        self.first_ns = other.first_ns;
+        self.extent = other.extent.map(|extent| Extent { places: 0, ..extent }); // its own are measured
+        self
+    }
+
+    /// Gives walls the colours that they have by the other recorder.
+    pub(crate) fn colour_as(&mut self, other: &Self) {
+        self.tracks.clone_from(&other.tracks);
+    }
+
+    /// What the views of this recorder show.
+    pub(crate) fn extent(&self) -> Extent {
+        self.extent.unwrap_or_default()
+    }
+
+    pub(crate) fn stream(&self) -> &RecordingStream {
+        &self.rec
+    }
+
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
-        scan::log_rings(&self.rec, extent.range_m)?;
-        matrices::log_scale(&self.rec, extent.places)?;
-        report::log_axis(&mut self.rows);
+        self.log_extent(extent)?;
         let shown = match &self.mine {
             None => Shown::Flight { first: self.options.layout, extent },
             Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
         };
         layout::send(&self.rec, &shown)?;
+        Ok(())
+    }
+
+    /// Logs what the views are measured by.
+    fn log_extent(&mut self, extent: Extent) -> Result<(), RecorderError> {
+        scan::log_rings(&self.rec, extent.range_m)?;
+        matrices::log_scale(&self.rec, extent.places)?;
+        report::log_axis(&mut self.rows);
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
@@ -448,7 +530,7 @@ fn builder(ids: Option<&StoreIds>) -> RecordingStreamBuilder {
 fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> Result<(), RecorderError> {
     mine.map_or(Ok(()), |mine| mine.log_static(rec))?;
     rec.log_static(COLORS.path, &annotation_context())?;
-    rec.log_static(CONFIG.path, &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
+    log_config(rec, config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
     spectrum::log_static(rec)?;
@@ -461,6 +543,10 @@ fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> 
     gaps::log_static(rec)?;
     why::log_static(rec)?;
     Ok(())
+}
+
+fn log_config(rec: &RecordingStream, toml: &str) -> rerun::RecordingStreamResult<()> {
+    rec.log_static(CONFIG.path, &TextDocument::new(toml).with_media_type(MediaType::TEXT))
 }
 
 /// The text of `/about`, with a row for each entity.

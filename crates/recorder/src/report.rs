@@ -16,7 +16,7 @@ const COUNTS: [f64; 2] = [0.0, 5.0];
 
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
-    rec.log_static(REPORT_JUNCTIONS.path, &series("walls", REPORTED, 2.0))?;
+    rec.log_static(REPORT_JUNCTIONS.path, &series("walls", REPORTED, 4.0))?;
     rec.log_static(REPORT_CONFIDENCE.path, &series("confidence", GREY, 1.5))?;
     rec.log_static(REPORT_AXIS.path, &series("", INVISIBLE, 0.5))?;
     let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();

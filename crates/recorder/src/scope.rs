@@ -41,10 +41,11 @@ pub struct Scope {
     pub detail: Detail,
     /// Exact matrices at every N-th recorded revolution; `None`: the N of `detail`.
     pub exact_every: Option<NonZeroU64>,
-    /// Revolutions that are recorded, by their `seq`.
-    pub revolutions: RangeInclusive<u64>,
-    /// Sensor time that is recorded, in seconds since the first revolution; negative after a clock was set back.
-    pub seconds: RangeInclusive<f64>,
+    /// Revolutions that are recorded, by their `seq`; without a range all.
+    pub revolutions: Vec<RangeInclusive<u64>>,
+    /// Sensor time that is recorded, in seconds since the first revolution, which are negative after a clock was set back;
+    /// without a range all.
+    pub seconds: Vec<RangeInclusive<f64>>,
     /// Revolutions in one file; after them the recording continues in another.
     pub part_revolutions: NonZeroU64,
 }
@@ -52,6 +53,11 @@ pub struct Scope {
 impl Scope {
     /// Ten minutes at 10 Hz.
     pub const PART_REVOLUTIONS: NonZeroU64 = NonZeroU64::new(6000).expect("not 0");
+
+    fn contains(&self, seq: u64, since_first_s: f64) -> bool {
+        (self.revolutions.is_empty() || self.revolutions.iter().any(|range| range.contains(&seq)))
+            && (self.seconds.is_empty() || self.seconds.iter().any(|range| range.contains(&since_first_s)))
+    }
 }
 
 impl Default for Scope {
@@ -59,8 +65,8 @@ impl Default for Scope {
         Self {
             detail: Detail::default(),
             exact_every: None,
-            revolutions: 0..=u64::MAX,
-            seconds: f64::NEG_INFINITY..=f64::INFINITY,
+            revolutions: Vec::new(),
+            seconds: Vec::new(),
             part_revolutions: Self::PART_REVOLUTIONS,
         }
     }
@@ -98,7 +104,7 @@ impl Plan {
         let (seq, stamp_ns) = (frame.revolution.seq, frame.revolution.stamp_ns);
         let first_ns = *self.first_stamp_ns.get_or_insert(stamp_ns);
         let since_first_s = (i128::from(stamp_ns) - i128::from(first_ns)) as f64 * 1e-9;
-        if !self.scope.revolutions.contains(&seq) || !self.scope.seconds.contains(&since_first_s) {
+        if !self.scope.contains(seq, since_first_s) {
             return None;
         }
         let part = self.scope.part_revolutions.get();
@@ -181,14 +187,17 @@ mod tests {
             let shares = shares(scope, &[2; 20]);
             (0..20).filter(|&i| shares[i].is_some()).collect()
         };
-        assert_eq!(recorded(Scope { revolutions: 4..=6, ..Scope::default() }), [4, 5, 6]);
-        assert_eq!(recorded(Scope { seconds: 0.25..=0.5, ..Scope::default() }), [3, 4, 5]);
-        assert_eq!(recorded(Scope { revolutions: 4..=9, seconds: 0.75..=9.0, ..Scope::default() }), [8, 9]);
-        let mut plan = Plan::new(Scope { seconds: 0.0..=0.5, ..Scope::default() });
+        assert_eq!(
+            recorded(Scope { revolutions: vec![4..=6, 17..=u64::MAX], ..Scope::default() }),
+            [4, 5, 6, 17, 18, 19]
+        );
+        assert_eq!(recorded(Scope { seconds: vec![0.25..=0.5], ..Scope::default() }), [3, 4, 5]);
+        assert_eq!(recorded(Scope { revolutions: vec![4..=9], seconds: vec![0.75..=9.0], ..Scope::default() }), [8, 9]);
+        let mut plan = Plan::new(Scope { seconds: vec![0.0..=0.5], ..Scope::default() });
         let set_back = [3, 4, 0, 1, 5].map(|seq| plan.share_of(&frame(seq, 2)).is_some());
         assert_eq!(set_back, [true, true, false, false, true], "a stamp before the first one is no second 0");
         let two = NonZeroU64::new(2).unwrap();
-        let shares = shares(Scope { revolutions: 3..=9, part_revolutions: two, ..Scope::default() }, &[2; 20]);
+        let shares = shares(Scope { revolutions: vec![3..=9], part_revolutions: two, ..Scope::default() }, &[2; 20]);
         let parts: Vec<usize> = (0..20).filter(|&i| shares[i].is_some_and(|share| share.new_part)).collect();
         assert_eq!(parts, [5, 7, 9]);
     }

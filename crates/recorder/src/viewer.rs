@@ -38,13 +38,14 @@ pub(crate) struct Viewer {
 }
 
 impl Viewer {
-    /// Starts the viewer called `executable`.
+    /// Starts the viewer called `executable`, which listens at `port`, or at any.
     ///
     /// # Errors
     /// When there is none.
-    pub(crate) fn start(executable: &str) -> Result<Self, RecorderError> {
+    pub(crate) fn start(executable: &str, port: Option<u16>) -> Result<Self, RecorderError> {
+        let port = port.map_or_else(|| "--port=auto".to_owned(), |port| format!("--port={port}"));
         let mut command = Command::new(executable);
-        command.args(["--port=auto", "--bind=127.0.0.1", "-"]).stdin(Stdio::piped()).stdout(Stdio::null());
+        command.args([&port, "--bind=127.0.0.1", "-"]).stdin(Stdio::piped()).stdout(Stdio::null());
         let mut process = command.spawn().map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => RecorderError::NoViewer,
             _ => RecorderError::Viewer(error.to_string()),
@@ -58,12 +59,22 @@ impl Viewer {
         self.input.take(message)
     }
 
+    /// Hands over the end.
+    pub(crate) fn end(&mut self) {
+        self.input.end(); // fails if the viewer was closed, which `wait` handles
+    }
+
+    /// Whether it was not closed yet.
+    pub(crate) fn is_open(&mut self) -> bool {
+        matches!(self.process.try_wait(), Ok(None))
+    }
+
     /// Waits until the viewer is closed.
     ///
     /// # Errors
     /// When the viewer failed.
     pub(crate) fn wait(mut self) -> Result<(), RecorderError> {
-        self.input.end(); // fails if the viewer was closed, which is handled below
+        self.end();
         let ended = self.process.wait().map_err(|e| RecorderError::Viewer(e.to_string()))?;
         if ended.success() { Ok(()) } else { Err(RecorderError::Viewer(format!("it ended with {ended}"))) }
     }

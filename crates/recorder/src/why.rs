@@ -1,18 +1,18 @@
 //! Why the count is what it is: as text and drawn on the scan; and which revolutions are worth a look.
 
-use crosscut_explain::{Change, Edge, Event, Explanation, Watch};
+use crosscut_explain::{Change, Doubt, Edge, Event, Explanation, Watch};
 use crosscut_stage::{Frame, Point, Revolution, Weights, counted};
 use rerun::{
-    AsComponents, Color, LineStrips3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
-    TextDocument, TextLog, TextLogLevel,
+    AsComponents, Color, LineStrips3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult, StateChange,
+    StateConfiguration, TextDocument, TextLog, TextLogLevel,
 };
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
-use crate::colors::{BORDER, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, color, name_of};
+use crate::colors::{BORDER, DOUBTS, EDGE, STRONGEST, TOLERANCE, WEAK_EDGE, WEAKEST, color, name_of};
 use crate::matrices::is_drawn;
 use crate::rows::Rows;
 use crate::scan::{within_view, xyz};
-use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
+use crate::schema::{AFFINITY_LINKS, AFFINITY_MARKS, LOG, REPORT_DOUBT, REPORT_WHY, SCAN_LINKS, SCAN_LINKS_EDGES};
 use crate::tracks::{Classes, Tracks};
 
 /// Edges of a sparse W that are drawn for each return at most; of more of them, every m-th is drawn.
@@ -29,6 +29,9 @@ const MARK_HEIGHT: f64 = 0.18;
 /// Edges of a sparse W with a smaller weight are highlighted.
 const WEAK: f64 = 0.1;
 
+/// The level of the log for answers that are right or wrong by chance.
+pub(crate) const UNSURE: &str = "UNSURE";
+
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
@@ -36,7 +39,40 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
     let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
-    rec.log_static(SCAN_LINKS_EDGES.path, &edges)
+    rec.log_static(SCAN_LINKS_EDGES.path, &edges)?;
+    let names = Doubt::ALL.map(Doubt::name);
+    let doubts = StateConfiguration::new().with_values(names).with_colors(DOUBTS.map(color));
+    rec.log_static(REPORT_DOUBT.path, &doubts)
+}
+
+/// A doubt lasts until this many revolutions in a row are less doubtful: in a long flight shorter stretches cannot be seen.
+const LASTING: u32 = 20;
+
+/// What is doubtful, if it is not what was logged before.
+#[derive(Default)]
+pub(crate) struct Doubts {
+    shown: Option<Doubt>,
+    /// Revolutions in a row that were less doubtful than that.
+    less: u32,
+}
+
+impl Doubts {
+    pub(crate) fn log(&mut self, rows: &mut Rows, doubt: Doubt) {
+        if self.is_new(doubt) {
+            rows.log(&REPORT_DOUBT, &StateChange::single(doubt.name()));
+        }
+    }
+
+    /// Whether `doubt` is shown from here on.
+    fn is_new(&mut self, doubt: Doubt) -> bool {
+        let is_less = self.shown.is_some_and(|shown| doubt > shown);
+        self.less = if is_less { self.less + 1 } else { 0 };
+        if is_less && self.less < LASTING {
+            return false;
+        }
+        self.less = 0;
+        self.shown.replace(doubt) != Some(doubt)
+    }
 }
 
 /// The text of `/report/why` for a finished frame, as a recording has it that begins with this revolution; without the file, the
@@ -59,7 +95,11 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch
     rows.log(&REPORT_WHY, &TextDocument::from_markdown(paragraphs.join("\n\n")));
     log_decisive_links(rows, &frame.revolution, &explanation, told.reach_m);
     for event in watch.events(frame, told.truth) {
-        let level = if matches!(event, Event::Wrong { .. }) { TextLogLevel::ERROR } else { TextLogLevel::WARN };
+        let level = match event {
+            Event::Wrong { .. } => TextLogLevel::ERROR,
+            Event::Unsure { .. } | Event::LowMargin { .. } => UNSURE,
+            _ => TextLogLevel::WARN,
+        };
         rows.log(&LOG, &TextLog::new(event.to_string()).with_level(level));
     }
     explanation
@@ -114,6 +154,12 @@ impl Told<'_> {
         }));
         parts.join(" · ")
     }
+}
+
+/// The file and the preset that a text of a revolution names: "tee.mcap, preset paper".
+pub(crate) fn source_in(text: &str) -> Option<&str> {
+    let line = text.lines().find(|line| line.contains("revolution ") && line.contains(" · "))?;
+    line.split(" · ").next().filter(|part| !part.starts_with("revolution "))
 }
 
 /// What the colours of edges and labels mean.
@@ -222,6 +268,17 @@ mod tests {
         let expected = [vec![0.0, 1.0, 2.0], vec![0.0, 3.0], vec![3.0, 4.0, 5.0]];
         assert_eq!(lines.iter().map(along).collect::<Vec<_>>(), expected);
         assert!(lines[1].1 == color(WEAK_EDGE) && lines[2].1 == color(EDGE));
+    }
+
+    #[test]
+    fn a_doubt_begins_at_once_and_ends_after_a_while() {
+        let mut doubts = Doubts::default();
+        assert!(doubts.is_new(Doubt::None) && doubts.is_new(Doubt::Unsure) && doubts.is_new(Doubt::Wrong));
+        for _ in 0..3 {
+            assert!((1..LASTING).all(|_| !doubts.is_new(Doubt::None)) && !doubts.is_new(Doubt::Wrong), "it lasts");
+        }
+        assert!((1..LASTING).all(|_| !doubts.is_new(Doubt::None)) && doubts.is_new(Doubt::None));
+        assert!(!doubts.is_new(Doubt::None) && doubts.is_new(Doubt::Wrong));
     }
 
     #[test]

@@ -232,6 +232,9 @@ entities! {
         "true number of walls, where the flight has its truth: when it changes, and at every tenth revolution";
     TRUTH_JSON: "/truth/json", DOCUMENT, [], "", Exact, Event, "the truth of each revolution that has one";
     REPORT_CONFIDENCE: "/report/confidence", SCALAR, [], "", Exact, Revolution, "confidence in that number, 0 to 1";
+    REPORT_DOUBT: "/report/doubt", "StateChange:state", [], "", Exact, Change,
+        "`wrong` where the truth has another count, `unsure` from a low confidence until it has recovered, either until 20 \
+        revolutions in a row are better; else `none`";
     REPORT_PLACE: "/report/place", "StateChange:state", [], "", Exact, Revolution, "place, such as `tee`";
     REPORT_SUMMARY: "/report/summary", DOCUMENT, [], "", Words, Revolution, "answer with its openings and walls";
     REPORT_WHY: "/report/why", DOCUMENT, [], "", Words, Revolution, "why the count is what it is, with all notes";
@@ -274,7 +277,7 @@ entities! {
     COLORS: "/", "AnnotationContext:context", [], "", Drawing, Once, "names and colours of the walls";
     PART: "/recording/part", TENSOR, ["number, goes_on"], "", Exact, File,
         "which file of a long recording this is, from 1; at its end again with a 1 if another follows";
-    EXTENT: "/layout/extent", TENSOR, ["range_m, places, by_gaps"], "m", Exact, Once, "what the views of the layout reach";
+    EXTENT: "/layout/extent", TENSOR, ["range_m, places, by_gaps, has_truth"], "m", Exact, Once, "what the views of the layout reach";
 }
 
 /// Times of the steps, in their order.

@@ -136,6 +136,10 @@ note_codes! {
         seen "The vehicle turned, or moved, while the lidar swept once."
         done "Beams are brought to where they were seen from in the middle of the scan."
         remedy "Nothing; `ingest.deskew = false` turns it off.";
+    "N028" ["in degrees"]
+        seen "`angle_min`, `angle_max` or `angle_increment` make a sensible scan only as degrees."
+        done "They are taken as degrees."
+        remedy "Correct the driver: the message asks for radians.";
     // Clouds.
     "N030" ["the cloud does not state rings"]
         seen "`ingest.rings` is set, but the cloud has no field `ring`."
@@ -211,11 +215,15 @@ note_codes! {
         seen "Between the views of two scanners some directions are seen by neither."
         done "They count as free as far as the farther neighbour sees."
         remedy "Nothing.";
+    "N056" ["is not joined: both scanners state the frame"]
+        seen "Two scanners state the same frame, and in it they see different things."
+        done "The revolution is made without the other one."
+        remedy "Give each scanner a frame of its own in its driver, with its place in /tf_static.";
     // Affinity.
     "N060" ["passage:", "in the air"]
         seen "Single returns hang in the air, as of dust, rain or the edges of pillars."
         done "They are ignored: they join no walls and belong to none."
-        remedy "Nothing.";
+        remedy "Nothing. If they are real walls, the lidar may be too coarse for them: look at the scan with `crosscut view`.";
     "N061" ["passage:", "within the vehicle, nearer than"]
         seen "Returns lie within the outline of the vehicle."
         done "They are ignored."
@@ -299,6 +307,18 @@ note_codes! {
         seen "The walls of this scan are not those before: the vehicle is lost, as after a jump, or in an open place."
         done "The map begins anew here; what came before is not joined to it."
         remedy "Record odometry and every scan. At the start of a flight nothing is to be done.";
+    "N096" ["pose:", "; a new stretch begins"]
+        seen "The stamps leave a gap or jump back, and no odometry bridges it."
+        done "The map begins a new stretch, which is joined to the rest once its places are recognised."
+        remedy "Look for lost messages; give one flight at a time, its parts in order.";
+    "N097" ["pose: the walls do not show how far along the passage"]
+        seen "The walls are so smooth that a scan does not show how far the vehicle came along the passage."
+        done "The pose goes on as before; lengths of this passage on the map are unknown."
+        remedy "Record odometry.";
+    "N098" ["pose: the odometry moved by", "the scans by"]
+        seen "For metres, odometry and scans show different motions."
+        done "The scans are believed, until both agree again; the note says which is the case."
+        remedy "Look at the odometry: its scale, its frame, its clock.";
     "N095" ["pose: a slip or a jump"]
         seen "Over the last metres the scans show another motion than the odometry, as where wheels slip; without odometry, the scan shows a jump."
         done "The motion that the scan shows is used."

@@ -26,7 +26,7 @@ class Recorder:
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], engine: Engine | None = None, *, name: str | None = None, detail: str = "default"
+        self, path: str | os.PathLike[str], engine: Engine | None = None, *, name: str | None = None, detail: str | None = None
     ) -> None:
         self.path = Path(path)
         self._engine = checked_engine(engine)

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 
-use super::{InputArgs, mcap_path};
+use super::{InputArgs, has_extension};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
     /// MCAP file for the scans (/scan) or clouds (/points), odometry (/odom) and transforms (/tf).
-    #[arg(short, long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(mcap_path))]
+    #[arg(short, long, value_name = "FLIGHT.mcap", value_parser = PathBufValueParser::new().try_map(converted_path))]
     pub(crate) out: PathBuf,
     /// File of settings, of which those of the section csv and ingest.echo count.
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]
@@ -23,6 +23,16 @@ pub(crate) struct ConvertArgs {
     /// Show no progress and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+/// Endings of recordings that are no MCAP.
+const OTHER_FORMATS: [&str; 7] = ["rrd", "bag", "db3", "clf", "csv", "pcd", "ply"];
+
+fn converted_path(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if OTHER_FORMATS.iter().any(|format| has_extension(&path, format)) {
+        return Err("convert writes MCAP: FLIGHT.mcap");
+    }
+    Ok(path)
 }
 
 fn setting_of_conversion(setting: &str) -> Result<String, &'static str> {

@@ -17,7 +17,7 @@ const EXAMPLES: [(&str, [&str; 2]); 22] = [
             "crosscut run FLIGHT.bag --set vehicle.width_m=0.8 --save FLIGHT.rrd",
         ],
     ),
-    ("view", ["crosscut view FLIGHT.rrd", "crosscut view A.rrd --beside B.rrd"]),
+    ("view", ["crosscut view FLIGHT.rrd --at 81", "crosscut view A.rrd --beside B.rrd"]),
     ("simulate", ["crosscut simulate loops --seed 7 -o loops.mcap", "crosscut simulate --list"]),
     ("explore", ["crosscut explore loops --seed 7", "crosscut explore --plan PLAN.json --save MISSION.rrd"]),
     (

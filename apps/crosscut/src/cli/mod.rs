@@ -182,8 +182,11 @@ pub(crate) struct MapArgs {
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
     /// The map: .svg (a drawing), .json, .geojson, .graphml, .g2o (the visits as a pose graph) or .csv (a survey).
-    #[arg(short, long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(map_path))]
-    pub(crate) out: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "json", value_parser = PathBufValueParser::new().try_map(map_path))]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the map as JSON, as in a file .json.
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Show no progress bar and no summary.
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -212,6 +215,9 @@ pub(crate) struct ViewArgs {
     /// that the recording was made for]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<LayoutArg>,
+    /// Revolution to open at. [default: the last]
+    #[arg(long, value_name = "REVOLUTION", conflicts_with = "serve")]
+    pub(crate) at: Option<u64>,
     /// Second recording, shown side by side with the first.
     #[arg(long, value_name = "OTHER.rrd")]
     pub(crate) beside: Option<PathBuf>,

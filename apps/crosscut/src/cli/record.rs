@@ -1,8 +1,6 @@
 //! The options of the recording for the Rerun viewer.
 
 use std::net::SocketAddr;
-use std::num::NonZeroU64;
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
@@ -31,25 +29,22 @@ pub(crate) struct RecordArgs {
     pub(crate) scope: ScopeArgs,
 }
 
-/// How much of which revolutions is recorded.
+/// How much is recorded.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recording")]
 pub(crate) struct ScopeArgs {
-    /// Amount of data recorded of each revolution.
-    #[arg(long, value_enum, default_value = "default", requires = "recorded")]
-    pub(crate) record: DetailArg,
-    /// Record exact W and U at every N-th recorded revolution. [default: 300; 1 with --record full; never with light]
-    #[arg(long, value_name = "N", requires = "recorded")]
-    pub(crate) record_every: Option<NonZeroU64>,
-    /// Record only these revolutions (`seq`, both ends included): 100..200, 100.. or ..200.
-    #[arg(long, value_name = "A..B", value_parser = range::<u64>, requires = "recorded")]
-    pub(crate) record_revolutions: Option<Span<u64>>,
-    /// Record only this time, in seconds after the first revolution of the run: 12.5..20, 12.5.. or ..20.
-    #[arg(long, value_name = "A..B", value_parser = range::<f64>, requires = "recorded")]
-    pub(crate) record_seconds: Option<Span<f64>>,
-    /// Start a new file, FLIGHT-2.rrd, FLIGHT-3.rrd..., after every N revolutions.
-    #[arg(long, value_name = "N", default_value = "6000", requires = "save")]
-    pub(crate) record_part: NonZeroU64,
+    /// Amount of data recorded of each revolution. The same as --set recording.detail=DETAIL; the other settings of
+    /// [recording] choose revolutions and times.
+    #[arg(long, value_enum, requires = "recorded")]
+    pub(crate) detail: Option<DetailArg>,
+}
+
+impl ScopeArgs {
+    /// What was chosen, as a setting.
+    pub(crate) fn setting(&self) -> Option<String> {
+        let detail = self.detail.as_ref()?.to_possible_value()?;
+        Some(format!("recording.detail=\"{}\"", detail.get_name()))
+    }
 }
 
 /// Refuses a pipe: a recording is written in parts, each with an index at its end.
@@ -84,47 +79,4 @@ pub(crate) enum DetailArg {
     Default,
     /// In addition exact W and U of every revolution.
     Full,
-}
-
-/// A range that includes both ends.
-pub(crate) type Span<T> = RangeInclusive<T>;
-
-/// A number type that a [`Span`] can have.
-pub(crate) trait Bound: std::str::FromStr + PartialOrd + Copy {
-    const FIRST: Self;
-    const LAST: Self;
-}
-
-impl Bound for u64 {
-    const FIRST: Self = 0;
-    const LAST: Self = Self::MAX;
-}
-
-impl Bound for f64 {
-    const FIRST: Self = 0.0;
-    const LAST: Self = Self::INFINITY;
-}
-
-fn range<T: Bound>(text: &str) -> Result<Span<T>, String> {
-    let wrong = || "A..B, A.. or ..B, with A not above B".to_owned();
-    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
-    let end = |text: &str, missing: T| if text.is_empty() { Ok(missing) } else { text.parse().map_err(|_| wrong()) };
-    let (from, to) = (end(from, T::FIRST)?, end(to, T::LAST)?);
-    if from >= T::FIRST && from <= to { Ok(from..=to) } else { Err(wrong()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_span_may_be_open_but_never_backwards() {
-        assert_eq!(range::<u64>("100..200"), Ok(100..=200));
-        assert_eq!(range::<u64>("100.."), Ok(100..=u64::MAX));
-        assert_eq!(range::<f64>("..20.5"), Ok(0.0..=20.5));
-        for wrong in ["", "5", "3..2", "a..b", "-1..2", "1...2"] {
-            assert!(range::<f64>(wrong).is_err(), "{wrong}");
-        }
-        assert!(range::<f64>("NaN..2").is_err());
-    }
 }

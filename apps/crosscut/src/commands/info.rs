@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use crate::cli::InfoArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
+use crate::interrupt::stop_on_interrupt;
 use crate::outputs::Document;
 use crate::say::show;
 use crate::typeset::plain;
@@ -29,6 +30,7 @@ pub(crate) fn info(args: &InfoArgs, registry: &Registry) -> anyhow::Result<Outco
     if let Some(code) = &args.note {
         return explain(code);
     }
+    stop_on_interrupt()?; // which ends a wait for standard input
     let config = args.config.resolve(registry)?;
     let sensor = Sensor::new(config.params("ingest"));
     let csv = CsvGeometry::new(config.params("csv"));

@@ -9,8 +9,9 @@ use crate::exit::Outcome;
 use crate::fly::{Flight, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
 use crate::map_file::MapFile;
+use crate::maps;
 use crate::progress;
-use crate::say::say;
+use crate::say::{say, show};
 
 /// Runs the flight and writes its map.
 pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -18,14 +19,17 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     let read = files_read(&args.input, args.config.config.clone())?;
     let stop = stop_on_interrupt()?;
     let mut flight = Flight::open(&args.input.recordings.input, &args.input, &config)?;
-    let (mut file, mut mapper) = (MapFile::create(&args.out, &read)?, Mapper::default());
+    let mut file = args.out.as_deref().map(|out| MapFile::create(out, &read)).transpose()?;
+    let mut mapper = Mapper::default();
     let mut no_place = NoPlace::default();
     let bar = progress::bar(flight.total_revolutions(), args.quiet);
     let how = How { registry, stop: &stop, bar: &bar, rate: None, has_poses: true };
     let flown = fly(flight, &config, &how, &mut [], &mut |frame, _| {
         mapper.add(frame);
         no_place.add(frame);
-        file.take(frame, &mapper, &no_place);
+        if let Some(file) = &mut file {
+            file.take(frame, &mapper, &no_place);
+        }
         Ok(())
     })?;
     bar.finish_and_clear();
@@ -34,8 +38,13 @@ pub(crate) fn map(args: &MapArgs, registry: &Registry) -> anyhow::Result<Outcome
     if flown.is_empty() {
         return Ok(diagnostics.outcome());
     }
-    file.finish(&mapper, &no_place)?;
+    if let Some(file) = &mut file {
+        file.finish(&mapper, &no_place)?;
+    }
     let map = mapper.map();
+    if args.json {
+        show(format!("{}\n", maps::json(&map)))?;
+    }
     if !args.quiet {
         say(map.summary());
     }

@@ -9,7 +9,7 @@ use crosscut_pipeline::{End, StopFlag};
 use crosscut_sensor::Sensor;
 use crosscut_stage::counted;
 
-use crate::cli::{ConfigArgs, RunArgs};
+use crate::cli::RunArgs;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError, is_closed_pipe};
 use crate::fly::{Flight, Flown, How, files_read, files_to_come, fly};
@@ -99,7 +99,8 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     }
     flown.report(None, &mut diagnostics);
     if !flown.is_empty() && observers.recorded_nothing() {
-        diagnostics.note("the recording is empty: no revolution lies within --record-revolutions or --record-seconds");
+        diagnostics
+            .note("the recording is empty: no revolution lies within recording.revolutions and recording.spans_s");
     }
     note_closed_pipe(&flown, args, &mut diagnostics);
     if is_stream && robot.is_none() && stop.is_set() {
@@ -118,11 +119,10 @@ pub(crate) fn run(args: &RunArgs, registry: &Registry, robots: Option<&dyn Robot
     Ok(diagnostics.outcome())
 }
 
-/// The configuration, with the odometry that was asked for.
+/// The configuration, with the odometry and the detail of a recording that were asked for.
 fn configuration(args: &RunArgs, registry: &Registry) -> Result<Config, UsageError> {
     let odometry = args.live.odometry.iter().map(|topic| format!("ingest.odometry=\"{topic}\""));
-    let set = args.config.set.iter().cloned().chain(odometry).collect();
-    ConfigArgs { set, preset: args.config.preset.clone(), config: args.config.config.clone() }.resolve(registry)
+    args.config.resolve_with(odometry.chain(args.record.scope.setting()), registry)
 }
 
 fn until(stop: &StopFlag) -> Following {

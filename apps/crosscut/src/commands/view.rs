@@ -15,6 +15,7 @@ pub(crate) fn view(args: &ViewArgs) -> anyhow::Result<Outcome> {
         beside: args.beside.iter().cloned().collect(),
         sensors: args.with.clone(),
         layout: args.layout.map(Into::into),
+        at: args.at,
     };
     let damages = match args.serve {
         None => show.in_viewer()?,

@@ -79,6 +79,11 @@ pub struct Layer {
 }
 
 impl Layer {
+    /// The kind that a section is set to, if it is.
+    pub(super) fn kind(&self, section: &str) -> Option<String> {
+        self.table.get(section)?.get("kind")?.as_str().map(str::to_owned)
+    }
+
     /// The text of a configuration file; `path` is for messages.
     ///
     /// # Errors

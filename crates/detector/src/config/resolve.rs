@@ -287,7 +287,11 @@ impl Resolved {
             section: self.name,
             kind: wanted.to_string(),
             nearest: if name.starts_with(CODE) {
-                format!("code runs if the command line names it (--set {}.kind={name})", self.name)
+                format!(
+                    "a stage of Python runs in the wheel's program alone (`python/run --install`, docs/python.md), where the \
+                     command line names it: --set {}.kind={name}",
+                    self.name
+                )
             } else {
                 nearest_and_all(name, &choices.iter().map(|choice| choice.name).collect::<Vec<_>>())
             },
@@ -317,7 +321,12 @@ impl Resolved {
             Body::Fixed(_) => None,
         };
         let nearest = match owner {
-            Some(owner) => format!("that is a parameter of {}.kind = {:?}", self.name, owner.name),
+            Some(owner) => {
+                let of_kind = |preset: &Preset| Layer::from(*preset).kind(self.name) == Some(owner.name.to_owned());
+                let preset = Preset::ALL.iter().find(|preset| of_kind(preset));
+                let with = preset.map_or_else(String::new, |preset| format!(", as with --preset {}", preset.name()));
+                format!("that is a parameter of {}.kind = {:?}{with}", self.name, owner.name)
+            }
             None => {
                 let kind = self.kind.as_ref().map(|_| "kind");
                 nearest(key, kind.into_iter().chain(self.specs.iter().map(|spec| spec.name)))

@@ -2,7 +2,7 @@
 
 use crosscut_stage::{Count, Kind, ParamSpec, StageKind};
 
-use crate::Registry;
+use crate::{Registry, recording};
 
 pub(crate) const WORKERS: Count = Count::new("workers", "lanes", 0)
     .to(1024)
@@ -42,8 +42,9 @@ pub(super) struct Choice {
     pub(super) params: &'static [ParamSpec],
 }
 
-/// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `flight`, `pipeline`.
-pub(super) fn sections(registry: &Registry) -> [Section; 9] {
+/// All sections: `ingest`, `csv`, `affinity`, `spectral`, `kmeans`, `report`, `vehicle`, `flight`, `pipeline`,
+/// `recording`.
+pub(super) fn sections(registry: &Registry) -> [Section; 10] {
     let fixed = |name, params| Section { name, body: Body::Fixed(params) };
     [
         fixed("ingest", crosscut_sensor::PARAMS),
@@ -55,6 +56,7 @@ pub(super) fn sections(registry: &Registry) -> [Section; 9] {
         fixed("vehicle", crosscut_report::VEHICLE_PARAMS),
         fixed("flight", crosscut_flight::PARAMS),
         fixed("pipeline", PIPELINE_PARAMS),
+        fixed("recording", recording::PARAMS),
     ]
 }
 

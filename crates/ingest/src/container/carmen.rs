@@ -212,8 +212,13 @@ impl Words<'_> {
     }
 }
 
-/// A time in seconds, to the nanosecond: a number of 64 bits is not that exact today.
+/// A time in seconds, to the nanosecond: a number of 64 bits is not that exact today. Streams of C++ write six digits and an
+/// exponent; less than a nanosecond is what such a program made of a damaged time.
 fn nanoseconds(word: &str) -> Option<u64> {
+    if word.contains('e') {
+        let seconds: f64 = word.parse().ok()?;
+        return (1e-9..1e10).contains(&seconds).then(|| (seconds * 1e9).round() as u64);
+    }
     let (whole, fraction) = word.split_once('.').unwrap_or((word, ""));
     let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
     if whole.is_empty() || !is_digits(whole) || !is_digits(fraction) {
@@ -270,6 +275,15 @@ mod tests {
         assert_eq!((scan.ranges, scan.intensities), (vec![1.0, 2.0, 3.0], vec![7.0, 8.0]));
         assert_eq!((odometry.pose.pose.position.x, odometry.pose.pose.position.y), (4.0, 5.0));
         assert_eq!(found[1].log_time_ns, 1_232_658_478_250_000_000);
+    }
+
+    #[test]
+    fn a_time_with_an_exponent_is_read_unless_it_is_nothing() {
+        assert_eq!(nanoseconds("1.13486e+09"), Some(1_134_860_000_000_000_000));
+        assert_eq!(nanoseconds("2481.25"), Some(2_481_250_000_000));
+        for wrong in ["1.08499e-42", "1e300", "1e", "-1e3", "nane"] {
+            assert_eq!(nanoseconds(wrong), None, "{wrong}");
+        }
     }
 
     #[test]

@@ -118,7 +118,7 @@ pub(crate) struct Message {
 /// # Errors
 /// When it cannot be opened, is no file, or is of a format that is not read here.
 pub(crate) fn open(path: &Path, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
-    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let failed = |source| IngestError::cannot_open(path, source);
     if path == Path::new(STANDARD_INPUT) {
         let spooled = spool::standard_input().map_err(failed)?;
         return open_spooled(path, spooled, csv);
@@ -143,7 +143,7 @@ pub(crate) fn reopen(container: &dyn Container, csv: &CsvGeometry) -> Result<Box
 /// Opens a file again that was opened before.
 pub(crate) fn reopen_file(contents: &Contents, csv: &CsvGeometry) -> Result<Box<dyn Container>, IngestError> {
     let path = &contents.path;
-    let failed = |source| IngestError::Open { path: path.clone(), source };
+    let failed = |source| IngestError::cannot_open(path, source);
     let (on_disk, mut file) = match &contents.temporary {
         Some(temporary) => (temporary.to_path_buf(), RestingFile::temporary(Arc::clone(temporary))),
         None => (path.clone(), RestingFile::new(path.clone(), File::open(path).map_err(failed)?)),
@@ -152,13 +152,18 @@ pub(crate) fn reopen_file(contents: &Contents, csv: &CsvGeometry) -> Result<Box<
     open_plain(path, &on_disk, file, &start, csv)
 }
 
+/// Whether a file that begins with `start` is compressed as a whole, in a way that is decompressed here.
+pub(crate) fn is_compressed(start: &[u8]) -> bool {
+    Compression::of(start).is_some()
+}
+
 /// Opens a temporary copy of `path`.
 fn open_spooled(
     path: &Path,
     Spooled { path: temporary, compression, damage }: Spooled,
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
-    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let failed = |source| IngestError::cannot_open(path, source);
     let name = temporary.to_path_buf();
     let mut file = RestingFile::temporary(Arc::clone(&temporary));
     let start = start_of(&mut file).map_err(failed)?;
@@ -183,7 +188,7 @@ fn open_plain(
     start: &[u8],
     csv: &CsvGeometry,
 ) -> Result<Box<dyn Container>, IngestError> {
-    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let failed = |source| IngestError::cannot_open(path, source);
     let no_recording = |found| IngestError::NotRecording { path: path.to_owned(), found };
     let unreadable = |damage| {
         let kind = LossKind::Rest { at_byte: 0, damage };

@@ -30,7 +30,7 @@ pub(super) fn read(inputs: &[PathBuf], feed: FileFeed, following: &Following) ->
             file = files.next_open(&feed);
         }
     });
-    reading.map(drop).map_err(|source| IngestError::Open { path: inputs[0].clone(), source })
+    reading.map(drop).map_err(|source| IngestError::cannot_open(&inputs[0], source))
 }
 
 /// The files of a flight, of which more may appear.
@@ -80,7 +80,7 @@ impl Files {
 
 /// Opens an MCAP, once its first bytes are there.
 fn open(path: &Path, following: &Following) -> Result<FollowedMcap, IngestError> {
-    let failed = |source| IngestError::Open { path: path.to_owned(), source };
+    let failed = |source| IngestError::cannot_open(path, source);
     loop {
         if !std::fs::metadata(path).map_err(failed)?.is_file() {
             return Err(IngestError::NotAFile { path: path.to_owned() });

@@ -174,6 +174,16 @@ fn a_file_that_decompresses_to_too_much_is_cut() {
 }
 
 #[test]
+fn a_compressed_file_in_a_compressed_file_is_refused() {
+    let folder = Folder::new();
+    let flight = Form::CHUNKED.write(&plain_flight(3));
+    let compressed = |bytes: &[u8]| zstd::stream::encode_all(bytes, 1).expect("in memory");
+    assert!(open(&folder.add("once.mcap.zst", &compressed(&flight))).is_ok());
+    let refused = open(&folder.add("twice.mcap.zst", &compressed(&compressed(&flight)))).err().expect("refused");
+    assert!(refused.to_string().contains("decompress it first"), "{refused}");
+}
+
+#[test]
 fn messages_that_wait_beyond_their_memory_are_lost_and_counted() {
     let folder = Folder::new();
     for summary in [true, false] {

@@ -186,7 +186,7 @@ fn files_of_other_kinds_are_named() {
     assert_eq!(found("a.mcap", b""), Found::Empty);
     #[cfg(unix)]
     assert!(matches!(open(std::path::Path::new("/dev/null")), Err(IngestError::NotAFile { .. })));
-    assert!(matches!(open(&folder.path().join("none.mcap")), Err(IngestError::Open { .. })));
+    assert!(matches!(open(&folder.path().join("none.mcap")), Err(IngestError::Missing { .. })));
     assert!(matches!(open(&folder.add("b.mcap", mcap::MAGIC)), Err(IngestError::NothingReadable { .. })));
     for cut in [&b"#ROSBAG V2.0\n..."[..], b"SQLite format 3\0..."] {
         assert!(matches!(open(&folder.add("cut", cut)), Err(IngestError::NothingReadable { .. })));

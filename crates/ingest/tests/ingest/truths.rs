@@ -84,7 +84,7 @@ fn a_truth_that_cannot_be_read_is_an_error_of_its_own_scan_only() {
 }
 
 #[test]
-fn a_recording_without_truth_is_refused_with_what_it_has() {
+fn a_recording_without_truth_is_refused_with_what_needs_none() {
     let folder = Folder::new();
     let refused = |records: &[Record]| {
         let path = folder.add("flight.mcap", &Form::CHUNKED.write(records));
@@ -93,10 +93,10 @@ fn a_recording_without_truth_is_refused_with_what_it_has() {
         error.to_string()
     };
     let text = refused(&plain_flight(2));
-    assert!(text.contains("/truth") && text.contains("/scan") && text.contains("flight.mcap"), "{text}");
+    assert!(text.contains("/truth") && text.contains("crosscut compare") && text.contains("flight.mcap"), "{text}");
     let mut in_cdr = truth_at(time_ns(0), 1);
     in_cdr.encoding = "cdr";
-    assert!(refused(&[in_cdr]).contains("cdr"));
+    assert!(refused(&[in_cdr]).contains("in JSON"));
 }
 
 #[test]

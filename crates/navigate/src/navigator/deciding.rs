@@ -94,7 +94,7 @@ impl Navigator {
         let off_m = |place: usize| (known.places[place].position_m - first_m).norm();
         let first = (0..known.places.len()).min_by(|&a, &b| off_m(a).total_cmp(&off_m(b))).unwrap_or(0);
         if let Some(Route { way, length_m, .. }) = known.route(|place| place == first) {
-            return by(Choice { way, why: format!("home, {length_m:.0} m away") });
+            return by(Choice { way, why: format!("no way is left to take; home is {length_m:.0} m away") });
         }
         // From the first place on, and where the map knows no route, the vehicle flies back the way that it came. Where that
         // led back to a place, it takes another way.
@@ -109,8 +109,12 @@ impl Navigator {
             ways_rad.push(home_rad); // home may lie beside the ways
         }
         match self.chart.homewards(located, &ways_rad, home_rad) {
-            Some(way) => (Some(way), ways_rad[way], format!("back the way that it came, home in {left_m:.0} m")),
-            None => (None, home_rad, "towards home".to_owned()),
+            Some(way) => (
+                Some(way),
+                ways_rad[way],
+                format!("no way is left to take; back the way that it came, home in {left_m:.0} m"),
+            ),
+            None => (None, home_rad, "no way is left to take; straight towards home".to_owned()),
         }
     }
 

@@ -13,13 +13,16 @@ struct DepthFirst;
 
 impl Planner for DepthFirst {
     fn choose(&mut self, known: &Known) -> Option<Choice> {
-        if let Some(way) = known.straightest_new_way() {
-            return Some(Choice { way, why: "the new way nearest to straight ahead".to_owned() });
+        if let Some(choice) = Choice::here(known) {
+            return Some(choice);
         }
         // A place that cannot be reached is passed over.
         let last_first = (0..known.places.len()).rev().filter(|&place| known.has_new_way(place));
         let route = last_first.filter_map(|place| known.route(|to| to == place)).next()?;
-        let why = format!("back to place {}, found last of those with a new way", route.to);
+        let why = format!(
+            "back to place {}, {:.0} m away: found last of those with a way not taken",
+            route.to, route.length_m
+        );
         Some(Choice { way: route.way, why })
     }
 }

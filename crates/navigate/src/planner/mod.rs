@@ -3,7 +3,9 @@
 mod depth_first;
 mod nearest_frontier;
 
-use crate::known::Known;
+use crosscut_stage::wrap_angle_rad;
+
+use crate::known::{Known, WayState};
 
 /// Chooses ways.
 pub trait Planner: Send {
@@ -19,6 +21,27 @@ pub struct Choice {
     /// Why, in words.
     pub why: String,
 }
+
+impl Choice {
+    /// The way of the present place that was not taken and is nearest to straight ahead.
+    fn here(known: &Known) -> Option<Self> {
+        let way = known.straightest_new_way()?;
+        let ways = &known.places[known.here].ways;
+        let turn_deg = wrap_angle_rad(ways[way].bearing_rad - known.heading_rad).to_degrees();
+        let side = if turn_deg > 0.0 { "left" } else { "right" };
+        let turn = if turn_deg.abs() < STRAIGHT_DEG {
+            "straight ahead".to_owned()
+        } else {
+            format!("{:.0}° to the {side}", turn_deg.abs())
+        };
+        let new = ways.iter().filter(|way| way.state == WayState::New).count();
+        let of_several = if new > 1 { format!(": the straightest of {new} here") } else { String::new() };
+        Some(Self { way, why: format!("a way not taken, {turn}{of_several}") })
+    }
+}
+
+/// Turns that are smaller are straight ahead.
+const STRAIGHT_DEG: f64 = 10.0;
 
 /// A planner with a name.
 #[derive(Clone, Copy, Debug)]

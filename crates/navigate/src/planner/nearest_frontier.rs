@@ -13,11 +13,11 @@ struct NearestFrontier;
 
 impl Planner for NearestFrontier {
     fn choose(&mut self, known: &Known) -> Option<Choice> {
-        if let Some(way) = known.straightest_new_way() {
-            return Some(Choice { way, why: "a new way here, nearest to straight ahead".to_owned() });
+        if let Some(choice) = Choice::here(known) {
+            return Some(choice);
         }
         let route = known.route(|place| known.has_new_way(place))?;
-        let why = format!("to the new way at place {}, {:.0} m away", route.to, route.length_m);
+        let why = format!("the nearest way not taken is {:.0} m ahead, at place {}", route.length_m, route.to);
         Some(Choice { way: route.way, why })
     }
 }

@@ -4,8 +4,9 @@ use nalgebra::Point2;
 use rerun::blueprint::components::{BackgroundKind, Eye3DKind, LinkAxis, TextLogColumn};
 use rerun::blueprint::datatypes::{self, TextLogColumnKind};
 use rerun::blueprint::{
-    ContainerLike, Horizontal, Spatial3DView, TextDocumentView, TextLogView, TimeSeriesView, Vertical,
+    ContainerLike, Horizontal, Spatial3DView, Tabs, TextDocumentView, TextLogView, TimeSeriesView, Vertical,
 };
+use rerun::datatypes::TimeRange;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
     Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
 };
@@ -15,6 +16,8 @@ use super::properties::Properties;
 /// The entities of a mission.
 pub(crate) struct Entities {
     pub(crate) mine: &'static str,
+    pub(crate) scale: &'static str,
+    pub(crate) outcome: &'static str,
     pub(crate) vehicle: &'static str,
     pub(crate) trail: &'static str,
     pub(crate) scan: &'static str,
@@ -32,6 +35,8 @@ pub(crate) struct Entities {
 
 pub(crate) const ENTITIES: Entities = Entities {
     mine: "/mission/mine",
+    scale: "/mission/scale",
+    outcome: "/mission/outcome",
     vehicle: "/mission/vehicle",
     trail: "/mission/trail",
     scan: "/mission/scan",
@@ -50,23 +55,25 @@ pub(crate) const ENTITIES: Entities = Entities {
 /// The page for a mine in a rectangle between these corners.
 pub(super) fn page(properties: &mut Properties, [low, high]: [Point2<f64>; 2]) -> ContainerLike {
     let above = from_above(properties, low, high);
+    let outcome = TextDocumentView::new("What became of it").with_origin(ENTITIES.outcome);
     let why = TextDocumentView::new("The last decision").with_origin(ENTITIES.why);
     let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
     let columns = TextLogColumns::new().with_text_log_columns([column(TextLogColumnKind::Body)]);
-    let log = TextLogView::new("Decisions: click to go there").with_origin(ENTITIES.log);
+    let log = TextLogView::new("Decisions: click one; the page Stages shows its scan").with_origin(ENTITIES.log);
     let log = properties.with(log, "TextLogColumns", columns);
-    let walls = plot(properties, "Walls in view", ENTITIES.walls);
     let left = plot(properties, "Ways on the map not taken", ENTITIES.new_ways);
-    let words = Vertical::new([why.into(), log, walls, left]).with_row_shares([0.7, 1.6, 0.8, 0.8]);
-    Horizontal::new([above, words.into()]).with_column_shares([2.1, 1.0]).with_name("Mission").into()
+    let walls = plot(properties, "Walls in view", ENTITIES.walls);
+    let plots = Tabs::new([left, walls]);
+    let words = Vertical::new([outcome.into(), why.into(), log, plots.into()]).with_row_shares([0.85, 0.85, 1.4, 0.9]);
+    Horizontal::new([above, words.into()]).with_column_shares([1.5, 1.0]).with_name("Mission").into()
 }
 
 fn from_above(properties: &mut Properties, low: Point2<f64>, high: Point2<f64>) -> ContainerLike {
     let middle = nalgebra::center(&low, &high);
     let size = high - low;
     // The viewer's field of view is 55° from top to bottom; the view is about as wide as high.
-    let height = (1.05 * size.y.max(size.x)) as f32;
-    let name = "The mine from above: map blue, ways not taken red, truth grey";
+    let height = (1.1 * size.y.max(size.x)) as f32;
+    let name = "The mine from above: ways taken blue, not taken pink; vehicle violet; true walls grey";
     let view = Spatial3DView::new(name).with_origin("/mission").with_contents(["+ /mission/**"]);
     let eye = EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
@@ -78,8 +85,13 @@ fn from_above(properties: &mut Properties, low: Point2<f64>, high: Point2<f64>) 
     properties.with(view, "Background", Background::new(BackgroundKind::SolidColor))
 }
 
+/// A plot over the whole mission.
 fn plot(properties: &mut Properties, name: &str, entity: &str) -> ContainerLike {
     let view = TimeSeriesView::new(name).with_origin(entity);
-    let view = properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
+    let view = properties.with(
+        view,
+        "TimeAxis",
+        TimeAxis::new().with_link(LinkAxis::Independent).with_view_range(TimeRange::EVERYTHING),
+    );
     properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false))
 }

@@ -4,17 +4,28 @@ use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
 use super::views::Views;
 use crate::schema::{AFFINITY_W, SPECTRAL_L};
+use crate::why::UNSURE;
 
 /// A flight: the scan at the chosen revolution, and the counts over all revolutions.
 pub(super) fn overview(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.why("Why this count?"), views.answer(), views.config(), views.about()]);
     let here = Vertical::new([views.scan("Here: x up, y left"), words.into()]).with_row_shares([1.15, 1.0]);
     let sure = Tabs::new([views.confidence(), views.margin()]);
-    let looks = Tabs::new([views.worth("Worth a look: click a revolution"), views.log("With all notes")]);
-    let flight = Vertical::new([views.walls(), views.places(), sure.into(), looks.into()]);
-    let flight = flight.with_row_shares([1.2, 0.75, 0.8, 1.35]);
+    let flight = Vertical::new([views.walls(), views.places(), sure.into(), looks(views).into()]);
+    let flight = flight.with_row_shares([1.15, 1.0, 0.75, 1.3]);
     let page = Horizontal::new([here.into(), flight.into()]).with_column_shares([0.72, 1.0]);
     page.with_name("Overview: the flight").into()
+}
+
+/// The revolutions worth a look, a list for each reason: the wrong ones first, where the flight has its truth.
+fn looks(views: &mut Views) -> Tabs {
+    let wrong = views.has_truth().then(|| views.listed("Wrong: click one", &["CRITICAL", "ERROR"]));
+    let others = [
+        views.listed("Changed: click one", &["WARN"]),
+        views.listed("Unsure", &[UNSURE]),
+        views.log("All, with notes"),
+    ];
+    Tabs::new(wrong.into_iter().chain(others))
 }
 
 /// One revolution stage by stage, and why its count is what it is.
@@ -22,7 +33,7 @@ pub(super) fn stages(views: &mut Views) -> ContainerLike {
     let [returns, w, eigenvalues, u, labels, openings, words] = steps(views);
     let above = Horizontal::new([returns, w, eigenvalues, words]).with_column_shares([1.0, 1.0, 0.95, 1.35]);
     let below = Horizontal::new([u, labels, openings]).with_column_shares([1.0, 1.0, 1.0]);
-    Vertical::new([above.into(), below.into()]).with_name("Stages: one revolution").into()
+    Vertical::new([above.into(), below.into()]).with_name(views.titled("Stages: one revolution")).into()
 }
 
 /// The views of the page [`stages`], in their order.
@@ -48,7 +59,7 @@ pub(super) fn steps(views: &mut Views) -> [ContainerLike; 7] {
 /// The map of the flight so far: the way, the walls, the places and passages, and why.
 pub(super) fn map(views: &mut Views) -> ContainerLike {
     let words = Tabs::new([views.flight_summary(), views.flight_graph(), views.answer(), views.log("Log")]);
-    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.22]);
+    let aside = Vertical::new([words.into(), views.flight_places()]).with_row_shares([1.0, 0.3]);
     let page = Horizontal::new([views.flight_map(), aside.into()]).with_column_shares([1.0, 0.62]);
     page.with_name("Map: places and passages").into()
 }

@@ -1,14 +1,33 @@
 //! Pages of combinations: two flights side by side; a flight with the other sensors of its MCAP recording.
 
-use rerun::blueprint::{ContainerLike, Grid, Horizontal, Tabs, Vertical};
+use rerun::blueprint::{ContainerLike, Horizontal, Tabs, Vertical};
 
 use super::pages;
 use super::views::Views;
 use crate::schema::AFFINITY_W;
 
-/// Two flights with the same views: the answer, and the matrix and spectrum that it follows from.
+/// What is known of two flights alone: where they differ, lines of both and the truth, the list, and the summary.
+pub(crate) const DIFFERS: &str = "/differs";
+pub(crate) const DIFFERS_WALLS: &str = "/differs/walls";
+pub(crate) const DIFFERS_CONFIDENCE: &str = "/differs/confidence";
+pub(crate) const DIFFERS_LOG: &str = "/differs/log";
+pub(crate) const DIFFERS_SUMMARY: &str = "/differs/summary";
+
+/// Two flights: where they differ, and below it the scan and the reasons of both, the first on the left.
 pub(super) fn beside(left: &mut Views, right: &mut Views) -> ContainerLike {
-    halves("Side by side", [left, right].map(half))
+    let truth = if left.has_truth() || right.has_truth() { ", truth green" } else { "" };
+    let lines = Tabs::new([
+        left.lines_of_both(&format!("Walls counted: left orange, right blue{truth}"), DIFFERS_WALLS),
+        left.lines_of_both("Confidence: left orange, right blue", DIFFERS_CONFIDENCE),
+    ]);
+    let flight = Vertical::new([lines.into(), left.strip_of_both(right)]).with_row_shares([0.8, 1.2]);
+    let list = Vertical::new([left.differences_in_words(), left.differences()]).with_row_shares([1.0, 1.1]);
+    let differs = Horizontal::new([flight.into(), list.into()]).with_column_shares([1.0, 1.0]);
+    let halves = Horizontal::new([left, right].map(half));
+    Vertical::new([differs.into(), halves.into()])
+        .with_row_shares([1.0, 1.1])
+        .with_name("Side by side: what differs")
+        .into()
 }
 
 /// Two pages beside each other.
@@ -16,18 +35,33 @@ pub(super) fn halves(name: &str, pages: [ContainerLike; 2]) -> ContainerLike {
     Horizontal::new(pages).with_name(name).into()
 }
 
-/// One revolution stage by stage, each stage of the first flight next to that of the second.
+/// One revolution stage by stage, the first flight on the left: a page up to the eigenvalues, and one for what follows.
 pub(super) fn stages(left: &mut Views, right: &mut Views) -> ContainerLike {
-    let pairs = pages::steps(left).into_iter().zip(pages::steps(right));
-    Grid::new(pairs.flat_map(|(left, right)| [left, right])).with_grid_columns(4).with_name("Stages").into()
+    let [first, second]: [Vec<ContainerLike>; 2] = [left, right].map(pages::steps).into_iter().fold(
+        [Vec::new(), Vec::new()],
+        |[mut first, mut second], [returns, w, eigenvalues, u, labels, openings, words]| {
+            first.push(square([returns, w, eigenvalues, words]));
+            second.push(square_of_three([openings, labels, u]));
+            [first, second]
+        },
+    );
+    let pages = [("Stages 1 to 4, and why", first), ("Stages 5 to 7", second)];
+    Tabs::new(pages.map(|(name, halves)| Horizontal::new(halves).with_name(name).into())).with_name("Stages").into()
 }
 
+fn square([a, b, c, d]: [ContainerLike; 4]) -> ContainerLike {
+    Vertical::new([Horizontal::new([a, b]).into(), Horizontal::new([c, d]).into()]).into()
+}
+
+fn square_of_three([a, b, c]: [ContainerLike; 3]) -> ContainerLike {
+    Vertical::new([a, Horizontal::new([b, c]).into()]).into()
+}
+
+/// The scan, with W and the eigenvalues as tabs, and the reasons.
 fn half(views: &mut Views) -> ContainerLike {
-    let words = Tabs::new([views.why("Why?"), views.answer(), views.config()]);
-    let answer = Horizontal::new([views.scan("Walls, openings"), words.into()]);
-    let numbers = Horizontal::new([views.picture("W, upper half", AFFINITY_W), views.chart("Eigenvalues of L")]);
-    let flight = Horizontal::new([views.walls(), views.margin()]);
-    Vertical::new([answer.into(), numbers.into(), flight.into()]).with_row_shares([1.25, 1.0, 0.7]).into()
+    let scan = [views.scan("scan"), views.picture("W, upper half", AFFINITY_W), views.chart("eigenvalues")];
+    let words = Tabs::new([views.why("why?"), views.answer(), views.config()]);
+    Horizontal::new([Tabs::new(scan).into(), words.into()]).into()
 }
 
 /// Walls and openings among the robot's own point clouds, its cameras, and below them the flight over time.

@@ -13,6 +13,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 
 use super::properties::Properties;
+use super::together::{DIFFERS, DIFFERS_LOG, DIFFERS_SUMMARY};
 use super::{Extent, Side};
 use crate::eigenvectors::HEIGHT;
 use crate::gaps::gaps_bounds;
@@ -22,13 +23,14 @@ use crate::schema::{
     ABOUT, AFFINITY_ABSENT, AFFINITY_GAPS, AFFINITY_GAPS_AXIS, AFFINITY_LINKS, AFFINITY_MARKS, AFFINITY_SCALE, CONFIG,
     Entity, FLIGHT_GRAPH, FLIGHT_HERE, FLIGHT_NODES, FLIGHT_PASSAGES, FLIGHT_PATH, FLIGHT_POSE, FLIGHT_SCALE,
     FLIGHT_SUMMARY, FLIGHT_WALLS, FLIGHT_WALLS_NEW, KMEANS_BLOCKS, KMEANS_CENTROIDS, KMEANS_LABELS, KMEANS_PROFILE,
-    KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_JUNCTIONS, REPORT_PLACE,
-    REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS, SCAN_RINGS,
-    SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING, SPECTRAL_K,
-    SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_SUMMARY, TIMING_TOTAL,
-    TRUTH_WALLS,
+    KMEANS_PROFILE_AXES, KMEANS_PROFILE_NAMES, LOG, REPORT_AXIS, REPORT_CONFIDENCE, REPORT_DOUBT, REPORT_JUNCTIONS,
+    REPORT_PLACE, REPORT_SUMMARY, REPORT_WHY, SCAN_COUNT, SCAN_LINKS, SCAN_LINKS_EDGES, SCAN_OPENINGS, SCAN_RETURNS,
+    SCAN_RINGS, SCAN_SENSOR, SCAN_WALLS, SPECTRAL_AXES, SPECTRAL_CHART, SPECTRAL_CHART_AXIS, SPECTRAL_EMBEDDING,
+    SPECTRAL_K, SPECTRAL_MARGIN, SPECTRAL_U_BARS, SPECTRAL_U_PICTURE, TIMING, TIMING_FLIGHT, TIMING_SUMMARY,
+    TIMING_TOTAL, TRUTH_WALLS,
 };
 use crate::spectrum::chart_bounds;
+use crate::why::UNSURE;
 
 /// Makes views of one recording.
 pub(super) struct Views {
@@ -46,18 +48,18 @@ impl Views {
         Self { root: String::new(), title: String::new(), extent, properties: Properties::default() }
     }
 
-    /// Views of one of two recordings.
+    /// Views of one of two recordings; of the only one if it has no name.
     pub(super) fn of(side: &Side) -> Self {
         Self {
             root: format!("/{}", side.below),
-            title: format!("{}: ", side.name),
+            title: if side.name.is_empty() { String::new() } else { format!("{}: ", side.name) },
             extent: side.extent,
             properties: Properties::default(),
         }
     }
 
-    /// The name of a view, with the name of the recording where there are two.
-    fn titled(&self, name: &str) -> String {
+    /// The name of a view or page, with the name of the recording where there are two.
+    pub(super) fn titled(&self, name: &str) -> String {
         format!("{}{name}", self.title)
     }
 
@@ -147,6 +149,11 @@ impl Views {
         self.extent.by_gaps
     }
 
+    /// Whether the flight has its truth.
+    pub(super) fn has_truth(&self) -> bool {
+        self.extent.has_truth
+    }
+
     /// The room at each gap beside the room that an opening needs.
     pub(super) fn gaps(&mut self, name: &str) -> ContainerLike {
         let contents = self.entities([AFFINITY_GAPS, AFFINITY_GAPS_AXIS]);
@@ -218,23 +225,41 @@ impl Views {
     /// Revolutions worth a look; a click selects one. Notes are left out.
     pub(super) fn worth(&mut self, name: &str) -> ContainerLike {
         let view = self.log(name);
-        let shown = ["CRITICAL", "ERROR", "WARN"].map(components::TextLogLevel::from);
+        self.only(view, &["CRITICAL", "ERROR", "WARN", UNSURE])
+    }
+
+    /// Revolutions with a row of these levels in the log; a click selects one. The level is not shown.
+    pub(super) fn listed(&mut self, name: &str, levels: &[&str]) -> ContainerLike {
+        let view = self.log_of(name, &[datatypes::TextLogColumnKind::Body]);
+        self.only(view, levels)
+    }
+
+    fn only(&mut self, view: ContainerLike, levels: &[&str]) -> ContainerLike {
+        let shown = levels.iter().map(|level| components::TextLogLevel::from(*level));
         self.properties.with(view, "TextLogRows", TextLogRows::new().with_filter_by_log_level(shown))
     }
 
     /// Revolutions worth a look and notes; a click selects one.
     pub(super) fn log(&mut self, name: &str) -> ContainerLike {
-        let view = TextLogView::new(self.titled(name)).with_origin(self.path(LOG));
-        let column = |kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind });
-        let columns = [datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body].map(column);
+        self.log_of(name, &[datatypes::TextLogColumnKind::LogLevel, datatypes::TextLogColumnKind::Body])
+    }
+
+    fn log_of(&mut self, name: &str, kinds: &[datatypes::TextLogColumnKind]) -> ContainerLike {
+        self.log_at(self.titled(name), &self.path(LOG), kinds)
+    }
+
+    fn log_at(&mut self, title: String, entity: &str, kinds: &[datatypes::TextLogColumnKind]) -> ContainerLike {
+        let view = TextLogView::new(title).with_origin(entity);
+        let columns =
+            kinds.iter().map(|kind| TextLogColumn(datatypes::TextLogColumn { visible: true.into(), kind: *kind }));
         self.properties.with(view, "TextLogColumns", TextLogColumns::new().with_text_log_columns(columns))
     }
 
     /// The walls that were counted, with k and the truth where the flight has one.
     pub(super) fn walls(&mut self) -> ContainerLike {
         let contents = self.entities([REPORT_JUNCTIONS, SPECTRAL_K, TRUTH_WALLS, REPORT_AXIS]);
-        let view = self.plot("Walls counted", contents);
-        self.properties.with(view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::RightBottom))
+        let truth = if self.has_truth() { ", truth green" } else { "" };
+        self.lines(&format!("Walls counted: orange, k blue{truth}"), contents, None)
     }
 
     pub(super) fn margin(&mut self) -> ContainerLike {
@@ -248,9 +273,10 @@ impl Views {
     }
 
     pub(super) fn places(&mut self) -> ContainerLike {
-        let origin = self.path(REPORT_PLACE);
-        let view = StateTimelineView::new(self.titled("Place: click to go there")).with_origin(origin);
-        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+        let contents = self.entities([REPORT_DOUBT, REPORT_PLACE]);
+        let view = StateTimelineView::new(self.titled("Place and doubt: click to go there"));
+        let view = view.with_origin(self.origin()).with_contents(contents);
+        self.properties.with(view, "TimeAxis", linked())
     }
 
     /// The way, walls, places and passages so far, from above.
@@ -273,11 +299,40 @@ impl Views {
         GraphView::new(self.titled("Junctions and dead ends")).with_origin(self.origin()).with_contents(contents).into()
     }
 
+    /// Lines of two flights in one plot.
+    pub(super) fn lines_of_both(&mut self, name: &str, entity: &str) -> ContainerLike {
+        let view = TimeSeriesView::new(name).with_origin(entity);
+        let view = self.properties.with(view, "TimeAxis", whole_flight());
+        self.properties.with(view, "PlotLegend", PlotLegend::new().with_visible(false))
+    }
+
+    /// Where this flight and another differ, and the places of both.
+    pub(super) fn strip_of_both(&mut self, other: &Self) -> ContainerLike {
+        let contents = [
+            format!("+ {DIFFERS}"),
+            format!("+ {}", self.path(REPORT_PLACE)),
+            format!("+ {}", other.path(REPORT_PLACE)),
+        ];
+        let view = StateTimelineView::new("Where they differ (walls left | right), places: click to go there");
+        let view = view.with_origin("/").with_contents(contents);
+        self.properties.with(view, "TimeAxis", linked())
+    }
+
+    /// The revolutions from which on two flights differ.
+    pub(super) fn differences(&mut self) -> ContainerLike {
+        self.log_at("Where they differ: click one".to_owned(), DIFFERS_LOG, &[datatypes::TextLogColumnKind::Body])
+    }
+
+    /// How two flights differ, in words.
+    pub(super) fn differences_in_words(&self) -> ContainerLike {
+        TextDocumentView::new("What differs").with_origin(DIFFERS_SUMMARY).into()
+    }
+
     pub(super) fn flight_places(&mut self) -> ContainerLike {
-        let contents = self.entities([FLIGHT_HERE, REPORT_PLACE]);
-        let view = StateTimelineView::new(self.titled("Place: steady, and of each scan; click to go there"));
+        let contents = self.entities([REPORT_DOUBT, FLIGHT_HERE, REPORT_PLACE]);
+        let view = StateTimelineView::new(self.titled("Doubt, and place: steady, and of each scan; click to go there"));
         let view = view.with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+        self.properties.with(view, "TimeAxis", linked())
     }
 
     pub(super) fn flight_summary(&self) -> ContainerLike {
@@ -315,8 +370,18 @@ impl Views {
 
     fn plot<const N: usize>(&mut self, name: &str, contents: [String; N]) -> ContainerLike {
         let view = TimeSeriesView::new(self.titled(name)).with_origin(self.origin()).with_contents(contents);
-        self.properties.with(view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal))
+        self.properties.with(view, "TimeAxis", whole_flight())
     }
+}
+
+/// The time axis of a strip of states, which shows the whole flight.
+fn linked() -> TimeAxis {
+    TimeAxis::new().with_link(LinkAxis::LinkToGlobal)
+}
+
+/// The time axis of a plot of the whole flight. A plot that is linked shows a part of a long flight.
+fn whole_flight() -> TimeAxis {
+    TimeAxis::new().with_link(LinkAxis::Independent).with_view_range(rerun::datatypes::TimeRange::EVERYTHING)
 }
 
 /// The bounds of a 2D view: left, top, right and bottom.

@@ -1,5 +1,6 @@
 //! The recordings of one flight, message by message.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crosscut_rrd::ReadError;
@@ -7,11 +8,13 @@ use crosscut_rrd::messages::{Messages, chunk_of};
 use crosscut_rrd::parts::{Marks, files_named_like_parts};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
-use rerun::{CoordinateFrame, StoreKind, Transform3D, components};
+use rerun::{CoordinateFrame, Scalars, StoreKind, TextDocument, Transform3D, components};
 
 use super::ShowError;
+use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
+use crate::why::source_in;
 
 /// What is read of a flight on the way, for what is shown beside it.
 #[derive(Debug, Default)]
@@ -24,6 +27,14 @@ pub(super) struct Facts {
     pub(super) frame: Option<components::TransformFrameId>,
     /// How the sensor is turned in the body frame.
     pub(super) mounting: Option<components::RotationQuat>,
+    /// The file and the preset that it was made of, as "tee.mcap, preset paper".
+    pub(super) source: Option<String>,
+    /// The settings, as TOML.
+    pub(super) config_toml: String,
+    /// Number of walls, confidence and true number by revolution.
+    pub(super) walls: BTreeMap<i64, f64>,
+    pub(super) confidence: BTreeMap<i64, f64>,
+    pub(super) truth: BTreeMap<i64, f64>,
     /// What its parts say of themselves.
     marks: Marks,
 }
@@ -104,16 +115,17 @@ impl Destination {
         let entity = entity_of(arrow);
         facts.learn(&entity, arrow)?;
         let Some(below) = &self.below else { return Ok(Some(message)) };
-        let chunk = chunk_of(arrow)?;
-        let moved = chunk.clone_with_new_entity_path(below.join(&EntityPath::from(entity.as_str())));
-        let arrow = moved.to_arrow_msg().map_err(|e| e.to_string())?;
-        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), arrow)))
+        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(arrow, below)?)))
     }
 }
 
 impl Facts {
     fn learn(&mut self, entity: &str, arrow: &ArrowMsg) -> Result<(), String> {
         const REPORT_JUNCTIONS: &str = schema::REPORT_JUNCTIONS.path;
+        const REPORT_CONFIDENCE: &str = schema::REPORT_CONFIDENCE.path;
+        const REPORT_WHY: &str = schema::REPORT_WHY.path;
+        const TRUTH_WALLS: &str = schema::TRUTH_WALLS.path;
+        const CONFIG: &str = schema::CONFIG.path;
         const PART: &str = schema::PART.path;
         const EXTENT: &str = schema::EXTENT.path;
         const SCAN_MOUNTING: &str = schema::SCAN_MOUNTING.path;
@@ -125,6 +137,17 @@ impl Facts {
                 };
                 let pairs = times("stamp").iter().zip(times("revolution"));
                 self.revolutions.extend(pairs.map(|(&stamp_ns, &seq)| [stamp_ns, seq]));
+                self.walls.extend(numbers(&chunk));
+            }
+            REPORT_CONFIDENCE => self.confidence.extend(numbers(&chunk_of(arrow)?)),
+            TRUTH_WALLS => self.truth.extend(numbers(&chunk_of(arrow)?)),
+            REPORT_WHY if self.source.is_none() => {
+                let text: Option<components::Text> = first(&chunk_of(arrow)?, &TextDocument::descriptor_text());
+                self.source = text.and_then(|text| source_in(&text).map(str::to_owned));
+            }
+            CONFIG => {
+                let text: Option<components::Text> = first(&chunk_of(arrow)?, &TextDocument::descriptor_text());
+                self.config_toml = text.map(|text| text.to_string()).unwrap_or_default();
             }
             PART => self.marks.read(&chunk_of(arrow)?),
             EXTENT => self.extent = Extent::read(&chunk_of(arrow)?).unwrap_or(self.extent),
@@ -143,6 +166,16 @@ impl Facts {
         let after = self.revolutions.partition_point(|[stamp, _]| *stamp <= stamp_ns);
         self.revolutions.get(after.saturating_sub(1)).map_or(0, |[_, seq]| *seq)
     }
+}
+
+/// The number at each revolution, where there is one.
+fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
+    let revolutions = chunk.timelines().get(&"revolution".into()).map_or(&[][..], |column| column.times_raw());
+    let number = |row: usize| {
+        let scalars = chunk.component_batch::<components::Scalar>(Scalars::descriptor_scalars().component, row);
+        Some(scalars?.ok()?.first()?.0.0)
+    };
+    revolutions.iter().enumerate().filter_map(|(row, &seq)| Some((seq, number(row)?))).collect()
 }
 
 /// The entity that a message is about; empty if it does not say.

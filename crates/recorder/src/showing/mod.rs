@@ -4,11 +4,13 @@
 //! Messages are read from the files one by one, changed where they must be, and handed to the native viewer's standard
 //! input or to a server; nothing is kept here, whatever the size of the recording.
 
+mod control;
+mod differences;
 mod flight;
 mod sensors;
 
 use std::fs::File;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -38,6 +40,8 @@ pub struct Show {
     /// The page to open with. If none: the page that only this combination has, or the one that the recording was made
     /// for.
     pub layout: Option<Layout>,
+    /// The revolution to open at, in a viewer; if none, the last.
+    pub at: Option<u64>,
 }
 
 /// Why nothing is shown.
@@ -67,8 +71,13 @@ impl Show {
     /// When a file is no recording, or there is no viewer.
     pub fn in_viewer(&self) -> Result<Vec<String>, ShowError> {
         let opened = self.open()?;
-        let mut viewer = Viewer::start("rerun")?;
-        let damages = opened.send(&mut |message| viewer.take(&message))?;
+        let port = self.at.map(|_| free_port()).transpose()?;
+        let mut viewer = Viewer::start("rerun", port)?;
+        let (mut damages, revolutions) = opened.send(&mut |message| viewer.take(&message))?;
+        viewer.end();
+        if let (Some(at), Some(port)) = (self.at, port) {
+            damages.extend(take_to(at, &revolutions, port, || viewer.is_open()).err());
+        }
         viewer.wait()?;
         Ok(damages)
     }
@@ -86,7 +95,7 @@ impl Show {
         let opened = self.open()?;
         let server = serving::open(address)?;
         announce(&server.served);
-        let damages = opened.send(&mut |message| {
+        let (damages, _) = opened.send(&mut |message| {
             server.sink.send(message);
             !stopped()
         })?;
@@ -115,8 +124,8 @@ struct Opened<'a> {
 }
 
 impl Opened<'_> {
-    /// Hands over everything, the layout last. Gives what could not be read.
-    fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<Vec<String>, ShowError> {
+    /// Hands over everything, the layout last. Gives what could not be read, and stamps and numbers of the revolutions.
+    fn send(&self, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(Vec<String>, Vec<[i64; 2]>), ShowError> {
         let store = self.flight.store();
         let own_layout = self.show.layout.is_none() && self.beside.is_none() && self.show.sensors.is_empty();
         let at = |below: Option<&str>| Destination { store: store.clone(), below: below.map(Into::into), own_layout };
@@ -125,11 +134,15 @@ impl Opened<'_> {
             let mut damages = self.flight.send(&at(Some(LEFT)), &mut facts, take)?;
             let mut other = Facts::default();
             damages.extend(beside.send(&at(Some(RIGHT)), &mut other, take)?);
-            let [left, right] = names([&self.show.flight[0], &self.show.beside[0]]);
+            let files = names([&self.show.flight[0], &self.show.beside[0]]);
+            let names = differences::titles(&files, [&facts, &other]);
+            let compared = differences::messages(store, &names, &files, [&facts, &other]);
+            compared.map_err(RecorderError::from)?.into_iter().all(&mut *take);
+            let [left, right] = names;
             let left = Side { below: LEFT, name: &left, extent: facts.extent };
             let right = Side { below: RIGHT, name: &right, extent: other.extent };
             lay_out(&Shown::Beside { first, sides: [left, right] }, take)?;
-            return Ok(damages);
+            return Ok((damages, facts.revolutions));
         }
         let damages = self.flight.send(&at(None), &mut facts, take)?;
         for path in &self.show.sensors {
@@ -142,8 +155,25 @@ impl Opened<'_> {
         } else if let Some(first) = first {
             lay_out(&Shown::Flight { first, extent: facts.extent }, take)?;
         }
-        Ok(damages)
+        Ok((damages, facts.revolutions))
     }
+}
+
+/// Takes the viewer that listens at `port` to a revolution. The error says in words why it is not shown.
+fn take_to(at: u64, revolutions: &[[i64; 2]], port: u16, is_open: impl FnMut() -> bool) -> Result<(), String> {
+    let numbers = || revolutions.iter().map(|[_, seq]| *seq);
+    let (Some(first), Some(last)) = (numbers().min(), numbers().max()) else { return Ok(()) };
+    match i64::try_from(at).ok().filter(|at| (first..=last).contains(at)) {
+        None => Err(format!("there is no revolution {at}: the recording has {first} to {last}")),
+        Some(at) => control::go_to(port, at, last, is_open)
+            .map_err(|cause| format!("the viewer does not open at revolution {at}: {cause}")),
+    }
+}
+
+/// A port that nobody listens at.
+fn free_port() -> Result<u16, RecorderError> {
+    let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).and_then(|listener| listener.local_addr());
+    taken.map(|address| address.port()).map_err(|error| RecorderError::Viewer(error.to_string()))
 }
 
 fn lay_out(shown: &Shown, take: &mut dyn FnMut(LogMsg) -> bool) -> Result<(), ShowError> {

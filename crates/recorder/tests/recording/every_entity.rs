@@ -66,8 +66,23 @@ fn comparison<'a>(entity: &'a str, component: &'a str, frames: &'a [Frame]) -> O
             Some(Box::new(move |value, frame| matches!(value, Value::Texts(texts) if said(frame).contains(&texts[0]))))
         }
         ("/log", "TextLog:level") => Some(Box::new(
-            |value, _| matches!(value, Value::Texts(texts) if ["INFO", "WARN", "ERROR"].contains(&texts[0].as_str())),
+            |value, _| matches!(value, Value::Texts(texts) if ["INFO", "WARN", "ERROR", "UNSURE"].contains(&texts[0].as_str())),
         )),
+        ("/report/doubt", "StateChange:state") => {
+            let mut watch = Watch::default();
+            let doubts: Vec<&str> = frames
+                .iter()
+                .map(|frame| {
+                    watch.events(frame, Some(TRUTH));
+                    watch.doubt().name()
+                })
+                .collect();
+            let first = frames[0].revolution.seq;
+            Some(Box::new(move |value, frame| {
+                let doubt = doubts[(frame.revolution.seq - first) as usize];
+                matches!(value, Value::Texts(texts) if texts[..] == [doubt])
+            }))
+        }
         ("/timing/total", _) => Some(Box::new(|value, frame| {
             let total_ms = Step::ALL.iter().map(|step| frame.timings.ns(*step)).sum::<u64>() as f64 * 1e-6;
             let Value::Numbers(array) = value else { return false };

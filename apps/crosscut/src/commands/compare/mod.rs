@@ -25,6 +25,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, Flown, How, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
+use crate::looking::Look;
 use crate::outputs::Document;
 use crate::say::show;
 use crate::{progress, typeset};
@@ -63,11 +64,11 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         let usage = "compare needs at least two configurations: --with default --with paper";
         return Err(UsageError(usage.to_owned()).into());
     }
+    let stop = stop_on_interrupt()?; // before any recording is looked through
     let read = files_read(&args.input, configurations::files(&args.with))?;
     let input = &args.input.recordings.input;
     let flights = configurations.iter().map(|of| Flight::open_with_truths(input, &args.input, &of.config));
     let mut flights = flights.collect::<anyhow::Result<Vec<_>>>()?;
-    let stop = stop_on_interrupt()?;
     let mut json = args.json.as_ref().map(|path| Document::create(path, &read, Keep::ThroughKill)).transpose()?;
 
     let bar = progress::bar(flights[0].total_revolutions(), args.quiet);
@@ -82,9 +83,26 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         let sentences = shown::sentences(&configurations, &compared);
-        show(format_args!("{sentences}\n{}", typeset::text(&shown::tables(&configurations, &compared, args.all))))?;
+        let tables = typeset::text(&shown::tables(&configurations, &compared, args.all));
+        show(format_args!("{sentences}\n{tables}{}", to_look(args, &configurations, &compared)))?;
     }
     Ok(diagnostics.outcome())
+}
+
+/// The commands that show the first stretch where the first two configurations differ.
+fn to_look(args: &CompareArgs, configurations: &[Configuration], compared: &Compared) -> String {
+    let stretches = compared.differences.first().map(|of| &of.stretches[..]).unwrap_or_default();
+    let Some(first) = stretches.first() else { return String::new() };
+    let look = |place: usize| {
+        let options = configurations::run_options(&args.with[place], &args.set);
+        let name = if place == 0 { "A" } else { "B" };
+        Look::of(&args.input.recordings.input, &options, name)
+    };
+    let [a, b] = [look(0), look(1)];
+    let commands = [a.record.clone(), b.record.clone(), Some(a.beside(&b, first.seq[0]))];
+    let commands: Vec<String> = commands.into_iter().flatten().map(|command| format!("  {command}\n")).collect();
+    let [of_a, of_b] = [0, 1].map(|place| &configurations[place].name);
+    format!("\nto see where {of_a} and {of_b} differ, from revolution {} on:\n{}", first.seq[0], commands.concat())
 }
 
 /// Streams the flight through every configuration in threads of their own, and compares answers to the same scan. Where

@@ -21,6 +21,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::{Flight, How, files_read};
 use crate::interrupt::stop_on_interrupt;
+use crate::looking::Look;
 use crate::outputs::Document;
 use crate::run_log::Run;
 use crate::say::{say, show};
@@ -30,6 +31,7 @@ use self::scoring::FlightTime;
 
 /// Runs every configuration on every recording and compares the results with the truth.
 pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let stop = stop_on_interrupt()?; // before any recording is looked through
     let default = ["default".to_owned()];
     let with = if args.with.is_empty() { &default[..] } else { &args.with };
     let columns = configurations::named(with, &args.set, registry)?;
@@ -47,7 +49,6 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let mut diagnostics = Diagnostics::default();
     note_changed_scans(&columns, &mut diagnostics);
     let (recordings, revolutions) = with_truth(input, args, &columns, &mut diagnostics)?;
-    let stop = stop_on_interrupt()?;
     let mut outputs = Outputs::open(args, &read)?;
 
     let bar = progress::bar(revolutions, args.quiet);
@@ -55,6 +56,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let (mut scoreboard, mut experiment) = (Scoreboard::new(names.clone()), Experiment::new(names));
     let (mut wrong, mut time) = (0, FlightTime::default());
+    let mut to_look: Option<String> = None;
     'all: for path in &recordings {
         let family = family_of(path);
         for (place, column) in columns.iter().enumerate() {
@@ -75,6 +77,15 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
                 let drawn = scored.wrong.write(folder, &family, &column.name);
                 diagnostics.lost_all(drawn.err().map(|error| format!("{error:#}")));
                 wrong += scored.wrong.count();
+                if let (None, Some(seq)) = (&to_look, scored.wrong.first_seq()) {
+                    let look = Look::of(
+                        std::slice::from_ref(path),
+                        &configurations::run_options(&with[place], &args.set),
+                        &family,
+                    );
+                    let record = look.record.as_ref().map(|record| format!("{record}; ")).unwrap_or_default();
+                    to_look = Some(format!("{record}{}", look.at(seq)));
+                }
             }
         }
     }
@@ -85,6 +96,9 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
     }
     if args.draw_wrong.is_some() && wrong == 0 && !diagnostics.ended_early() {
         say("every answer is right, so nothing is drawn");
+    }
+    if let Some(commands) = to_look.filter(|_| !args.quiet) {
+        say(format_args!("to see the first wrong answer stage by stage: {commands}"));
     }
     if let Some(log) = &args.log {
         let kept = keep(log, &scoreboard, &columns, &recordings, registry);

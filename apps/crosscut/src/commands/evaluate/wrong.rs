@@ -21,6 +21,7 @@ const COLUMN_NAMES: &str = "seq,stamp_ns,true_walls,junctions,k,confidence,place
 #[derive(Default)]
 pub(super) struct Wrong {
     panels: Vec<Panel>,
+    first_seq: Option<u64>,
     /// One row of [`COLUMN_NAMES`] for each scene.
     rows: Vec<String>,
 }
@@ -32,6 +33,7 @@ impl Wrong {
             return;
         }
         let Frame { revolution, spectrum, junction, .. } = frame;
+        self.first_seq = self.first_seq.or(Some(revolution.seq));
         self.rows.push(format!(
             "{},{},{},{},{},{},{}",
             revolution.seq,
@@ -50,6 +52,11 @@ impl Wrong {
             if score.right_count() { "other walls".to_owned() } else { counted(score.reported_walls as u64, "wall") };
         self.panels.push(Panel::of_truth(name, revolution, truth));
         self.panels.push(Panel::of_answer(format!("answer: {answer}"), frame));
+    }
+
+    /// The first wrong answer.
+    pub(super) fn first_seq(&self) -> Option<u64> {
+        self.first_seq
     }
 
     /// Number of wrong answers.

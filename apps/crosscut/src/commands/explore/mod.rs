@@ -34,7 +34,7 @@ pub(crate) fn explore(args: &ExploreArgs, registry: &Registry) -> anyhow::Result
     if args.list {
         return list();
     }
-    let config = args.config.resolve(registry)?;
+    let config = args.config.resolve_with(args.scope.setting(), registry)?;
     check_live(config.params("flight")).map_err(|error| UsageError(error.to_string()))?;
     let planner = chosen("planner", &args.planner, planners(), |planner| planner.name)?;
     let jobs = jobs(args)?;
@@ -160,7 +160,7 @@ impl Fleet<'_> {
         });
         let lost = journal.and_then(|journal| journal.finish().err());
         diagnostics.lost_all(lost.map(|error| format!("{:#}", anyhow::Error::from(error))));
-        diagnostics.lost_all(saved.and_then(|saved| saved.finish().err()));
+        diagnostics.lost_all(saved.and_then(|saved| saved.finish(&flown).err()));
         Ok(flown)
     }
 

@@ -55,8 +55,24 @@ fn needed(flown: &Flown) -> String {
     }
 }
 
-/// The outcome in four lines.
+/// The outcome in four lines: what became of the mission, what it would have taken, the map, and the times.
 pub(super) fn words(flown: &Flown) -> String {
+    let [became, least, map] = parts(flown);
+    let [median_ms, slow_ms] = [0.5, 0.99].map(|share| flown.loop_ms(share));
+    format!(
+        "{became}\n{least}\n{map}\nfrom scan to command: {median_ms:.1} ms (median), {slow_ms:.1} ms (99 of 100 are faster)"
+    )
+}
+
+/// The same as Markdown, without the times, which another run would not repeat.
+#[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
+pub(super) fn markdown(flown: &Flown) -> String {
+    let [became, least, map] = parts(flown);
+    let failure = flown.failure.as_ref().map_or_else(String::new, |failure| format!("\n\nIt failed: {failure}"));
+    format!("**{became}.**\n\nMap: {map}.\n\nFor comparison, {least}.{failure}")
+}
+
+fn parts(flown: &Flown) -> [String; 3] {
     let home = if flown.home { "home again" } else { "not home" };
     let crashes = match flown.crashes {
         0 => "no crash".to_owned(),
@@ -70,17 +86,16 @@ pub(super) fn words(flown: &Flown) -> String {
         _ => String::new(),
     };
     let bound = if flown.offline_is_exact { "" } else { "at most " };
-    format!(
-        "{} of {} visited, {home}, {crashes}{why}; {:.0} m flown in {}\nwith the plan, along the middle of its passages: {bound}{:.0} m by the \
-         shortest tour, {:.0} m depth-first\n{}\nfrom scan to command: {:.1} ms (median), {:.1} ms (99 of 100 are faster)",
+    let became = format!(
+        "{} of {} visited, {home}, {crashes}{why}; {:.0} m flown in {}",
         flown.ways_visited,
         counted(flown.ways as u64, "way"),
         flown.way_m,
         counted(flown.revolutions, "revolution"),
-        flown.offline_m,
-        flown.depth_first_m,
-        flown.map.summary(),
-        flown.loop_ms(0.5),
-        flown.loop_ms(0.99),
-    )
+    );
+    let least = format!(
+        "with the plan, along the middle of its passages: {bound}{:.0} m by the shortest tour, {:.0} m depth-first",
+        flown.offline_m, flown.depth_first_m
+    );
+    [became, least, flown.map.summary()]
 }

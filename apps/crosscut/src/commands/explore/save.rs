@@ -2,12 +2,13 @@
 
 use crosscut_detector::Config;
 use crosscut_flight::FlightAnswer;
-use crosscut_missions::Moment;
+use crosscut_missions::{Flown, Moment};
 use crosscut_recorder::{MissionDecision, MissionMoment, MissionRecorder, RecorderError, RecorderOptions};
 use crosscut_simulator::World;
 use crosscut_stage::ObserverError;
 use nalgebra::{Isometry2, Point2};
 
+use super::outcome;
 use crate::cli::explore::ExploreArgs;
 use crate::diagnostics::Diagnostics;
 use crate::observers;
@@ -31,9 +32,11 @@ impl Saved {
         world: &World,
         diagnostics: &mut Diagnostics,
     ) -> anyhow::Result<Option<Self>> {
-        let path = args.save.clone();
-        let options =
-            RecorderOptions { path, scope: args.scope.scope(), ..observers::recorder_options(name.to_owned(), config) };
+        let options = RecorderOptions {
+            path: args.save.clone(),
+            source: format!("mission {name}, seed {}, preset {}", args.seed, args.config.preset),
+            ..observers::recorder_options(name.to_owned(), config)
+        };
         let created = args.save.is_some().then(|| Self::create(options, world)).transpose();
         diagnostics.lost_all(created.as_ref().err());
         Ok(created.unwrap_or_default())
@@ -65,11 +68,11 @@ impl Saved {
         self.failed = self.recorder.add(&moment).err();
     }
 
-    /// Ends the file, and returns the first error.
-    pub(super) fn finish(mut self) -> Result<(), ObserverError> {
+    /// Ends the file with what became of the mission, and returns the first error.
+    pub(super) fn finish(mut self, flown: &Flown) -> Result<(), ObserverError> {
         match self.failed.take() {
             Some(error) => Err(error),
-            None => self.recorder.finish(),
+            None => self.recorder.finish(&outcome::markdown(flown)),
         }
     }
 }

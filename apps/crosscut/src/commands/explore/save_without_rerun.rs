@@ -1,7 +1,7 @@
 //! In place of `save.rs` where the program is built without Rerun.
 
 use crosscut_detector::Config;
-use crosscut_missions::Moment;
+use crosscut_missions::{Flown, Moment};
 use crosscut_simulator::World;
 
 use crate::cli::explore::ExploreArgs;
@@ -25,7 +25,7 @@ impl Saved {
         match *self {}
     }
 
-    pub(super) fn finish(self) -> Result<(), anyhow::Error> {
+    pub(super) fn finish(self, _: &Flown) -> Result<(), anyhow::Error> {
         match self {}
     }
 }

@@ -17,6 +17,7 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::fly::{Flight, How, Judged, files_read, fly};
 use crate::interrupt::stop_on_interrupt;
+use crate::looking::Look;
 use crate::outputs::Document;
 use crate::progress;
 use crate::say::say;
@@ -66,7 +67,8 @@ pub(crate) fn report(args: &ReportArgs, registry: &Registry) -> anyhow::Result<O
     if !flown.is_empty() {
         let names = input.iter().map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
         let title = names.collect::<Vec<_>>().join(", ");
-        let page = page::html(&title, &config, &flown, &shown, has_truth);
+        let look = Look::with(input, &args.config);
+        let page = page::html(&title, &config, &flown, &shown, has_truth, &look);
         out.write(&page)?;
         if !args.quiet {
             let map = shown.mapper.map();

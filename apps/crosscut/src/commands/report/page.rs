@@ -8,6 +8,7 @@ use crosscut_stage::{SURE, counted};
 
 use super::Shown;
 use crate::fly::Flown;
+use crate::looking::Look;
 use crate::map_picture::{Drawing, NARROW_PX};
 use crate::summary::{counts, notes, times};
 use crate::typeset::{escaped, html as table};
@@ -17,7 +18,7 @@ const STYLE: &str = include_str!("style.css");
 /// At most this many kinds of notes are listed.
 const MOST_NOTES: usize = 30;
 
-pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool) -> String {
+pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, has_truth: bool, look: &Look) -> String {
     let Shown { course, mapper, no_place, seen, places, evaluation } = shown;
     let summary = &flown.summary;
     let failure = match &summary.end {
@@ -62,7 +63,7 @@ pub(super) fn html(title: &str, config: &Config, flown: &Flown, shown: &Shown, h
             let drawn = Drawing::of(map.clone(), seen, mapper).svg("", NARROW_PX);
             ("Map", format!("<div class=\"map\">{drawn}</div>\n"))
         }),
-        Some(("Places", places.html(&map))),
+        Some(("Places", places.html(&map, look))),
         (!lost.is_empty()).then(|| ("Lost", list(&lost))),
         (summary.noted > 0).then(|| ("Notes", table(&notes(summary, MOST_NOTES)))),
         Some(("Time", table(&times(summary)))),

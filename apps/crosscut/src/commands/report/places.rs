@@ -7,6 +7,7 @@ use crosscut_evaluate::panel::{Panel, sheet};
 use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Steady};
 use crosscut_stage::{Frame, counted, junction_of};
 
+use crate::looking::Look;
 use crate::typeset::escaped;
 
 /// At most this many places are shown.
@@ -85,13 +86,23 @@ impl Places {
     }
 
     /// The places as HTML, with the number of each in the map.
-    pub(super) fn html(&self, map: &Map) -> String {
+    pub(super) fn html(&self, map: &Map, look: &Look) -> String {
         if self.stays.is_empty() {
             return "<p>The vehicle passed no junction, dead end or chamber.</p>\n".to_owned();
         }
-        let mut html = format!("<p class=\"legend\">{LEGEND}</p>\n<div class=\"places\">\n");
+        let visits = counted(self.stays.len() as u64, "visit");
+        let record = look.record.as_ref().map_or_else(String::new, |record| {
+            format!(
+                " The command in a card opens its scan stage by stage; it needs <code>{}</code> first.",
+                escaped(record)
+            )
+        });
+        let mut html = format!(
+            "<p>{visits}, a card each, in the order of the flight: a place that the vehicle came back to has several.{record}</p>\n\
+             <p class=\"legend\">{LEGEND}</p>\n<div class=\"places\">\n"
+        );
         for stay in &self.stays {
-            html += &stay.html(map);
+            html += &stay.html(map, look);
         }
         html += "</div>\n";
         if self.has_more {
@@ -135,7 +146,7 @@ impl Stay {
         }
     }
 
-    fn html(&self, map: &Map) -> String {
+    fn html(&self, map: &Map, look: &Look) -> String {
         let is_visit = |[from_ns, to_ns]: &[u64; 2]| *from_ns <= self.stamps_ns[1] && self.stamps_ns[0] <= *to_ns;
         let node = map.nodes.iter().position(|node| node.visits.iter().any(is_visit));
         let node = node.map(|node| format!(" · node {node} of the map")).unwrap_or_default();
@@ -157,9 +168,10 @@ impl Stay {
         });
         format!(
             "<figure>\n<figcaption><b>{}</b>{node}<br><a href=\"#over-time\">revolutions {from} to {to}</a>; shown {seq}: k = {k}{margin}, confidence \
-             {confidence}{}</figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
+             {confidence}{}<br><code>{}</code></figcaption>\n<div>{}{}</div>\n<ul>{}</ul>\n<ul class=\"notes\">{}</ul>\n</figure>\n",
             escaped(&self.what),
             disagrees.unwrap_or_default(),
+            escaped(&look.at(seq)),
             sheet(std::slice::from_ref(&self.clearest.panel), 1),
             self.clearest.spectrum(),
             openings.collect::<String>(),

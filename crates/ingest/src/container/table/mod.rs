@@ -62,7 +62,7 @@ impl Table {
     /// # Errors
     /// When its rows are no scans, or neither it nor `settings` say where their beams look.
     pub(super) fn look(path: &Path, file: &mut RestingFile, settings: CsvGeometry) -> Result<Self, IngestError> {
-        let sample = Sample::of(file).map_err(|source| IngestError::Open { path: path.to_owned(), source })?;
+        let sample = Sample::of(file).map_err(|source| IngestError::cannot_open(path, source))?;
         let Some(table) = Self::of(sample, settings) else {
             return Err(IngestError::NotRecording { path: path.to_owned(), found: Found::OtherTable(String::new()) });
         };
