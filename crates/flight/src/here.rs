@@ -143,10 +143,11 @@ impl Places {
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
         let seen = if is_seen { 1.0 } else { UNSEEN_CONFIDENCE };
         let confidence = junction.confidence.unwrap_or(0.0) * seen * alike as f64 / LOOKS.len() as f64;
-        // In a hall that is wider than the look there is no middle to tell.
+        // In a hall that is wider than the look any part is its middle; a limited view shows none, as what it sees behind is not
+        // as sure as what lies ahead.
         let middle_m = (MIDDLE_LOOKS * wanted_m).min(look_m);
         let middle = outline.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
-        let is_middle = middle.is_some_and(|middle| middle.ways.len() == ways.len());
+        let is_middle = view.full_turn && middle.is_some_and(|middle| middle.ways.len() == ways.len());
         Some(Here { kind, look_m, ways, is_middle, confidence })
     }
 }
