@@ -108,6 +108,19 @@ fn the_dialogue_of_the_page_is_what_json_says() {
 }
 
 #[test]
+#[cfg(feature = "rerun")]
+fn without_a_viewer_the_session_goes_on() {
+    let mut command = crosscut(["debug".as_ref(), shipped_flight().as_os_str(), "--view".as_ref()]);
+    command.env("PATH", "").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut running = command.spawn().expect("the program starts");
+    running.stdin.take().expect("a pipe").write_all(b"seek 107\n").expect("the program reads");
+    let ran: Ran = running.wait_with_output().expect("it ends").into();
+    let ran = ran.expect_code(3);
+    assert!(ran.stderr.contains("pip install rerun-sdk"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("107 at 10.70 s"), "{}", ran.stdout);
+}
+
+#[test]
 fn refusals_leave_the_session_as_it_was() {
     let wrong = [
         "seek 9999",

@@ -1,6 +1,6 @@
 //! Ctrl-C and kill: results so far are kept.
 
-use std::io::Write as _;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -232,4 +232,34 @@ fn a_killed_run_loses_at_most_a_second_of_an_mcap() {
     let (ran, lines) = results_of(&out, &[]);
     ran.expect_code(3);
     assert!((10..100).contains(&lines.len()), "{} scans", lines.len());
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_stops_the_command_and_debug_goes_on() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let flight = file(folder.path(), "flight.mcap", &tunnel(3000, &Writing::default()));
+    let args = ["debug".as_ref(), flight.as_os_str(), "--preset".as_ref(), "paper".as_ref()];
+    let mut command = crosscut(args);
+    command.args(["--set", "spectral.kind=faer"]); // all eigenvalues: slow
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut input = child.stdin.take().expect("a pipe");
+    let mut output = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let mut shown = || output.next().expect("a line").expect("text");
+    shown(); // the greeting
+    writeln!(input, "hold\nseek 5").expect("it reads");
+    assert!(shown().starts_with("A: 0 ") && shown().starts_with("5 "));
+    for line in ["again", "differs", "next changed", "report"] {
+        writeln!(input, "{line}").expect("it reads");
+        std::thread::sleep(Duration::from_millis(300)); // it is at work by then
+        signal(&child, "INT");
+        let sent = Instant::now();
+        writeln!(input, "step 0").expect("it reads");
+        assert!(shown().starts_with("5 "), "after {line}");
+        assert!(sent.elapsed() < Duration::from_secs(5), "{line} took {:?}", sent.elapsed());
+    }
+    signal(&child, "INT");
+    let ran = Ran::from(child.wait_with_output().expect("it ends")).expect_code(130);
+    assert_eq!(ran.stderr.matches("error: stopped; everything is as before").count(), 4, "{}", ran.stderr);
 }

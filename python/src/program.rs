@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 
+use crosscut::Host;
 use crosscut_detector::Registry;
 use pyo3::prelude::*;
 
 use crate::robots::Heard;
-use crate::stages;
+use crate::stages::Found;
 
 /// Runs the command in `args`, of which the first is the program's name, and returns its exit code. `stages` are callables
 /// by `python:module.name`; each is a further kind of every stage. `build` identifies the code of this package and of them.
-/// `hear` hears live robots.
+/// `hear` hears live robots. `find` finds callables that are named at a prompt.
 #[pyfunction]
 pub(crate) fn program(
     py: Python<'_>,
@@ -19,11 +20,16 @@ pub(crate) fn program(
     stages: BTreeMap<String, Bound<'_, PyAny>>,
     build: Option<String>,
     hear: Py<PyAny>,
+    find: Py<PyAny>,
 ) -> u8 {
     let mut registry = Registry::standard();
+    let kinds = Found::by(find);
     for (kind, function) in stages {
-        stages::add_named(&kind, function, &mut registry);
+        kinds.add(&kind, function, &mut registry);
     }
     let robots = Heard(hear);
-    py.detach(|| crosscut::run(args, &registry, build.as_deref(), Some(&robots)))
+    py.detach(|| {
+        let host = Host { build: build.as_deref(), robots: Some(&robots), kinds: Some(&kinds) };
+        crosscut::run(args, &registry, &host)
+    })
 }

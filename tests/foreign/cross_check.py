@@ -16,6 +16,7 @@ import html_page
 import killing
 import mcap_io
 import messages
+import prompt
 import reading
 import recording
 import spectrum
@@ -39,6 +40,7 @@ CHECKS = {
     "formats": formats,
     "graphs": graphs,
     "messages": messages,
+    "prompt": prompt,
 }
 # Need a browser; `browser` needs a program with the feature `web` too.
 ON_DEMAND = {"page": html_page, "browser": web_viewer}

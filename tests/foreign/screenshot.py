@@ -5,6 +5,7 @@
 """
 
 import argparse
+import contextlib
 import json
 import os
 import signal
@@ -20,6 +21,8 @@ from rrd import RERUN
 DEADLINE_S = 120
 # Frames that the viewer draws after a change before it is looked at: pictures are decoded on the way.
 SETTLING_FRAMES = 40
+# Where a viewer listens that is started during a flight.
+SPAWNED_AT = 9876
 
 # Stands in for the viewer's command, which would open a window.
 HEADLESS_RERUN = """#!/bin/sh
@@ -33,7 +36,7 @@ for argument; do
         *) set -- "$@" "$argument" ;;
     esac
 done
-echo "$port" >"$(dirname "$0")/port"
+[ "$1" = --version ] || {{ echo $$ >"$(dirname "$0")/pid"; echo "$port" >"$(dirname "$0")/port"; }}
 exec {rerun} --headless --window-size {size} --port "$port" "$@"
 """
 
@@ -41,13 +44,15 @@ exec {rerun} --headless --window-size {size} --port "$port" "$@"
 class Viewer:
     """A headless viewer, driven over the control protocol that it brings along."""
 
-    def __init__(self, command: list, port: int | Path, environment: dict, whole: bool = True):
+    def __init__(self, command: list, port: int | Path, environment: dict, whole: bool = True, talks: bool = False):
         """`port` is that of the viewer, or a file that will have it."""
         self._log = tempfile.TemporaryFile()
+        self._detached = None  # where the id of a viewer is that leaves the group of its program
+        ends = (subprocess.PIPE, subprocess.PIPE) if talks else (subprocess.DEVNULL, self._log)
         quiet = {"RUST_LOG": "error", "NO_COLOR": "1"}
         self._viewer = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log,
-            env={**os.environ, **quiet, **environment}, start_new_session=True,
+            command, stdin=ends[0], stdout=ends[1], stderr=self._log,
+            env={**os.environ, **quiet, **environment}, start_new_session=True, text=True,
         )  # fmt: skip
         self._control = subprocess.Popen(
             [RERUN, "viewer-mcp"],
@@ -76,10 +81,32 @@ class Viewer:
     def started_by(cls, command: list[str], size: str) -> "Viewer":
         """The one that another program starts: it finds a viewer on its path that needs no screen."""
         port = free_port()
-        folder = Path(tempfile.mkdtemp(prefix="viewer-"))
-        (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
-        (folder / "rerun").chmod(0o755)
+        folder = headless_rerun(size, port)
         return cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"})
+
+    @classmethod
+    def beside(cls, command: list[str], size: str) -> "Viewer":
+        """The one that a program starts and talks to, which takes a request and gives an answer a line (`ask`)."""
+        folder = headless_rerun(size, SPAWNED_AT)
+        viewer = cls(command, SPAWNED_AT, {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
+        viewer._detached = folder / "pid"
+        return viewer
+
+    def ask(self, method: str, *params) -> dict:
+        """The program's answer to a request of JSON-RPC."""
+        request = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
+        self._viewer.stdin.write(json.dumps(request) + "\n")
+        self._viewer.stdin.flush()
+        return json.loads(self._viewer.stdout.readline())
+
+    def kill(self):
+        """The viewer, not the program that started it."""
+        os.kill(int(self._detached.read_text()), signal.SIGKILL)
+
+    def leave(self) -> tuple[int, str]:
+        """Ends what is asked; the exit code, and what was said on standard error."""
+        self._viewer.stdin.close()
+        return self._viewer.wait(), self._said()
 
     def __enter__(self):
         return self
@@ -94,6 +121,9 @@ class Viewer:
             os.killpg(self._viewer.pid, signal.SIGTERM)  # with the viewer that it started
             os.killpg(self._viewer.pid, signal.SIGCONT)
         self._viewer.wait()
+        if self._detached:
+            with contextlib.suppress(ProcessLookupError):
+                self.kill()
 
     def pause(self):
         """It reads no more, and does not answer."""
@@ -101,34 +131,35 @@ class Viewer:
 
     def last_revolution(self) -> int | None:
         """`None` while nothing is loaded."""
+        return self.last("revolution")
+
+    def last(self, timeline: str) -> int | None:
+        """The last time of a timeline; `None` while nothing is loaded."""
         for recording in self._call("viewer_state").get("recordings", []):
-            for timeline in recording["timelines"]:
-                if timeline["timeline"] == "revolution":
-                    return timeline["max"]
+            for of in recording["timelines"]:
+                if of["timeline"] == timeline:
+                    return of["max"]
         return None
 
-    def revolution(self) -> int | None:
-        """The one that is shown; `None` while nothing is loaded."""
-        for recording in self._call("viewer_state").get("recordings", []):
-            time = recording.get("current_time") or {}
-            if time.get("timeline") == "revolution":
-                return time.get("time")
-        return None
+    def time(self) -> tuple[str, int]:
+        """The timeline that is shown, and where on it."""
+        recording = self._call("viewer_state")["recordings"][0]
+        return recording["current_time"]["timeline"], recording["current_time"]["time"]
 
     def show(self, revolution: int):
         for _ in range(5):  # a layout that comes later goes to the end of the flight
             self._call("set_time", timeline="revolution", time=revolution)
-            self._settle()
-            if self.revolution() == revolution:
+            self.settle()
+            if self.time() == ("revolution", revolution):
                 return
 
     def light(self):
         """From the dark theme, which a viewer without a desktop starts with, to the light one."""
         for target in ({"role": "Button", "label_contains": "Menu"}, {"content_contains": "Settings"}, {"content_contains": "Light"}):
             self._call("click", **target)
-            self._settle()
+            self.settle()
         self._call("press_key", key="Escape")
-        self._settle()
+        self.settle()
 
     def views(self) -> dict[str, dict]:
         """The views on the screen by name, with their place: x, y, w, h in pixels, without the title."""
@@ -138,7 +169,8 @@ class Viewer:
     def save(self, path: Path):
         self._call("screenshot", save_path=str(path.resolve()))
 
-    def _settle(self):
+    def settle(self):
+        """Waits until what has come is drawn."""
         self._call("wait_for", min_steps=SETTLING_FRAMES, timeout_secs=DEADLINE_S)
 
     def _wait_until_loaded(self, endpoint: Callable[[], str], whole: bool):
@@ -152,7 +184,7 @@ class Viewer:
         while now is None or (whole and now != before):
             if time.monotonic() > deadline:
                 raise RuntimeError(f"the viewer does not load the recording: {self._said()}")
-            self._settle()
+            self.settle()
             before, now = now, self.last_revolution()
 
     def _connects(self, endpoint: str) -> bool:
@@ -190,6 +222,14 @@ def port_of(port: int | Path) -> int | str:
     if isinstance(port, int):
         return port
     return port.read_text().strip() or "0" if port.exists() else "0"
+
+
+def headless_rerun(size: str, port: int) -> Path:
+    """A folder with a viewer's command that needs no screen."""
+    folder = Path(tempfile.mkdtemp(prefix="viewer-"))
+    (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
+    (folder / "rerun").chmod(0o755)
+    return folder
 
 
 def free_port() -> int:

@@ -41,6 +41,7 @@ def check(flights: Flights, verdicts: Verdicts):
     check_beside(saved, flights, verdicts)
     check_sensors(flights, verdicts)
     check_importer(flights, verdicts)
+    check_debug(flight.path, flights, verdicts)
     check_late(flight.path, flights, verdicts)
     check_stalled(flights, verdicts)
 
@@ -81,9 +82,9 @@ def check_at(saved: Path, flights: Flights, verdicts: Verdicts):
     """The viewer opens at the revolution that was asked for."""
     with Viewer.started_by(flights.crosscut.command("view", saved, "--at", "7"), SIZE) as viewer:
         deadline = time.monotonic() + 60
-        while (shown := viewer.revolution()) != 7 and time.monotonic() < deadline:
+        while (shown := viewer.time()) != ("revolution", 7) and time.monotonic() < deadline:
             time.sleep(0.2)
-    verdicts.that(shown == 7, "view --at 7", f"revolution {shown}")
+    verdicts.that(shown == ("revolution", 7), "view --at 7", f"{shown[0]} {shown[1]}")
 
 
 def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
@@ -124,6 +125,50 @@ def check_importer(flights: Flights, verdicts: Verdicts):
         last, views = viewer.last_revolution(), viewer.views()
     missing = [word for word in ("Returns", "W", "Walls") if not any(re.search(rf"\b{word}\b", name) for name in views)]
     verdicts.that(last == 19 and not missing, "rerun FILE.clf", f"revolution {last} of 19, missing: {missing or 'none'}")
+
+
+# A setting shows in the viewer within this time, seconds: the quickest of several, as the machine may be at work.
+SHOWN_WITHIN_S = 0.1
+
+
+def check_debug(path: Path, flights: Flights, verdicts: Verdicts):
+    """The viewer beside `debug` shows the present revolution after every command, beside it what is held; the session outlives
+    it."""
+    pictures = flights.work.parent
+    command = flights.crosscut.command("debug", path, "--preset", "paper", "--view", "--json")
+    with Viewer.beside(command, SIZE) as viewer:
+        viewer.ask("seek", 107)
+        viewer.settle()
+        alone, at = set(viewer.views()), viewer.time()
+        viewer.save(pictures / "debug.png")
+        shown_s = [time_to_show(viewer, tolerance, shown) for shown, tolerance in enumerate(("1e-8", "1e-7", "1e-6", "1e-7"), start=3)]
+        viewer.ask("hold")
+        time_to_show(viewer, "1e-8", 8)
+        viewer.settle()
+        both, after = set(viewer.views()), viewer.time()
+        viewer.save(pictures / "debug-held.png")
+        viewer.kill()
+        time.sleep(0.5)
+        answers = [viewer.ask("seek", seq) for seq in (20, 21)]
+        code, said = viewer.leave()
+    words = ("1 Returns", "2 W", "4 Eigenvalues", "5 U", "6 Walls", "7 Walls", "8 Why")
+    missing = [word for word in words if not any(name.startswith(word) for name in alone)]
+    missing += [f"{side}: {word}" for word in words for side in ("A", "now") if not any(name.startswith(f"{side}: {word}") for name in both)]
+    follows = at == ("command", 2) and after == ("command", 8)
+    figures = f"missing: {missing or 'none'}, at {at[1]} and {after[1]}, a setting after {', '.join(f'{1e3 * s:.0f}' for s in shown_s)} ms"
+    verdicts.that(not missing and follows and min(shown_s) < SHOWN_WITHIN_S, "debug --view", figures)
+    lives = code == 0 and "it was closed; the session goes on" in said and all("result" in answer for answer in answers)
+    verdicts.that(lives, "debug --view, the viewer is killed", f"exit code {code}, {said.splitlines()[-1]}")
+
+
+def time_to_show(viewer: Viewer, tolerance: str, shown: int) -> float:
+    """Seconds from a setting to when the viewer has its answer, the revolution that is `shown` so far."""
+    start = time.monotonic()
+    viewer.ask("set", f"spectral.zero_tolerance={tolerance}")
+    while viewer.last("command") != shown:
+        if time.monotonic() - start > 10:
+            raise RuntimeError("the viewer does not follow")
+    return time.monotonic() - start
 
 
 def check_late(path: Path, flights: Flights, verdicts: Verdicts):

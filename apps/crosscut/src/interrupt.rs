@@ -1,6 +1,7 @@
 //! Handling of signals.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::Builder;
 use std::time::Duration;
@@ -59,6 +60,50 @@ pub(crate) fn stop_on_interrupt() -> anyhow::Result<StopFlag> {
     })
     .context("cannot listen for Ctrl-C")?;
     Ok(stop)
+}
+
+/// What Ctrl-C does to a session: it stops the command at work, and the session goes on. While none is at work, or at the second
+/// time, it ends the program; but not at a prompt, which only a word or Ctrl-D ends.
+pub(crate) struct CommandInterrupt {
+    /// Asks the command to stop.
+    stop: Arc<AtomicBool>,
+    /// Whether the next Ctrl-C ends the program.
+    ends: Arc<AtomicBool>,
+    at_prompt: bool,
+}
+
+impl CommandInterrupt {
+    /// Listens from now on. `stop` is set to stop the command.
+    #[cfg(unix)]
+    pub(crate) fn listen(stop: Arc<AtomicBool>, at_prompt: bool) -> std::io::Result<Self> {
+        use signal_hook::consts::signal::SIGINT;
+        use signal_hook::flag;
+
+        let ends = Arc::new(AtomicBool::new(!at_prompt));
+        flag::register_conditional_shutdown(SIGINT, i32::from(INTERRUPTED), Arc::clone(&ends))?;
+        flag::register(SIGINT, Arc::clone(&stop))?;
+        flag::register(SIGINT, Arc::clone(&ends))?;
+        Ok(Self { stop, ends, at_prompt })
+    }
+
+    /// Ctrl-C ends the program.
+    #[cfg(not(unix))]
+    pub(crate) fn listen(stop: Arc<AtomicBool>, at_prompt: bool) -> std::io::Result<Self> {
+        Ok(Self { stop, ends: Arc::default(), at_prompt })
+    }
+
+    /// Does the work of a command, which Ctrl-C stops.
+    pub(crate) fn while_working<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.set(false, false);
+        let done = work();
+        self.set(false, !self.at_prompt);
+        done
+    }
+
+    fn set(&self, stop: bool, ends: bool) {
+        self.stop.store(stop, Ordering::Relaxed);
+        self.ends.store(ends, Ordering::Relaxed);
+    }
 }
 
 /// Makes Ctrl-C end the program without the file, which is not finished.

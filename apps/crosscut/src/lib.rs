@@ -18,6 +18,7 @@ mod content;
 mod diagnostics;
 mod exit;
 mod fly;
+mod host;
 mod interrupt;
 mod live;
 mod looking;
@@ -50,24 +51,18 @@ use crosscut_ingest::KeptStandardInput;
 
 pub use crate::answers::scene;
 use crate::cli::{Cli, Command};
+pub use crate::host::{Host, Kinds};
 pub use crate::live::{Answer, Robot, RobotAddress, RobotError, Robots};
 #[cfg(feature = "rerun")]
 pub use crate::observers::recorder_options;
 
 /// Runs the command in the arguments of this process, with the stages of `registry` to choose from.
 pub fn main(registry: &Registry) -> ExitCode {
-    run(std::env::args_os(), registry, None, None).into()
+    run(std::env::args_os(), registry, &Host::default()).into()
 }
 
-/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code. `build` identifies
-/// the code that runs, where that is not in the executable file alone: `sweep` computes what another build has computed again.
-/// `robots` hears live robots.
-pub fn run(
-    args: impl IntoIterator<Item = OsString>,
-    registry: &Registry,
-    build: Option<&str>,
-    robots: Option<&dyn Robots>,
-) -> u8 {
+/// Runs the command in `args`, of which the first is the name of the program, and returns its exit code.
+pub fn run(args: impl IntoIterator<Item = OsString>, registry: &Registry, host: &Host<'_>) -> u8 {
     let args = args.into_iter().map(with_home);
     let command = match cli::help::command().try_get_matches_from(args).and_then(|found| Cli::from_arg_matches(&found))
     {
@@ -81,19 +76,19 @@ pub fn run(
     let _standard_input = KeptStandardInput::keep(); // commands open their inputs several times
     command.say_settings_found();
     let outcome = match command {
-        Command::Run(args) => commands::run::run(&args, registry, robots),
+        Command::Run(args) => commands::run::run(&args, registry, host.robots),
         Command::View(args) => view(&args),
         Command::Simulate(args) => commands::simulate::simulate(&args),
         Command::Explore(args) => commands::explore::explore(&args, registry),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args, registry),
         Command::Compare(args) => commands::compare::compare(&args, registry),
-        Command::Debug(args) => commands::debug::debug(args, registry),
+        Command::Debug(args) => commands::debug::debug(args, registry, host.kinds),
         Command::Replay(args) => commands::replay::replay(args, registry),
         Command::Runs(args) => commands::runs::runs(&args),
         Command::Info(args) => commands::info::info(&args, registry),
         Command::Map(args) => commands::map::map(&args, registry),
         Command::Report(args) => commands::report::report(&args, registry),
-        Command::Sweep(args) => commands::sweep::sweep(&args, registry, build),
+        Command::Sweep(args) => commands::sweep::sweep(&args, registry, host.build),
         Command::Convert(args) => commands::convert::convert(&args, registry),
         Command::Rrd(command) => rrd(&command, registry),
         #[cfg(feature = "rerun")]
@@ -114,7 +109,7 @@ pub fn run(
 #[cfg(feature = "rerun")]
 pub fn import(args: impl IntoIterator<Item = OsString>, registry: &Registry) -> u8 {
     let command = ["crosscut", "import"].map(OsString::from);
-    run(command.into_iter().chain(args.into_iter().skip(1)), registry, None, None)
+    run(command.into_iter().chain(args.into_iter().skip(1)), registry, &Host::default())
 }
 
 /// `~/` at the start of an argument or of an option's value, where the shell has left it (`--save=~/F.rrd`), is the home folder.

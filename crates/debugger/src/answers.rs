@@ -20,15 +20,16 @@ const SPANS: usize = 12;
 const EXACT: f64 = 0.0;
 
 impl Session {
-    pub(crate) fn again(&mut self) -> Reply {
+    pub(crate) fn again(&mut self) -> Result<Reply, Refused> {
         let start = Instant::now();
-        let answers = self.now.given.answer(&self.registry);
+        let answers = self.now.given.answer(&self.means)?;
         let taken_s = start.elapsed().as_secs_f64();
-        let (given, known) = match self.before.take() {
-            Some((given, known)) => (given, known),
-            None => (self.now.given.clone(), Some(self.now.answers(&self.registry).to_vec())),
+        let before = match &self.before {
+            None => self.now.answers(&self.means)?.to_vec(),
+            Some((_, Some(known))) => known.clone(),
+            Some((given, None)) => given.answer(&self.means)?,
         };
-        let before = known.unwrap_or_else(|| given.answer(&self.registry));
+        self.before = None;
         let by_seq: BTreeMap<u64, &Answer> = before.iter().map(|answer| (answer.line.seq, answer)).collect();
         let is_changed = |answer: &&Answer| by_seq.get(&answer.line.seq).is_none_or(|before| !before.is_same(answer));
         let changed: Vec<u64> = answers.iter().filter(is_changed).map(|answer| answer.line.seq).collect();
@@ -49,16 +50,18 @@ impl Session {
             "revolutions": answers.len(), "changed": changed, "failed": failed, "seconds": taken_s,
         });
         self.now.set_answers(answers);
-        Reply::new(text, value)
+        Ok(Reply::new(text, value))
     }
 
     pub(crate) fn hold(&mut self) -> Reply {
-        let mut held = Side::new(self.now.given.clone(), &self.registry);
+        let mut held = Side::new(self.now.given.clone(), &self.means);
         held.go_to(self.at);
         if let Some(answers) = self.now.answered_if_known() {
             held.set_answers(answers.to_vec());
         }
         self.held = Some(held);
+        self.version += 1;
+        self.holds += 1;
         let here = self.here();
         Reply::new(format!("A: {}", here.text), here.value)
     }
@@ -87,13 +90,13 @@ impl Session {
     }
 
     pub(crate) fn differs(&mut self) -> Result<Reply, Refused> {
-        let registry = &self.registry;
+        let means = &self.means;
         let held = self.held.as_mut().ok_or_else(nothing_held)?;
         let flight = self.now.given.flight.clone();
-        let held = beside(held, &flight, registry);
+        let held = beside(held, &flight, means)?;
         let (mut surer, mut verdict, mut differ) = (Surer::default(), None, Vec::new());
         let (mut mended, mut broken) = (Vec::new(), Vec::new());
-        for ((now, held), scan) in self.now.answers(registry).iter().zip(held).zip(flight.iter()) {
+        for ((now, held), scan) in self.now.answers(means)?.iter().zip(held).zip(flight.iter()) {
             let Some(held) = held else { continue };
             let seq = now.line.seq;
             let is_different = !held.is_same(now);
@@ -123,9 +126,9 @@ impl Session {
         Ok(Reply::new(lines.join("\n"), value))
     }
 
-    pub(crate) fn report(&mut self) -> Reply {
+    pub(crate) fn report(&mut self) -> Result<Reply, Refused> {
         let flight = self.now.given.flight.clone();
-        let answers = self.now.answers(&self.registry);
+        let answers = self.now.answers(&self.means)?;
         let mut by_walls: BTreeMap<usize, u64> = BTreeMap::new();
         let (mut right, mut judged, mut failed) = (0, 0, 0);
         for (answer, scan) in answers.iter().zip(flight.iter()) {
@@ -146,6 +149,6 @@ impl Session {
         lines.extend((judged > 0).then(|| format!("right: {} of {}", thousands(right), thousands(judged))));
         let by_walls: Vec<_> = by_walls.iter().map(|(walls, n)| json!({"walls": walls, "revolutions": n})).collect();
         let value = json!({"by_walls": by_walls, "failed": failed, "right": right, "judged": judged});
-        Reply::new(lines.join("\n"), value)
+        Ok(Reply::new(lines.join("\n"), value))
     }
 }

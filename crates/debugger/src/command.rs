@@ -103,11 +103,11 @@ impl Session {
             "swap" => self.swap(one()?),
             "inject" => self.inject(rest),
             "settings" => none().map(|()| self.settings()),
-            "again" => none().map(|()| self.again()),
+            "again" => none().and_then(|()| self.again()),
             "hold" => none().map(|()| self.hold()),
             "diff" => none().and_then(|()| self.diff()),
             "differs" => none().and_then(|()| self.differs()),
-            "report" => none().map(|()| self.report()),
+            "report" => none().and_then(|()| self.report()),
             "help" => Ok(help()),
             _ => Err(unknown(name)),
         }

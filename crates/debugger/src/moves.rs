@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::command::takes;
 use crate::session::merge;
-use crate::side::{Answer, Side};
+use crate::side::{Answer, Means, Side};
 use crate::when::{Seen, When};
 use crate::{Refused, Reply, Session};
 
@@ -94,16 +94,16 @@ impl Session {
     fn first_after(&mut self, conditions: &[When]) -> Result<Option<(usize, When)>, Refused> {
         conditions.iter().try_for_each(|when| self.refuse_unanswerable(when))?;
         let needs = |needed: &When| conditions.contains(needed);
-        let registry = &self.registry;
+        let means = &self.means;
         let flight = self.now.given.flight.clone();
-        let flown = if needs(&When::Junction) { self.now.flown(registry).to_vec() } else { Vec::new() };
+        let flown = if needs(&When::Junction) { self.now.flown(means)?.to_vec() } else { Vec::new() };
         let mut held: Vec<Option<&Answer>> = vec![None; flight.len()];
         if let Some(side) = &mut self.held
             && needs(&When::Differs)
         {
-            held = beside(side, &flight, registry);
+            held = beside(side, &flight, means)?;
         }
-        let answers = self.now.answers(registry);
+        let answers = self.now.answers(means)?;
         let truths = flight.iter().map(|scan| scan.truth.as_ref()).collect();
         let seen = Seen { answers, truths, held, flown: &flown };
         let holds = |at: usize| Some((at, conditions.iter().find(|when| when.holds(at, &seen))?.clone()));
@@ -127,12 +127,12 @@ impl Session {
 pub(crate) fn beside<'a>(
     side: &'a mut Side,
     flight: &[crate::Scan],
-    registry: &crosscut_detector::Registry,
-) -> Vec<Option<&'a Answer>> {
-    side.answers(registry);
+    means: &Means,
+) -> Result<Vec<Option<&'a Answer>>, Refused> {
+    side.answers(means)?;
     let side = &*side;
     let of = |scan: &crate::Scan| side.place_of(scan.revolution.seq).and_then(|at| side.answered().get(at));
-    flight.iter().map(of).collect()
+    Ok(flight.iter().map(of).collect())
 }
 
 /// The refusal where nothing is held.

@@ -93,8 +93,11 @@ impl Session {
     }
 
     /// The line of results of every revolution with the present settings; of one that fails, an empty line and why.
-    pub fn lines(&mut self) -> impl Iterator<Item = (&ResultsLine, Option<&str>)> {
-        let answers = self.now.answers(&self.registry);
-        answers.iter().map(|answer| (&answer.line, answer.failure.as_deref()))
+    ///
+    /// # Errors
+    /// When somebody asks to stop.
+    pub fn lines(&mut self) -> Result<impl Iterator<Item = (&ResultsLine, Option<&str>)>, Refused> {
+        let answers = self.now.answers(&self.means)?;
+        Ok(answers.iter().map(|answer| (&answer.line, answer.failure.as_deref())))
     }
 }

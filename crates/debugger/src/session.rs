@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crosscut_detector::{Config, ConfigError, Layer, Registry};
 use crosscut_evaluate::settings_of_step;
@@ -9,7 +10,7 @@ use crosscut_messages::Truth;
 use crosscut_stage::{Frame, Notes, Observer, ObserverError, Revolution, Step, counted};
 use serde_json::{Value, json};
 
-use crate::side::{Answer, Given, Side};
+use crate::side::{Answer, Given, Means, Side};
 use crate::when::When;
 use crate::{Refused, Reply};
 
@@ -29,7 +30,7 @@ pub type Reader = Box<dyn FnMut(&Config) -> Result<Vec<Scan>, String>>;
 
 /// A flight that answers back.
 pub struct Session {
-    pub(crate) registry: Registry,
+    pub(crate) means: Means,
     /// The layers of the settings at the start.
     pub(crate) layers: Vec<Layer>,
     /// The settings at the start.
@@ -44,6 +45,10 @@ pub struct Session {
     /// What `again` compares with: before the first change since the whole flight was answered.
     pub(crate) before: Option<(Given, Option<Vec<Answer>>)>,
     pub(crate) breaks: Vec<When>,
+    /// How often what there is to see became another.
+    pub(crate) version: u64,
+    /// How often something was held.
+    pub(crate) holds: u64,
 }
 
 impl Session {
@@ -55,10 +60,11 @@ impl Session {
         let start = Config::resolve(&registry, &layers).map_err(refused)?;
         let flight = read(&mut reader, &start)?;
         let given = Given { config: start.clone(), flight: Arc::new(flight), injected: BTreeMap::new() };
-        let mut now = Side::new(given, &registry);
+        let means = Means { registry, stop: Arc::default() };
+        let mut now = Side::new(given, &means);
         now.go_to(0);
         Ok(Self {
-            registry,
+            means,
             layers,
             start,
             changes: Vec::new(),
@@ -68,6 +74,8 @@ impl Session {
             held: None,
             before: None,
             breaks: Vec::new(),
+            version: 0,
+            holds: 0,
         })
     }
 
@@ -86,18 +94,53 @@ impl Session {
         &self.now.given.config
     }
 
+    /// The held settings, if there are any.
+    pub fn held_config(&self) -> Option<&Config> {
+        self.held.as_ref().map(|held| &held.given.config)
+    }
+
+    /// Another number once something else is held.
+    pub fn holds(&self) -> u64 {
+        self.holds
+    }
+
+    /// The truth of the present revolution, if the recording has one.
+    pub fn truth(&self) -> Option<&Truth> {
+        self.now.given.flight[self.at].truth.as_ref()
+    }
+
+    /// The revolutions that have a truth, with it.
+    pub fn truths(&self) -> impl Iterator<Item = (u64, &Truth)> {
+        self.now.given.flight.iter().filter_map(|scan| Some((scan.revolution.seq, scan.truth.as_ref()?)))
+    }
+
+    /// Another number once the present revolution, its answer or what is held became another.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
     /// Number of revolutions of the flight.
     pub fn revolutions(&self) -> usize {
         self.now.given.flight.len()
     }
 
+    /// The kinds of stages that there are. Those that are in use have to stay.
+    pub fn registry_mut(&mut self) -> &mut Registry {
+        &mut self.means.registry
+    }
+
+    /// A flag that stops the command at work. Whoever sets it takes it back before the next command.
+    pub fn stop(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.means.stop)
+    }
+
     /// Shows every frame of the flight with the present settings to an observer, in order, and ends that. The frames have
-    /// poses and places.
+    /// poses and places. Returns how many were shown before somebody asked to stop.
     ///
     /// # Errors
     /// Of the observer.
-    pub fn show_all(&mut self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
-        self.now.show_all(observer)
+    pub fn show_all(&mut self, observer: &mut dyn Observer) -> Result<usize, ObserverError> {
+        self.now.show_all(observer, &self.means)
     }
 
     /// Where it stands, in a line.
@@ -118,7 +161,7 @@ impl Session {
         let settings: Vec<String> = changes.iter().map(|[key, value]| format!("{key}={value}")).collect();
         let mut layers = self.layers.clone();
         layers.push(Layer::settings("set", &settings).map_err(refused)?);
-        let config = Config::resolve(&self.registry, &layers).map_err(refused)?;
+        let config = Config::resolve(&self.means.registry, &layers).map_err(refused)?;
         let is_read_alike = settings_of_step(&config, Step::Ingest) == settings_of_step(self.config(), Step::Ingest);
         let flight =
             if is_read_alike { Arc::clone(&self.now.given.flight) } else { Arc::new(read(&mut self.reader, &config)?) };
@@ -131,7 +174,7 @@ impl Session {
     /// Answers the present revolution as `given` from now on.
     pub(crate) fn give(&mut self, given: Given) {
         let seq = self.frame().revolution.seq;
-        let after = Side::new(given, &self.registry);
+        let after = Side::new(given, &self.means);
         let before = std::mem::replace(&mut self.now, after);
         if self.before.is_none() {
             self.before = Some((before.given.clone(), before.known_answers()));
@@ -145,6 +188,7 @@ impl Session {
     /// Goes to a place of the flight.
     pub(crate) fn go_to(&mut self, at: usize) {
         self.at = at;
+        self.version += 1;
         self.now.go_to(at);
         let seq = self.frame().revolution.seq;
         if let Some(held) = &mut self.held

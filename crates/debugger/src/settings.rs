@@ -2,6 +2,7 @@
 
 use std::fs::File;
 
+use crosscut_detector::Config;
 use crosscut_stage::counted;
 use faer::Mat;
 use serde_json::json;
@@ -110,16 +111,21 @@ impl Session {
         here
     }
 
-    pub(crate) fn settings(&self) -> Reply {
+    /// The settings of `config` that differ from those at the start: key, value at the start, value; `-` where there is none.
+    pub fn differing(&self, config: &Config) -> Vec<[String; 3]> {
         let start: Vec<(String, String)> = self.start.settings().collect();
-        let now: Vec<(String, String)> = self.config().settings().collect();
+        let now: Vec<(String, String)> = config.settings().collect();
         let value_in = |list: &[(String, String)], key: &str| {
             list.iter().find(|(known, _)| known == key).map_or_else(|| "-".to_owned(), |(_, value)| value.clone())
         };
         let gone = start.iter().filter(|(key, _)| !now.iter().any(|(known, _)| known == key));
-        let keys: Vec<&String> = now.iter().chain(gone).map(|(key, _)| key).collect();
-        let pair = |key: &&String| [(*key).clone(), value_in(&start, key), value_in(&now, key)];
-        let differ: Vec<[String; 3]> = keys.iter().map(pair).filter(|[_, before, after]| before != after).collect();
+        let keys = now.iter().chain(gone).map(|(key, _)| key);
+        let values = keys.map(|key| [key.clone(), value_in(&start, key), value_in(&now, key)]);
+        values.filter(|[_, before, after]| before != after).collect()
+    }
+
+    pub(crate) fn settings(&self) -> Reply {
+        let differ = self.differing(self.config());
         let mut lines: Vec<String> =
             differ.iter().map(|[key, before, after]| format!("{key} = {after} (at the start {before})")).collect();
         for (seq, injected) in &self.now.given.injected {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Builder;
 
 use crosscut_detector::{Config, Engine, Registry};
@@ -10,7 +11,7 @@ use crosscut_flight::{Flight, FlightAnswer};
 use crosscut_report::{ResultsLine, VEHICLE_WIDTH_M};
 use crosscut_stage::{Frame, Junction, Observer, ObserverError};
 
-use crate::{Injected, Scan};
+use crate::{Injected, Refused, Scan};
 
 /// The answer for one revolution of the flight.
 #[derive(Clone, Debug)]
@@ -29,6 +30,24 @@ pub(crate) struct Given {
     pub(crate) flight: Arc<Vec<Scan>>,
     /// By `seq`.
     pub(crate) injected: BTreeMap<u64, Injected>,
+}
+
+/// What answers are made with.
+pub(crate) struct Means {
+    /// The kinds of stages.
+    pub(crate) registry: Registry,
+    /// Whether somebody asked to stop.
+    pub(crate) stop: Arc<AtomicBool>,
+}
+
+impl Means {
+    /// Refuses to go on once somebody asked to stop.
+    pub(crate) fn go_on(&self) -> Result<(), Refused> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(Refused::Failed("stopped; everything is as before".to_owned()));
+        }
+        Ok(())
+    }
 }
 
 /// Given settings with what they answer.
@@ -56,27 +75,31 @@ impl Given {
         };
     }
 
-    /// The answers of the whole flight, on all cores.
-    pub(crate) fn answer(&self, registry: &Registry) -> Vec<Answer> {
+    /// The answers of the whole flight, on all cores; refused when somebody asks to stop.
+    pub(crate) fn answer(&self, means: &Means) -> Result<Vec<Answer>, Refused> {
         let workers = std::thread::available_parallelism().map_or(1, usize::from).clamp(1, self.flight.len().max(1));
         let share = self.flight.len().div_ceil(workers).max(1);
         std::thread::scope(|scope| {
             let mut threads = Vec::new();
             for (at, scans) in self.flight.chunks(share).enumerate() {
-                let mut engine = Engine::for_many(&self.config, registry, workers, workers);
+                let mut engine = Engine::for_many(&self.config, &means.registry, workers, workers);
                 let work = move || {
                     let mut frame = Frame::default();
                     let answer = |scan| {
+                        means.go_on()?;
                         self.process(&mut engine, scan, &mut frame);
-                        Answer::of(&frame)
+                        Ok(Answer::of(&frame))
                     };
-                    scans.iter().map(answer).collect::<Vec<_>>()
+                    scans.iter().map(answer).collect::<Result<Vec<_>, Refused>>()
                 };
                 let thread = Builder::new().name(format!("again-{at}")).spawn_scoped(scope, work);
                 threads.push(thread.expect("the system starts threads"));
             }
-            let joined = threads.into_iter().flat_map(|thread| thread.join().expect("engines catch panics"));
-            joined.collect()
+            let mut answers = Vec::with_capacity(self.flight.len());
+            for thread in threads {
+                answers.extend(thread.join().expect("engines catch panics")?);
+            }
+            Ok(answers)
         })
     }
 }
@@ -107,8 +130,8 @@ impl Answer {
 
 impl Side {
     /// Without a present revolution.
-    pub(crate) fn new(given: Given, registry: &Registry) -> Self {
-        let engine = Engine::new(&given.config, registry);
+    pub(crate) fn new(given: Given, means: &Means) -> Self {
+        let engine = Engine::new(&given.config, &means.registry);
         Self { given, engine, frame: Frame::default(), answers: None, flown: None }
     }
 
@@ -123,9 +146,12 @@ impl Side {
         self.given.flight.binary_search_by_key(&seq, |scan| scan.revolution.seq).ok()
     }
 
-    /// The answers of the whole flight.
-    pub(crate) fn answers(&mut self, registry: &Registry) -> &[Answer] {
-        self.answers.get_or_insert_with(|| self.given.answer(registry))
+    /// The answers of the whole flight; refused when somebody asks to stop.
+    pub(crate) fn answers(&mut self, means: &Means) -> Result<&[Answer], Refused> {
+        if self.answers.is_none() {
+            self.answers = Some(self.given.answer(means)?);
+        }
+        Ok(self.answered())
     }
 
     /// The answers of the whole flight, once they were asked for.
@@ -148,21 +174,22 @@ impl Side {
         self.answers = Some(answers);
     }
 
-    /// What the flight adds to every revolution.
-    pub(crate) fn flown(&mut self, registry: &Registry) -> &[FlightAnswer] {
+    /// What the flight adds to every revolution; refused when somebody asks to stop.
+    pub(crate) fn flown(&mut self, means: &Means) -> Result<&[FlightAnswer], Refused> {
         if self.flown.is_none() {
-            self.answers(registry);
+            self.answers(means)?;
             let (mut flight, mut frame) = (self.flight(), Frame::default());
             let answers = self.answers.as_deref().unwrap_or_default();
             let flown = self.given.flight.iter().zip(answers).map(|(scan, answer)| {
+                means.go_on()?;
                 frame.revolution.clone_from(&scan.revolution);
                 frame.junction.clone_from(&answer.junction);
                 flight.add(&mut frame);
-                FlightAnswer::of(&frame).clone()
+                Ok(FlightAnswer::of(&frame).clone())
             });
-            self.flown = Some(flown.collect());
+            self.flown = Some(flown.collect::<Result<_, Refused>>()?);
         }
-        self.flown.as_deref().unwrap_or_default()
+        Ok(self.flown.as_deref().unwrap_or_default())
     }
 
     fn flight(&self) -> Flight {
@@ -170,16 +197,19 @@ impl Side {
         Flight::new(config.params("flight"), config.params("vehicle").get(VEHICLE_WIDTH_M))
     }
 
-    /// Shows every frame of the flight, with its pose and place, to an observer, and ends that.
-    pub(crate) fn show_all(&mut self, observer: &mut dyn Observer) -> Result<(), ObserverError> {
-        let (mut flight, mut frame) = (self.flight(), Frame::default());
-        for scan in self.given.flight.iter() {
+    /// Shows every frame of the flight, with its pose and place, to an observer, and ends that; of a flight that somebody asks
+    /// to stop, those before. Returns how many.
+    pub(crate) fn show_all(&mut self, observer: &mut dyn Observer, means: &Means) -> Result<usize, ObserverError> {
+        let (mut flight, mut frame, mut shown) = (self.flight(), Frame::default(), 0);
+        for scan in self.given.flight.iter().take_while(|_| means.go_on().is_ok()) {
             self.given.process(&mut self.engine, scan, &mut frame);
             if frame.failure.is_none() {
                 flight.add(&mut frame);
             }
             observer.observe(&frame)?;
+            shown += 1;
         }
-        observer.finish()
+        observer.finish()?;
+        Ok(shown)
     }
 }

@@ -36,7 +36,9 @@
 mod as_read;
 mod backlog;
 mod beam_order;
+mod below;
 mod colors;
+mod debug_view;
 mod eigenvectors;
 mod exact;
 mod file;
@@ -72,6 +74,7 @@ mod viewer;
 mod why;
 
 pub use crosscut_rrd::schema;
+pub use debug_view::{Answered, Beside, DebugView};
 pub use layout::Layout;
 pub use mission::{MissionDecision, MissionMoment, MissionRecorder};
 pub use mounting::Mounting;

@@ -29,6 +29,9 @@ struct QueueLimits {
 const LIMITS: QueueLimits =
     QueueLimits { queue_bytes: 64 << 20, patience: Duration::from_secs(2), last_patience: Duration::from_secs(15) };
 
+/// While there are no messages, the viewer is looked at as often.
+const WATCH_EVERY: Duration = Duration::from_millis(100);
+
 /// Where messages are sent during the flight.
 pub(crate) enum Outlet {
     /// To one viewer.
@@ -128,6 +131,11 @@ impl Live {
         self.queue.clone()
     }
 
+    /// Whether the viewer is open, or may still answer.
+    pub(crate) fn is_open(&self) -> bool {
+        self.queue.0.lock().connection != Connection::Closed
+    }
+
     /// Waits until the viewers have read what they will get. A server stays open.
     ///
     /// # Errors
@@ -201,7 +209,7 @@ impl State {
 impl Shared {
     /// The work of the thread: hands over one message after the other until the queue is closed.
     fn hand_over(&self, outlet: &Outlet) {
-        while let Some(message) = self.next() {
+        while let Some(message) = self.next(outlet) {
             outlet.sink().send(message);
             while self.is_caught_up() && outlet.sink().flush_blocking(self.limits.last_patience).is_err() {
                 if outlet.connection() != Connection::Awaited {
@@ -225,7 +233,8 @@ impl Shared {
         state.waiting.is_empty() && !state.closed
     }
 
-    fn next(&self) -> Option<LogMsg> {
+    /// The next message; `None` once the queue is closed. Meanwhile it is noticed if the viewer is closed.
+    fn next(&self, outlet: &Outlet) -> Option<LogMsg> {
         let mut state = self.lock();
         loop {
             if let Some((bytes, message)) = state.waiting.pop_front() {
@@ -237,7 +246,8 @@ impl Shared {
             if state.closed {
                 return None;
             }
-            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = self.wait(state, WATCH_EVERY);
+            state.connection = outlet.connection();
         }
     }
 

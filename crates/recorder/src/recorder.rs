@@ -55,6 +55,8 @@ const FLUSH_AFTER_REVOLUTIONS: u32 = 64;
 const SEND_AFTER_BYTES: usize = 16 << 20;
 /// Time between two flushes to a viewer. Half of it would double the file.
 const LIVE_TICK: Duration = Duration::from_millis(500);
+/// The timeline of revolutions that are shown one after the other ([`Recorder::show`]).
+pub(crate) const COMMAND: &str = "command";
 
 /// Records every frame that it sees.
 pub struct Recorder {
@@ -100,13 +102,21 @@ pub struct Recorder {
     unflushed: u32,
 }
 
+/// What is around a recording beside its options.
+#[derive(Default)]
+struct Around {
+    pipe: Option<PipeSink>,
+    mine: Option<Mine>,
+    sink: Option<Box<dyn LogSink>>,
+}
+
 impl Recorder {
     /// Opens the file and the viewer, and writes all that holds for the whole recording.
     ///
     /// # Errors
     /// When the file cannot be created, there is no viewer, or the environment turns recordings off.
     pub fn new(options: RecorderOptions) -> Result<Self, RecorderError> {
-        Self::open(options, None, None)
+        Self::open(options, Around::default())
     }
 
     /// Writes the recording into `pipe` as well, as it is made.
@@ -114,15 +124,22 @@ impl Recorder {
     /// # Errors
     /// As [`Recorder::new`].
     pub fn piped(options: RecorderOptions, pipe: impl Write + Send + 'static) -> Result<Self, RecorderError> {
-        Self::open(options, Some(PipeSink::new(Box::new(pipe))), None)
+        let pipe = Some(PipeSink::new(Box::new(pipe)));
+        Self::open(options, Around { pipe, ..Around::default() })
     }
 
     /// Records the stages of a mission, which adds its own rows.
     pub(crate) fn of_mission(options: RecorderOptions, mine: Mine) -> Result<Self, RecorderError> {
-        Self::open(options, None, Some(mine))
+        Self::open(options, Around { mine: Some(mine), ..Around::default() })
     }
 
-    fn open(options: RecorderOptions, pipe: Option<PipeSink>, mine: Option<Mine>) -> Result<Self, RecorderError> {
+    /// Sends what is shown one revolution after the other ([`Recorder::show`]) to `sink`.
+    pub(crate) fn beside(options: RecorderOptions, sink: Box<dyn LogSink>) -> Result<Self, RecorderError> {
+        Self::open(options, Around { sink: Some(sink), ..Around::default() })
+    }
+
+    fn open(options: RecorderOptions, around: Around) -> Result<Self, RecorderError> {
+        let Around { pipe, mine, sink } = around;
         if !rerun::decide_logging_enabled(true) {
             return Err(RecorderError::Disabled);
         }
@@ -138,14 +155,16 @@ impl Recorder {
             live.push(Live::start(Outlet::Server(server))?);
         }
         let file = options.path.as_deref().map(RrdFile::create).transpose()?;
+        let at_once = !live.is_empty() || sink.is_some();
         let mut sinks: Vec<Box<dyn LogSink>> = Vec::new();
+        sinks.extend(sink);
         sinks.extend(file.clone().map(|file| Box::new(file) as Box<dyn LogSink>));
         sinks.extend(pipe.clone().map(|pipe| Box::new(pipe) as Box<dyn LogSink>));
         sinks.extend(live.iter().map(|live| Box::new(live.sink()) as Box<dyn LogSink>));
         let backlog = options.live.then(Backlog::default);
         sinks.extend(backlog.iter().map(|backlog| Box::new(backlog.sink()) as Box<dyn LogSink>)); // behind the file
         let batches = ChunkBatcherConfig {
-            flush_tick: if live.is_empty() { Duration::MAX } else { LIVE_TICK },
+            flush_tick: if at_once { LIVE_TICK } else { Duration::MAX },
             flush_num_bytes: SEND_AFTER_BYTES as u64,
             ..ChunkBatcherConfig::DEFAULT
         };
@@ -158,7 +177,7 @@ impl Recorder {
         rec.set_log_tick_enabled(false);
         log_static(&rec, &options.config_toml, mine.as_ref())?;
         Ok(Self {
-            rows: Rows::new(rec.clone(), !live.is_empty()),
+            rows: Rows::new(rec.clone(), at_once),
             rec,
             file,
             file_lost: None,
@@ -366,15 +385,68 @@ impl Recorder {
         self.rows.log(&LOG, &TextLog::new(failure).with_level(TextLogLevel::ERROR));
     }
 
+    /// Shows one revolution, which need not follow upon the one before, as the next moment of the timeline `command`. What was
+    /// flushed is on its way when this returns.
+    pub(crate) fn show(&mut self, frame: &Frame, options: RecorderOptions, command: i64) -> Result<(), RecorderError> {
+        if options.config_toml != self.options.config_toml {
+            log_config(&self.rec, &options.config_toml)?;
+        }
+        self.options = options;
+        self.rec.set_time_sequence(COMMAND, command);
+        self.rows.set_time(frame.revolution.seq, frame.revolution.stamp_ns);
+        let extent = Extent::of(frame);
+        let is_alike = |before: &Extent| (before.places, before.by_gaps) == (extent.places, extent.by_gaps);
+        if !self.extent.as_ref().is_some_and(is_alike) {
+            self.log_extent(Extent { range_m: self.extent.map_or(extent.range_m, |before| before.range_m), ..extent })?;
+        }
+        self.watch = Watch::default(); // it would compare with the revolution that was shown before
+        match &frame.failure {
+            None => self.log(frame, Share { matrices: true, ..Share::default() }),
+            Some(failure) => {
+                self.log_failure(&failure.to_string());
+                (self.beams, self.as_read, self.absent) = Default::default(); // they are cleared, too
+            }
+        }
+        self.flush_to_the_end()
+    }
+
+    /// With the colours, range and time of the other recorder, so that both can be compared.
+    pub(crate) fn seeing_as(mut self, other: &Self) -> Self {
+        self.colour_as(other);
+        self.first_ns = other.first_ns;
+        self.extent = other.extent.map(|extent| Extent { places: 0, ..extent }); // its own are measured
+        self
+    }
+
+    /// Gives walls the colours that they have by the other recorder.
+    pub(crate) fn colour_as(&mut self, other: &Self) {
+        self.tracks.clone_from(&other.tracks);
+    }
+
+    /// What the views of this recorder show.
+    pub(crate) fn extent(&self) -> Extent {
+        self.extent.unwrap_or_default()
+    }
+
+    pub(crate) fn stream(&self) -> &RecordingStream {
+        &self.rec
+    }
+
     fn send_layout(&mut self, extent: Extent) -> Result<(), RecorderError> {
-        scan::log_rings(&self.rec, extent.range_m)?;
-        matrices::log_scale(&self.rec, extent.places)?;
-        report::log_axis(&mut self.rows);
+        self.log_extent(extent)?;
         let shown = match &self.mine {
             None => Shown::Flight { first: self.options.layout, extent },
             Some(mine) => Shown::Mission { corners_m: mine.corners_m, extent },
         };
         layout::send(&self.rec, &shown)?;
+        Ok(())
+    }
+
+    /// Logs what the views are measured by.
+    fn log_extent(&mut self, extent: Extent) -> Result<(), RecorderError> {
+        scan::log_rings(&self.rec, extent.range_m)?;
+        matrices::log_scale(&self.rec, extent.places)?;
+        report::log_axis(&mut self.rows);
         extent.log(&self.rec)?;
         self.extent = Some(extent);
         Ok(())
@@ -458,7 +530,7 @@ fn builder(ids: Option<&StoreIds>) -> RecordingStreamBuilder {
 fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> Result<(), RecorderError> {
     mine.map_or(Ok(()), |mine| mine.log_static(rec))?;
     rec.log_static(COLORS.path, &annotation_context())?;
-    rec.log_static(CONFIG.path, &TextDocument::new(config_toml).with_media_type(MediaType::TEXT))?;
+    log_config(rec, config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
     spectrum::log_static(rec)?;
@@ -471,6 +543,10 @@ fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> 
     gaps::log_static(rec)?;
     why::log_static(rec)?;
     Ok(())
+}
+
+fn log_config(rec: &RecordingStream, toml: &str) -> rerun::RecordingStreamResult<()> {
+    rec.log_static(CONFIG.path, &TextDocument::new(toml).with_media_type(MediaType::TEXT))
 }
 
 /// The text of `/about`, with a row for each entity.

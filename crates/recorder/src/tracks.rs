@@ -34,6 +34,7 @@ impl Classes {
 }
 
 /// The class that was seen last in each direction.
+#[derive(Clone)]
 pub(crate) struct Tracks {
     seen: Vec<Option<u16>>,
 }

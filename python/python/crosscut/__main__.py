@@ -14,7 +14,8 @@ def main() -> int:
     """Runs the command in the arguments of this process and returns its exit code.
 
     ``--set affinity.kind=python:module.name`` takes a callable of one's own; modules are found in the current folder, too. A
-    file of settings may name a callable that the command line names as well: code comes from the command line alone.
+    file of settings may name a callable that the command line names as well: code comes from the command line alone, and from
+    what is typed at the prompt of ``debug``.
     """
     if sys.argv[1:2] in (["run"], ["sweep"]) and "--on" in sys.argv:
         at = sys.argv.index("--on")
@@ -37,7 +38,7 @@ def main() -> int:
     # As in the program: its own handler where there is one, else the process ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.stdout.flush()
-    return _native.program(["crosscut", *sys.argv[1:]], stages, build, hear)
+    return _native.program(["crosscut", *sys.argv[1:]], stages, build, hear, _named.find_again)
 
 
 def hear(address: str, options: dict[str, Any], feed: Any) -> Any:

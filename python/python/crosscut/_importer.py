@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from . import _native
+from . import _named, _native
 from .__main__ import hear
 
 
 def main() -> int:
-    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None, hear)
+    return _native.program(["crosscut", "import", *sys.argv[1:]], {}, None, hear, _named.find_again)

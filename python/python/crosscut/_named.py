@@ -41,14 +41,45 @@ def _values(arguments: Iterable[str]) -> Iterator[str]:
             option = ""
 
 
+_loaded: dict[str, tuple[bytes, int]] = {}
+"""Of each module its text when it was loaded last, and how often that was another one."""
+
+
 def find(module: str, name: str) -> Callable[..., Any]:
     """The callable; modules are found in the current folder, too, after those that are installed."""
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
     found = getattr(importlib.import_module(module), name)
+    _loaded.setdefault(module, (_text(module), 0))
     if not callable(found):
         raise TypeError("it is not callable")
     return found
+
+
+def find_again(kind: str) -> tuple[Callable[..., Any], int]:
+    """The callable of ``python:module.name``, and how often the text of its module has changed. The module is loaded once more if
+    its text is another one than before; what it imports is not. Callables of the module before stay as they were."""
+    named = _NAMED.fullmatch(kind)
+    if not named:
+        raise ValueError("a stage of one's own is python:module.name")
+    module, name = named[1], named[2]
+    found = find(module, name)
+    before, changes = _loaded[module]
+    text = _text(module)
+    if text != before:
+        module_before = sys.modules.pop(module)
+        try:
+            found = find(module, name)
+        except BaseException:
+            sys.modules[module] = module_before
+            raise
+        _loaded[module] = (text, changes + 1)
+    return found, _loaded[module][1]
+
+
+def _text(module: str) -> bytes:
+    path = getattr(sys.modules[module], "__file__", None)
+    return Path(path).read_bytes() if path is not None else b""
 
 
 def build(arguments: Iterable[str], *programs: str | None) -> str:

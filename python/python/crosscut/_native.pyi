@@ -155,5 +155,6 @@ def program(
     stages: Mapping[str, Callable[..., Any]],
     build: str | None,
     hear: Callable[[str, dict[str, Any], Feed], Any],
+    find: Callable[[str], tuple[Callable[..., Any], int]],
 ) -> int: ...
 def check_affinity(function: Callable[..., Any]) -> None: ...

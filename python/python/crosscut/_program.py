@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from . import __main__, _native
+from . import __main__, _named, _native
 from ._engine import STAGES, Section, setting_changes, toml
 from ._errors import Error, LossWarning, ReadError, SettingsError
 from ._extras import importing
@@ -194,7 +194,7 @@ class _Fork:
                 os.dup2(writing, 2)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
-                code = _native.program(["crosscut", *(os.fspath(argument) for argument in arguments)], stages, None, __main__.hear)
+                code = _native.program(["crosscut", *(os.fspath(argument) for argument in arguments)], stages, None, __main__.hear, _named.find_again)
             finally:
                 os._exit(code)
         os.close(writing)

@@ -10,8 +10,10 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crosscut::Kinds;
 use crosscut_detector::Registry;
 use crosscut_stage::{Kind, ParamSpec, Params, Shape, StageError, StageKind, Word};
+use pyo3::exceptions::{PyAttributeError, PyImportError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -162,9 +164,62 @@ impl Callables {
 /// The kind of a callable that was given as an object.
 const PYTHON: &str = "python";
 
-/// Adds `function` as a kind of this name to every stage, for the rest of the process.
-pub(crate) fn add_named(name: &str, function: Bound<'_, PyAny>, registry: &mut Registry) {
-    let entry = Entry::new(name.to_owned(), Callable::new(function, &Arc::default()));
+/// Callables that are named on the command line, or at a prompt.
+pub(crate) struct Found {
+    /// `find(name)` gives the callable of `python:module.name`, and how often its code has changed.
+    find: Py<PyAny>,
+    /// What one of them raised last.
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl Found {
+    pub(crate) fn by(find: Py<PyAny>) -> Self {
+        Self { find, raised: Arc::default() }
+    }
+
+    /// Adds `function` as a kind of this name to every stage, for the rest of the process.
+    pub(crate) fn add(&self, name: &str, function: Bound<'_, PyAny>, registry: &mut Registry) {
+        add_named(name, Callable::new(function, &self.raised), registry);
+    }
+}
+
+impl Kinds for Found {
+    fn find(&self, kind: &str, registry: &mut Registry) -> Result<Option<String>, String> {
+        if !kind.starts_with("python:") {
+            return Ok(None);
+        }
+        Python::attach(|py| {
+            let found = self.find.bind(py).call1((kind,));
+            let found = found.and_then(|found| found.extract::<(Bound<'_, PyAny>, u32)>());
+            let (function, changes) = found.map_err(|error| {
+                let is_plain =
+                    error.is_instance_of::<PyImportError>(py) || error.is_instance_of::<PyAttributeError>(py);
+                let place = if is_plain { String::new() } else { traceback(py, &error) };
+                format!("there is no stage {kind}: {error}{place}")
+            })?;
+            let name = if changes == 0 { kind.to_owned() } else { format!("{kind}#{}", changes + 1) };
+            if !registry.affinity.iter().any(|known| known.name == name) {
+                self.add(&name, function, registry);
+            }
+            Ok(Some(name))
+        })
+    }
+
+    fn failed(&self) -> Option<String> {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()?;
+        Python::attach(|py| Some(format!("{}{raised}", traceback(py, &raised).trim_start())))
+    }
+}
+
+/// The traceback of an exception, on lines of its own.
+fn traceback(py: Python<'_>, error: &PyErr) -> String {
+    let text = error.traceback(py).and_then(|traceback| traceback.format().ok());
+    text.map_or_else(String::new, |text| format!("\n{text}"))
+}
+
+/// Adds a callable as a kind of this name to every stage, for the rest of the process.
+fn add_named(name: &str, callable: Callable, registry: &mut Registry) {
+    let entry = Entry::new(name.to_owned(), callable);
     registry.affinity.push(named(AFFINITY, name, &entry));
     registry.spectral.push(named(SPECTRAL, name, &entry));
     registry.kmeans.push(named(KMEANS, name, &entry));

@@ -20,6 +20,9 @@ pub(crate) struct DebugArgs {
     /// after it.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Show the page of stages in the Rerun viewer: of the present revolution, after every command; beside it what is held.
+    #[arg(long)]
+    pub(crate) view: bool,
 }
 
 #[derive(Debug, Args)]

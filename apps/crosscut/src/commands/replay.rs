@@ -34,14 +34,15 @@ pub(crate) fn replay(args: ReplayArgs, registry: &Registry) -> anyhow::Result<Ou
     let said = session.replayed(args.from).map_err(error_of)?.text;
     if let Some(path) = &args.results {
         let mut out = outputs::grow(path, &read)?;
-        for (line, failure) in session.lines() {
+        for (line, failure) in session.lines().map_err(error_of)? {
             if failure.is_none() {
                 line.write(&mut out).with_context(|| format!("cannot write {}", path.display()))?;
             }
         }
         out.flush().with_context(|| format!("cannot write {}", path.display()))?;
     }
-    let failures: Vec<String> = session.lines().filter_map(|(_, failure)| failure.map(str::to_owned)).collect();
+    let failures: Vec<String> =
+        session.lines().map_err(error_of)?.filter_map(|(_, failure)| failure.map(str::to_owned)).collect();
     if let Some(first) = failures.first() {
         diagnostics.error(format_args!("{} fail, the first: {first}", thousands(failures.len() as u64)));
     }

@@ -37,7 +37,7 @@ impl Session {
             "U" => strip::columns(frame),
             "walls" => strip::walls(frame),
             "openings" => openings(frame),
-            _ => return Ok(self.show_flown(what)),
+            _ => return self.show_flown(what),
         };
         Ok(Reply::new(text, as_value(frame, what)))
     }
@@ -63,11 +63,11 @@ impl Session {
     }
 
     /// The place or the pose, of which the flight so far is a part.
-    fn show_flown(&mut self, what: &str) -> Reply {
+    fn show_flown(&mut self, what: &str) -> Result<Reply, Refused> {
         let at = self.at;
-        let flown: FlightAnswer = self.now.flown(&self.registry)[at].clone();
+        let flown: FlightAnswer = self.now.flown(&self.means)?[at].clone();
         if what == "pose" {
-            return match flown.pose {
+            return Ok(match flown.pose {
                 None => Reply::new("no pose is known", json!({"pose": null})),
                 Some(pose) => {
                     let ([x, y], yaw) = (<[f64; 2]>::from(pose.translation.vector), pose.rotation.angle());
@@ -77,7 +77,7 @@ impl Session {
                     );
                     Reply::new(text, json!({"pose": {"x_m": x, "y_m": y, "yaw_rad": yaw}}))
                 }
-            };
+            });
         }
         let words = |name: &str, here: Option<&Here>| match here {
             None => format!("{name}: none"),
@@ -90,7 +90,7 @@ impl Session {
         let value = |here: Option<&Here>| here.map(|here| json!({"kind": here.kind.name(), "ways": here.ways.len()}));
         let (here, steady) = (flown.here.as_ref(), flown.steady_here());
         let text = format!("{}\n{}", words("this revolution", here), words("steady", steady));
-        Reply::new(text, json!({"here": value(here), "steady": value(steady)}))
+        Ok(Reply::new(text, json!({"here": value(here), "steady": value(steady)})))
     }
 
     pub(crate) fn why(&mut self, words: &[String]) -> Result<Reply, Refused> {

@@ -16,6 +16,7 @@ use rerun::log::{Chunk, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, StoreKind, Tensor, TensorBuffer};
 
 use crate::beam_order::BeamOrder;
+use crate::recorder::COMMAND;
 use crate::schema::EXTENT;
 use crate::tensors::f64_vector;
 use properties::Properties;
@@ -135,6 +136,8 @@ pub(crate) enum Shown<'a> {
     Beside { first: Option<Layout>, sides: [Side<'a>; 2] },
     /// A mission through a mine in a rectangle between these corners, and its flight.
     Mission { corners_m: [Point2<f64>; 2], extent: Extent },
+    /// One revolution after the other, and beside it what is held.
+    Debug { held: Option<Side<'a>>, now: Side<'a> },
     /// A flight with the other sensors of its MCAP recording, which stand below `root`; `pictures` are cameras.
     Sensors { first: Option<Layout>, extent: Extent, root: &'a str, pictures: &'a [String] },
 }
@@ -170,6 +173,18 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResul
                 std::iter::once(mission).chain(Layout::all_from(None).map(|page| page.page(&mut views))).collect();
             (tabs, views.into_properties().and(properties))
         }
+        Shown::Debug { held, now } => {
+            let mut now = Views::of(now);
+            match held {
+                None => (vec![pages::stages(&mut now)], now.into_properties()),
+                Some(held) => {
+                    let mut held = Views::of(held);
+                    let both = together::stages(&mut held, &mut now);
+                    let tabs = vec![both, pages::stages(&mut now), pages::stages(&mut held)];
+                    (tabs, held.into_properties().and(now.into_properties()))
+                }
+            }
+        }
         Shown::Sensors { first, extent, root, pictures } => {
             let mut views = Views::new(*extent);
             let mut tabs: Vec<_> = Layout::all_from(*first).map(|page| page.page(&mut views)).collect();
@@ -177,12 +192,13 @@ pub(crate) fn send(rec: &RecordingStream, shown: &Shown) -> RecordingStreamResul
             (tabs, views.into_properties())
         }
     };
+    let timeline = if matches!(shown, Shown::Debug { .. }) { COMMAND } else { "revolution" };
     let layout = Blueprint::new(Tabs::new(tabs))
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
-        .with_time_panel(time_panel());
+        .with_time_panel(time_panel(timeline));
     properties::send(rec, &layout, properties)
 }
 
@@ -195,11 +211,11 @@ pub(crate) fn messages(shown: &Shown) -> RecordingStreamResult<Vec<LogMsg>> {
     Ok(messages)
 }
 
-/// The time panel counts revolutions and follows the newest one until the user moves it.
-fn time_panel() -> TimePanel {
+/// The time panel follows the newest revolution until the user moves it.
+fn time_panel(timeline: &str) -> TimePanel {
     TimePanel::new()
         .with_state(PanelState::Collapsed)
-        .with_timeline("revolution")
+        .with_timeline(timeline)
         .with_play_state(PlayState::Following)
         .with_fps(10.0)
 }

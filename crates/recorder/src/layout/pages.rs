@@ -33,7 +33,7 @@ pub(super) fn stages(views: &mut Views) -> ContainerLike {
     let [returns, w, eigenvalues, u, labels, openings, words] = steps(views);
     let above = Horizontal::new([returns, w, eigenvalues, words]).with_column_shares([1.0, 1.0, 0.95, 1.35]);
     let below = Horizontal::new([u, labels, openings]).with_column_shares([1.0, 1.0, 1.0]);
-    Vertical::new([above.into(), below.into()]).with_name("Stages: one revolution").into()
+    Vertical::new([above.into(), below.into()]).with_name(views.titled("Stages: one revolution")).into()
 }
 
 /// The views of the page [`stages`], in their order.

@@ -48,18 +48,18 @@ impl Views {
         Self { root: String::new(), title: String::new(), extent, properties: Properties::default() }
     }
 
-    /// Views of one of two recordings.
+    /// Views of one of two recordings; of the only one if it has no name.
     pub(super) fn of(side: &Side) -> Self {
         Self {
             root: format!("/{}", side.below),
-            title: format!("{}: ", side.name),
+            title: if side.name.is_empty() { String::new() } else { format!("{}: ", side.name) },
             extent: side.extent,
             properties: Properties::default(),
         }
     }
 
-    /// The name of a view, with the name of the recording where there are two.
-    fn titled(&self, name: &str) -> String {
+    /// The name of a view or page, with the name of the recording where there are two.
+    pub(super) fn titled(&self, name: &str) -> String {
         format!("{}{name}", self.title)
     }
 

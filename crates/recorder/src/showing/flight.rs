@@ -11,6 +11,7 @@ use rerun::log::{Chunk, LogMsg};
 use rerun::{CoordinateFrame, Scalars, StoreKind, TextDocument, Transform3D, components};
 
 use super::ShowError;
+use crate::below::moved;
 use crate::layout::Extent;
 use crate::schema;
 use crate::why::source_in;
@@ -114,10 +115,7 @@ impl Destination {
         let entity = entity_of(arrow);
         facts.learn(&entity, arrow)?;
         let Some(below) = &self.below else { return Ok(Some(message)) };
-        let chunk = chunk_of(arrow)?;
-        let moved = chunk.clone_with_new_entity_path(below.join(&EntityPath::from(entity.as_str())));
-        let arrow = moved.to_arrow_msg().map_err(|e| e.to_string())?;
-        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), arrow)))
+        Ok(Some(LogMsg::ArrowMsg(self.store.clone(), moved(arrow, below)?)))
     }
 }
 

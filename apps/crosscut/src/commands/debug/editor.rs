@@ -8,15 +8,15 @@ use rustyline::highlight::Highlighter;
 use rustyline::hint::Hinter;
 use rustyline::history::MemHistory;
 use rustyline::validate::Validator;
-use rustyline::{Config, Context, Editor, Helper};
+use rustyline::{CompletionType, Config, Context, Editor, Helper};
 
 use super::{Debugger, is_end, words};
 use crate::say::{say, show};
 
 /// Does one line after the other up to `quit` or Ctrl-D. Ctrl-C drops the line.
 pub(super) fn answer_all(debugger: &mut Debugger) -> anyhow::Result<()> {
-    let history = MemHistory::new();
-    let mut editor = Editor::with_history(Config::default(), history).context("the terminal cannot be read")?;
+    let config = Config::builder().completion_type(CompletionType::List).build(); // as shells do
+    let mut editor = Editor::with_history(config, MemHistory::new()).context("the terminal cannot be read")?;
     show(format_args!("{}\n{}\n", debugger.session.greeting(), debugger.session.here_text()))?;
     loop {
         editor.set_helper(Some(Completion::of(debugger)));

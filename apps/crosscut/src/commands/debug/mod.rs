@@ -6,47 +6,90 @@ pub(super) mod flight;
 mod json;
 mod outside;
 mod plain;
+#[cfg(feature = "rerun")]
+mod viewing;
+#[cfg(not(feature = "rerun"))]
+#[path = "viewing_without_rerun.rs"]
+mod viewing;
 
 use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
 use crosscut_debugger::{Refused, Reply, Session};
 use crosscut_detector::{Layer, Registry};
 
 use self::outside::Outside;
+use self::viewing::Viewing;
 use crate::cli::ConfigArgs;
 use crate::cli::debug::DebugArgs;
 use crate::config;
 use crate::diagnostics::Diagnostics;
 use crate::exit::{Outcome, UsageError};
 use crate::fly::files_read;
+use crate::host::Kinds;
+use crate::interrupt::CommandInterrupt;
 use crate::recorded;
+use crate::say::say;
 
 /// A session with what it may write.
-struct Debugger {
+struct Debugger<'a> {
     session: Session,
+    kinds: Option<&'a dyn Kinds>,
     outside: Outside,
+    interrupt: CommandInterrupt,
+    /// `None` without --view, or after the viewer was closed.
+    viewing: Option<Viewing>,
 }
 
-impl Debugger {
+impl Debugger<'_> {
     /// Does what the words say.
     fn command(&mut self, words: &[String]) -> Result<Reply, Refused> {
-        match self.outside.command(&mut self.session, words) {
+        let before = self.session.version();
+        let Self { session, outside, interrupt, kinds, .. } = self;
+        let mut done = interrupt.while_working(|| match outside.command(session, words) {
             Some(done) => done,
-            None => self.session.command(words),
+            None => {
+                let words = kinds_found(words, *kinds, session)?;
+                session.command(&words)
+            }
+        });
+        if let Ok(reply) = &mut done
+            && self.session.version() != before
+            && self.session.frame().failure.is_some()
+            && let Some(failed) = self.kinds.and_then(Kinds::failed)
+        {
+            reply.text = format!("{}\n{}", reply.text, failed.trim_end());
+            reply.value["traceback"] = failed.into();
+        }
+        self.follow();
+        done
+    }
+
+    /// Shows in the viewer what the session stands at. Without the viewer it goes on.
+    fn follow(&mut self) {
+        if let Some(viewing) = &mut self.viewing
+            && let Err(error) = viewing.follow(&self.session)
+        {
+            say(format_args!("note: {error}; the session goes on without it"));
+            self.viewing = None;
         }
     }
 }
 
 /// Reads the flight, then does one command after the other.
-pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kinds>) -> anyhow::Result<Outcome> {
     if args.input.recordings.input.iter().any(|path| path == Path::new("-")) {
         return Err(UsageError("standard input holds the commands; name a file of the flight".to_owned()).into());
     }
+    #[cfg(not(feature = "rerun"))]
+    if args.view {
+        return Err(crate::exit::without_rerun());
+    }
     let read = files_read(&args.input, args.config.config.clone())?;
     let layers = layers(&args.input.recordings.input, &args.config)?;
+    let (preset, has_view) = (args.config.preset.clone(), args.view);
     let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let json = args.json;
     let (reader, lost) = flight::reader(args.input);
     let session = Session::new(registry.clone(), layers, reader).map_err(|refused| match refused {
         Refused::Failed(why) => anyhow::anyhow!(why),
@@ -54,20 +97,43 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry) -> anyhow::Result<Outc
     })?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.lost_all(lost.borrow().iter());
-    let mut debugger = Debugger { session, outside: Outside { name, read } };
-    let refused = if json {
+    let is_terminal = !args.json && io::stdin().is_terminal() && io::stdout().is_terminal();
+    let interrupt = CommandInterrupt::listen(session.stop(), is_terminal).context("cannot listen for Ctrl-C")?;
+    let viewing =
+        if has_view { Viewing::open(&name, &preset).map_err(|error| diagnostics.lost(error)).ok() } else { None };
+    let mut debugger = Debugger { interrupt, session, kinds, outside: Outside { name, read }, viewing };
+    debugger.follow();
+    let refused = if args.json {
         json::answer_all(&mut debugger, io::stdin().lock(), &mut io::stdout().lock())?;
         0
-    } else if io::stdin().is_terminal() && io::stdout().is_terminal() {
+    } else if is_terminal {
         editor::answer_all(&mut debugger)?;
         0
     } else {
         plain::answer_all(&mut debugger, io::stdin().lock())?
     };
+    if let Some(Err(error)) = debugger.viewing.map(Viewing::end) {
+        say(format_args!("note: {error}"));
+    }
     Ok(match (refused, diagnostics.outcome()) {
         (0, outcome) => outcome,
         _ => Outcome::Failed, // a script wants to know
     })
+}
+
+/// The words with the names of kinds as the registry has them, once they are found.
+fn kinds_found(words: &[String], kinds: Option<&dyn Kinds>, session: &mut Session) -> Result<Vec<String>, Refused> {
+    let mut found = words.to_vec();
+    let (Some(kinds), Some("swap" | "set")) = (kinds, words.first().map(String::as_str)) else { return Ok(found) };
+    for word in &mut found[1..] {
+        if let Some((key, kind)) = word.split_once('=')
+            && (words[0] == "swap" || key.ends_with(".kind"))
+            && let Some(name) = kinds.find(kind, session.registry_mut()).map_err(Refused::Failed)?
+        {
+            *word = format!("{key}={name}");
+        }
+    }
+    Ok(found)
 }
 
 /// The layers of settings. Those of a recording (.rrd) lie on the preset.

@@ -41,23 +41,41 @@ impl Outside {
     fn write(&self, session: &Session, path: &Path) -> Result<Reply, Refused> {
         self.refuse(path)?;
         let mut out = Document::create(path, &self.read, Keep::ThroughKill).map_err(failed)?;
-        out.write(&session.config().to_string()).map_err(failed)?;
+        let (mut text, mut options) = (session.config().to_string(), String::new());
+        for (key, kind) in session.config().settings().filter(|(_, kind)| kind.contains("python:")) {
+            let kind = kind.trim_matches('"');
+            let named = kind.split('#').next().unwrap_or(kind); // as it is called outside of this session
+            text = text.replace(kind, named);
+            if key.ends_with(".kind") {
+                options += &format!(" --set {key}={named}"); // code is named by the user alone
+            }
+        }
+        out.write(&text).map_err(failed)?;
         let path = path.display().to_string();
-        Ok(Reply { text: format!("settings in {path}; `--config {path}` takes them"), value: json!({"path": path}) })
+        let text = format!("settings in {path}; `--config {path}{options}` takes them");
+        Ok(Reply { text, value: json!({"path": path}) })
     }
 
     #[cfg(feature = "rerun")]
     fn save(&self, session: &mut Session, path: &Path) -> Result<Reply, Refused> {
-        use crosscut_recorder::{Recorder, RecorderOptions};
+        use crosscut_recorder::{Recorder, RecorderOptions, TrueWalls};
+
+        use super::viewing::tell;
 
         self.refuse(path)?;
+        let truth = TrueWalls::default();
+        session.truths().for_each(|(seq, of)| tell(&truth, seq, of));
         let options = RecorderOptions {
+            truth,
             path: Some(crate::cli::record::rrd_path(path.to_owned()).map_err(|why| Refused::Usage(why.to_owned()))?),
             ..crate::observers::recorder_options(self.name.clone(), session.config())
         };
         let mut recorder = Recorder::new(options).map_err(failed)?;
-        session.show_all(&mut recorder).map_err(failed)?;
-        let (path, revolutions) = (path.display().to_string(), session.revolutions());
+        let revolutions = session.show_all(&mut recorder).map_err(failed)?;
+        let path = path.display().to_string();
+        if revolutions < session.revolutions() {
+            return Err(Refused::Failed(format!("stopped; {path} holds the first {revolutions} revolutions")));
+        }
         let text = format!("{revolutions} revolutions in {path}; `crosscut view {path}` shows them");
         Ok(Reply { text, value: json!({"path": path, "revolutions": revolutions}) })
     }

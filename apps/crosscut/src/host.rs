@@ -1,0 +1,30 @@
+//! What the process that the program runs in gives it.
+
+use crosscut_detector::Registry;
+
+use crate::live::Robots;
+
+/// What the process that the program runs in gives it.
+#[derive(Clone, Copy, Default)]
+pub struct Host<'a> {
+    /// Identifies the code that runs, where that is not in the executable file alone: `sweep` computes what another build has
+    /// computed again.
+    pub build: Option<&'a str>,
+    /// Hears live robots.
+    pub robots: Option<&'a dyn Robots>,
+    /// Finds stages that are named at the prompt.
+    pub kinds: Option<&'a dyn Kinds>,
+}
+
+/// Finds kinds of stages while the program runs.
+pub trait Kinds {
+    /// Adds the kind that a user named to the registry, and gives its name there; `None` if it is none of these kinds. One
+    /// whose code changed since gets another name, so that both can be compared.
+    ///
+    /// # Errors
+    /// Why there is none of that name.
+    fn find(&self, kind: &str, registry: &mut Registry) -> Result<Option<String>, String>;
+
+    /// Where such a stage failed last, as its own language prints it; once.
+    fn failed(&self) -> Option<String>;
+}
