@@ -307,3 +307,50 @@ fn a_replay_changes_what_it_is_not_told_to() {
     let given = run(["replay", &rrd, "--from", "report", "--given", &dir]).expect_code(0).stdout;
     assert!(given.contains("labels of 1 given") && given.contains("differ in 1 of 141"), "{given}");
 }
+
+#[test]
+#[cfg(feature = "rerun")]
+fn recordings_that_are_cut_off_or_put_together_say_so() {
+    use crate::program::run;
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let flight = shipped_flight().display().to_string();
+    for (name, to) in [("a.rrd", "5"), ("b.rrd", "6")] {
+        run(["run", &flight, "--quiet", "--to", to, "--save", &path(name)]).expect_code(0);
+    }
+    let bytes = |name: &str| std::fs::read(path(name)).expect("written");
+    std::fs::write(path("both.rrd"), [bytes("a.rrd"), bytes("b.rrd")].concat()).expect("written");
+    for command in ["debug", "run"] {
+        let said = run([command, &path("both.rrd")]).expect_code(2).stderr;
+        assert!(said.contains("several recordings: ") && said.contains("one at a time"), "{command}: {said}");
+    }
+    let whole = bytes("a.rrd");
+    for (share, says) in [(0.02, "no revolution is whole"), (0.8, "all is whole up to revolution ")] {
+        std::fs::write(path("cut.rrd"), &whole[..(whole.len() as f64 * share) as usize]).expect("written");
+        let said = run(["debug", &path("cut.rrd")]).stderr;
+        assert!(said.contains("cut off") && said.contains(says), "{share}: {said}");
+        let listed = run(["rrd", "ls", &path("cut.rrd")]).expect_code(3).stderr;
+        assert!(listed.contains(says) && listed.contains("rerun rrd optimize"), "{share}: {listed}");
+    }
+}
+
+#[test]
+#[cfg(feature = "rerun")]
+fn a_recording_is_debugged_with_its_own_settings_unless_a_preset_is_named() {
+    use crate::program::run;
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let rrd = folder.path().join("paper.rrd").display().to_string();
+    let flight = shipped_flight().display().to_string();
+    run(["run", &flight, "--quiet", "--preset", "paper", "--save", &rrd]).expect_code(0);
+    let shown = |options: &[&str]| {
+        let mut command = crosscut([&["debug", &rrd], options].concat());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut running = command.spawn().expect("the program starts");
+        running.stdin.take().expect("a pipe").write_all(b"seek 107\n").expect("the program reads");
+        Ran::from(running.wait_with_output().expect("it ends")).expect_code(0).stdout
+    };
+    assert!(shown(&[]).contains("4 walls"), "paper counts one too many");
+    assert!(shown(&["--preset", "default"]).contains("3 walls"), "default is right");
+}

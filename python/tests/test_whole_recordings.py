@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+import stages_of_ones_own
 from conftest import in_wheel, write_scans
 
 import crosscut
@@ -41,6 +42,18 @@ def test_a_sweep_is_a_table_with_a_row_for_each_combination(tee: Path, tmp_path:
     table = crosscut.sweep(tee, grid, tmp_path / "out", preset="paper", spectral="slicing", jobs=1)
     assert table.num_rows == 4
     assert crosscut.sweep([tee], grid, tmp_path / "out", preset="paper", spectral="slicing") == table
+
+
+def test_a_sweep_takes_a_callable(tee: Path, tmp_path: Path) -> None:
+    grid = {"spectral.zero_tolerance": [1e-9, 1e-7]}
+    mine = crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=stages_of_ones_own.rbf, jobs=1)
+    papers = crosscut.sweep(tee, grid, tmp_path / "paper", preset="paper")
+    assert mine["right"] == papers["right"]
+    kept = list((tmp_path / "mine" / "rows").iterdir())
+    crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=stages_of_ones_own.rbf)
+    assert list((tmp_path / "mine" / "rows").iterdir()) == kept, "what was computed counts"
+    crosscut.sweep(tee, grid, tmp_path / "mine", preset="paper", affinity=lambda points: stages_of_ones_own.rbf(points))
+    assert len(list((tmp_path / "mine" / "rows").iterdir())) == 4, "another callable is computed"
 
 
 def test_columns_of_a_sweep_have_types_whatever_their_values(tee: Path, tmp_path: Path) -> None:

@@ -36,7 +36,10 @@ for argument; do
         *) set -- "$@" "$argument" ;;
     esac
 done
-[ "$1" = --version ] || {{ echo $$ >"$(dirname "$0")/pid"; echo "$port" >"$(dirname "$0")/port"; }}
+if [ "$1" != --version ]; then
+    echo $$ >"$(dirname "$0")/pid"
+    echo "$port" >"$(dirname "$0")/port"
+fi
 exec {rerun} --headless --window-size {size} --port "$port" "$@"
 """
 
@@ -88,7 +91,7 @@ class Viewer:
     def beside(cls, command: list[str], size: str) -> "Viewer":
         """The one that a program starts and talks to, which takes a request and gives an answer a line (`ask`)."""
         folder = headless_rerun(size, SPAWNED_AT)
-        viewer = cls(command, SPAWNED_AT, {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
+        viewer = cls(command, folder / "port", {"PATH": f"{folder}:{os.environ['PATH']}"}, whole=False, talks=True)
         viewer._detached = folder / "pid"
         return viewer
 
@@ -141,10 +144,12 @@ class Viewer:
                     return of["max"]
         return None
 
-    def time(self) -> tuple[str, int]:
-        """The timeline that is shown, and where on it."""
-        recording = self._call("viewer_state")["recordings"][0]
-        return recording["current_time"]["timeline"], recording["current_time"]["time"]
+    def time(self) -> tuple[str, int] | None:
+        """The timeline that is shown, and where on it; `None` while nothing is loaded."""
+        for recording in self._call("viewer_state").get("recordings", []):
+            if time := recording.get("current_time"):
+                return time["timeline"], time["time"]
+        return None
 
     def show(self, revolution: int):
         for _ in range(5):  # a layout that comes later goes to the end of the flight
@@ -217,19 +222,19 @@ class Viewer:
         return self._log.read().decode(errors="replace").strip()[-600:]
 
 
-def port_of(port: int | Path) -> int | str:
-    """0, where nobody listens, while the file is not there."""
-    if isinstance(port, int):
-        return port
-    return port.read_text().strip() or "0" if port.exists() else "0"
-
-
 def headless_rerun(size: str, port: int) -> Path:
     """A folder with a viewer's command that needs no screen."""
     folder = Path(tempfile.mkdtemp(prefix="viewer-"))
     (folder / "rerun").write_text(HEADLESS_RERUN.format(rerun=RERUN, size=size, port=port))
     (folder / "rerun").chmod(0o755)
     return folder
+
+
+def port_of(port: int | Path) -> int | str:
+    """0, where nobody listens, while the file is not there."""
+    if isinstance(port, int):
+        return port
+    return port.read_text().strip() or "0" if port.exists() else "0"
 
 
 def free_port() -> int:

@@ -84,7 +84,7 @@ def check_at(saved: Path, flights: Flights, verdicts: Verdicts):
         deadline = time.monotonic() + 60
         while (shown := viewer.time()) != ("revolution", 7) and time.monotonic() < deadline:
             time.sleep(0.2)
-    verdicts.that(shown == ("revolution", 7), "view --at 7", f"{shown[0]} {shown[1]}")
+    verdicts.that(shown == ("revolution", 7), "view --at 7", f"{shown}")
 
 
 def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):

@@ -69,7 +69,7 @@ impl ConfigArgs {
         registry: &Registry,
     ) -> Result<Config, UsageError> {
         let set: Vec<String> = self.set.iter().cloned().chain(more).collect();
-        resolve(&self.preset, self.config.as_deref(), &[("--set", &set)], registry)
+        resolve(self.preset(), self.config.as_deref(), &[("--set", &set)], registry)
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn named(with: &[String], set: &[String], registry: &Registry) -> any
     Ok(configurations)
 }
 
-/// A `--with` and the settings of `set` as options of `run`.
+/// A `--with` and the settings of `set` as options of `run` and `debug`.
 pub(crate) fn run_options(with: &str, set: &[String]) -> Vec<String> {
     With::parse(with).map_or_else(
         |_| Vec::new(),

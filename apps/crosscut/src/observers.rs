@@ -78,7 +78,8 @@ pub(crate) fn open(run: &RunArgs, config: &Config, diagnostics: &mut Diagnostics
 #[cfg(feature = "rerun")]
 fn source(run: &RunArgs) -> String {
     let file = run.input.recordings.input[0].file_name().unwrap_or_default().to_string_lossy();
-    let ConfigArgs { preset, config, set } = &run.config;
+    let ConfigArgs { config, set, .. } = &run.config;
+    let preset = run.config.preset();
     let over = config.as_ref().and_then(|config| config.file_name()).map(|name| name.to_string_lossy());
     let over = over.map_or_else(String::new, |name| format!(" with {name}"));
     // What is recorded changes no answer.

@@ -41,11 +41,12 @@ impl Recorded {
             let text = "the scans of a recording (.rrd) are those of one topic: leave out --topic and --as";
             return Err(UsageError(text.to_owned()).into());
         }
-        let recording = Recording::open(path)?;
+        let recording = opened(path)?;
         refuse_other_ingest(path, &recording, config)?;
-        recording
-            .revolutions()
-            .with_context(|| format!("{} does not hold all of its scans: record it again", path.display()))?;
+        if let Err(error) = recording.revolutions() {
+            let why = format!("{} does not hold all of its scans: record it again: {error}", path.display());
+            return Err(lacking(&recording, why));
+        }
         let losses = recording.damages().iter().map(ToString::to_string).collect();
         let has_truth = recording.entities().contains_key(crosscut_rrd::schema::TRUTH_JSON.path);
         let (give, scans) = sync_channel(WAITING);
@@ -125,10 +126,27 @@ pub(crate) fn only(inputs: &[PathBuf]) -> Result<Option<&Path>, UsageError> {
     }
 }
 
+/// The only recording of a file.
+fn opened(path: &Path) -> anyhow::Result<Recording> {
+    Recording::open(path).map_err(|error| match error {
+        ReadError::Several { .. } => {
+            UsageError(format!("{error}; they are flights of their own: give one at a time")).into()
+        }
+        error => error.into(),
+    })
+}
+
+/// Why a recording cannot be used: that it was cut off, or else `why`.
+fn lacking(recording: &Recording, why: String) -> anyhow::Error {
+    let cut = recording.damages().iter().find(|damage| damage.is_cut());
+    anyhow::anyhow!(cut.map_or(why, ToString::to_string))
+}
+
 /// The settings that the recording was made with.
 pub(crate) fn settings(path: &Path) -> anyhow::Result<Layer> {
-    let recording = Recording::open(path)?;
-    let toml = recording.config_toml().with_context(|| format!("the recording has no /config: {}", path.display()))?;
+    let recording = opened(path)?;
+    let none = || lacking(&recording, format!("the recording has no /config: {}", path.display()));
+    let toml = recording.config_toml().ok_or_else(none)?;
     Ok(Layer::file(path, &toml)?)
 }
 

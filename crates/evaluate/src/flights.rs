@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     fn frame(count: usize, steady: usize, here: HereKind) -> Frame {
-        let here = Some(Here { kind: here, look_m: 5.0, ways: Vec::new(), confidence: 0.9 });
+        let here = Some(Here { kind: here, look_m: 5.0, ways: Vec::new(), is_middle: true, confidence: 0.9 });
         let mut frame = Frame::default();
         frame.junction.junctions = count;
         let steady = Some(Steady { junctions: steady, here: None, openings: Vec::new() });

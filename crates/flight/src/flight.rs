@@ -75,7 +75,7 @@ impl Flight {
         if tracked.is_some_and(|tracked| tracked.lost) {
             self.places.forget();
         }
-        let here = self.places.here(&frame.revolution, &frame.junction, pose);
+        let here = self.places.here(&frame.revolution, &frame.junction, tracked.as_ref());
         let doubt = tracked.map(|tracked| tracked.doubt);
         FlightAnswer { pose, doubt, here, steady: None }.put(frame);
     }

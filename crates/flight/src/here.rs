@@ -15,17 +15,18 @@
 //! - A **mouth** is a run of beams that leave the circle, there at least as wide as the vehicle and a quarter of the local
 //!   width. Some beam reaches 5 % farther, or an opening lies behind it. A passage that is seen to end has a mouth, too.
 //! - **Ways** are the openings behind mouths, one for each mouth: the one with the nearest edge.
-//! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). The place is not known
-//!   while more than the width of a mouth of the circle was never seen.
+//! - Where a limited view does not look, what earlier scans saw there counts ([`Surroundings`]). What was never seen and is
+//!   wider than a mouth is a way, with half the confidence, if the walls on both sides of it run on side by side, and the
+//!   place is no passage then; else it is not known.
 //! - Three mouths and more are a junction, two a passage, one a dead end; none, or up to two of a place that is more than
 //!   1.5 times as wide as they are, a chamber.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crosscut_stage::{
-    Beam, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, widest_run, wrap_angle_rad,
+    Beam, Junction, Number, Opening, ParamSpec, Params, Revolution, Sweep, View, unit, widest_run, wrap_angle_rad,
 };
-use nalgebra::Isometry2;
+use nalgebra::Vector2;
 
 use crate::{Here, HereKind, Way};
 
@@ -45,6 +46,7 @@ const FARTHEST_LOOK_M: Number = Number::new("farthest_look_m", "m", 12.0)
     .to(1000.0)
     .doc("the look is never longer, so that in a hall it stays where walls have enough returns; nor, in a limited view, than 12 m");
 
+use crate::Tracked;
 use crate::surroundings::{REACH_M, Ray, RayEnd, Surroundings};
 
 /// Parameters of the place.
@@ -55,6 +57,9 @@ const LOOKS: [f64; 3] = [1.0, 0.85, 1.15];
 
 /// What matters of a ray lies within this many times the look.
 const FARTHEST_REACH: f64 = LOOKS[2] * LEAST_REACH;
+
+/// In the middle of a place, a look that is shorter by this sees its mouths, too.
+const MIDDLE_LOOKS: f64 = 0.6;
 
 /// A mouth is at least this wide, in local widths.
 const LEAST_MOUTH_WIDTHS: f64 = 0.25;
@@ -67,6 +72,19 @@ const MAX_JOINED_RAD: f64 = 2.6;
 
 /// Rock between two mouths that is narrower than this on the circle does not part them.
 const LEAST_ROCK_M: f64 = 0.3;
+
+/// Walls beside what was never seen run on side by side if their directions differ by less.
+const SIDE_BY_SIDE_RAD: f64 = 0.6;
+
+/// The direction of a wall is that of its last part of this length, if that much is known.
+const WALL_END_M: f64 = 0.6;
+const LEAST_WALL_END_M: f64 = 0.2;
+
+/// Ends of neighbouring rays that are farther apart than this are of two walls.
+const ONE_WALL_M: f64 = 0.6;
+
+/// What was never seen but is taken to be a way halves the confidence.
+const UNSEEN_CONFIDENCE: f64 = 0.5;
 
 /// A place this many times wider than its ways is a chamber.
 const CHAMBER_WIDTHS: f64 = 1.5;
@@ -100,30 +118,46 @@ impl Places {
 
     /// The place of the next revolution with its report and its pose; `None` for a cloud, where no wall is in view, and
     /// for a limited view that has not seen enough around it yet, or has no pose.
-    pub fn here(&mut self, revolution: &Revolution, junction: &Junction, pose: Option<Isometry2<f64>>) -> Option<Here> {
+    pub fn here(&mut self, revolution: &Revolution, junction: &Junction, tracked: Option<&Tracked>) -> Option<Here> {
         let sweep = revolution.as_sweep()?;
         let view = sweep.view();
         let mut outline = Outline::of(revolution, sweep, junction, view)?;
-        let mut farthest_look_m = self.farthest_look_m;
+        // A mouth shows where beams leave the look.
+        let mut farthest_look_m = self.farthest_look_m.min(sweep.range_max_m / FARTHEST_REACH);
         if !view.full_turn {
-            let pose = pose?;
+            let tracked = tracked?;
             farthest_look_m = farthest_look_m.min(REACH_M / FARTHEST_REACH);
-            self.surroundings.add(&pose, &outline.rays);
+            self.surroundings.add(tracked, &outline.rays);
             let reach_m = farthest_look_m * FARTHEST_REACH;
-            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&pose, bearing_rad, reach_m));
+            outline.look_back(sweep.step_rad, |bearing_rad| self.surroundings.ray(&tracked.pose, bearing_rad, reach_m));
         }
         let width_m = outline.local_width_m();
-        let look_m = (self.look_widths * width_m).max(self.least_look_m).min(farthest_look_m);
+        let wanted_m = (self.look_widths * width_m).max(self.least_look_m);
+        let look_m = wanted_m.min(farthest_look_m);
         let [place, shorter, longer] =
             LOOKS.map(|times| outline.place(times * look_m, width_m, self.vehicle_width_m, &junction.openings));
-        let (kind, ways) = place?;
-        let is_alike = |other: &Option<(HereKind, Vec<Way>)>| {
-            other.as_ref().is_some_and(|other| (other.0, other.1.len()) == (kind, ways.len()))
+        let Place { kind, ways, is_seen } = place?;
+        let is_alike = |other: &Option<Place>| {
+            other.as_ref().is_some_and(|other| (other.kind, other.ways.len()) == (kind, ways.len()))
         };
         let alike = 1 + [shorter, longer].iter().filter(|other| is_alike(other)).count();
-        let confidence = junction.confidence.unwrap_or(0.0) * alike as f64 / LOOKS.len() as f64;
-        Some(Here { kind, look_m, ways, confidence })
+        let seen = if is_seen { 1.0 } else { UNSEEN_CONFIDENCE };
+        let confidence = junction.confidence.unwrap_or(0.0) * seen * alike as f64 / LOOKS.len() as f64;
+        // In a hall that is wider than the look there is no middle to tell.
+        let middle_m = (MIDDLE_LOOKS * wanted_m).min(look_m);
+        let middle = outline.place(middle_m, width_m, self.vehicle_width_m, &junction.openings);
+        let is_middle = middle.is_some_and(|middle| middle.ways.len() == ways.len());
+        Some(Here { kind, look_m, ways, is_middle, confidence })
     }
+}
+
+/// The place within a circle.
+struct Place {
+    kind: HereKind,
+    /// By bearing.
+    ways: Vec<Way>,
+    /// Each way was seen.
+    is_seen: bool,
 }
 
 /// How far each direction is free.
@@ -206,20 +240,14 @@ impl Outline {
         across_m.fold(f64::INFINITY, f64::min)
     }
 
-    /// The kind of place within a circle, and its ways by bearing; `None` if too much of the circle was never seen.
-    fn place(
-        &self,
-        look_m: f64,
-        width_m: f64,
-        vehicle_width_m: f64,
-        openings: &[Opening],
-    ) -> Option<(HereKind, Vec<Way>)> {
+    /// The place within a circle; `None` if too much of the circle was never seen.
+    fn place(&self, look_m: f64, width_m: f64, vehicle_width_m: f64, openings: &[Opening]) -> Option<Place> {
         // In a narrow view no line through the sensor may be known: the width is then at least that of the circle.
         let least_m = vehicle_width_m.max(LEAST_MOUTH_WIDTHS * width_m.min(2.0 * look_m));
         let is_unseen = |ray: &Ray| ray.end == RayEnd::Unknown && ray.free_m <= look_m;
-        if !self.runs(look_m, least_m, is_unseen).is_empty() {
-            return None;
-        }
+        let unseen = self.runs(look_m, least_m, is_unseen);
+        let unseen: Vec<Way> = unseen.iter().map(|run| self.unseen_way(run, look_m, least_m)).collect::<Option<_>>()?;
+        let is_seen = unseen.is_empty();
         let runs = self.runs(look_m, least_m, |ray| ray.free_m > look_m);
         let mut nearest: Vec<Option<(f64, usize)>> = vec![None; runs.len()];
         for (index, opening) in openings.iter().enumerate() {
@@ -245,7 +273,7 @@ impl Outline {
                 opening: opening.map(|(_, index)| index),
             }
         };
-        let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).collect();
+        let mut ways: Vec<Way> = behind.map(|(run, opening)| way(run, opening)).chain(unseen).collect();
         ways.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
         let opening_m = |way: &Way| way.opening.map(|index| openings[index].width_m);
         let widest_m = ways.iter().filter_map(opening_m).fold(0.0, f64::max);
@@ -257,7 +285,48 @@ impl Outline {
             2 => HereKind::Passage,
             _ => HereKind::Junction,
         };
-        Some((kind, ways))
+        // A flight that begins at the face of a dead end sees the same walls behind it as one that begins in a passage.
+        (is_seen || ways.len() != 2).then_some(Place { kind, ways, is_seen })
+    }
+
+    /// The way that a run of rays which end at what was never seen is taken to be: between two walls that run on side by
+    /// side.
+    fn unseen_way(&self, run: &Run, look_m: f64, least_m: f64) -> Option<Way> {
+        let n = self.rays.len() as isize;
+        let before = self.wall_end((run.first as isize - 1).rem_euclid(n), -1, look_m)?;
+        let after = self.wall_end((run.first + run.len) as isize % n, 1, look_m)?;
+        let [(from_m, along), (to_m, other)] = [before, after];
+        if along.angle(&other) > SIDE_BY_SIDE_RAD {
+            return None;
+        }
+        let (chord_m, middle_m) = (to_m - from_m, 0.5 * (from_m + to_m));
+        let width_m = chord_m.perp(&(along + other).normalize()).abs();
+        let bearing_rad = middle_m.y.atan2(middle_m.x);
+        (width_m >= least_m).then_some(Way { bearing_rad, width_m, opening: None })
+    }
+
+    /// Where the wall at a ray ends, and the direction in which it does; the ray after it (`step`: -1 or 1, by bearing) sees
+    /// more of it. `None` if the ray ends at no wall, or too little of it is known.
+    fn wall_end(&self, at: isize, step: isize, look_m: f64) -> Option<(Vector2<f64>, Vector2<f64>)> {
+        let n = self.rays.len() as isize;
+        let end_m = |at: isize| {
+            let ray = &self.rays[at.rem_euclid(n) as usize];
+            let is_wall = matches!(ray.end, RayEnd::Wall(_) | RayEnd::WallBefore);
+            is_wall.then(|| unit(ray.bearing_rad) * ray.free_m)
+        };
+        let first_m = end_m(at).filter(|end_m| end_m.norm() <= look_m)?;
+        let mut last_m = first_m;
+        for further in 1..n / 2 {
+            let Some(next_m) = end_m(at + step * further).filter(|next_m| (next_m - last_m).norm() < ONE_WALL_M) else {
+                break;
+            };
+            last_m = next_m;
+            if (last_m - first_m).norm() > WALL_END_M {
+                break;
+            }
+        }
+        let along_m = first_m - last_m;
+        (along_m.norm() >= LEAST_WALL_END_M).then(|| (first_m, along_m.normalize()))
     }
 
     /// Runs of rays that `holds` is true for, at least this wide on the circle.

@@ -42,6 +42,17 @@ const KEYFRAME_RAD: f64 = 0.15;
 /// Below this share of matched line points the pose is not believed.
 const LEAST_MATCHED: f64 = 0.3;
 
+/// A match is as odd as how far its share lies below the usual one, as a multiple of this, and its motion from the predicted
+/// one, in this many standard deviations, together. Where odometry does not lead on and a match is odder than this, its scan
+/// is no neighbour of the one before: other walls may lie on those as well, too.
+const UNUSUAL_SHARE: f64 = 0.05;
+const UNUSUAL_DEVIATIONS: f64 = 2.0;
+const UNUSUAL: f64 = 5.5;
+
+/// The usual share follows this share of each difference, and is known after this many revolutions.
+const FOLLOWED: f64 = 0.1;
+const USUAL_AFTER: u32 = 5;
+
 /// At most this many line points are matched, evenly chosen; more add time and no certainty.
 const MOST_POINTS: usize = 200;
 
@@ -120,6 +131,14 @@ pub struct ScanMatcher {
     pose: Isometry2<f64>,
     keyframe: Isometry2<f64>,
     last_step: Isometry2<f64>,
+    usual: UsualShare,
+}
+
+/// The share of line points that usually match.
+#[derive(Clone, Copy, Debug, Default)]
+struct UsualShare {
+    matched: f64,
+    revolutions: u32,
 }
 
 /// A pose that is expected, and how strongly.
@@ -163,8 +182,12 @@ impl ScanMatcher {
             // Along a smooth tunnel any motion fits, and standing fits best: the beams meet the walls where they did before.
             let is_shown = |other: &(f64, Matched)| predicted.is_none() || other.1.held == Held::Everywhere;
             let best = others.filter(is_shown).fold(first, |best, other| if other.0 < best.0 { other } else { best });
-            Matched { surprise: prediction.surprise(&difference(&best.1.pose, &prediction.pose)), ..best.1 }
+            let surprise = prediction.surprise(&difference(&best.1.pose, &prediction.pose));
+            let is_other = predicted.is_none() && self.usual.is_unusual(best.1.matched, surprise);
+            let best = if is_other { Matched { matched: best.1.matched, ..prediction.lost() } } else { best.1 };
+            Matched { surprise, ..best }
         };
+        self.usual.add(&matched);
         self.last_step = if matched.lost { Isometry2::identity() } else { self.pose.inv_mul(&matched.pose) };
         self.pose = matched.pose;
         if matched.lost {
@@ -178,6 +201,7 @@ impl ScanMatcher {
     pub fn forget(&mut self) {
         self.map.clear();
         self.last_step = Isometry2::identity();
+        self.usual = UsualShare::default();
     }
 
     fn steady_motion(&self) -> Motion {
@@ -252,6 +276,24 @@ impl ScanMatcher {
         for point in &self.line_points {
             self.map.insert(point.at(&self.pose));
         }
+    }
+}
+
+impl UsualShare {
+    /// Whether a match is not one of neighbours.
+    fn is_unusual(&self, matched: f64, surprise: f64) -> bool {
+        let below = (self.matched - matched).max(0.0) / UNUSUAL_SHARE;
+        self.revolutions >= USUAL_AFTER && below.hypot(surprise / UNUSUAL_DEVIATIONS) > UNUSUAL
+    }
+
+    fn add(&mut self, matched: &Matched) {
+        if matched.lost {
+            *self = Self::default();
+            return;
+        }
+        let share = if self.revolutions == 0 { 1.0 } else { FOLLOWED };
+        self.matched += share * (matched.matched - self.matched);
+        self.revolutions = self.revolutions.saturating_add(1);
     }
 }
 

@@ -28,6 +28,8 @@ const MOST_MISSED: u32 = 10;
 /// Follows the answers of a flight.
 #[derive(Clone, Debug)]
 pub(crate) struct Steadier {
+    /// That of the last pose.
+    stretch: u32,
     before: Before,
     junctions: Belief<usize>,
     place: Belief<(HereKind, usize)>,
@@ -106,6 +108,7 @@ struct Track {
 impl Default for Steadier {
     fn default() -> Self {
         Self {
+            stretch: 0,
             before: Before::default(),
             junctions: Belief::new(COUNT_ODDS),
             place: Belief::new(PLACE_ODDS),
@@ -121,12 +124,18 @@ impl Steadier {
     /// The steady answer at the next revolution; `None` until a revolution has returns. `later`: revolutions after it, in
     /// order, which it rests on as well.
     pub(crate) fn add<'f>(&mut self, frame: &Frame, later: impl Iterator<Item = &'f Frame>) -> Option<Steady> {
+        let stretch_of = |frame: &Frame| FlightAnswer::of(frame).doubt.map(|doubt| doubt.stretch);
+        // The scans that follow do not go with those before.
+        if let Some(stretch) = stretch_of(frame).filter(|stretch| *stretch != self.stretch) {
+            *self = Self { stretch, next_track: self.next_track, ..Self::default() };
+        }
         let answers = Answers::of(frame, &mut self.before);
         let flown = FlightAnswer::of(frame);
         let yaw_rad = flown.pose.map_or(0.0, |pose| pose.rotation.angle());
         // A scan without returns, such as one that cannot be decoded, shows nothing.
         if let Some(count) = answers.count {
             let mut before = self.before;
+            let later = later.take_while(|later| stretch_of(later).is_none_or(|stretch| stretch == self.stretch));
             let later: Vec<Answers> = later.map(|frame| Answers::of(frame, &mut before)).collect();
             let tracks = self.follow(&frame.junction.openings, yaw_rad);
             self.junctions.add(count, &later.iter().filter_map(|answers| answers.count).collect::<Vec<_>>());

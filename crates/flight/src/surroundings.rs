@@ -1,8 +1,13 @@
 //! What a vehicle with a limited view has seen around it: square cells of free space and of walls, in the frame of the
-//! poses. Each cell is what the last scan in whose view it lay saw there.
+//! poses. Each cell is what most of the last scans in whose view it lay saw there, for as long as the doubt of the pose since
+//! then is small beside a mouth.
 
-use crosscut_stage::unit;
+use std::collections::VecDeque;
+
+use crosscut_stage::{PoseDoubt, unit};
 use nalgebra::{Isometry2, Point2, Vector2};
+
+use crate::Tracked;
 
 /// Side of a cell.
 const CELL_M: f64 = 0.1;
@@ -24,11 +29,29 @@ const TURNED_RAD: f64 = 0.1;
 /// A ray begins at this distance: nearer to the sensor than this is the vehicle.
 const RAY_FROM_M: f64 = 0.15;
 
+/// What a scan saw is forgotten once the pose since then is known less well than this (standard deviation).
+const MOST_OFF_M: f64 = 0.25;
+
+/// Neighbouring returns of one wall that lie farther apart than this have an edge between them.
+const JOINED_M: f64 = 1.2;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Seen {
     Never,
     Free,
     Wall,
+}
+
+/// A scan may see dust, or the edge of a wall too near: what most of the last scans saw in a cell counts, of this many.
+const MOST_ODDS: i8 = 3;
+
+/// A cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cell {
+    /// How many more of the last scans saw a wall here than free space; below 0 the other way round.
+    odds: i8,
+    /// The last scan that saw it, counted from 1; scan 0 is none.
+    scan: u32,
 }
 
 /// One direction of a view.
@@ -56,10 +79,14 @@ pub(crate) enum RayEnd {
 /// The cells around the vehicle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surroundings {
-    cells: Vec<Seen>,
+    cells: Vec<Cell>,
     /// The cell of the corner with the least coordinates.
     corner: [i64; 2],
     added_from: Option<Isometry2<f64>>,
+    /// The doubt of the poses of the scans that are not forgotten.
+    doubts: VecDeque<PoseDoubt>,
+    /// How many scans were forgotten.
+    forgotten: u32,
 }
 
 impl Surroundings {
@@ -69,7 +96,16 @@ impl Surroundings {
     }
 
     /// Adds a view from a pose, its rays by bearing; those of walls end at a wall.
-    pub(crate) fn add(&mut self, pose: &Isometry2<f64>, rays: &[Ray]) {
+    pub(crate) fn add(&mut self, Tracked { pose, doubt, .. }: &Tracked, rays: &[Ray]) {
+        let place_m = Point2::from(pose.translation.vector);
+        let is_certain = |before: &PoseDoubt| {
+            let sd_m = doubt.since(before).and_then(|since| since.sd_m(place_m));
+            sd_m.is_some_and(|sd_m| sd_m <= MOST_OFF_M)
+        };
+        while self.doubts.front().is_some_and(|before| !is_certain(before)) {
+            self.doubts.pop_front();
+            self.forgotten += 1;
+        }
         if let Some(from) = self.added_from {
             let moved = from.inv_mul(pose);
             if moved.translation.vector.norm() < MOVED_M && moved.rotation.angle().abs() < TURNED_RAD {
@@ -77,33 +113,35 @@ impl Surroundings {
             }
         }
         self.added_from = Some(*pose);
+        self.doubts.push_back(*doubt);
         self.surround(pose);
         let reach_m = |ray: &Ray| ray.free_m.min(REACH_M);
-        for pair in rays.windows(2) {
-            let turned_rad = pair[1].bearing_rad - pair[0].bearing_rad;
-            let (from_m, to_m) = (reach_m(&pair[0]), reach_m(&pair[1]));
-            // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
-            let is_one_wall = pair[0].end == pair[1].end;
-            let parts = (from_m.max(to_m) * turned_rad / CELL_M).ceil().max(1.0);
-            for part in 0..parts as usize {
-                let share = part as f64 / parts;
-                let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
-                let direction = pose.rotation * unit(pair[0].bearing_rad + turned_rad * share);
-                for step in 0..(free_m / CELL_M).ceil() as usize {
-                    self.set(pose.translation.vector + direction * (step as f64 * CELL_M), Seen::Free);
-                }
-            }
-        }
+        // A wall that a scan sees is not free in it, although other beams pass through its cell.
         for pair in rays.windows(2) {
             let [from, to] = [&pair[0], &pair[1]].map(|ray| unit(ray.bearing_rad) * ray.free_m);
             let is_wall = |ray: &Ray| matches!(ray.end, RayEnd::Wall(_)) && ray.free_m <= reach_m(ray);
             if !is_wall(&pair[0]) || !is_wall(&pair[1]) {
                 continue;
             }
-            let parts = if pair[0].end == pair[1].end { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
+            let parts = if are_joined(pair) { ((to - from).norm() / CELL_M).ceil().max(1.0) } else { 1.0 };
             for part in 0..=parts as usize {
                 let wall = from + (to - from) * (part as f64 / parts);
-                self.set((pose * Point2::from(wall)).coords, Seen::Wall);
+                self.set((pose * Point2::from(wall)).coords, true);
+            }
+        }
+        for pair in rays.windows(2) {
+            let turned_rad = pair[1].bearing_rad - pair[0].bearing_rad;
+            let (from_m, to_m) = (reach_m(&pair[0]), reach_m(&pair[1]));
+            // Between neighbours that see one wall it runs from the one to the other, else the nearer one counts.
+            let is_one_wall = are_joined(pair);
+            let parts = (from_m.max(to_m) * turned_rad / CELL_M).ceil().max(1.0);
+            for part in 0..parts as usize {
+                let share = part as f64 / parts;
+                let free_m = if is_one_wall { from_m + (to_m - from_m) * share } else { from_m.min(to_m) };
+                let direction = pose.rotation * unit(pair[0].bearing_rad + turned_rad * share);
+                for step in 0..(free_m / CELL_M).ceil() as usize {
+                    self.set(pose.translation.vector + direction * (step as f64 * CELL_M), false);
+                }
             }
         }
     }
@@ -131,7 +169,7 @@ impl Surroundings {
         if !self.cells.is_empty() && off.iter().all(|off| off.unsigned_abs() <= most) {
             return;
         }
-        let mut cells = vec![Seen::Never; SIDE * SIDE];
+        let mut cells = vec![Cell::default(); SIDE * SIDE];
         if !self.cells.is_empty() {
             for y in 0..SIDE {
                 for x in 0..SIDE {
@@ -149,15 +187,33 @@ impl Surroundings {
         index([0, 1].map(|axis| cell[axis].saturating_sub(self.corner[axis])))
     }
 
-    fn set(&mut self, place_m: Vector2<f64>, seen: Seen) {
-        if let Some(cell) = self.index_of(place_m).and_then(|at| self.cells.get_mut(at)) {
-            *cell = seen;
+    /// What the latest scan saw at a place; the first that it is said to have seen there counts.
+    fn set(&mut self, place_m: Vector2<f64>, is_wall: bool) {
+        let scan = self.forgotten.saturating_add(self.doubts.len() as u32);
+        let forgotten = self.forgotten;
+        if let Some(cell) =
+            self.index_of(place_m).and_then(|at| self.cells.get_mut(at)).filter(|cell| cell.scan != scan)
+        {
+            let before = if cell.scan > forgotten { cell.odds } else { 0 };
+            let odds = before + if is_wall { 1 } else { -1 };
+            *cell = Cell { odds: odds.clamp(-MOST_ODDS, MOST_ODDS), scan };
         }
     }
 
     fn at(&self, place_m: Vector2<f64>) -> Seen {
-        self.index_of(place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or(Seen::Never)
+        let cell = self.index_of(place_m).and_then(|at| self.cells.get(at)).copied().unwrap_or_default();
+        match cell {
+            Cell { scan, .. } if scan <= self.forgotten => Seen::Never,
+            Cell { odds: 1.., .. } => Seen::Wall,
+            Cell { .. } => Seen::Free,
+        }
     }
+}
+
+/// Whether two neighbouring rays end at one surface, without an edge between them.
+fn are_joined(pair: &[Ray]) -> bool {
+    let [from_m, to_m] = [&pair[0], &pair[1]].map(|ray| unit(ray.bearing_rad) * ray.free_m);
+    pair[0].end == pair[1].end && (pair[0].end == RayEnd::Range || (to_m - from_m).norm() <= JOINED_M)
 }
 
 fn cell_of(place_m: Vector2<f64>) -> [i64; 2] {
@@ -175,7 +231,13 @@ fn index(cell: [i64; 2]) -> Option<usize> {
 mod tests {
     use std::f64::consts::PI;
 
+    use crosscut_stage::MotionDoubt;
+
     use super::*;
+
+    fn at(x_m: f64) -> Tracked {
+        Tracked { pose: Isometry2::translation(x_m, 0.0), doubt: PoseDoubt::default(), lost: false }
+    }
 
     /// A view straight ahead, 2 m from a wall across.
     fn ahead() -> Vec<Ray> {
@@ -189,7 +251,7 @@ mod tests {
     #[test]
     fn what_was_ahead_is_known_once_it_lies_behind() {
         let mut surroundings = Surroundings::default();
-        surroundings.add(&Isometry2::identity(), &ahead());
+        surroundings.add(&at(0.0), &ahead());
         let turned = Isometry2::new(Vector2::new(1.0, 0.0), PI);
         let back = surroundings.ray(&turned, PI, 10.0);
         assert!(back.end == RayEnd::WallBefore && (back.free_m - 1.0).abs() < 0.15, "{back:?}");
@@ -202,12 +264,27 @@ mod tests {
     #[test]
     fn the_last_view_counts_and_far_cells_are_forgotten() {
         let mut surroundings = Surroundings::default();
-        surroundings.add(&Isometry2::identity(), &ahead());
+        surroundings.add(&at(0.0), &ahead());
         let door: Vec<Ray> = ahead().into_iter().map(|ray| Ray { free_m: 6.0, end: RayEnd::Range, ..ray }).collect();
-        surroundings.add(&Isometry2::translation(0.3, 0.0), &door);
+        surroundings.add(&at(0.3), &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Range);
-        surroundings.add(&Isometry2::translation(100.0, 0.0), &door);
+        surroundings.add(&at(100.0), &door);
         assert_eq!(surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end, RayEnd::Unknown);
         assert_eq!(surroundings.ray(&Isometry2::translation(100.0, 0.0), 0.0, 5.0).end, RayEnd::Range);
+    }
+
+    #[test]
+    fn what_was_seen_is_unknown_once_the_pose_since_then_is_in_doubt() {
+        let mut surroundings = Surroundings::default();
+        surroundings.add(&at(0.0), &ahead());
+        let mut later = at(0.0);
+        let seen = |surroundings: &Surroundings| surroundings.ray(&Isometry2::identity(), 0.0, 5.0).end;
+        for (guessed_m, end) in [(0.2, RayEnd::WallBefore), (0.1, RayEnd::Unknown)] {
+            let guessed = MotionDoubt { guessed_m, ..MotionDoubt::default() };
+            later.doubt.add(&guessed, Point2::origin());
+            // The vehicle stands: nothing is seen anew.
+            surroundings.add(&later, &ahead());
+            assert_eq!(seen(&surroundings), end);
+        }
     }
 }

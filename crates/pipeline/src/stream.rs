@@ -334,7 +334,7 @@ mod tests {
         let mut frame = Frame::default();
         frame.revolution.points_m.push(Point::origin());
         let ways = vec![Way { bearing_rad: 0.0, width_m: 1.0, opening: Some(0) }]; // there is no opening
-        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, confidence: 1.0 });
+        let here = Some(Here { kind: HereKind::DeadEnd, look_m: 1.0, ways, is_middle: true, confidence: 1.0 });
         FlightAnswer { here, ..FlightAnswer::default() }.put(&mut frame);
         let (observers, seen) = bounded(1);
         let [_, _, _, report] = Engine::new(&config, &registry).into();

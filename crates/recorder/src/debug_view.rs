@@ -12,7 +12,7 @@ use crate::layout::{self, Extent, Shown, Side};
 use crate::live::{Live, Outlet};
 use crate::options::{RecorderOptions, StoreIds};
 use crate::recorder::Recorder;
-use crate::viewer;
+use crate::{Scope, viewer};
 
 /// Where the present answer stands, and what is held beside it.
 const NOW: &str = "now";
@@ -104,7 +104,8 @@ impl DebugView {
 
     fn recorder(&self, below: &str, options: RecorderOptions) -> Result<Recorder, RecorderError> {
         let sink = Below { path: below.into(), sink: self.live.sink() };
-        Recorder::beside(RecorderOptions { ids: Some(self.ids.clone()), ..options }, Box::new(sink))
+        let options = RecorderOptions { ids: Some(self.ids.clone()), scope: Scope::default(), ..options };
+        Recorder::beside(options, Box::new(sink))
     }
 
     fn lay_out(&mut self, now: &Recorder) -> Result<(), RecorderError> {

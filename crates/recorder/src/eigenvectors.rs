@@ -3,11 +3,11 @@
 
 use crosscut_stage::Frame;
 use rerun::components::Colormap;
-use rerun::{AsComponents, LineStrips2D, Points2D, Radius};
+use rerun::{AsComponents, EncodedDepthImage, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::beam_order::BeamOrder;
 use crate::colors::{WORDS, color};
-use crate::matrices::{as_depth, is_drawn};
+use crate::matrices::{is_drawn, look};
 use crate::partition::runs;
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
@@ -21,6 +21,15 @@ const STEPS: f64 = 7.0;
 const BANDS: usize = 16;
 /// Height of the picture as a share of its width.
 pub(crate) const HEIGHT: f64 = 0.5;
+
+/// Look of the picture, the bars and the names.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    rec.log_static(SPECTRAL_U_PICTURE.path, &look(Colormap::CyanToYellow))?;
+    let ui = Radius::new_ui_points;
+    let bars = LineStrips2D::update_fields().with_radii([ui(4.0)]).with_show_labels(false);
+    let names = Points2D::update_fields().with_radii([ui(0.0)]).with_colors([color(WORDS)]).with_show_labels(true);
+    rec.log_static(SPECTRAL_U_BARS.path, &[&bars as &dyn AsComponents, &names])
+}
 
 /// Draws U, with buffers that are reused from one revolution to the next.
 #[derive(Default)]
@@ -72,7 +81,7 @@ impl Bands {
     }
 
     fn log_picture(&mut self, rows: &mut Rows) {
-        rows.log(&SPECTRAL_U_PICTURE, &as_depth(self.encoder.encode(&self.picture), Colormap::CyanToYellow));
+        rows.log(&SPECTRAL_U_PICTURE, &EncodedDepthImage::new(self.encoder.encode(&self.picture)));
     }
 }
 
@@ -82,15 +91,9 @@ fn log_bars(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &Classes
     let runs = runs(&walls, &order.places);
     let y = -0.03 * order.used as f32;
     let bars = LineStrips2D::new(runs.iter().map(|&(_, from, to)| [[from as f32, y], [to as f32, y]]))
-        .with_class_ids(runs.iter().map(|&(class, ..)| class))
-        .with_radii([Radius::new_ui_points(4.0)])
-        .with_show_labels(false);
+        .with_class_ids(runs.iter().map(|&(class, ..)| class));
     let middle = |band: usize| (band as f32 + 0.5) * height as f32 / bands as f32;
     let at = |band: usize| [-0.06 * order.used as f32, middle(band) - 0.035 * order.used as f32];
-    let names = Points2D::new((0..bands).map(at))
-        .with_labels((1..=bands).map(|band| format!("u{band}")))
-        .with_show_labels(true)
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(WORDS)]);
+    let names = Points2D::new((0..bands).map(at)).with_labels((1..=bands).map(|band| format!("u{band}")));
     rows.log(&SPECTRAL_U_BARS, &[&bars as &dyn AsComponents, &names]);
 }

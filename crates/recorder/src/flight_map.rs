@@ -65,7 +65,8 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors(colors.into_iter().map(color));
     rec.log_static(FLIGHT_HERE.path, &here)?;
     let line = |rgba, radius| LineStrips2D::update_fields().with_colors([color(rgba)]).with_radii([ui(radius)]);
-    rec.log_static(FLIGHT_POSE.path, &line(VEHICLE, 2.0))?;
+    let disc = Points2D::update_fields().with_radii([ui(5.0)]).with_colors([color(VEHICLE)]);
+    rec.log_static(FLIGHT_POSE.path, &[&line(VEHICLE, 2.0) as &dyn AsComponents, &disc])?;
     rec.log_static(FLIGHT_SCALE.path, &line(WORDS, 1.5))?;
     rec.log_static(FLIGHT_PATH.path, &line(GREY, 0.7))?;
     rec.log_static(FLIGHT_PASSAGES.path, &line(PASSAGE, 2.0))?;
@@ -97,7 +98,7 @@ impl FlightMap {
         // A disc has the same size on the screen at every scale.
         let [at, ahead] = [0.0, AHEAD_M].map(|x| drawn(&(pose * Point2::new(x, 0.0))));
         let vehicle = LineStrips2D::new([[at, ahead]]);
-        let disc = Points2D::new([at]).with_radii([rerun::Radius::new_ui_points(5.0)]).with_colors([color(VEHICLE)]);
+        let disc = Points2D::new([at]);
         rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &disc, &exact]);
         if let Some(here) = FlightAnswer::of(frame).steady_here() {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));

@@ -20,7 +20,8 @@
 //! An empty revolution writes empty values, so that no older ones stay on the screen; a missing picture is dark.
 //!
 //! The file: chunks are cut by sensor time alone, so that equal flights make equal chunks. A killed process leaves a
-//! file that opens and lacks at most the last 2.5 s of the flight, or the last second of a live one. Row ids contain the
+//! file that opens and lacks at most the last quarter of the flight so far, 2.5 to 10 s or 64 revolutions, or the last second of a
+//! live one. Row ids contain the
 //! time of writing, so the bytes of two recordings differ. A failed write (full disk) is an error of the next call, and
 //! the file ends with its last whole message. After a set number of revolutions the file is ended and another one
 //! begins, which opens alone and together with it: Rerun keeps the footer in memory until the end of a file, and parts

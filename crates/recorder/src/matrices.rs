@@ -12,7 +12,7 @@ use crate::beam_order::{BeamOrder, LARGEST_SIDE};
 use crate::colors::{VIRIDIS, WORDS, WORDS_ON_PICTURES, color};
 use crate::png::{Encoder, Picture};
 use crate::rows::Rows;
-use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
+use crate::schema::{AFFINITY_ABSENT, AFFINITY_DEGREES, AFFINITY_MARKS, AFFINITY_SCALE, AFFINITY_W, SPECTRAL_L};
 use crate::tensors::f32_vector;
 
 /// The level of a value of 1 or more. There is a level for each decade down to level 0, which is 1e-16 or less.
@@ -72,8 +72,8 @@ impl Pictures {
 
     fn log_pictures(&mut self, rows: &mut Rows) {
         if self.side > 0 {
-            rows.log(&AFFINITY_W, &as_depth(self.encoder.encode(&self.w), Colormap::Viridis));
-            rows.log(&SPECTRAL_L, &as_depth(self.encoder.encode(&self.l), Colormap::Viridis));
+            rows.log(&AFFINITY_W, &EncodedDepthImage::new(self.encoder.encode(&self.w)));
+            rows.log(&SPECTRAL_L, &EncodedDepthImage::new(self.encoder.encode(&self.l)));
         }
     }
 
@@ -113,12 +113,20 @@ impl Pictures {
     }
 }
 
-/// A picture of levels as the viewer shows it.
-pub(crate) fn as_depth(png: Vec<u8>, colors: Colormap) -> EncodedDepthImage {
-    EncodedDepthImage::new(png)
+/// How the viewer shows pictures of levels.
+pub(crate) fn look(colors: Colormap) -> EncodedDepthImage {
+    EncodedDepthImage::update_fields()
         .with_media_type(MediaType::PNG)
         .with_colormap(colors)
         .with_depth_range([0.0, f64::from(DECADES) / 255.0]) // the viewer reads a grey PNG as 0 to 1
+}
+
+/// Look of the pictures of W and L, and of the marks on that of W.
+pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    let marks = Points2D::update_fields().with_radii([Radius::new_ui_points(3.0)]).with_show_labels(true);
+    rec.log_static(AFFINITY_MARKS.path, &marks)?;
+    rec.log_static(AFFINITY_W.path, &look(Colormap::Viridis))?;
+    rec.log_static(SPECTRAL_L.path, &look(Colormap::Viridis))
 }
 
 /// Why there is no picture of W, L and U, written in the middle of their views when it changes.

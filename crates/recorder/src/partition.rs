@@ -22,9 +22,10 @@ const HATCHES: usize = 60;
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    rec.log_static(KMEANS_LABELS.path, &LineStrips2D::update_fields().with_radii([ui(4.0)]))?;
-    rec.log_static(KMEANS_BLOCKS.path, &LineStrips2D::update_fields().with_radii([ui(1.0)]))?;
-    rec.log_static(KMEANS_CENTROIDS.path, &Points3D::update_fields().with_radii([ui(7.0)]))
+    let lines = |radius| LineStrips2D::update_fields().with_radii([ui(radius)]).with_show_labels(false);
+    rec.log_static(KMEANS_LABELS.path, &lines(4.0))?;
+    rec.log_static(KMEANS_BLOCKS.path, &lines(1.0))?;
+    rec.log_static(KMEANS_CENTROIDS.path, &Points3D::update_fields().with_radii([ui(7.0)]).with_show_labels(false))
 }
 
 /// Labels and centroids of one revolution, the centroids drawn at the embedding's `scale`.
@@ -34,8 +35,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, order: &BeamOrder, classes: &C
     let centroids = &partition.centroids;
     let clusters = centroids.nrows();
     let points = Points3D::new((0..clusters).map(|c| drawn_row(centroids, c, scale)))
-        .with_class_ids((0..clusters).map(|c| classes.of_cluster(u32::try_from(c).ok())))
-        .with_show_labels(false);
+        .with_class_ids((0..clusters).map(|c| classes.of_cluster(u32::try_from(c).ok())));
     let exact = f64_rows(centroids, KMEANS_CENTROIDS.dims);
     rows.log(&KMEANS_CENTROIDS, &[&exact as &dyn AsComponents, &points]);
 }
@@ -49,9 +49,8 @@ fn log_labels(rows: &mut Rows, partition: &Partition, order: &BeamOrder, classes
         let (from, to) = (from as f32, to as f32);
         [[[from, margin], [to, margin]], [[margin, from], [margin, to]]]
     };
-    let bars = LineStrips2D::new(runs.iter().flat_map(along))
-        .with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]))
-        .with_show_labels(false);
+    let bars =
+        LineStrips2D::new(runs.iter().flat_map(along)).with_class_ids(runs.iter().flat_map(|&(class, ..)| [class; 2]));
     let exact = i32_vector(partition.labels.iter().map(|label| label.map_or(-1, u32::cast_signed)), KMEANS_LABELS.dims);
     rows.log(&KMEANS_LABELS, &[&exact as &dyn AsComponents, &bars]);
 }
@@ -81,7 +80,7 @@ pub(crate) fn log_blocks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, clas
             (block, class)
         })
         .unzip();
-    rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors).with_show_labels(false));
+    rows.log(&KMEANS_BLOCKS, &LineStrips2D::new(frames).with_class_ids(colors));
 }
 
 /// Class, first place and place after the last of each run of equal classes. Gaps of [`GAP`] places or more end a run.

@@ -27,6 +27,7 @@ const GAP: f32 = 5.0;
 
 /// Name of the row.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
+    rec.log_static(KMEANS_PROFILE.path, &LineStrips2D::update_fields().with_show_labels(false))?;
     let names = [("walls", WALLS_Y)];
     rec.log_static(
         KMEANS_PROFILE_NAMES.path,
@@ -95,7 +96,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes, reach_m: f6
     lines.extend(ranges.map(|line| (drawn(line, along), line[0].0, Radius::new_ui_points(1.5))));
     let (lines, (colors, radii)): (Vec<_>, (Vec<_>, Vec<_>)) =
         lines.into_iter().map(|(line, class, radius)| (line, (class, radius))).unzip();
-    let lines = LineStrips2D::new(lines).with_class_ids(colors).with_radii(radii).with_show_labels(false);
+    let lines = LineStrips2D::new(lines).with_class_ids(colors).with_radii(radii);
     rows.log(&KMEANS_PROFILE, &lines);
 }
 

@@ -35,18 +35,19 @@ use crate::schema::{
     ABOUT, AFFINITY_DEGREES, AFFINITY_LINKS, AFFINITY_MARKS, COLORS, CONFIG, KMEANS_BLOCKS, LOG, SPECTRAL_EMBEDDING,
     SPECTRAL_U, SPECTRAL_U_BARS,
 };
-use crate::scope::{Plan, Share};
+use crate::scope::{Detail, Plan, Share};
 use crate::serving::{self, Served};
 use crate::timing::Times;
 use crate::tracks::Tracks;
 use crate::why::Told;
 use crate::{
-    exact, gaps, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing, truth, viewer,
-    why,
+    eigenvectors, exact, gaps, layout, matrices, mounting, partition, profile, report, scan, schema, spectrum, timing,
+    truth, viewer, why,
 };
 
-/// Sensor time between two flushes. Each flush writes the description of all columns once more.
-const FLUSH_AFTER_NS: u64 = 2_500_000_000;
+/// Sensor time between two flushes: a quarter of the flight so far, within these. Each flush writes the description of all columns
+/// once more.
+const FLUSH_AFTER_NS: [u64; 2] = [2_500_000_000, 10_000_000_000];
 /// Sensor time between two flushes of a live flight, which cannot be repeated.
 const FLUSH_LIVE_AFTER_NS: u64 = 1_000_000_000;
 /// Most revolutions between two flushes, whatever their stamps.
@@ -175,7 +176,7 @@ impl Recorder {
             .set_sinks(sinks)?;
         rec.set_log_time_enabled(false); // a recording depends on the flight, not on when it was made
         rec.set_log_tick_enabled(false);
-        log_static(&rec, &options.config_toml, mine.as_ref())?;
+        log_static(&rec, &options, mine.as_ref())?;
         Ok(Self {
             rows: Rows::new(rec.clone(), at_once),
             rec,
@@ -265,7 +266,10 @@ impl Recorder {
         }
         self.unflushed += 1;
         let unflushed_ns = revolution.stamp_ns.abs_diff(self.flushed_stamp_ns);
-        let flush_after_ns = if self.options.live { FLUSH_LIVE_AFTER_NS } else { FLUSH_AFTER_NS };
+        let so_far_ns = self.first_ns.map_or(0, |first_ns| revolution.stamp_ns.abs_diff(first_ns));
+        let [least_ns, most_ns] = FLUSH_AFTER_NS;
+        let flush_after_ns =
+            if self.options.live { FLUSH_LIVE_AFTER_NS } else { (so_far_ns / 4).clamp(least_ns, most_ns) };
         let is_due = unflushed_ns >= flush_after_ns || self.unflushed >= FLUSH_AFTER_REVOLUTIONS;
         if is_due || self.backlog.as_ref().is_some_and(Backlog::wants_flush) {
             self.flush()?;
@@ -315,7 +319,7 @@ impl Recorder {
         if let Err(error) = file.continue_in(&next) {
             self.give_up_file(error)?;
         }
-        log_static(&self.rec, &self.options.config_toml, self.mine.as_ref())?;
+        log_static(&self.rec, &self.options, self.mine.as_ref())?;
         (self.beams, self.as_read, self.absent) = (BeamGeometry::default(), AsRead::default(), Absent::default());
         self.doubts.repeat();
         if let Some(extent) = self.extent {
@@ -527,12 +531,16 @@ fn builder(ids: Option<&StoreIds>) -> RecordingStreamBuilder {
 }
 
 /// Logs what holds for the whole recording: colours, look, configuration, the text of `/about`, and the mine of a mission.
-fn log_static(rec: &RecordingStream, config_toml: &str, mine: Option<&Mine>) -> Result<(), RecorderError> {
+fn log_static(rec: &RecordingStream, options: &RecorderOptions, mine: Option<&Mine>) -> Result<(), RecorderError> {
     mine.map_or(Ok(()), |mine| mine.log_static(rec))?;
     rec.log_static(COLORS.path, &annotation_context())?;
-    log_config(rec, config_toml)?;
+    log_config(rec, &options.config_toml)?;
     rec.log_static(ABOUT.path, &TextDocument::from_markdown(about()))?;
     scan::log_static(rec)?;
+    if options.scope.detail != Detail::Light {
+        matrices::log_static(rec)?;
+        eigenvectors::log_static(rec)?;
+    }
     spectrum::log_static(rec)?;
     partition::log_static(rec)?;
     profile::log_static(rec)?;

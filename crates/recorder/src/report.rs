@@ -1,7 +1,9 @@
 //! The answer: count, place, walls and openings, as values and as text.
 
 use crosscut_stage::{Frame, Opening, Wall, counted};
-use rerun::{RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument};
+use rerun::{
+    MediaType, RecordingStream, RecordingStreamResult, Scalars, StateChange, StateConfiguration, TextDocument,
+};
 
 use crate::colors::{GREY, INVISIBLE, PLACES, REPORTED, color, name_of, series};
 use crate::rows::Rows;
@@ -17,6 +19,7 @@ const COUNTS: [f64; 2] = [0.0, 5.0];
 /// Names and colours of the lines over time.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     rec.log_static(REPORT_JUNCTIONS.path, &series("walls", REPORTED, 4.0))?;
+    rec.log_static(REPORT_SUMMARY.path, &TextDocument::update_fields().with_media_type(MediaType::MARKDOWN))?;
     rec.log_static(REPORT_CONFIDENCE.path, &series("confidence", GREY, 1.5))?;
     rec.log_static(REPORT_AXIS.path, &series("", INVISIBLE, 0.5))?;
     let (places, colors): (Vec<_>, Vec<_>) = PLACES.into_iter().unzip();
@@ -38,7 +41,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, classes: &Classes) {
     rows.log(&REPORT_JUNCTIONS, &Scalars::single(junction.junctions as f64));
     rows.log(&REPORT_CONFIDENCE, &Scalars::new(junction.confidence));
     rows.log(&REPORT_PLACE, &StateChange::single(junction.place.to_string()));
-    rows.log(&REPORT_SUMMARY, &TextDocument::from_markdown(summary(frame, classes)));
+    rows.log(&REPORT_SUMMARY, &TextDocument::new(summary(frame, classes)));
     rows.log(&REPORT_LABELS, &i32_vector(frame.labels().into_iter(), REPORT_LABELS.dims));
     rows.log(&REPORT_WALLS, &walls(frame, classes));
 }

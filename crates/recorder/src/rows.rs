@@ -101,8 +101,11 @@ impl Waiting {
         let row = self.revolutions.len();
         self.revolutions.push(revolution);
         self.stamps_ns.push(stamp_ns);
-        for SerializedComponentBatch { descriptor, array } in batches {
-            let known = self.columns.iter().position(|column| column.descriptor == descriptor);
+        for (at, SerializedComponentBatch { descriptor, array }) in batches.into_iter().enumerate() {
+            let is_same = |column: &Column| column.descriptor == descriptor;
+            // A row mostly has the components of the one before.
+            let known = self.columns.get(at).is_some_and(is_same).then_some(at);
+            let known = known.or_else(|| self.columns.iter().position(is_same));
             let column = known.unwrap_or_else(|| {
                 self.columns.push(Column { descriptor, cells: Vec::new() });
                 self.columns.len() - 1

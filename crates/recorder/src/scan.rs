@@ -38,10 +38,10 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static(SCAN_RETURNS.path, &Points3D::update_fields().with_radii([ui(2.5)]))?;
     rec.log_static(SCAN_COUNT.path, &series("returns", GREY, 1.5))?;
-    rec.log_static(SCAN_WALLS.path, &LineStrips3D::update_fields().with_radii([ui(1.0)]))?;
+    rec.log_static(SCAN_WALLS.path, &LineStrips3D::update_fields().with_radii([ui(1.0)]).with_show_labels(false))?;
     let arrows = Arrows3D::update_fields().with_radii([ui(2.5)]).with_colors([color(OPENING)]);
     let bars = LineStrips3D::update_fields().with_radii([ui(1.5)]).with_colors([color(OPENING)]);
-    let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]);
+    let widths = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(OPENING)]).with_show_labels(true);
     rec.log_static(SCAN_OPENINGS.path, &[&arrows as &dyn AsComponents, &bars, &widths])?;
     let sensor = [[0.9f32, 0.0, 0.0], [-0.5, 0.3, 0.0], [-0.2, 0.0, 0.0], [-0.5, -0.3, 0.0], [0.9, 0.0, 0.0]];
     rec.log_static(SCAN_SENSOR.path, &LineStrips3D::new([sensor]).with_radii([ui(1.5)]).with_colors([color(GREY)]))
@@ -79,7 +79,7 @@ fn log_walls(rows: &mut Rows, revolution: &Revolution, junction: &Junction, clas
     };
     let of_lines: Vec<u16> = strips.iter().map(|(wall, _)| classes.of_wall(Some(*wall))).collect();
     let lines = strips.into_iter().map(|(_, strip)| LineStrip3D::from_iter(simplified(&strip, LINE_M)));
-    rows.log(&SCAN_WALLS, &LineStrips3D::new(lines).with_class_ids(of_lines).with_show_labels(false));
+    rows.log(&SCAN_WALLS, &LineStrips3D::new(lines).with_class_ids(of_lines));
 }
 
 /// Lines along the walls, broken at gaps: `closed` if the last return is a neighbour of the first.
@@ -113,11 +113,9 @@ fn log_openings(rows: &mut Rows, openings: &[Opening], reach_m: f64) {
         let at = within_view(middle(o) + far_m * inwards(o), WIDTH_ROOM, reach_m);
         xyz(&(at + reach_m * LABEL_RISE * Vector3::x()))
     };
-    let widths = Points3D::new(openings.iter().map(beyond))
-        .with_labels(
-            openings.iter().map(|o| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m)),
-        )
-        .with_show_labels(true);
+    let widths = Points3D::new(openings.iter().map(beyond)).with_labels(
+        openings.iter().map(|o| format!("{}{:.1} m", if o.is_cut_by_view() { "≥ " } else { "" }, o.width_m)),
+    );
     let arrows = Arrows3D::from_vectors(openings.iter().map(|o| xyz(&arrow_m(o).into())))
         .with_origins(openings.iter().map(|o| xyz(&(middle(o) - 0.25 * arrow_m(o)))));
     let bars = LineStrips3D::new(openings.iter().map(|o| o.edge_m.map(|end| xyz(&end))));

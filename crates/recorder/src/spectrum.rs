@@ -36,6 +36,9 @@ pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
     rec.log_static(SPECTRAL_EMBEDDING.path, &Points3D::update_fields().with_radii([ui(3.0)]))?;
     log_axes(rec)?;
+    rec.log_static(SPECTRAL_EIGENVALUES.path, &BarChart::update_fields().with_color(color(ZEROS)))?;
+    let words = Points2D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]).with_show_labels(true);
+    rec.log_static(SPECTRAL_CHART.path, &words)?;
     rec.log_static(SPECTRAL_K.path, &series("k (zeros)", ZEROS, 2.0))?;
     rec.log_static(SPECTRAL_MARGIN.path, &series("margin [decades]", GREY, 1.5))?;
     let decades: Vec<i32> = (-16..=0).step_by(4).collect();
@@ -57,7 +60,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame) {
     let spectrum = &frame.spectrum;
     let stored = &spectrum.eigenvalues[..spectrum.eigenvalues.len().min(STORED.max(spectrum.k + 1))];
     let exact = TensorData::new(vec![stored.len() as u64], TensorBuffer::F64(stored.to_vec().into()));
-    rows.log(&SPECTRAL_EIGENVALUES, &BarChart::new(exact).with_color(color(ZEROS)));
+    rows.log(&SPECTRAL_EIGENVALUES, &BarChart::new(exact));
     rows.log(&SPECTRAL_TOLERANCE, &Scalars::single(spectrum.tolerance));
     rows.log(&SPECTRAL_K, &Scalars::single(spectrum.k as f64));
     rows.log(&SPECTRAL_MARGIN, &Scalars::new(spectrum.margin_decades));
@@ -126,11 +129,7 @@ fn log_chart(rows: &mut Rows, spectrum: &Spectrum) {
 
 fn labels(words: [([f32; 2], String); 2]) -> Points2D {
     let (at, words): (Vec<_>, Vec<_>) = words.into_iter().unzip();
-    Points2D::new(at)
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_colors([color(TOLERANCE)])
-        .with_labels(words)
-        .with_show_labels(true)
+    Points2D::new(at).with_labels(words)
 }
 
 fn column_x(i: usize) -> f32 {

@@ -3,8 +3,8 @@
 use crosscut_explain::{Change, Doubt, Edge, Event, Explanation, Watch};
 use crosscut_stage::{Frame, Point, Revolution, Weights, counted};
 use rerun::{
-    AsComponents, Color, LineStrips3D, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult, StateChange,
-    StateConfiguration, TextDocument, TextLog, TextLogLevel,
+    AsComponents, Color, LineStrips3D, MediaType, Points2D, Points3D, Radius, RecordingStream, RecordingStreamResult,
+    StateChange, StateConfiguration, TextDocument, TextLog, TextLogLevel,
 };
 
 use crate::beam_order::{BeamOrder, LARGEST_SIDE};
@@ -35,11 +35,12 @@ pub(crate) const UNSURE: &str = "UNSURE";
 /// Look of the entities.
 pub(crate) fn log_static(rec: &RecordingStream) -> RecordingStreamResult<()> {
     let ui = Radius::new_ui_points;
-    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]);
+    let marks = Points3D::update_fields().with_radii([ui(0.0)]).with_colors([color(TOLERANCE)]).with_show_labels(true);
     let lines = LineStrips3D::update_fields().with_radii([ui(2.0)]);
     rec.log_static(SCAN_LINKS.path, &[&lines as &dyn AsComponents, &marks])?;
     let edges = LineStrips3D::update_fields().with_radii([ui(3.0)]).with_colors([color(BORDER)]);
     rec.log_static(SCAN_LINKS_EDGES.path, &edges)?;
+    rec.log_static(REPORT_WHY.path, &TextDocument::update_fields().with_media_type(MediaType::MARKDOWN))?;
     let names = Doubt::ALL.map(Doubt::name);
     let doubts = StateConfiguration::new().with_values(names).with_colors(DOUBTS.map(color));
     rec.log_static(REPORT_DOUBT.path, &doubts)
@@ -102,7 +103,7 @@ pub(crate) fn log(rows: &mut Rows, frame: &Frame, told: &Told, watch: &mut Watch
         LEGEND.into(),
         explanation.details(frame, &color_of),
     ];
-    rows.log(&REPORT_WHY, &TextDocument::from_markdown(paragraphs.join("\n\n")));
+    rows.log(&REPORT_WHY, &TextDocument::new(paragraphs.join("\n\n")));
     log_decisive_links(rows, &frame.revolution, &explanation, told.reach_m);
     for event in watch.events(frame, told.truth) {
         let level = match event {
@@ -125,8 +126,8 @@ pub(crate) fn log_marks(rows: &mut Rows, frame: &Frame, order: &BeamOrder, expla
             ([i.max(j), i.min(j)], (color(rgba), format!("{:.0e}", edge.weight)))
         })
         .unzip();
-    let marks = Points2D::new(at).with_colors(colors).with_radii([Radius::new_ui_points(3.0)]);
-    let marks = if is_sparse { marks.with_labels(weights).with_show_labels(true) } else { marks };
+    let marks = Points2D::new(at).with_colors(colors);
+    let marks = if is_sparse { marks.with_labels(weights) } else { marks };
     rows.log(&AFFINITY_MARKS, &marks);
 }
 
@@ -186,7 +187,7 @@ fn log_decisive_links(rows: &mut Rows, revolution: &Revolution, explanation: &Ex
     let below = |line: &[[f32; 3]; 2]| line.map(|[x, y, z]| [x, y, z - BORDER_BELOW_M]);
     rows.log(&SCAN_LINKS_EDGES, &LineStrips3D::new(lines.iter().map(below)));
     let lines = LineStrips3D::new(lines).with_colors(colors);
-    let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels).with_show_labels(true);
+    let marks = Points3D::new(at.iter().map(xyz)).with_labels(labels);
     rows.log(&SCAN_LINKS, &[&lines as &dyn AsComponents, &marks]);
 }
 

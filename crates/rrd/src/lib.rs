@@ -122,15 +122,19 @@ pub enum ReadError {
 #[non_exhaustive]
 pub enum Damage {
     /// The file ends with a whole message, but not as a finished recording does.
-    #[error("ends without its footer, after {bytes} bytes: what wrote it was stopped: {}", path.display())]
+    #[error(
+        "ends without its footer, after {bytes} bytes: what wrote it was stopped; {}: {}", whole(*whole_to), path.display()
+    )]
     Unfinished {
         /// Which file.
         path: PathBuf,
         /// Its length.
         bytes: u64,
+        /// The last revolution that is whole, as all before it are.
+        whole_to: Option<i64>,
     },
     /// The file ends in the middle of a message.
-    #[error("cut off in the message at byte {at} of {bytes}: {}", path.display())]
+    #[error("cut off in the message at byte {at} of {bytes}; {}: {}", whole(*whole_to), path.display())]
     CutOff {
         /// Which file.
         path: PathBuf,
@@ -138,6 +142,8 @@ pub enum Damage {
         at: u64,
         /// Length of the file.
         bytes: u64,
+        /// The last revolution that is whole, as all before it are.
+        whole_to: Option<i64>,
     },
     /// A message that cannot be read.
     #[error("unreadable at byte {at}: {cause}: {}", path.display())]
@@ -167,6 +173,17 @@ pub enum Damage {
         /// The part that would follow.
         part: u64,
     },
+}
+
+impl Damage {
+    /// Whether the file was not written to its end.
+    pub fn is_cut(&self) -> bool {
+        matches!(self, Self::Unfinished { .. } | Self::CutOff { .. })
+    }
+}
+
+fn whole(to: Option<i64>) -> String {
+    to.map_or_else(|| "no revolution is whole".to_owned(), |to| format!("all is whole up to revolution {to}"))
 }
 
 fn parts(first: u64, last: u64) -> String {

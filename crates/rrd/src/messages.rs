@@ -26,6 +26,9 @@ use crate::{Damage, ReadError};
 /// A message as it stands in a file.
 type Stored = <LogMsg as ToTransport>::Output;
 
+/// The first bytes of every file.
+const FILE_STARTS: &[u8] = b"RRF";
+
 /// LZ4 compresses nothing to less than this share: one byte in so many.
 const LZ4_MOST_RATIO: usize = 256;
 
@@ -106,11 +109,36 @@ impl Messages {
         self.end
     }
 
-    /// The header of the next message; `None` where the file says that it ends.
+    /// The header of the next message; `None` where the file says that it ends. Of files that were put together, each ends.
     fn header(&mut self) -> Result<Option<MessageHeader>, Damage> {
+        loop {
+            let header = self.header_or_end()?;
+            if header.is_some() || self.at == self.end {
+                return Ok(header);
+            }
+            let mut start = [0; StreamHeader::ENCODED_SIZE_BYTES];
+            self.file.read_exact(&mut start).map_err(|_| self.cut_off())?;
+            let footer = StreamFooter::ENCODED_SIZE_BYTES as u64;
+            if !start.starts_with(FILE_STARTS) && self.end - self.at >= footer {
+                // An end without content still has a footer.
+                let left = footer.cast_signed() - start.len() as i64;
+                self.file.seek_relative(left).map_err(|_| self.cut_off())?;
+                self.at += footer;
+                if self.at == self.end {
+                    return Ok(None);
+                }
+                self.file.read_exact(&mut start).map_err(|_| self.cut_off())?;
+            }
+            let start = StreamHeader::from_rrd_bytes(&start).and_then(StreamHeader::to_version_and_options);
+            (self.version, _) = start.map_err(|e| self.unreadable(format!("behind its end: {e}")))?;
+            self.at += StreamHeader::ENCODED_SIZE_BYTES as u64;
+        }
+    }
+
+    fn header_or_end(&mut self) -> Result<Option<MessageHeader>, Damage> {
         let at = self.at;
         if at == self.end {
-            return Err(Damage::Unfinished { path: self.path.clone(), bytes: at });
+            return Err(Damage::Unfinished { path: self.path.clone(), bytes: at, whole_to: None });
         }
         let mut header = [0; MessageHeader::ENCODED_SIZE_BYTES];
         if self.end - at < header.len() as u64 || self.file.read_exact(&mut header).is_err() {
@@ -122,6 +150,11 @@ impl Messages {
         let after = if is_end && header.len > 0 { StreamFooter::ENCODED_SIZE_BYTES as u64 } else { 0 };
         if header.len.saturating_add(after) > self.end - self.at {
             return Err(self.cut_off());
+        }
+        if is_end {
+            let bytes = i64::try_from(header.len + after).expect("no more than are left of the file");
+            self.file.seek_relative(bytes).map_err(|_| self.cut_off())?;
+            self.at += header.len + after;
         }
         Ok((!is_end).then_some(header))
     }
@@ -136,7 +169,7 @@ impl Messages {
     }
 
     fn cut_off(&self) -> Damage {
-        Damage::CutOff { path: self.path.clone(), at: self.at, bytes: self.end }
+        Damage::CutOff { path: self.path.clone(), at: self.at, bytes: self.end, whole_to: None }
     }
 
     fn unreadable(&self, cause: String) -> Damage {

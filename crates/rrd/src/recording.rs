@@ -123,6 +123,12 @@ impl Recording {
                 recording.read_part(&part, messages);
             }
         }
+        let whole = recording.whole_to();
+        for damage in &mut recording.damages {
+            if let Damage::Unfinished { whole_to, .. } | Damage::CutOff { whole_to, .. } = damage {
+                *whole_to = whole;
+            }
+        }
         recording.damages.extend(recording.marks.missing(path));
         Ok(recording)
     }
@@ -167,6 +173,13 @@ impl Recording {
     /// What is missing or unreadable; empty for a complete recording.
     pub fn damages(&self) -> &[Damage] {
         &self.damages
+    }
+
+    /// The last revolution that every entity has which is written at every revolution.
+    fn whole_to(&self) -> Option<i64> {
+        let always = |path: &str| Entity::of(path).is_some_and(|entity| entity.when == schema::When::Revolution);
+        let written = self.entities.iter().filter(|(path, _)| always(path));
+        written.filter_map(|(_, entity)| entity.revolutions).map(|[_, last]| last).min()
     }
 
     /// Every entity by its path, which starts with a slash.

@@ -91,33 +91,42 @@ def sweep(
     jobs: int | None = None,
     preset: str = "default",
     settings: Mapping[str, object] | None = None,
-    **sections: Section,
+    **sections: Section | Callable[..., Any],
 ) -> pyarrow.Table:
     """Every combination of settings on every flight, one row each; needs pyarrow.
 
     >>> sweep("flights/", {"affinity.sigma_per_m2": [0.5, 1.5], "preset": ["paper", "default"]}, out="sweep/")
 
     ``out`` is a folder for the table (also as Parquet and CSV) and the plots. What an earlier sweep into it has computed is
-    kept, so that an interrupted one continues. ``jobs`` flights are processed at a time (None: one for each processor).
+    kept, so that an interrupted one continues. ``jobs`` flights are processed at a time (None: one for each processor). A stage
+    may be any callable, as in :func:`run`; what an earlier sweep has computed counts while the file of its module stays the same.
     """
     if not isinstance(grid, Mapping):
         raise TypeError(f"grid is a mapping of settings to lists of values, not {grid!r}")
     at_a_time = [] if jobs is None else ["--jobs", str(jobs)]
-    return swept(_paths(flights), Path(out), [*axes(grid), *configuration(preset, settings, sections), *at_a_time], COMMAND)
+    stages, sections = _own_stages(sections)
+    options = [*axes(grid), *configuration(preset, settings, sections), *at_a_time]
+    return swept(_paths(flights), Path(out), options, COMMAND, stages)
 
 
 def axes(grid: Mapping[str, Sequence[object]]) -> list[str]:
     return [part for key, values in grid.items() for part in ("--grid", f"{key}={','.join(map(_value, values))}")]
 
 
-def swept(flights: Sequence[StrPath], out: Path, options: Sequence[str], command: Sequence[str]) -> pyarrow.Table:
+def swept(
+    flights: Sequence[StrPath],
+    out: Path,
+    options: Sequence[str],
+    command: Sequence[str],
+    stages: dict[str, Callable[..., Any]] | None = None,
+) -> pyarrow.Table:
     """Runs the sweep, but for what is in ``out`` already, and reads its table."""
     with importing("sweep()"):
         import pyarrow.parquet
 
     parquet = out / "sweep.parquet"
     before = _written(parquet)
-    _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command)
+    _finish(["sweep", *flights, "--out", out, *options, "--quiet"], command, stages)
     table = _table(out / "sweep.csv")
     if _written(parquet) == before:  # the program in the wheel writes none
         unfinished = out / f".{uuid.uuid4().hex}"
@@ -194,7 +203,9 @@ class _Fork:
                 os.dup2(writing, 2)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 signal.signal(signal.SIGINT, signal.SIG_DFL)
-                code = _native.program(["crosscut", *(os.fspath(argument) for argument in arguments)], stages, None, __main__.hear, _named.find_again)
+                build = _named.build_with(stages) if arguments[0] == "sweep" else None
+                command = ["crosscut", *(os.fspath(argument) for argument in arguments)]
+                code = _native.program(command, stages, build, __main__.hear, _named.find_again)
             finally:
                 os._exit(code)
         os.close(writing)

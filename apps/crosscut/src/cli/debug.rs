@@ -43,9 +43,9 @@ pub(crate) struct ReplayArgs {
     /// Write the new results: a line of JSON for each revolution; `-` is standard output.
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) results: Option<PathBuf>,
-    /// Settings to compare with, of a flight that is no recording (.rrd): the preset.
-    #[arg(long, default_value = "default")]
-    pub(crate) preset: String,
+    /// Settings to compare with: the preset. [default: default; of a recording (.rrd), the settings that it was made with]
+    #[arg(long)]
+    pub(crate) preset: Option<String>,
     /// Settings over these: a TOML file.
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) config: Option<PathBuf>,

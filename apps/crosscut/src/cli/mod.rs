@@ -101,6 +101,13 @@ pub(crate) enum Command {
     },
 }
 
+impl ConfigArgs {
+    /// The preset, whether it was given or not.
+    pub(crate) fn preset(&self) -> &str {
+        self.preset.as_deref().unwrap_or("default")
+    }
+}
+
 impl Command {
     /// Names the file of settings that nobody gave on the command line, before a command that reads it.
     pub(crate) fn say_settings_found(&self) {
@@ -232,8 +239,9 @@ pub(crate) struct ViewArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
     /// Settings to start from: paper, default, or one of the baselines clear_width, threshold, breakpoint, dbscan.
-    #[arg(long, default_value = "default")]
-    pub(crate) preset: String,
+    /// [default: default]
+    #[arg(long)]
+    pub(crate) preset: Option<String>,
     /// Settings that override the preset and crosscut.toml: a TOML file, or a recording made with `run --save` to use its
     /// settings. (crosscut.toml is looked for in this folder and those above it, unless $CROSSCUT_CONFIG names a file.)
     #[arg(long, value_name = "FILE.toml|FLIGHT.rrd")]

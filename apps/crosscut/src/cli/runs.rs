@@ -6,7 +6,7 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 pub(crate) struct RunsArgs {
-    /// History that `run --log` and `evaluate --log` wrote.
+    /// History that `run --log`, `evaluate --log` and `sweep --log` wrote.
     #[arg(value_name = "RUNS.jsonl")]
     pub(crate) log: PathBuf,
     /// List only runs that contain this text: a command, a path, a setting, a build. May be repeated; all must hold.

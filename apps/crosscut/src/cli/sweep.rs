@@ -17,13 +17,16 @@ pub(crate) struct SweepArgs {
     pub(crate) grid: Vec<String>,
     #[command(flatten)]
     pub(crate) config: ConfigArgs,
-    /// Folder for sweep.csv, times.csv and the pictures. What an earlier sweep into it has computed with the
+    /// Folder for sweep.csv, times.csv, verdicts.json and the pictures. What an earlier sweep into it has computed with the
     /// same program, settings and recordings is kept, so the same command continues an interrupted sweep.
     #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of recordings that are processed at a time. [default: the number of processors]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
+    /// Append a line for each combination to this history: inputs, settings, build and figures. `crosscut runs` lists it.
+    #[arg(long, value_name = "RUNS.jsonl")]
+    pub(crate) log: Option<PathBuf>,
     /// Show no progress bar and no table.
     #[arg(short, long)]
     pub(crate) quiet: bool,

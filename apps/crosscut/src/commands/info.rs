@@ -99,9 +99,7 @@ fn run_line(args: &InfoArgs, scan_topics: &BTreeMap<String, u64>) -> Option<Stri
         words.extend(["--topic".to_owned(), topic.clone()]);
     }
     words.extend(args.recordings.read_as.iter().flat_map(|read_as| ["--as".to_owned(), read_as.name().to_owned()]));
-    if args.config.preset != "default" {
-        words.extend(["--preset".to_owned(), args.config.preset.clone()]);
-    }
+    words.extend(args.config.preset.iter().flat_map(|preset| ["--preset".to_owned(), preset.clone()]));
     words.extend(args.config.config.iter().flat_map(|file| ["--config".to_owned(), file.display().to_string()]));
     words.extend(args.config.set.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
     let is_plain = |c: char| c.is_alphanumeric() || "/._-=:+,".contains(c);

@@ -16,14 +16,15 @@ use crate::{Edge, FlightAnswer, HereKind, PoseGraph};
 
 /// A visit has ended once the vehicle has moved this far in a passage: the place may be in doubt in between. One to a
 /// dead end, only once it is certain by which side the vehicle leaves.
-const LEFT_M: f64 = 2.0;
+const LEFT_M: f64 = 1.0;
 const LEFT_DEAD_END_M: f64 = 5.0;
 
 /// Between two visits of one node, a passage is longer than this.
 const TURN_M: f64 = 8.0;
 
-/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks.
-const NEAR_LOOKS: f64 = 1.2;
+/// Two visits in a row are one stay if all of the way between them is nearer to the first than this many looks: where the
+/// vehicle was in the middle of the place on neither visit, on one, on both.
+const NEAR_LOOKS: [f64; 3] = [1.2, 0.9, 0.6];
 
 /// A vehicle that comes back to the node that it left, by a way no longer than this many looks, only turned.
 const TURN_LOOKS: f64 = 1.5;
@@ -114,6 +115,7 @@ pub(super) struct Departure {
     was_taken: bool,
     /// The vehicle was beyond the look since: the way is certain.
     is_settled: bool,
+    has_middle: bool,
     pub(super) visit: usize,
     pub(super) look_m: f64,
     /// The anchor as it was tracked.
@@ -144,11 +146,17 @@ impl Mapper {
         let place_m = Point2::from(pose.translation.vector);
         let is_known = self.doubt.since(&self.in_node_doubt).is_some_and(|since| since.sd_m(place_m).is_some());
         let has_ended = |open: &OpenVisit| match (node, open.kind()) {
-            (Some(node), kind) => kind != node,
+            (Some(node), kind) if kind != node => true,
+            (Some(_), kind) => {
+                kind == HereKind::Junction
+                    && (open.has_left_the_middle(self.way.way_m) || open.has_turned_back(&place_m))
+            }
             (None, _) if !is_known => true,
             (None, HereKind::DeadEnd) => self.way.way_m - self.in_node_at_m > LEFT_DEAD_END_M,
             (None, _) => self.way.way_m - self.in_node_at_m > LEFT_M,
         };
+        let follows =
+            node.is_some() && self.open.as_ref().is_some_and(|open| Some(open.kind()) == node && has_ended(open));
         if self.open.as_ref().is_some_and(has_ended) {
             self.end_visit(self.in_node_ns, Some(pose));
         }
@@ -160,7 +168,9 @@ impl Mapper {
                 self.began_doubt = doubt;
             }
             let came_from = self.way.came_from();
-            let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from));
+            let last_m = self.last.as_ref().map(|last| Point2::from(last.tracked.translation.vector));
+            let follows = last_m.filter(|_| follows);
+            let open = self.open.get_or_insert_with(|| OpenVisit::new(node, now_ns, came_from, follows));
             open.add(now_ns, pose, self.way.way_m, seen, || {
                 let mut points = Vec::new();
                 line_points(&frame.revolution.points_m, 1, &mut points);
@@ -227,6 +237,12 @@ impl Mapper {
             (Some(last), Some(corrected)) => corrected * last.tracked.inv_mul(&visit.anchor),
             _ => visit.anchor,
         };
+        let stayed = self.last.as_ref().filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
+        // From a part of a junction, the rest of it may be out of view: it looks like a dead end.
+        if stayed.is_some_and(|last| self.map.nodes[last].kind == HereKind::Junction && visit.kind == HereKind::DeadEnd)
+        {
+            return;
+        }
         let walls = Walls::new(&visit.outline);
         let number = self.graph.poses.len();
         self.graph.poses.push(predicted);
@@ -244,7 +260,6 @@ impl Mapper {
             self.flown.push(Flown { way_m: f64::INFINITY, sd_m: None });
         }
         let found = self.recognise(&visit, &walls, &predicted);
-        let stayed = self.last.as_ref().filter(|last| self.is_still_at(last, &visit, &predicted)).map(|last| last.node);
         let node = match (found, stayed) {
             (Some((candidate, runner_up)), _) => {
                 let node = self.merge(&visit, &candidate, runner_up, number);
@@ -255,8 +270,12 @@ impl Mapper {
                 };
                 self.reconsider(node)
             }
-            (None, Some(node)) => node,
-            (None, None) => self.add_node(&visit, walls, number),
+            (None, Some(node)) if self.map.nodes[node].kind == visit.kind => node,
+            (None, Some(end)) if self.is_new(end) => {
+                let node = self.add_node(&visit, walls, number);
+                self.absorb(end, node)
+            }
+            (None, _) => self.add_node(&visit, walls, number),
         };
         let [first, this] = [self.places[node].first_visit, number].map(|visit| self.graph.poses[visit]);
         let turned_rad = first.inv_mul(&this).rotation.angle();
@@ -271,12 +290,12 @@ impl Mapper {
         let apart = self.graph.poses[last.visit].inv_mul(predicted);
         let look_m = last.look_m.min(visit.look_m);
         let is_alike = self.map.nodes[last.node].kind == visit.kind;
-        let is_near = |off_m: f64| off_m < NEAR_LOOKS * look_m;
+        let near_looks = NEAR_LOOKS[usize::from(last.has_middle) + usize::from(visit.has_middle)];
+        let is_near = |off_m: f64| off_m < near_looks * look_m;
         let mut between = self.way.via.iter().filter(|(way_m, _)| (last.at_m..visit.reached_at_m).contains(way_m));
         let to_last = last.tracked.inverse();
-        is_alike
-            && self.flown_sd_m(last, visit).is_some()
-            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || has_mouths_of(last, visit))
+        self.flown_sd_m(last, visit).is_some()
+            && (apart.translation.vector.norm() < SURELY_NEAR_LOOKS * look_m || is_alike && has_mouths_of(last, visit))
             && is_near(apart.translation.vector.norm())
             && between.all(|(_, place_m)| is_near((to_last * place_m).coords.norm()))
     }
@@ -315,6 +334,7 @@ impl Mapper {
             way,
             was_taken,
             is_settled,
+            has_middle: visit.has_middle,
             visit: number,
             look_m,
             tracked,
@@ -328,7 +348,7 @@ impl Mapper {
     /// The way that the vehicle left the last node by is the one through which it gets beyond the look. A wide place may be
     /// no node any more while the vehicle still is in its middle.
     fn settle(&mut self, place_m: Point2<f64>) {
-        let Some(last) = self.last.as_mut().filter(|last| !last.is_settled && self.open.is_none()) else { return };
+        let Some(last) = self.last.as_mut().filter(|last| !last.is_settled) else { return };
         let from_anchor = (last.tracked.inverse() * place_m).coords;
         if from_anchor.norm() < last.look_m {
             return;

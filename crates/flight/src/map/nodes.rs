@@ -203,7 +203,9 @@ impl Mapper {
             }
             last.node = moved(last.node);
         }
-        place.belief.into_iter().for_each(|(ways, of)| *self.places[into].belief.entry(ways).or_default() += of);
+        if gone.kind == self.map.nodes[into].kind {
+            place.belief.into_iter().for_each(|(ways, of)| *self.places[into].belief.entry(ways).or_default() += of);
+        }
         self.map.nodes[into].visits.extend(gone.visits);
         self.map.nodes[into].visits.sort_unstable();
         self.drop_passages_twice();

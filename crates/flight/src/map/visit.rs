@@ -21,6 +21,9 @@ const OUTLINE_LOOKS: f64 = 2.0;
 /// A visit that is believed less than this, summed over its revolutions, is none: an alcove or a bay in passing.
 const LEAST_BELIEF: f64 = 4.0;
 
+/// The vehicle has left the middle of a place this far on.
+const LEFT_MIDDLE_M: f64 = 1.5;
+
 /// Beyond this, a place lies on the other side of the anchor than a way.
 const BEHIND_M: f64 = 1.0;
 
@@ -35,6 +38,8 @@ struct Sample {
     look_m: f64,
     /// How much it counts.
     sure: f64,
+    /// It was taken in the middle of the place.
+    is_middle: bool,
 }
 
 /// A stay that has not ended. Poses are as they are tracked, with their drift.
@@ -49,12 +54,18 @@ pub(crate) struct OpenVisit {
     outlined_from: Option<Isometry2<f64>>,
     /// Where the vehicle was before.
     came_from: Option<Point2<f64>>,
+    /// The way where the vehicle was in the middle of the place last.
+    middle_at_m: Option<f64>,
+    /// Where the stay before was, if no passage lies in between: what is seen within a look of it may be that place.
+    follows: Option<Point2<f64>>,
 }
 
 /// A stay that has ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Visit {
     pub(crate) kind: HereKind,
+    /// The vehicle was in the middle of the place, for long enough to see it from there alone.
+    pub(crate) has_middle: bool,
     pub(crate) time_ns: [u64; 2],
     /// The pose that its ways and its outline are seen from.
     pub(crate) anchor: Isometry2<f64>,
@@ -76,9 +87,26 @@ pub(crate) struct Visit {
 
 impl OpenVisit {
     /// That begins; `came_from`: a place shortly before, as it was tracked.
-    pub(crate) fn new(kind: HereKind, began_ns: u64, came_from: Option<Point2<f64>>) -> Self {
+    pub(crate) fn new(
+        kind: HereKind,
+        began_ns: u64,
+        came_from: Option<Point2<f64>>,
+        follows: Option<Point2<f64>>,
+    ) -> Self {
         let (samples, outline) = (Vec::new(), Vec::new());
-        Self { began_ns, added_ns: None, kind, samples, outline, outlined_from: None, came_from }
+        let (added_ns, outlined_from, middle_at_m) = (None, None, None);
+        Self { began_ns, added_ns, kind, samples, outline, outlined_from, came_from, middle_at_m, follows }
+    }
+
+    /// Whether the vehicle was in the middle of the place and has left it, at this way: what it sees now may be the next place.
+    pub(crate) fn has_left_the_middle(&self, way_m: f64) -> bool {
+        self.middle_at_m.is_some_and(|middle_at_m| way_m - middle_at_m > LEFT_MIDDLE_M)
+    }
+
+    /// Whether the vehicle saw this place from its edge alone and is back within the look of the stay before.
+    pub(crate) fn has_turned_back(&self, place_m: &Point2<f64>) -> bool {
+        let look_m = self.samples.last().map(|sample| sample.look_m).filter(|_| self.middle_at_m.is_none());
+        self.follows.zip(look_m).is_some_and(|(before_m, look_m)| (place_m - before_m).norm() < look_m)
     }
 
     pub(crate) fn kind(&self) -> HereKind {
@@ -96,13 +124,24 @@ impl OpenVisit {
     ) {
         let moved_m = |from: Isometry2<f64>| (from.translation.vector - pose.translation.vector).norm();
         let views = self.added_ns.replace(stamp_ns).map_or(1.0, |before| independent(elapsed_s(before, stamp_ns)));
-        if seen.node() == Some(self.kind) {
+        let at_m = Point2::from(pose.translation.vector);
+        let is_here = seen.is_middle || self.follows.is_none_or(|before_m| (at_m - before_m).norm() > seen.look_m);
+        if seen.node() == Some(self.kind) && is_here {
             let sure = views * sure(seen.confidence);
             let is_same =
                 |sample: &&mut Sample| sample.ways.len() == seen.ways.len() && moved_m(sample.pose) < SAME_VIEW_M;
             match self.samples.iter_mut().rev().find(is_same) {
-                Some(sample) => sample.sure += sure,
-                None => self.samples.push(Sample { pose, way_m, ways: seen.ways.clone(), look_m: seen.look_m, sure }),
+                Some(sample) => {
+                    sample.sure += sure;
+                    sample.is_middle |= seen.is_middle;
+                }
+                None => {
+                    let (ways, look_m, is_middle) = (seen.ways.clone(), seen.look_m, seen.is_middle);
+                    self.samples.push(Sample { pose, way_m, ways, look_m, sure, is_middle });
+                }
+            }
+            if seen.is_middle {
+                self.middle_at_m = Some(way_m);
             }
         }
         if self.outlined_from.is_none_or(|from| moved_m(from) > OUTLINE_EVERY_M) {
@@ -121,10 +160,14 @@ impl OpenVisit {
     /// The stay as a whole, if it is believed. Of the numbers of ways that were seen the one with the most confidence
     /// holds. The ways are those of the revolution nearest to the middle of the place that saw this number. `left_to`: where
     /// the vehicle is now, if it has left.
-    pub(crate) fn end(self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
+    pub(crate) fn end(mut self, ended_ns: u64, left_to: Option<Isometry2<f64>>) -> Option<Visit> {
         if !self.is_believed() {
             return None;
         }
+        // From its middle a place is seen as it is; from its edge the next one may be seen with it.
+        let in_middle = self.samples.iter().filter(|sample| sample.is_middle);
+        let has_middle = in_middle.map(|sample| sample.sure).sum::<f64>() >= LEAST_BELIEF;
+        self.samples.retain(|sample| sample.is_middle || !has_middle);
         let mut belief: BTreeMap<usize, f64> = BTreeMap::new();
         for sample in &self.samples {
             *belief.entry(sample.ways.len()).or_default() += sample.sure;
@@ -141,6 +184,7 @@ impl OpenVisit {
         let (first, last) = (self.samples.first()?, self.samples.last()?);
         Some(Visit {
             kind: self.kind,
+            has_middle,
             time_ns: [self.began_ns, ended_ns],
             anchor: best.pose,
             ways: best.ways.clone(),
@@ -184,11 +228,11 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_stands_in_a_junction_takes_no_memory() {
-        let mut open = OpenVisit::new(HereKind::Junction, 0, None);
+        let mut open = OpenVisit::new(HereKind::Junction, 0, None, None);
         let way = Way { bearing_rad: 0.0, width_m: 3.0, opening: None };
         for i in 0..1000 {
             let ways = vec![way; 3 + i % 2];
-            let here = Here { kind: HereKind::Junction, look_m: 5.0, ways, confidence: 0.9 };
+            let here = Here { kind: HereKind::Junction, look_m: 5.0, ways, is_middle: true, confidence: 0.9 };
             let trembling = Isometry2::translation(0.01 * (i % 3) as f64, 0.0);
             open.add(i as u64 * 100_000_000, trembling, 0.0, &here, Vec::new);
         }

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use crosscut_evaluate::maps::MapTruth;
 use crosscut_flight::{FlightAnswer, Here, HereKind, Map, Mapper, Steady, Way};
+use crosscut_simulator::Plan;
 use crosscut_simulator::network::{Network, Point};
 use crosscut_stage::{Frame, Revolution};
 use nalgebra::{Isometry2, Vector2};
 
-use crate::{follow, scenario};
+use crate::{Follower, follow, scenario};
 
 struct Flown {
     network: Network,
@@ -111,7 +113,8 @@ fn flown(stretches: &[(f64, HereKind)], look_m: f64, place_m: impl Fn(f64) -> [f
             HereKind::Passage => &[0.0, 3.1],
         };
         let way = |&bearing_rad: &f64| Way { bearing_rad, width_m: 3.0, opening: None };
-        let here = Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), confidence: 0.9 };
+        let here =
+            Here { kind, look_m, ways: bearings_rad.iter().map(way).collect(), is_middle: true, confidence: 0.9 };
         while 0.2 * f64::from(step) < to_m {
             let [x_m, y_m] = place_m(0.2 * f64::from(step));
             let pose = Isometry2::translation(x_m, y_m);
@@ -167,6 +170,39 @@ fn two_stays_within_half_a_look_are_one_visit_and_others_are_not() {
         let close = straight(&stays, look_m);
         assert_eq!((close.nodes.len(), close.passages.len()), (3, 2), "{close:?}");
     }
+}
+
+#[test]
+fn a_junction_that_looks_like_a_dead_end_for_a_while_is_one_node() {
+    use HereKind::{DeadEnd, Junction, Passage};
+    for (first, second) in [(Junction, DeadEnd), (DeadEnd, Junction)] {
+        let map = straight(&[(4.0, Junction), (30.0, Passage), (32.0, first), (34.0, second), (60.0, Passage)], 12.5);
+        assert!(map.summary().starts_with("2 junctions: 2 tees; 0 dead ends; "), "{}", map.summary());
+    }
+}
+
+#[test]
+fn junctions_ten_metres_apart_are_nodes_of_their_own() {
+    // A drift 4 m wide with crosscuts to one side and the other, as they are spaced in real mines.
+    let nodes = [(-20, 0), (0, 0), (10, 0), (21, 0), (40, 0), (-1, 20), (11, -20), (21, 20)];
+    let nodes = nodes.iter().enumerate().map(|(id, (x, y))| format!(r#"{{"id":{id},"x_m":{x},"y_m":{y}}}"#));
+    let edges = [(0, 1), (1, 2), (2, 3), (3, 4), (1, 5), (2, 6), (3, 7)];
+    let edges = edges.map(|(from, to)| format!(r#"{{"from":{from},"to":{to},"width_m":4}}"#)).join(",");
+    let plan = format!(r#"{{"nodes":[{}],"edges":[{edges}]}}"#, nodes.collect::<Vec<_>>().join(","));
+    let scenes = Plan::from_json(&plan).and_then(|plan| plan.fly(1)).expect("a plan");
+    let mut mapper = Mapper::default();
+    let mut truth: Option<MapTruth> = None;
+    let follower = &mut Follower::default();
+    for scene in scenes {
+        let frame = follower.follow(&scene);
+        mapper.add(frame);
+        let mine = scene.map.as_ref();
+        let truth = truth.get_or_insert_with(|| MapTruth::from(mine.expect("a flight begins with its map")));
+        truth.add(frame.revolution.stamp_ns, &scene.truth.pose.expect("a scene of a flight"));
+    }
+    let map = mapper.map();
+    let differences: Vec<String> = truth.expect("a scene").differences(&map).iter().map(ToString::to_string).collect();
+    assert!(differences.is_empty(), "{}: {differences:#?}", map.summary());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crosscut_flight::{FlightAnswer, Here};
 use crosscut_messages::TruthPlace;
 use crosscut_simulator::Scene;
 
-use crate::follow;
+use crate::{Follower, follow, scenario};
 
 fn is_right(here: &Here, truth: Option<TruthPlace>) -> bool {
     let kind = |truth: TruthPlace| format!("{:?}", truth.kind) == format!("{:?}", here.kind);
@@ -80,4 +80,30 @@ fn a_view_with_no_line_through_the_sensor_knows_no_place_at_first() {
     let mut here = Vec::new();
     follow("tunnel", 1, 3, |scene| narrow(scene, 60.0), |_, frame| here.push(FlightAnswer::of(frame).here.clone()));
     assert_eq!(here, [None, None, None]);
+}
+
+/// First scans of flights that begin along a flight, with a view of 255 degrees: all, those that know the place, and those
+/// that are right.
+fn first_places(name: &str, seed: u64) -> [usize; 3] {
+    let mut found = [0; 3];
+    for mut scene in (scenario(name).fly)(seed).step_by(5) {
+        narrow(&mut scene, 127.5);
+        let mut follower = Follower::default();
+        let here = &FlightAnswer::of(follower.follow(&scene)).here;
+        let is = here.as_ref().filter(|_| scene.truth.here.is_some()).map(|here| is_right(here, scene.truth.here));
+        found = [found[0] + 1, found[1] + usize::from(is.is_some()), found[2] + usize::from(is == Some(true))];
+    }
+    found
+}
+
+#[test]
+fn a_first_scan_with_a_limited_view_names_a_junction_or_nothing() {
+    let mut sum = [0; 3];
+    for (name, seed) in [("loops", 1), ("close", 1), ("tunnel", 1)] {
+        let found = first_places(name, seed);
+        println!("{name}: of {} first scans {} know the place, {} right", found[0], found[1], found[2]);
+        (0..3).for_each(|at| sum[at] += found[at]);
+    }
+    let [_, known, right] = sum;
+    assert!(known >= 20 && right as f64 >= 0.8 * known as f64, "{sum:?}");
 }

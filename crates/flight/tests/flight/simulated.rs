@@ -112,3 +112,21 @@ fn odometry_that_is_not_finite_is_left_out() {
         assert_eq!(track_by(&flight, kind, broken), track(&flight, kind, |i| i != 7), "{kind}");
     }
 }
+
+#[test]
+fn recordings_cut_together_are_stretches_and_no_flight_is_cut() {
+    // 40 scans from each of four places of three mines: what one shows lies on walls of another in part.
+    let parts = [("tunnel", 1, 100), ("mine", 1, 60), ("tunnel", 2, 250), ("mine", 2, 200)];
+    let scenes = parts.map(|(name, seed, from)| flight(name, seed, from + 40).split_off(from));
+    let stretches = |flight: &[Scene]| {
+        let (tracked, _) = track(flight, "scan_match", |_| false);
+        let mut lost: Vec<usize> = (0..tracked.len()).filter(|&at| tracked[at].lost).collect();
+        lost.dedup();
+        lost
+    };
+    let whole = scenes.concat();
+    assert_eq!(stretches(&whole), [40, 80, 120]);
+    for seed in 1..=2 {
+        assert!(stretches(&flight("mine", seed, 400)).is_empty());
+    }
+}

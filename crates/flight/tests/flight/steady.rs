@@ -6,7 +6,7 @@ use crosscut_flight::{FlightAnswer, Steady};
 use crosscut_messages::Time;
 use crosscut_simulator::Scene;
 
-use crate::follow;
+use crate::{Follower, follow, scenario};
 
 struct Flown {
     truth: usize,
@@ -80,4 +80,24 @@ fn scans_without_stamps_move_the_steady_answer_too() {
         steady.map(|steady| (steady.junctions, steady.here.map(|here| here.kind.name()))).collect::<BTreeSet<_>>()
     };
     assert_eq!(held(|scene| scene.scan.header.stamp = Time::default()), held(|_| {}));
+}
+
+#[test]
+fn after_a_cut_the_steady_answer_is_that_of_the_scans_after_it() {
+    // Of a flight without odometry, 40 scans in one place and then 40 in another, where another number of walls is seen.
+    let mut follower = Follower::default();
+    let is_of_the_cut = |at: &usize| (60..100).contains(at) || *at >= 300;
+    let scenes = (scenario("mine").fly)(1).enumerate().filter(|(at, _)| is_of_the_cut(at)).take(42);
+    let cut: Vec<_> = scenes
+        .map(|(at, scene)| {
+            let frame = follower.follow(&scene);
+            let flown = FlightAnswer::of(frame);
+            let stretch = flown.doubt.expect("a pose").stretch;
+            (at, stretch, frame.junction.junctions, flown.steady.as_ref().map(|steady| steady.junctions))
+        })
+        .collect();
+    let [before, after] = [cut[39], cut[40]];
+    assert!(before.1 == 0 && after.1 == 1, "the cut is seen: {cut:?}");
+    assert!(before.3 != Some(after.2), "the places differ: {before:?} {after:?}");
+    assert_eq!(after.3, Some(after.2));
 }

@@ -249,7 +249,10 @@ fn compressed_files_are_read_through_a_temporary_copy() {
         assert!(cut.as_mut().is_none_or(|cut| !drain(cut).seqs.is_empty() && !cut.losses().is_empty()), "{name}");
     }
     let nested = zstd(&zstd(&mcap));
-    assert!(matches!(open(&folder.add("f", &nested)), Err(IngestError::NotRecording { found: Found::CompressedTwice, .. })));
+    assert!(matches!(
+        open(&folder.add("f", &nested)),
+        Err(IngestError::NotRecording { found: Found::CompressedTwice, .. })
+    ));
 }
 
 #[test]

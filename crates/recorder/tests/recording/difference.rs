@@ -165,7 +165,7 @@ fn a_revolution_that_one_lacks_is_a_difference_unless_that_one_was_cut_off_befor
         (frame.revolution.seq, frame.revolution.stamp_ns) = (seq, frames::stamp_ns(seq));
         frame
     };
-    let frames: Vec<Frame> = (0..40).map(scan).collect();
+    let frames: Vec<Frame> = (0..100).map(scan).collect();
     record(&a, &frames);
     record(&b, &frames[..30]);
     let first = differences(&open(&a), &open(&b), 0.0).unwrap().first.unwrap();
@@ -175,7 +175,7 @@ fn a_revolution_that_one_lacks_is_a_difference_unless_that_one_was_cut_off_befor
         std::fs::write(&b, &whole[..whole.len() * percent / 100]).unwrap();
         open(&b)
     });
-    let cut = cuts.find(|cut| cut.entities()["/scan/ranges"].rows < 40).unwrap();
+    let cut = cuts.find(|cut| cut.entities()["/scan/ranges"].rows < 100).unwrap();
     assert!(!cut.damages().is_empty());
     assert!(differences(&open(&a), &cut, 0.0).unwrap().first.is_none());
 }

@@ -19,7 +19,7 @@ pub(crate) fn fly(frame: &mut Frame) {
     let seq = frame.revolution.seq as f64;
     let way = |bearing_rad: f64| Way { bearing_rad, width_m: 3.5, opening: None };
     let ways = [-PI / 2.0, PI / 2.0, PI].map(way).to_vec();
-    let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, confidence: 1.0 };
+    let here = Here { kind: HereKind::Junction, look_m: 20.0, ways, is_middle: true, confidence: 1.0 };
     let pose = Some(Isometry2::new([STEP_M * seq, 0.5].into(), 0.1 * seq));
     let steady = Some(Steady { junctions: 3, here: Some(here.clone()), openings: Vec::new() });
     FlightAnswer { pose, doubt: None, here: Some(here), steady }.put(frame);

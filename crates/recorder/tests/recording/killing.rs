@@ -20,8 +20,8 @@ const MOST_REVOLUTIONS: u64 = 120;
 const LONGEST: Duration = Duration::from_millis(100);
 /// Ten minutes at 10 Hz: more than it gets to.
 const REVOLUTIONS: u64 = 6000;
-/// Those of 2.5 s, which may not be on the disk yet.
-const ON_THEIR_WAY: u64 = 25;
+/// Those that may not be on the disk yet.
+const ON_THEIR_WAY: u64 = 64;
 /// What the child says of each revolution, with its number.
 const RECORDED: &str = "recorded ";
 

@@ -44,20 +44,20 @@ fn revolutions(recording: &Recording) -> Vec<i64> {
 fn the_files_of_a_recording_are_read_as_one_and_those_of_another_recording_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, first, second] = ["whole.rrd", "flight.rrd", "flight-2.rrd"].map(|name| folder.path().join(name));
-    let frames: Vec<_> = (0..30).map(frames::frame).collect();
+    let frames: Vec<_> = (0..90).map(frames::frame).collect();
     record(&whole, &frames);
     split(&whole, &first, &second);
-    let expected: Vec<i64> = (0..30).collect();
+    let expected: Vec<i64> = (0..90).collect();
     let both = Recording::open(&first).unwrap();
     assert_eq!(both.paths().collect::<Vec<_>>(), [&first, &second]);
     assert_eq!((revolutions(&both), both.damages()), (expected.clone(), &[][..]));
-    assert_eq!(both.entities()["/affinity/W"].revolutions, Some([0, 29]));
+    assert_eq!(both.entities()["/affinity/W"].revolutions, Some([0, 89]));
     let later = revolutions(&Recording::open(&second).unwrap());
-    assert!(!later.is_empty() && later.len() < 30 && expected.ends_with(&later), "{later:?}");
+    assert!(!later.is_empty() && later.len() < 90 && expected.ends_with(&later), "{later:?}");
     record(&second, &frames[..3]);
     assert_eq!(
         revolutions(&Recording::open(&first).unwrap()),
-        expected[..30 - later.len()],
+        expected[..90 - later.len()],
         "an older file lies beside"
     );
 }

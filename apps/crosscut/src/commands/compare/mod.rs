@@ -28,7 +28,7 @@ use crate::interrupt::stop_on_interrupt;
 use crate::looking::Look;
 use crate::outputs::Document;
 use crate::say::show;
-use crate::{progress, typeset};
+use crate::{looking, progress, typeset};
 
 /// A configuration may be this many answers ahead of the slowest.
 const AHEAD: usize = 64;
@@ -82,7 +82,9 @@ pub(crate) fn compare(args: &CompareArgs, registry: &Registry) -> anyhow::Result
         out.write(&document)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        let sentences = shown::sentences(&configurations, &compared);
+        let options: Vec<_> = args.with.iter().map(|with| configurations::run_options(with, &args.set)).collect();
+        let hint = looking::hint(&compared.outcomes, input, &options);
+        let sentences = shown::sentences(&configurations, &compared, hint);
         let tables = typeset::text(&shown::tables(&configurations, &compared, args.all));
         show(format_args!("{sentences}\n{tables}{}", to_look(args, &configurations, &compared)))?;
     }

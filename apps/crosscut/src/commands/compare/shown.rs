@@ -16,11 +16,16 @@ use crate::configurations::Configuration;
 const STRETCHES: usize = 15;
 
 /// The conclusion: what each configuration mends and breaks, where there is a truth, and which is surer where they differ.
-pub(super) fn sentences(configurations: &[Configuration], compared: &Compared) -> String {
+pub(super) fn sentences(configurations: &[Configuration], compared: &Compared, hint: Option<String>) -> String {
     let first = &configurations[0].name;
     let others = configurations[1..].iter().zip(&compared.surer);
     let surer = others.map(|(other, surer)| surer.sentence(first, &other.name));
-    experiment::sentences(&compared.outcomes).into_iter().chain(surer).map(|sentence| sentence + "\n").collect()
+    experiment::sentences(&compared.outcomes)
+        .into_iter()
+        .chain(surer)
+        .chain(hint)
+        .map(|sentence| sentence + "\n")
+        .collect()
 }
 
 /// Tables of settings, agreement, counts, times, and stretches where the walls differ. Times in the flight are seconds

@@ -88,7 +88,11 @@ pub(crate) fn debug(args: DebugArgs, registry: &Registry, kinds: Option<&dyn Kin
     }
     let read = files_read(&args.input, args.config.config.clone())?;
     let layers = layers(&args.input.recordings.input, &args.config)?;
-    let (preset, has_view) = (args.config.preset.clone(), args.view);
+    let has_view = args.view;
+    let preset = match &args.config.preset {
+        None if recorded::only(&args.input.recordings.input)?.is_some() => "settings of the recording".to_owned(),
+        _ => format!("preset {}", args.config.preset()),
+    };
     let name = args.input.recordings.input[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let (reader, lost) = flight::reader(args.input);
     let session = Session::new(registry.clone(), layers, reader).map_err(|refused| match refused {
@@ -136,21 +140,14 @@ fn kinds_found(words: &[String], kinds: Option<&dyn Kinds>, session: &mut Sessio
     Ok(found)
 }
 
-/// The layers of settings. Those of a recording (.rrd) lie on the preset.
+/// The layers of settings. A recording (.rrd) brings its own, unless a preset is named.
 pub(crate) fn layers(inputs: &[PathBuf], args: &ConfigArgs) -> anyhow::Result<Vec<Layer>> {
-    let mut layers = config::layers(&args.preset, args.config.as_deref(), &[("--set", &args.set)])?;
-    if let Some(recording) = recorded::only(inputs)? {
-        if args.preset != DEFAULT {
-            let text = "a recording (.rrd) is debugged with the settings that it was made with: leave --preset out";
-            return Err(UsageError(text.to_owned()).into());
-        }
+    let mut layers = config::layers(args.preset(), args.config.as_deref(), &[("--set", &args.set)])?;
+    if let (Some(recording), None) = (recorded::only(inputs)?, &args.preset) {
         layers.insert(1, recorded::settings(recording)?);
     }
     Ok(layers)
 }
-
-/// The preset that nobody asked for.
-const DEFAULT: &str = "default";
 
 /// Splits a line at spaces; what stands between double quotes is one word. Quotes within a word are a part of it, as those of
 /// a list.

@@ -23,7 +23,7 @@ pub(super) struct Viewing {
 impl Viewing {
     /// Starts a viewer for the flight of this name.
     pub(super) fn open(name: &str, preset: &str) -> Result<Self, RecorderError> {
-        let source = format!("{name}, preset {preset}");
+        let source = format!("{name}, {preset}");
         Ok(Self { view: DebugView::open()?, name: name.to_owned(), source, version: None, held: None })
     }
 

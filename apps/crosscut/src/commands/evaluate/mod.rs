@@ -25,7 +25,7 @@ use crate::looking::Look;
 use crate::outputs::Document;
 use crate::run_log::Run;
 use crate::say::{say, show};
-use crate::{outputs, progress, typeset};
+use crate::{looking, outputs, progress, typeset};
 
 use self::scoring::FlightTime;
 
@@ -104,7 +104,10 @@ pub(crate) fn evaluate(args: &EvaluateArgs, registry: &Registry) -> anyhow::Resu
         let kept = keep(log, &scoreboard, &columns, &recordings, registry);
         diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
     }
-    outputs.write(&scoreboard, &experiment.outcomes(), &columns, diagnostics.problems())?;
+    let outcomes = experiment.outcomes();
+    let options: Vec<_> = with.iter().map(|with| configurations::run_options(with, &args.set)).collect();
+    let hint = looking::hint(&outcomes, &recordings, &options);
+    outputs.write(&scoreboard, &outcomes, hint, &columns, diagnostics.problems())?;
     Ok(diagnostics.outcome())
 }
 
@@ -218,10 +221,11 @@ impl<'a> Outputs<'a> {
         &mut self,
         scoreboard: &Scoreboard,
         outcomes: &[experiment::Outcome],
+        hint: Option<String>,
         columns: &[Configuration],
         problems: &[String],
     ) -> anyhow::Result<()> {
-        let sentences = experiment::sentences(outcomes);
+        let sentences: Vec<String> = experiment::sentences(outcomes).into_iter().chain(hint).collect();
         let mut shown = tables::overview(scoreboard);
         shown.extend(experiment::tables(outcomes));
         if self.args.details {

@@ -12,7 +12,7 @@ mod table;
 use std::path::Path;
 
 use crosscut_detector::Registry;
-use crosscut_rrd::{ReadError, Recording};
+use crosscut_rrd::{Damage, ReadError, Recording};
 
 use crate::cli::rrd::RrdCommand;
 use crate::exit::{Outcome, UsageError};
@@ -41,6 +41,9 @@ fn open(path: &Path, id: Option<&str>) -> anyhow::Result<Recording> {
 fn say_damages(recording: &Recording) -> Outcome {
     for damage in recording.damages() {
         say(format_args!("lost: {damage}"));
+    }
+    if recording.damages().iter().any(Damage::is_cut) {
+        say("note: `rerun rrd optimize CUT.rrd -o WHOLE.rrd` gives it the footer that `rerun rrd verify` asks for");
     }
     if recording.damages().is_empty() { Outcome::Done } else { Outcome::SomethingLost }
 }

@@ -5,6 +5,7 @@ use crosscut_detector::{Config, Registry};
 use crate::cli::ConfigArgs;
 use crate::config;
 use crate::exit::UsageError;
+use crate::looking;
 
 /// The key that chooses a preset.
 const PRESET: &str = "preset";
@@ -43,12 +44,36 @@ impl Grid {
         Ok(grid)
     }
 
+    /// A short name of each combination: what differs, without the section where that is clear.
+    pub(super) fn names(&self) -> Vec<String> {
+        let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
+        let is_alone = |key: &String| self.keys.iter().filter(|other| short(other) == short(key)).count() == 1;
+        let name = |key: &String| if is_alone(key) { short(key) } else { key.clone() };
+        let pair = |(key, value): (&String, &String)| match key.as_str() {
+            PRESET => value.clone(),
+            _ => format!("{}={value}", name(key)),
+        };
+        self.points.iter().map(|point| self.keys.iter().zip(point).map(pair).collect::<Vec<_>>().join(",")).collect()
+    }
+
+    /// The options of `debug` that choose each combination.
+    pub(super) fn options(&self, args: &ConfigArgs) -> Vec<Vec<String>> {
+        let of = |point: &Vec<String>| {
+            let of_point = self.keys.iter().zip(point);
+            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(args.preset(), |(_, value)| value);
+            let of_point = of_point.filter(|(key, _)| *key != PRESET).map(|(key, value)| format!("{key}={value}"));
+            let settings: Vec<String> = args.set.iter().cloned().chain(of_point).collect();
+            looking::options(Some(preset), args.config.as_deref(), &settings)
+        };
+        self.points.iter().map(of).collect()
+    }
+
     /// The configuration of each combination, over that of the command line.
     pub(super) fn configs(&self, args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Vec<Config>> {
         let config = |point: &Vec<String>| {
             let named = |(key, value): (&String, &String)| format!("{key}={value}");
             let of_point = self.keys.iter().zip(point);
-            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(&args.preset, |(_, value)| value);
+            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(args.preset(), |(_, value)| value);
             // One layer: a kind of the grid may have parameters that --set gives.
             let settings =
                 args.set.iter().cloned().chain(of_point.clone().filter(|(key, _)| *key != PRESET).map(named));
@@ -92,6 +117,13 @@ mod tests {
         let expected: Vec<_> =
             ["paper", "default"].iter().flat_map(|preset| rings.map(|rings| vec![*preset, rings])).collect();
         assert_eq!(grid.points, expected);
+    }
+
+    #[test]
+    fn names_are_as_short_as_they_are_clear() {
+        let grid = parse(&["preset=paper", "affinity.sigma_per_m2=1,2", "spectral.kind=lapack", "kmeans.kind=lloyd"]);
+        let names = grid.expect("a grid").names();
+        assert_eq!(names[1], "paper,sigma_per_m2=2,spectral.kind=lapack,kmeans.kind=lloyd");
     }
 
     #[test]

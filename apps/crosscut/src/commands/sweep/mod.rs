@@ -5,6 +5,7 @@ mod output;
 mod picture;
 mod store;
 mod tally;
+mod verdict;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -31,8 +32,8 @@ use crate::diagnostics::Diagnostics;
 use crate::exit::Outcome;
 use crate::fly::{self, Judge, files_read};
 use crate::interrupt::stop_on_interrupt;
-use crate::progress;
 use crate::say::{say, show};
+use crate::{looking, progress};
 
 /// A recording, and what is known of it.
 struct Input {
@@ -86,9 +87,16 @@ pub(crate) fn sweep(args: &SweepArgs, registry: &Registry, build: Option<&str>) 
             }
         }
     }
-    output::write(&args.out, &program, &grid, &rows)?;
+    let outcomes = verdict::outcomes(&grid, &rows);
+    output::write(&args.out, &program, &grid, &rows, &outcomes)?;
     if !args.quiet {
-        show(output::table(&grid, &rows))?;
+        let paths: Vec<PathBuf> = flights.iter().map(|flight| flight.path.clone()).collect();
+        let hint = looking::hint(&outcomes, &paths, &grid.options(&args.config));
+        show(format_args!("{}{}", verdict::sentences(&outcomes, hint), output::table(&grid, &rows)))?;
+    }
+    if let Some(log) = &args.log {
+        let kept = verdict::keep(log, &grid, &rows, &configs, &flights, registry);
+        diagnostics.lost_all(kept.err().map(|error| format!("{error:#}")));
     }
     if stop.is_set() {
         let left = all - rows.len();
@@ -205,8 +213,11 @@ impl Sweep<'_> {
         }
         let (left_out, losses) = (flight.left_out(), flight.losses(judge));
         for ((_, name), tally) in task.points.iter().zip(tallies) {
-            let row: Value =
-                json!({"figures": tally.figures(), "times_ms": tally.times_ms(), "lost": losses, "left_out": left_out});
+            let [right, wrong] = tally.judged();
+            let row: Value = json!({
+                "figures": tally.figures(), "right_at": right, "wrong_at": wrong, "times_ms": tally.times_ms(), "lost": losses,
+                "left_out": left_out,
+            });
             self.store.put(name, &row)?;
         }
         Ok(())

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crosscut_evaluate::experiment::Outcome;
 use crosscut_evaluate::tables::Table;
 use crosscut_stage::Step;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::grid::Grid;
 use super::{picture, store};
@@ -51,13 +52,20 @@ impl Row<'_> {
 
 /// Writes all files into the folder. What holds of the answers is in `sweep.*`: the same bytes for the same program, settings
 /// and recordings. Times are in `times.csv`.
-pub(super) fn write(folder: &Path, program: &str, grid: &Grid, rows: &[Row<'_>]) -> anyhow::Result<()> {
+pub(super) fn write(
+    folder: &Path,
+    program: &str,
+    grid: &Grid,
+    rows: &[Row<'_>],
+    outcomes: &[Outcome],
+) -> anyhow::Result<()> {
     let file = |name: &str, text: String| {
         let path = folder.join(name);
         store::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
     };
     file("sweep.csv", csv(program, grid, rows))?;
     file("times.csv", times(grid, rows))?;
+    file("verdicts.json", format!("{:#}\n", json!(outcomes)))?;
     for place in 0..grid.keys.len() {
         file(&picture_name(grid, place), picture::svg(grid, place, rows))?;
     }
@@ -71,7 +79,7 @@ pub(super) fn refuse_overwriting(
     read: impl Iterator<Item = PathBuf>,
 ) -> Result<(), UsageError> {
     let pictures = (0..grid.keys.len()).map(|place| picture_name(grid, place));
-    let names = ["sweep.csv", "times.csv"].map(str::to_owned).into_iter().chain(pictures);
+    let names = ["sweep.csv", "times.csv", "verdicts.json"].map(str::to_owned).into_iter().chain(pictures);
     let read: Vec<PathBuf> = read.collect();
     names.map(|name| folder.join(name)).try_for_each(|file| outputs::refuse(&[&file], &read))
 }

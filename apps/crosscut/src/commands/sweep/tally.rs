@@ -13,6 +13,9 @@ pub(super) struct Tally {
     sure: u64,
     failed: u64,
     evaluation: Evaluation,
+    /// The `seq` of each revolution that was compared with its truth: those that are right, those that are wrong.
+    right_at: Vec<u64>,
+    wrong_at: Vec<u64>,
     /// Of each step, in the order of [`Step::ALL`].
     times_ns: [Vec<u64>; Step::ALL.len()],
 }
@@ -34,6 +37,7 @@ impl Tally {
         }
         if let Some(score) = score {
             self.evaluation.add(score);
+            if score.right { &mut self.right_at } else { &mut self.wrong_at }.push(frame.revolution.seq);
         }
     }
 
@@ -59,6 +63,11 @@ impl Tally {
             "openings_missed": share(figures.openings.missed),
             "openings_false": share(figures.openings.false_alarms),
         })
+    }
+
+    /// The revolutions that are right, and those that are wrong.
+    pub(super) fn judged(&self) -> [&[u64]; 2] {
+        [&self.right_at, &self.wrong_at]
     }
 
     /// The median time of each step, ms.
