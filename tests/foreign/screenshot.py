@@ -160,7 +160,7 @@ class Viewer:
 
     def light(self):
         """From the dark theme, which a viewer without a desktop starts with, to the light one."""
-        for target in ({"role": "Button", "label_contains": "Menu"}, {"content_contains": "Settings"}, {"content_contains": "Light"}):
+        for target in ({"role": "Button", "label_contains": "Menu"}, {"role": "Button", "label_contains": "Settings"}, {"content_contains": "Light"}):
             self._call("click", **target)
             self.settle()
         self._call("press_key", key="Escape")

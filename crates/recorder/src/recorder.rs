@@ -321,7 +321,7 @@ impl Recorder {
         }
         log_static(&self.rec, &self.options, self.mine.as_ref())?;
         (self.beams, self.as_read, self.absent) = (BeamGeometry::default(), AsRead::default(), Absent::default());
-        self.doubts = why::Doubts::default();
+        self.doubts.repeat();
         if let Some(extent) = self.extent {
             self.send_layout(extent)?;
         }

@@ -55,13 +55,23 @@ pub(crate) struct Doubts {
     shown: Option<Doubt>,
     /// Revolutions in a row that were less doubtful than that.
     less: u32,
+    /// A new file has to say what is shown.
+    is_due: bool,
 }
 
 impl Doubts {
     pub(crate) fn log(&mut self, rows: &mut Rows, doubt: Doubt) {
-        if self.is_new(doubt) {
-            rows.log(&REPORT_DOUBT, &StateChange::single(doubt.name()));
+        let is_due = std::mem::take(&mut self.is_due);
+        if (self.is_new(doubt) || is_due)
+            && let Some(shown) = self.shown
+        {
+            rows.log(&REPORT_DOUBT, &StateChange::single(shown.name()));
         }
+    }
+
+    /// What is shown is logged at the next revolution, whether it changes or not.
+    pub(crate) fn repeat(&mut self) {
+        self.is_due = true;
     }
 
     /// Whether `doubt` is shown from here on.

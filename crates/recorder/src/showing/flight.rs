@@ -36,7 +36,7 @@ pub(super) struct Facts {
     pub(super) confidence: BTreeMap<i64, f64>,
     pub(super) truth: BTreeMap<i64, f64>,
     /// What its parts say of themselves.
-    marks: Marks,
+    pub(super) marks: Marks,
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
