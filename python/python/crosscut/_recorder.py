@@ -46,7 +46,7 @@ class Recorder:
         self._native.log_frames(columns, self._engine._native)
 
     def close(self) -> None:
-        """Ends the file. It can be read before, up to the last 2.5 s of the flight."""
+        """Ends the file. It can be read before, up to its last 10 s."""
         if self._open:
             self._open = False
             self._engine._recorders(-1)
