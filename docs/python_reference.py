@@ -9,6 +9,7 @@ import dataclasses
 import importlib
 import inspect
 import re
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,7 +28,9 @@ def signature(of: Any) -> str:
     try:
         written = re.sub(r"\bself(, )?", "", str(inspect.signature(of)), count=1)
         plain = re.sub(r"ForwardRef\('([^']*)'\)", r"\1", written)
-        return re.sub(r"(: |-> )'([^']*)'", r"\1\2", plain).replace(", _kept: _native.Kept | None = None", "")
+        return re.sub(r"(: |-> )'([^']*)'", r"\1\2", plain).replace(", _kept: _native.Kept | None = None", "").replace(
+            sys.executable, "python"
+        )
     except ValueError:  # of the native half
         return "(...)"
 

@@ -125,5 +125,5 @@ def test_a_file_of_settings_runs_no_code(tee: Path, tmp_path: Path) -> None:
     (tmp_path / "settings.toml").write_text('[affinity]\nkind = "python:evil.w"\n')
     done = subprocess.run([in_wheel(), "debug", tee, "--config", "settings.toml"], input="show\n", capture_output=True, text=True,
                           cwd=tmp_path)  # fmt: skip
-    assert done.returncode == 2 and "code runs if the command line names it" in done.stderr
+    assert done.returncode == 2 and "where the command line names it" in done.stderr
     assert not (tmp_path / "RUN").exists()
