@@ -63,7 +63,7 @@ const LEAST_AT_START: f64 = 0.15;
 const NOISE_TIMES: f64 = 2.0;
 
 /// The walls hold a direction if by what is left they alone show the position along it to within this (standard deviation).
-const HELD_M: f64 = 0.1;
+const HELD_M: f64 = 0.3;
 
 /// Odometry is left out for a revolution if the sum is lower by this much without it.
 const ODOMETRY_LEAD: f64 = 4.0;
