@@ -196,13 +196,14 @@ impl Passage {
         }
     }
 
-    /// The widths of the vehicle, about its own one, for which there are as many walls.
+    /// The widths of the vehicle, about its own one, for which there are as many walls. There are as many islands, too: the
+    /// report counts an island that it does not take for one as a wall.
     fn count_holds_m(&mut self, revolution: &Revolution) -> Option<[f64; 2]> {
         let (width_m, mut other) = (self.thresholds.lengths.passage_m, Affinity::default());
         let mut count_at = |width_m: f64| {
             self.thresholds.lengths.passage_m = width_m;
             let done = self.write_walls(revolution, &mut other, &mut Notes::default());
-            done.is_ok().then_some(self.walls.len())
+            done.is_ok().then_some([self.walls.len(), self.scan.islands.pieces.len()])
         };
         let holds_m = count_at(width_m).map(|count| widths::hold_m(width_m, |m| count_at(m) == Some(count)));
         self.thresholds.lengths.passage_m = width_m;
