@@ -213,17 +213,14 @@ pub fn inequality(spectrum: &Spectrum) -> String {
     format!("{below}τ {}{above}", power(spectrum.tolerance))
 }
 
-/// For which widths of the vehicle the count stays the same: "3 walls by these gaps for vehicles 0.2 to 3.4 m wide; wider, it
-/// is 2."
+/// For which widths of the vehicle the count stays the same: "3 walls by these gaps for vehicles 0.20 to 3.40 m
+/// wide."
 pub fn widths(count: usize, [least_m, most_m]: [f64; 2]) -> String {
     let walls = counted(count as u64, "wall");
     if most_m >= ANY_WIDTH_M {
-        format!("{walls} by these gaps for vehicles at least {least_m:.1} m wide.")
+        format!("{walls} by these gaps for vehicles at least {least_m:.2} m wide.")
     } else {
-        format!(
-            "{walls} by these gaps for vehicles {least_m:.1} to {most_m:.1} m wide; wider, it is {}.",
-            count.saturating_sub(1)
-        )
+        format!("{walls} by these gaps for vehicles {least_m:.2} to {most_m:.2} m wide.")
     }
 }
 
@@ -237,9 +234,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_widths_name_the_count_beyond_them() {
-        assert_eq!(widths(3, [0.2, 3.4]), "3 walls by these gaps for vehicles 0.2 to 3.4 m wide; wider, it is 2.");
-        assert_eq!(widths(1, [0.1, 100.0]), "1 wall by these gaps for vehicles at least 0.1 m wide.");
+    fn the_widths_are_told_to_the_centimetre() {
+        assert_eq!(widths(3, [0.2, 3.4]), "3 walls by these gaps for vehicles 0.20 to 3.40 m wide.");
+        assert_eq!(widths(1, [0.1, 100.0]), "1 wall by these gaps for vehicles at least 0.10 m wide.");
     }
 
     #[test]

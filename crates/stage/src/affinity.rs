@@ -11,8 +11,8 @@ pub struct Affinity {
     pub degrees: Vec<f64>,
     /// The decisions at gaps, of kinds that decide whether a wall ends there.
     pub verdicts: Vec<Verdict>,
-    /// The widths of the vehicle, about the configured one, for which there are as many walls, metres; `None` of kinds for
-    /// which the vehicle has no width.
+    /// The widths of the vehicle, about the configured one, for which there are as many walls, metres; `None` unless they
+    /// were asked for, and of kinds for which the vehicle has no width.
     pub holds_for_width_m: Option<[f64; 2]>,
 }
 

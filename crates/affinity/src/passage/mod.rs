@@ -17,8 +17,8 @@ mod widths;
 
 use crosscut_scan::{Directions, LEAST_WALL_RETURNS, Lengths, LevelView, Pieces, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Count, Invariance, Kind, Names, Notes, Number, Params, Point, Revolution, StageError,
-    Storage, Sweep, Verdict, counted,
+    Affinity, AffinityStage, Count, Flag, Invariance, Kind, Names, Notes, Number, Params, Point, Revolution,
+    StageError, Storage, Sweep, Verdict, counted,
 };
 
 use carrying::Carrying;
@@ -82,6 +82,10 @@ const LEAK: Number = Number::new("leak", "", 1e-8).from(0.0).to(1.0).doc(
 const WITHOUT: Names =
     Names::any_of("without", &verdict::NAMES).doc("rules and vetoes that are left out, to see what each is good for");
 
+const WIDTHS: Flag = Flag::new("widths", false).doc(
+    "report the widths of the vehicle for which the count stays the same; decides each scan about a hundred times",
+);
+
 /// The graph of the walls.
 pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     "passage",
@@ -100,6 +104,7 @@ pub const KIND: Kind<dyn AffinityStage> = Kind::affinity(
     NEIGHBOURS.spec,
     LEAK.spec,
     WITHOUT.spec,
+    WIDTHS.spec,
 ])
 // On average one more edge to and from a return that is left over; an unseen return of a cloud has three.
 .storage(Storage::Sparse(|params, _| (2 * params.get(NEIGHBOURS) + 3).max(7)))
@@ -134,6 +139,7 @@ struct Passage {
     height_m: f64,
     wall_rad: f64,
     leak: f64,
+    tells_widths: bool,
     chains: Chains,
     cloud: Cloud,
     scan: Scan,
@@ -169,12 +175,39 @@ impl Passage {
             height_m: params.get(HEIGHT_M),
             wall_rad: params.get(WALL_DEG).to_radians(),
             leak: params.get(LEAK),
+            tells_widths: params.get(WIDTHS),
             chains: Chains::new(params.get(NEIGHBOURS)),
             cloud: Cloud::default(),
             scan: Scan::default(),
             directions: Directions::default(),
             walls: Pieces::default(),
         }
+    }
+
+    fn write_walls(
+        &mut self,
+        revolution: &Revolution,
+        out: &mut Affinity,
+        notes: &mut Notes,
+    ) -> Result<(), StageError> {
+        match revolution.as_sweep() {
+            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, self.leak, out, notes),
+            None => self.walls_of_cloud(revolution, out, notes),
+        }
+    }
+
+    /// The widths of the vehicle, about its own one, for which there are as many walls. There are as many islands, too: the
+    /// report counts an island that it does not take for one as a wall.
+    fn count_holds_m(&mut self, revolution: &Revolution) -> Option<[f64; 2]> {
+        let (width_m, mut other) = (self.thresholds.lengths.passage_m, Affinity::default());
+        let mut count_at = |width_m: f64| {
+            self.thresholds.lengths.passage_m = width_m;
+            let done = self.write_walls(revolution, &mut other, &mut Notes::default());
+            done.is_ok().then_some([self.walls.len(), self.scan.islands.pieces.len()])
+        };
+        let holds_m = count_at(width_m).map(|count| widths::hold_m(width_m, |m| count_at(m) == Some(count)));
+        self.thresholds.lengths.passage_m = width_m;
+        holds_m
     }
 
     /// Writes W, D and the verdicts of a sweep, whose points these are.
@@ -212,7 +245,6 @@ impl Passage {
             left_over.extend(joining::join(&mut judge, walls, least_returns));
         }
         self.chains.write(&mut judge, walls, &left_over, leak, out);
-        out.holds_for_width_m = Some(widths::hold_m(&mut judge, walls));
         Ok(())
     }
 
@@ -245,7 +277,6 @@ impl Passage {
                     ..*verdict
                 }),
             );
-            out.holds_for_width_m = seen.holds_for_width_m;
             carrying.write(cloud, view, seen, passage_m, out);
         }
         self.cloud = buffers;
@@ -266,9 +297,10 @@ pub fn measured_gaps(revolution: &Revolution, params: &Params) -> Result<Vec<(Ve
 
 impl AffinityStage for Passage {
     fn weigh(&mut self, revolution: &Revolution, out: &mut Affinity, notes: &mut Notes) -> Result<(), StageError> {
-        match revolution.as_sweep() {
-            Some(sweep) => self.walls_of_sweep(sweep, &revolution.points_m, self.leak, out, notes),
-            None => self.walls_of_cloud(revolution, out, notes),
-        }
+        // First, so that the buffers end with the walls of the vehicle's own width.
+        let holds_m = if self.tells_widths { self.count_holds_m(revolution) } else { None };
+        self.write_walls(revolution, out, notes)?;
+        out.holds_for_width_m = holds_m;
+        Ok(())
     }
 }

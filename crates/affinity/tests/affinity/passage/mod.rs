@@ -6,6 +6,7 @@ mod pillars;
 mod promises;
 mod verdicts;
 mod ways;
+mod widths;
 
 use std::f64::consts::{PI, TAU};
 
