@@ -56,13 +56,18 @@ impl Grid {
         self.points.iter().map(|point| self.keys.iter().zip(point).map(pair).collect::<Vec<_>>().join(",")).collect()
     }
 
+    /// The preset and the settings of a combination, over those of the command line.
+    fn chosen<'a>(&'a self, point: &'a [String], args: &'a ConfigArgs) -> (&'a str, Vec<String>) {
+        let of_point = self.keys.iter().zip(point);
+        let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(args.preset(), |(_, value)| value);
+        let of_point = of_point.filter(|(key, _)| *key != PRESET).map(named);
+        (preset, args.set.iter().cloned().chain(of_point).collect())
+    }
+
     /// The options of `debug` that choose each combination.
     pub(super) fn options(&self, args: &ConfigArgs) -> Vec<Vec<String>> {
         let of = |point: &Vec<String>| {
-            let of_point = self.keys.iter().zip(point);
-            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(args.preset(), |(_, value)| value);
-            let of_point = of_point.filter(|(key, _)| *key != PRESET).map(|(key, value)| format!("{key}={value}"));
-            let settings: Vec<String> = args.set.iter().cloned().chain(of_point).collect();
+            let (preset, settings) = self.chosen(point, args);
             looking::options(Some(preset), args.config.as_deref(), &settings)
         };
         self.points.iter().map(of).collect()
@@ -71,15 +76,11 @@ impl Grid {
     /// The configuration of each combination, over that of the command line.
     pub(super) fn configs(&self, args: &ConfigArgs, registry: &Registry) -> anyhow::Result<Vec<Config>> {
         let config = |point: &Vec<String>| {
-            let named = |(key, value): (&String, &String)| format!("{key}={value}");
-            let of_point = self.keys.iter().zip(point);
-            let preset = of_point.clone().find(|(key, _)| *key == PRESET).map_or(args.preset(), |(_, value)| value);
             // One layer: a kind of the grid may have parameters that --set gives.
-            let settings =
-                args.set.iter().cloned().chain(of_point.clone().filter(|(key, _)| *key != PRESET).map(named));
-            let settings: Vec<String> = settings.collect();
+            let (preset, settings) = self.chosen(point, args);
             config::resolve(preset, args.config.as_deref(), &[("--set", &settings)], registry).map_err(|error| {
-                UsageError(format!("--grid at {}: {error}", of_point.map(named).collect::<Vec<_>>().join(", "))).into()
+                let of_point: Vec<String> = self.keys.iter().zip(point).map(named).collect();
+                UsageError(format!("--grid at {}: {error}", of_point.join(", "))).into()
             })
         };
         self.points.iter().map(config).collect()
@@ -98,6 +99,11 @@ fn values_of(text: &str) -> Vec<String> {
         c == ',' && depth == 0
     });
     values.map(str::to_owned).collect()
+}
+
+/// A setting as the command line has it.
+fn named((key, value): (&String, &String)) -> String {
+    format!("{key}={value}")
 }
 
 #[cfg(test)]
