@@ -83,7 +83,7 @@ impl Flight {
         Ok(Self { left_out: recorded_in_folders(parts), ..flight })
     }
 
-    /// The same with the truth of its scans, where its only part holds that.
+    /// Opens a flight as `open` does, with the truth of its scans if it is one recording that holds it.
     pub(crate) fn open_with_truths(parts: &[PathBuf], args: &InputArgs, config: &Config) -> anyhow::Result<Self> {
         let flight = Self::open(parts, args, config)?;
         Ok(match parts {

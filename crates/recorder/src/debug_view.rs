@@ -27,7 +27,7 @@ pub enum Beside<'a> {
     Nothing,
     /// What was shown beside the one before.
     Same,
-    /// The same revolution by other settings.
+    /// That revolution, answered with other settings.
     Other(Box<Answered<'a>>),
 }
 

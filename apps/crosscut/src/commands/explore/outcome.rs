@@ -64,7 +64,7 @@ pub(super) fn words(flown: &Flown) -> String {
     )
 }
 
-/// The same as Markdown, without the times, which another run would not repeat.
+/// What was told, in Markdown, without the times: another run would not repeat them.
 #[cfg_attr(not(feature = "rerun"), allow(dead_code))] // recordings need the feature
 pub(super) fn markdown(flown: &Flown) -> String {
     let [became, least, map] = parts(flown);
