@@ -58,7 +58,7 @@ pub(super) struct Turns {
 pub(super) struct Gap<'p> {
     pub(super) context: &'p ScanContext<'p>,
     /// The pieces clockwise and anticlockwise of it.
-    pieces: [&'p [usize]; 2],
+    pub(super) pieces: [&'p [usize]; 2],
     /// The last return of the first piece, and the first of the second.
     pub(super) ends: [usize; 2],
     /// The first piece is the nearer wall.
