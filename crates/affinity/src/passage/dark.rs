@@ -47,13 +47,13 @@ pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
 
 /// How much room there is where nothing is seen over an angle, or far off over a patch, that no lost beams explain.
 pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
-    if gap.turns_back() && !gap.surrounds_sensor() {
+    if gap.turns_back() {
         return 0.0;
     }
     let (ring, size_m) = (&gap.context.scan.ring, gap.context.scan.size_m);
     let (chord_m, dark_rad) = (gap.chord_m(), gap.dark_rad());
     let is_as_of_opening = dark_rad * ring.range_max_m < BEHIND_BLANK * chord_m;
-    let is_wide = dark_rad > BLANK_RAD && (is_as_of_opening || gap.turns.whole_rad > DARK_TURN_RAD || gap.surrounds_sensor());
+    let is_wide = dark_rad > BLANK_RAD && (is_as_of_opening || gap.turns.whole_rad > DARK_TURN_RAD);
     let patch_m = if gap.near_m > FAR_OFF_SHARE * size_m { dark_rad * gap.near_m } else { 0.0 };
     let is_blank = is_wide || (patch_m > PATCH_SHARE * size_m && gap.is_not_lost());
     if is_blank { chord_m / (BLANK_SHARE * size_m) } else { 0.0 }
@@ -82,11 +82,6 @@ impl Gap<'_> {
     /// Whether the wall turns right, so that a patch of it may be dark.
     fn turns_back(&self) -> bool {
         self.turns.whole_rad <= -DARK_TURN_RAD
-    }
-
-    /// Whether the dark is more than half of what is around the sensor: a wall that closes it would go around the sensor.
-    fn surrounds_sensor(&self) -> bool {
-        self.dark_rad() > PI
     }
 
     /// Whether both ends lie at the end of the range, and nothing between them was lost.
