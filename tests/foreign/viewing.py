@@ -42,6 +42,7 @@ def check(flights: Flights, verdicts: Verdicts):
     check_sensors(flights, verdicts)
     check_importer(flights, verdicts)
     check_debug(flight.path, flights, verdicts)
+    check_debug_recording(saved, flights, verdicts)
     check_late(flight.path, flights, verdicts)
     check_stalled(flights, verdicts)
 
@@ -161,6 +162,22 @@ def check_debug(path: Path, flights: Flights, verdicts: Verdicts):
     verdicts.that(not missing and follows and min(shown_s) < SHOWN_WITHIN_S, "debug --view", figures)
     lives = code == 0 and "it was closed; the session goes on" in said and all("result" in answer for answer in answers)
     verdicts.that(lives, "debug --view, the viewer is killed", f"exit code {code}, {said.splitlines()[-1]}")
+
+
+def check_debug_recording(saved: Path, flights: Flights, verdicts: Verdicts):
+    """A recording in place of a flight: the viewer shows what is rebuilt from it, with the settings that it was made with."""
+    command = flights.crosscut.command("debug", saved, "--view", "--json")
+    with Viewer.beside(command, SIZE) as viewer:
+        recorded = viewer.ask("seek", 107)["result"]["walls"]
+        viewer.ask("hold")
+        changed = viewer.ask("set", "report.min_returns=3")["result"]["walls"]
+        viewer.settle()
+        at, views = viewer.time(), viewer.views()
+        viewer.save(flights.work.parent / "debug-recording.png")
+        code, _ = viewer.leave()
+    figures = f"{recorded} walls recorded, {changed} now, at {at}, {sorted(views)[:4]}, exit code {code}"
+    sides = all(any(name.startswith(f"{side}: 8 Why") for name in views) for side in ("A", "now"))
+    verdicts.that((recorded, changed) == (4, 3) and at == ("command", 4) and sides and code == 0, "debug FLIGHT.rrd --view", figures)
 
 
 def time_to_show(viewer: Viewer, tolerance: str, shown: int) -> float:
