@@ -39,6 +39,7 @@ def check(flights: Flights, verdicts: Verdicts):
         check_view(command, f"view --layout {page}", words, flights, verdicts)
     check_at(saved, flights, verdicts)
     check_beside(saved, flights, verdicts)
+    check_layers(flight.path, flights, verdicts)
     check_sensors(flights, verdicts)
     check_importer(flights, verdicts)
     check_debug(flight.path, flights, verdicts)
@@ -98,6 +99,19 @@ def check_beside(saved: Path, flights: Flights, verdicts: Verdicts):
     check_view(command, "view --beside", [*both, "Walls counted", "What differs", "Where they differ"], flights, verdicts)
     stages = [f"{name}: {number} {view}" for name in names for number, view in ((1, "Returns"), (2, "W"), (8, "Why"))]
     check_view([*command, "--layout", "stages"], "view --beside --layout stages", stages, flights, verdicts)
+
+
+def check_layers(path: Path, flights: Flights, verdicts: Verdicts):
+    """Two layers of a flight, given to the stock viewer together, are one recording with the entities of both."""
+    saved = [flights.work / f"layer-{name}.rrd" for name in ("paper", "default")]
+    for name, file in zip(("paper", "default"), saved):
+        flights.crosscut("run", path, "--preset", name, "--save", file, "--layer", name, "--quiet").expect(0)
+    with Viewer.of(*saved, size=SIZE) as viewer:
+        count, last, views = viewer.recordings(), viewer.last_revolution(), viewer.views()
+    entities = {entity for file in saved for entity in rrd.timelines(file)}
+    both = {"/paper/report/junctions", "/default/report/junctions"} <= entities
+    figures = f"{count} recording, to revolution {last}, both layers: {both}, {len(views)} views"
+    verdicts.that(count == 1 and both and len(views) > 5, "two layers in the stock viewer", figures)
 
 
 def check_sensors(flights: Flights, verdicts: Verdicts):
