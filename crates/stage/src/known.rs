@@ -57,11 +57,6 @@ impl KnownGaps {
     pub fn all(&self) -> u64 {
         self.seen + self.proved + self.judged
     }
-
-    /// The share of judged gaps; `None` without a gap.
-    pub fn judged_share(&self) -> Option<f64> {
-        (self.all() > 0).then(|| self.judged as f64 / self.all() as f64)
-    }
 }
 
 impl AddAssign for KnownGaps {
