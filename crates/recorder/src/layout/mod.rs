@@ -107,7 +107,7 @@ impl Extent {
     pub(crate) fn log(self, rec: &RecordingStream) -> RecordingStreamResult<()> {
         let [by_gaps, has_truth] = [self.by_gaps, self.has_truth].map(|is_so| f64::from(u8::from(is_so)));
         let values = vec![self.range_m, self.places as f64, by_gaps, has_truth];
-        rec.log_static(EXTENT.path, &f64_vector(values, EXTENT.dims))
+        rec.log_static(EXTENT.path, &Tensor::new(f64_vector(values, EXTENT.dims)))
     }
 
     /// Reads the extent that was recorded.
