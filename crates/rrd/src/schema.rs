@@ -102,16 +102,27 @@ impl Entity {
 /// Where two recordings stand that are shown side by side. They are no layers.
 pub const SIDES: [&str; 2] = ["left", "right"];
 
-/// The layer that a path belongs to: its first part, where that is none of ours and an entity of ours follows it. Empty where the
-/// path begins with an entity of ours; `None` of all other paths.
+/// Whether entities of a layer may stand below this name: letters, digits, `_` and `-`, and neither the beginning of an entity of
+/// ours nor of one of Rerun's (`__properties`).
+pub fn is_layer_name(name: &str) -> bool {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let is_taken = name.starts_with("__") || SIDES.contains(&name) || is_area(name);
+    !name.is_empty() && name.chars().all(is_plain) && !is_taken
+}
+
+/// The layer that a path belongs to: its first part, where an entity of ours follows it. Empty where the path begins with an entity
+/// of ours; `None` of all other paths.
 pub fn layer_of(path: &str) -> Option<&str> {
-    let is_area = |part: &str| ENTITIES.iter().any(|entity| entity.area() == part);
     let mut parts = path.strip_prefix('/')?.splitn(3, '/');
     let first = parts.next()?;
     if is_area(first) {
         return Some("");
     }
-    parts.next().filter(|second| is_area(second) && !SIDES.contains(&first)).map(|_| first)
+    parts.next().filter(|second| is_area(second) && is_layer_name(first)).map(|_| first)
+}
+
+fn is_area(part: &str) -> bool {
+    ENTITIES.iter().any(|entity| entity.area() == part)
 }
 
 /// All entities as a table in Markdown, for readers of a recording.

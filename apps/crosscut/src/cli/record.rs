@@ -62,16 +62,13 @@ pub(crate) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     Ok(path)
 }
 
-/// Refuses what is no single name in a path of entities, and the names that entities of a recording begin with.
-fn layer_name(name: &str) -> Result<String, String> {
-    let is_plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+/// Refuses names that entities of a recording begin with, and what is no name.
+fn layer_name(name: &str) -> Result<String, &'static str> {
     #[cfg(feature = "rerun")]
-    let is_plain = is_plain && {
-        use crosscut_recorder::schema::{ENTITIES, SIDES};
-        ENTITIES.iter().all(|entity| entity.area() != name) && !SIDES.contains(&name)
-    };
-    let error = || "a name of letters, digits, _ and -, that no entity of a recording begins with".to_owned();
-    is_plain.then(|| name.to_owned()).ok_or_else(error)
+    if !crosscut_recorder::schema::is_layer_name(name) {
+        return Err("a name of letters, digits, _ and -, that no entity of a recording begins with");
+    }
+    Ok(name.to_owned())
 }
 
 /// Pages of a recording.
