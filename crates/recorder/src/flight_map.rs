@@ -99,7 +99,7 @@ impl FlightMap {
         let [at, ahead] = [0.0, AHEAD_M].map(|x| drawn(&(pose * Point2::new(x, 0.0))));
         let vehicle = LineStrips2D::new([[at, ahead]]);
         let disc = Points2D::new([at]);
-        rows.log(&FLIGHT_POSE, &[&vehicle as &dyn AsComponents, &disc, &exact]);
+        rows.log_tensor(&FLIGHT_POSE, exact, &[&vehicle, &disc]);
         if let Some(here) = FlightAnswer::of(frame).steady_here() {
             rows.log(&FLIGHT_HERE, &StateChange::single(here.kind.name()));
         }

@@ -310,7 +310,7 @@ pub(crate) struct EvaluateArgs {
     /// Single setting that overrides every configuration. May be repeated.
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Show tables of counts, labels, openings and confidence as well.
+    /// Show tables of counts, labels, openings and confidence as well, and a command for each revolution that is mended or broken.
     #[arg(long)]
     pub(crate) details: bool,
     /// Write all figures as JSON; `-` is standard output.
@@ -353,7 +353,8 @@ pub(crate) struct CompareArgs {
     /// Write the comparison of --golden as JUnit XML, a test for each revolution.
     #[arg(long, value_name = "FILE.xml", requires = "golden")]
     pub(crate) junit: Option<PathBuf>,
-    /// List every stretch of the flight where the walls differ, not only the longest ones.
+    /// List every stretch of the flight where the walls differ, not only the longest ones, and a command for each revolution that
+    /// is mended or broken.
     #[arg(long)]
     pub(crate) all: bool,
     /// Write all figures and stretches as JSON; `-` is standard output.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crosscut_rrd::ReadError;
-use crosscut_rrd::messages::{Messages, chunk_of};
+use crosscut_rrd::messages::{ENTITY_PATH, Messages, chunk_of};
 use crosscut_rrd::parts::{Marks, files_named_like_parts};
 use rerun::external::re_log_types::{ArrowMsg, EntityPath, StoreId};
 use rerun::log::{Chunk, LogMsg};
@@ -37,6 +37,8 @@ pub(super) struct Facts {
     pub(super) truth: BTreeMap<i64, f64>,
     /// What its parts say of themselves.
     pub(super) marks: Marks,
+    /// It is a layer: its own pages are for the places where its entities stand in the file.
+    pub(super) is_layer: bool,
 }
 
 /// Under which name, and where in the tree of entities, a flight is shown.
@@ -86,7 +88,9 @@ impl Flight {
     ) -> Result<Vec<String>, ShowError> {
         let mut damages = Vec::new();
         for path in &self.parts {
-            for message in Messages::open(path)? {
+            let mut messages = Messages::open(path)?;
+            while let Some(message) = messages.next() {
+                facts.is_layer = messages.is_layer();
                 let message = message.map_err(|damage| damage.to_string());
                 match message.and_then(|(_, message)| destination.put(message, facts)) {
                     Ok(Some(message)) => {
@@ -108,7 +112,7 @@ impl Destination {
     /// The message as it is shown; nothing if it is not.
     fn put(&self, mut message: LogMsg, facts: &mut Facts) -> Result<Option<LogMsg>, String> {
         if message.store_id().kind() == StoreKind::Blueprint {
-            return Ok(self.own_layout.then_some(message));
+            return Ok((self.own_layout && !facts.is_layer).then_some(message));
         }
         message.set_store_id(self.store.clone());
         let LogMsg::ArrowMsg(_, arrow) = &message else { return Ok(Some(message)) };
@@ -180,7 +184,7 @@ fn numbers(chunk: &Chunk) -> Vec<(i64, f64)> {
 
 /// The entity that a message is about; empty if it does not say.
 pub(super) fn entity_of(arrow: &ArrowMsg) -> String {
-    arrow.batch.schema_ref().metadata().get("rerun:entity_path").cloned().unwrap_or_default()
+    arrow.batch.schema_ref().metadata().get(ENTITY_PATH).cloned().unwrap_or_default()
 }
 
 /// The first value of a component, where there is one.
