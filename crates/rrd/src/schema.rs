@@ -274,6 +274,8 @@ entities! {
     FLIGHT_HERE: "/flight/here", "StateChange:state", [], "", Exact, Event,
         "kind of the place by the steady answer, at each revolution where it is known";
     FLIGHT_PATH: "/flight/path", LINES_2D, ["point", "axis"], "m", Drawing, Change, "the way so far, corrected";
+    FLIGHT_UNSURE: "/flight/unsure", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
+        "places of the way where the answer was unsure (`/report/doubt`), corrected; only where there are any";
     FLIGHT_WALLS: "/flight/walls", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,
         "walls so far, a point for each square of 0.2 m, corrected; drawn again when many are new";
     FLIGHT_WALLS_NEW: "/flight/walls/new", "Points2D:positions", ["point", "axis"], "m", Drawing, Change,

@@ -59,6 +59,9 @@ pub(crate) fn rrd_path(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "mcap") {
         return Err("--save writes a recording for the Rerun viewer, not an MCAP recording: FLIGHT.rrd");
     }
+    if has_extension(&path, "jsonl") || has_extension(&path, "json") {
+        return Err("--save writes a recording for the Rerun viewer: FLIGHT.rrd; results are -o FILE.jsonl");
+    }
     Ok(path)
 }
 

@@ -7,6 +7,7 @@
 mod control;
 mod differences;
 mod flight;
+mod made;
 mod sensors;
 
 use std::fs::File;
