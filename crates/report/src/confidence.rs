@@ -6,7 +6,7 @@
 //! By the scene: an answer is wrong where one verdict between "the wall continues" and "a vehicle can pass" is wrong, so
 //! it is as sure as its verdicts are clear ([`Grounds`]):
 //! ```text
-//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)
+//! P(right) = 1 / (1 + exp(-β·x)),  x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), φ, i, m)
 //! ```
 //! with q the probability of the answer by the odds of its gaps ([`crate::odds`]) and w the width of the vehicle. Where
 //! returns are more than 4° apart on average, walls do not show as lines, and P is lowered by a factor. A dark gap in the
@@ -26,14 +26,12 @@ use crate::outline::Outline;
 const CLEARANCES: [f64; 2] = [0.2, 15.0];
 /// What the odds of the gaps say is limited to this, and 1 less this.
 const LEAST_ODDS: f64 = 1e-4;
-/// The ratio of the narrowest to the widest opening is limited to this.
-const LEAST_RATIO: f64 = 0.2;
 /// Openings that are this far apart, or farther, are clearly apart.
 const APART_RAD: f64 = FRAC_PI_4;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-2.01, 0.31, 0.38, -0.46, 0.06, 2.53, -0.71, 2.14];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.35, 0.54, 0.3, -0.4, 2.15, -0.63, 1.24];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;
@@ -59,9 +57,6 @@ pub struct Grounds {
     /// g: how far a wall leaves its own line at a gap, or how deep the space behind the gap is, if that is less,
     /// metres; the most of all gaps of the vehicle's width.
     pub most_within_walls_m: f64,
-    /// r: the width of the narrowest opening as a share of that of the widest, of those that the end of the view does
-    /// not cut.
-    pub narrowest_to_widest: f64,
     /// φ: the least angle between the bearings of two openings.
     pub apart_rad: f64,
     /// i: whether pillars are in view, behind which nothing is seen.
@@ -72,7 +67,7 @@ pub struct Grounds {
 
 impl Grounds {
     /// The length of x.
-    pub const INPUTS: usize = 8;
+    pub const INPUTS: usize = 7;
 
     /// Of an answer that has walls, with the verdicts of its affinity and the margin of its spectrum; `None` without a
     /// wall, or without beams.
@@ -106,7 +101,6 @@ impl Grounds {
             odds: odds::of_answer(verdicts, answer),
             least_at_openings_m: f64::INFINITY,
             most_within_walls_m: 0.0,
-            narrowest_to_widest: narrowest_to_widest(answer),
             apart_rad: apart_rad(answer),
             islands: answer.walls.iter().any(|wall| wall.island),
             margin_decades,
@@ -142,17 +136,10 @@ impl Grounds {
         let clearance = |length_m: f64| (length_m / vehicle_width_m).clamp(CLEARANCES[0], CLEARANCES[1]).ln();
         let (opening, gap) = (clearance(self.least_at_openings_m), clearance(self.most_within_walls_m));
         let odds = self.odds.clamp(LEAST_ODDS, 1.0 - LEAST_ODDS);
-        let ratio = self.narrowest_to_widest.max(LEAST_RATIO).ln();
         let margin = self.margin_decades.unwrap_or(MARGIN_DECADES).clamp(0.0, MARGIN_DECADES);
         let (apart, islands) = (self.apart_rad.min(APART_RAD), f64::from(u8::from(self.islands)));
-        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, ratio, apart, islands, margin]
+        [1.0, (odds / (1.0 - odds)).ln(), opening, gap, apart, islands, margin]
     }
-}
-
-fn narrowest_to_widest(answer: &Junction) -> f64 {
-    let widths_m = || answer.openings.iter().filter(|opening| !opening.is_cut_by_view()).map(|opening| opening.width_m);
-    let widest_m = widths_m().fold(0.0, f64::max);
-    if widest_m > 0.0 { widths_m().fold(widest_m, f64::min) / widest_m } else { 1.0 }
 }
 
 /// The least angle between the bearings of two openings; π with fewer than two.

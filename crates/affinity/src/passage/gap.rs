@@ -58,7 +58,7 @@ pub(super) struct Turns {
 pub(super) struct Gap<'p> {
     pub(super) context: &'p ScanContext<'p>,
     /// The pieces clockwise and anticlockwise of it.
-    pieces: [&'p [usize]; 2],
+    pub(super) pieces: [&'p [usize]; 2],
     /// The last return of the first piece, and the first of the second.
     pub(super) ends: [usize; 2],
     /// The first piece is the nearer wall.
@@ -122,6 +122,7 @@ impl<'p> Gap<'p> {
         let [p_m, q_m] = ends.map(|end| ring.range_m(end));
         let turns_rad @ [first_rad, second_rad] = turns_rad(directions, chord);
         let [near_rad, far_rad] = if first_is_nearer { turns_rad } else { [second_rad, first_rad] };
+        let span_rad = span_rad(context, ends);
         let Clearance { clear_m, depth_m } = Clearance::at(chord, directions, first_is_nearer);
         let mut gap = Self {
             context,
@@ -132,7 +133,7 @@ impl<'p> Gap<'p> {
             far_m: p_m.max(q_m),
             directions,
             chord,
-            turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad) },
+            turns: Turns { near_rad, far_rad, whole_rad: whole_turn_rad(turns_rad, span_rad) },
             clear_m,
             depth_m,
             dark_beams: ring.dark_between(p, q),
@@ -194,6 +195,11 @@ impl<'p> Gap<'p> {
         self.chord.norm()
     }
 
+    /// The angle at the sensor from the one end to the other.
+    fn span_rad(&self) -> f64 {
+        span_rad(self.context, self.ends)
+    }
+
     /// The angle in which nothing is seen.
     pub(super) fn dark_rad(&self) -> f64 {
         f64::from(self.dark_beams) * self.context.scan.ring.step_rad
@@ -221,7 +227,7 @@ impl<'p> Gap<'p> {
         let (scan, [a, b]) = (self.context.scan, self.pieces);
         let directions = [(a, End::Last), (b, End::First)]
             .map(|(piece, end)| direction(&scan.ring, &scan.roughness, piece, end, FACE_M));
-        whole_turn_rad(turns_rad(directions, self.chord))
+        whole_turn_rad(turns_rad(directions, self.chord), self.span_rad())
     }
 
     /// Whether at most one beam looks into the gap, over an angle so narrow that this does not mean that nothing is
@@ -276,10 +282,19 @@ fn turns_rad([before, after]: [Position; 2], chord: Position) -> [f64; 2] {
     [turn_rad(before, chord), turn_rad(chord, after)]
 }
 
-/// How far the wall turns left in all; around a tip it may turn right by more than π.
-fn whole_turn_rad([first_rad, second_rad]: [f64; 2]) -> f64 {
+/// The angle at the sensor from the first end of a gap to the second.
+fn span_rad(context: &ScanContext<'_>, [p, q]: [usize; 2]) -> f64 {
+    let ring = &context.scan.ring;
+    ring.beams_from(p, q) as f64 * ring.step_rad
+}
+
+/// How far the wall turns left in all; around a tip it may turn right by more than π. A wall across more than half of what
+/// is around the sensor goes around the sensor, and not along the chord: it turns by as much as its bearing does, to within π.
+fn whole_turn_rad([first_rad, second_rad]: [f64; 2], span_rad: f64) -> f64 {
     let turn_rad = first_rad + second_rad;
-    if turn_rad < -MOST_RIGHT_RAD {
+    if span_rad > PI {
+        span_rad - PI + (turn_rad - span_rad + PI).rem_euclid(TAU)
+    } else if turn_rad < -MOST_RIGHT_RAD {
         turn_rad + TAU
     } else if turn_rad > MOST_LEFT_RAD {
         turn_rad - TAU

@@ -49,13 +49,41 @@ impl Gap<'_> {
         self.fits_beyond().all(|fits| fits)
     }
 
-    /// Whether it is a slit between two pieces of a wall, which no vehicle passes.
+    /// Whether no vehicle passes between what is seen on the one side of it and on the other: beside the end of the nearer
+    /// wall, or where the way to it narrows.
     pub(super) fn is_slit(&self) -> bool {
         let mut in_a_row = 0;
-        self.fits_beyond().any(|fits| {
+        let is_beside_end = self.fits_beyond().any(|fits| {
             in_a_row = if fits { 0 } else { in_a_row + 1 };
             in_a_row == SLIT_RETURNS
-        })
+        });
+        is_beside_end || self.is_behind_neck()
+    }
+
+    /// Whether two returns of each wall, as far as a quarter turn from the gap, leave no room for a vehicle between them.
+    fn is_behind_neck(&self) -> bool {
+        let (ring, passage_m) = (&self.context.scan.ring, self.context.passage_m());
+        let ([before, after], [p, q]) = (self.pieces, self.ends);
+        let beams = |angle_rad: f64| (angle_rad / ring.step_rad) as usize;
+        let quarter_turn = beams(FRAC_PI_2);
+        let mut first: Option<[usize; 2]> = None;
+        let mut are_others = [false; 2];
+        for &a in before.iter().rev().take_while(|&&a| ring.beams_from(a, p) < quarter_turn) {
+            // What is within a length of a return is seen within this angle of it.
+            let share = passage_m / ring.range_m(a);
+            let most = if share < 1.0 { beams(share.asin()) } else { 2 * quarter_turn };
+            let on_other_side = after.iter().take_while(|&&b| ring.beams_from(q, b) < quarter_turn);
+            for &b in on_other_side.take_while(|&&b| ring.beams_from(a, b) <= most) {
+                if !ring.are_apart(a, b, passage_m) {
+                    let [a_of_first, b_of_first] = *first.get_or_insert([a, b]);
+                    are_others = [are_others[0] || a != a_of_first, are_others[1] || b != b_of_first];
+                }
+            }
+            if are_others == [true; 2] {
+                return true;
+            }
+        }
+        false
     }
 
     /// For each return after the farther end, whether a vehicle fits between it and the nearer end.

@@ -103,7 +103,7 @@ const VETOES: [Veto; 4] = [
         holds: |gap| gap.is_in_line(),
     },
     Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.is_corner },
-    Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.is_clear() && gap.is_slit() },
+    Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| !gap.is_shaded && gap.is_slit() },
     Veto {
         name: "long_line",
         words: "the line of the nearer wall over 3 m goes on",

@@ -2,6 +2,7 @@
 
 mod config;
 mod door;
+mod doubt;
 mod scenes;
 mod slicing;
 mod symmetry;

@@ -184,22 +184,6 @@ fn beams_far_apart_speak_against_any_answer() {
 }
 
 #[test]
-fn an_opening_much_narrower_than_another_speaks_against_an_answer() {
-    // A dead end, the last 1.2 m of whose left wall did not come back: two walls, and an opening through the corner.
-    let dead_end = |end_m: f64, second: u32| {
-        vec![
-            (Segment([-30.0, 1.75], [end_m, 1.75]), 0),
-            (Segment([4.0, 1.75], [4.0, -1.75]), second),
-            (Segment([4.0, -1.75], [-30.0, -1.75]), second),
-        ]
-    };
-    let ((whole, sure), (open, unsure)) = (grounds(&dead_end(4.0, 0)), grounds(&dead_end(2.8, 1)));
-    assert_eq!(whole.narrowest_to_widest, 1.0, "there is but one");
-    assert!((open.narrowest_to_widest - 1.2 / 3.5).abs() < 0.1, "{open:?}");
-    assert!(unsure < sure, "{sure} and {unsure}");
-}
-
-#[test]
 fn a_small_margin_makes_an_answer_less_sure_and_more_than_a_decade_no_surer() {
     let sure = |margin| answer_with_margin(scan(&tunnel(), 360, |_| false), margin).1.confidence;
     assert!(sure(Some(0.1)) < sure(Some(0.5)) && sure(Some(0.5)) < sure(Some(1.0)));

@@ -58,10 +58,10 @@ fn main() -> anyhow::Result<()> {
     }
     let mut scoreboard = Scoreboard::new(vec!["default".to_owned()]);
     answers.iter().for_each(|answer| scoreboard.add(&answer.family, 0, &answer.score));
-    let [one, odds, opening, gap, ratio, apart, islands, margin] = BETA;
+    let [one, odds, opening, gap, apart, islands, margin] = BETA;
     let mut page = format!(
-        "{PAGE}\nβ = ({one}, {odds}, {opening}, {gap}, {ratio}, {apart}, {islands}, {margin}) \
-         for x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), ln r, φ, i, m)\n"
+        "{PAGE}\nβ = ({one}, {odds}, {opening}, {gap}, {apart}, {islands}, {margin}) \
+         for x = (1, ln(q/(1-q)), ln(o/w), ln(g/w), φ, i, m)\n"
     );
     for table in tables::details(&scoreboard).iter().filter(|table| table.title.contains("confidence")) {
         page += &format!("\n## {}\n\n{}", table.title, markdown(table));

@@ -1,6 +1,7 @@
 //! The graph of passages on scenes computed by hand: straight walls, one ray per degree and a range limit of 15 m
 //! unless a test says otherwise.
 
+mod closing_wall;
 mod dead_ends;
 mod pillars;
 mod promises;

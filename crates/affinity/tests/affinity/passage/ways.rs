@@ -66,6 +66,17 @@ fn nothing_seen_is_a_way_on_where_no_other_beam_is_lost() {
 }
 
 #[test]
+fn walls_on_one_side_of_the_sensor_are_not_one_around_its_dark_other_side() {
+    let line = |points_m: &[[f64; 2]]| points_m.windows(2).map(|ends| [ends[0], ends[1]]).collect::<Vec<Segment>>();
+    let right = line(&[[3.7, 0.2], [3.6, 1.2], [3.9, 2.3], [4.3, 3.9], [3.8, 5.3], [3.0, 6.6], [2.3, 7.0]]);
+    for out_m in [[-2.9, 5.3], [-3.3, 5.2], [-3.2, 5.6]] {
+        // The left wall turns away from the sensor at its end.
+        let left = line(&[[-1.1, 5.7], [-1.5, 5.0], [-2.1, 4.8], out_m]);
+        assert_eq!(walls(&scan_as_far_as(12.0, 360, &[right.clone(), left].concat(), all)), 2, "{out_m:?}");
+    }
+}
+
+#[test]
 fn a_door_in_the_end_of_a_tunnel_is_a_way_on_unless_several_beams_in_a_row_get_lost_elsewhere() {
     let walls = |half_m: f64, lost: &[usize]| {
         let face = [[[6.0, -2.0], [6.0, -half_m]], [[6.0, half_m], [6.0, 2.0]]];
