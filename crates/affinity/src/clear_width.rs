@@ -13,7 +13,7 @@
 
 use crosscut_scan::{Lengths, Ring, Scan};
 use crosscut_stage::{
-    Affinity, AffinityStage, Invariance, Kind, Notes, Number, Revolution, StageError, Storage, Verdict,
+    Affinity, AffinityStage, Invariance, Kind, Measured, Notes, Number, Revolution, StageError, Storage, Verdict,
 };
 
 use crate::edges::write_edges;
@@ -87,6 +87,12 @@ impl AffinityStage for ClearWidth {
                 room_ratio: width_m / *passage_m,
                 p: None,
                 reason: "clear width",
+                measured: Some(Measured::metres(
+                    "the one end is off the line of the wall at the other one by",
+                    width_m,
+                    "the vehicle needs",
+                    *passage_m,
+                )),
             });
         }
         write_edges(out, revolution.len(), |i, row| {

@@ -106,18 +106,18 @@ impl Words<'_> {
                 (false, true) => "the wall continues nevertheless, because its pieces were joined one by one",
             };
             let between = self.between(verdict.returns.map(|i| i as usize));
-            let Verdict { room_ratio, reason, .. } = verdict;
+            let Verdict { room_ratio, reason, measured, .. } = verdict;
             let odds = verdict.p.map_or(String::new(), |p| format!(", p = {p:.2}"));
-            let room = if *room_ratio == 0.0 {
-                "a rule forbids an opening".to_owned()
-            } else {
-                format!("**{room_ratio:.2}** times the room that an opening needs")
+            let room = match measured {
+                Some(measured) => format!("**{measured}** ({reason}; {room_ratio:.2})"),
+                None if *room_ratio == 0.0 => format!("a rule forbids an opening ({reason})"),
+                None => format!("**{room_ratio:.2}** times the room that an opening needs ({reason})"),
             };
-            format!("- {what} ({between}): {room} ({reason}){odds}")
+            format!("- {what} ({between}): {room}{odds}")
         };
         let lines: Vec<String> = verdicts.iter().take(MOST_VERDICTS).map(line).collect();
-        let title =
-            "Verdicts where walls may end, the closest to the threshold first; p is the probability of an opening:";
+        let title = "Verdicts where walls may end, the closest to the threshold first: what decides, by which rule and with how \
+                     many times the room that an opening needs; p is the probability of an opening:";
         (!lines.is_empty()).then(|| format!("{title}\n{}", lines.join("\n")))
     }
 

@@ -1,7 +1,7 @@
 //! Explanations of graphs small enough to be worked out by hand.
 
 use crosscut_explain::{Edge, Event, Explanation, Watch};
-use crosscut_stage::{Beam, Frame, Place, Point, Sweep, Verdict, Weights};
+use crosscut_stage::{Beam, Frame, Measured, Place, Point, Sweep, Verdict, Weights};
 use faer::Mat;
 
 /// Returns along a line at these places, with W = exp(-σ d²), in walls.
@@ -240,8 +240,14 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.5), 1e-4);
     frame.junction.junctions = 2;
     let colors = |wall: u32| ["blue", "orange"][wall as usize];
-    let verdict =
-        |returns, is_opening, room_ratio| Verdict { returns, is_opening, room_ratio, reason: "width", p: None };
+    let verdict = |returns, is_opening, room_ratio| Verdict {
+        returns,
+        is_opening,
+        room_ratio,
+        reason: "width",
+        p: None,
+        measured: None,
+    };
     let mut sentence = |verdicts| {
         frame.affinity.verdicts = verdicts;
         Explanation::of(&frame).sentence(&frame, &colors)[1].clone()
@@ -256,18 +262,29 @@ fn the_sentence_goes_by_the_verdict_that_is_nearest_to_another_one() {
 #[test]
 fn verdicts_closest_to_the_threshold_come_first() {
     let mut frame = with_spectrum(gaussian(&PLACES_M, &WALLS, 1.0), 1e-3);
-    let verdict =
-        |returns, is_opening, room_ratio| Verdict { returns, is_opening, room_ratio, reason: "width", p: Some(0.25) };
+    let verdict = |returns, is_opening, room_ratio| Verdict {
+        returns,
+        is_opening,
+        room_ratio,
+        reason: "width",
+        p: Some(0.25),
+        measured: None,
+    };
+    let narrow = Measured::metres("what is seen on its two sides leaves", 0.35, "the vehicle needs", 0.6);
+    let slit = Verdict { measured: Some(narrow), reason: "a slit", ..verdict([1, 2], false, 0.0) };
     frame.affinity.verdicts =
-        vec![verdict([0, 1], false, 0.01), verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
+        vec![verdict([0, 1], false, 0.01), slit, verdict([3, 4], true, 1.1), verdict([2, 3], false, 0.8)];
     let text = Explanation::of(&frame).to_markdown(&frame, &|_| "grey");
-    let reported: Vec<_> = text.lines().filter(|line| line.contains("times the room")).collect();
+    let reported: Vec<_> =
+        text.lines().filter(|line| line.starts_with("- an o") || line.starts_with("- the w")).collect();
     assert_eq!(
         reported,
         [
             "- an opening (returns 3, 4: 3.00 m): **1.10** times the room that an opening needs (width), p = 0.25",
             "- the wall continues (returns 2, 3: 1.50 m): **0.80** times the room that an opening needs (width), p = 0.25",
             "- the wall continues (returns 0, 1: 1.00 m): **0.01** times the room that an opening needs (width), p = 0.25",
+            "- the wall continues (returns 1, 2: 1.00 m): **what is seen on its two sides leaves 0.35 m; the vehicle needs 0.60 m** \
+             (a slit; 0.00), p = 0.25",
         ]
     );
 }

@@ -31,7 +31,7 @@ const APART_RAD: f64 = FRAC_PI_4;
 /// The margin is limited to this.
 const MARGIN_DECADES: f64 = 1.0;
 /// β.
-pub const BETA: [f64; Grounds::INPUTS] = [-1.35, 0.54, 0.3, -0.4, 2.15, -0.63, 1.24];
+pub const BETA: [f64; Grounds::INPUTS] = [-1.32, 0.55, 0.31, -0.39, 2.13, -0.62, 1.2];
 
 /// Returns up to this far apart, 90 a turn with room for rounding, show walls as lines; fewer do not.
 pub(crate) const COARSE_RAD: f64 = TAU / 89.5;

@@ -1,5 +1,7 @@
 //! The weighted graph over the returns: W and the degrees D.
 
+use std::fmt;
+
 use faer::Mat;
 
 /// The similarity graph of one revolution: symmetric, non-negative, W_ii = 1.
@@ -43,6 +45,45 @@ pub struct Verdict {
     pub p: Option<f64>,
     /// The rule that decides, in a few words: the one by which there is the most room, or why there is none.
     pub reason: &'static str,
+    /// What that rule measured; `None` where too little is seen to measure, and of kinds that do not report it.
+    pub measured: Option<Measured>,
+}
+
+/// What a verdict rests on, in words: "{what} 0.35 m; {against} 0.60 m".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// What was measured, as the words before the value.
+    pub what: &'static str,
+    /// The value.
+    pub value: f64,
+    /// What it is compared with, as the words before that value.
+    pub against: &'static str,
+    /// The value it is compared with.
+    pub limit: f64,
+    /// The unit of both values: "m", "°" or "%".
+    pub unit: &'static str,
+}
+
+impl Measured {
+    /// A length compared with another one, metres.
+    #[must_use]
+    pub fn metres(what: &'static str, value: f64, against: &'static str, limit: f64) -> Self {
+        Self { what, value, against, limit, unit: "m" }
+    }
+
+    /// The value over what it is compared with.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.value / self.limit
+    }
+}
+
+impl fmt::Display for Measured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, value, against, limit, unit } = self;
+        let (digits, space) = if *unit == "m" { (2, " ") } else { (0, if *unit == "°" { "" } else { " " }) };
+        write!(f, "{what} {value:.digits$}{space}{unit}; {against} {limit:.digits$}{space}{unit}")
+    }
 }
 
 /// W, stored densely or by its nonzero entries.

@@ -33,7 +33,7 @@ mod spectrum;
 mod storage;
 mod traits;
 
-pub use affinity::{Affinity, Csr, Verdict, Weights};
+pub use affinity::{Affinity, Csr, Measured, Verdict, Weights};
 pub use disjoint_sets::DisjointSets;
 pub use embedding::Embedding;
 pub use extra::Extra;

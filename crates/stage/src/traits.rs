@@ -142,7 +142,14 @@ mod tests {
     impl AffinityStage for AllOnes {
         fn weigh(&mut self, _: &Revolution, out: &mut Affinity, _: &mut Notes) -> Result<(), StageError> {
             out.weights.make_dense(self.0).fill(1.0);
-            out.verdicts.push(Verdict { returns: [0, 1], is_opening: true, room_ratio: 1.0, p: None, reason: "" });
+            out.verdicts.push(Verdict {
+                returns: [0, 1],
+                is_opening: true,
+                room_ratio: 1.0,
+                p: None,
+                reason: "",
+                measured: None,
+            });
             Ok(())
         }
     }

@@ -164,6 +164,7 @@ fn read_verdicts(columns: &Columns<'_>, frames: &mut [Frame]) -> PyResult<()> {
             room_ratio: room_ratio.row(row)[at],
             p: Some(p.row(row)[at]).filter(|p| !p.is_nan()),
             reason: kept_reason(&reasons[row][at]),
+            measured: None,
         }));
     }
     Ok(())

@@ -248,7 +248,7 @@ impl Chains {
 }
 
 fn verdict(ring: &Ring, ends: [usize; 2], is_opening: bool, decision: Decision, measured: Option<Measures>) -> Verdict {
-    let Decision { room_ratio, reason } = decision;
+    let Decision { room_ratio, reason, measured: rests_on, .. } = decision;
     let p = measured.as_ref().map(odds::p);
-    Verdict { returns: ends.map(|i| ring.returns[i].number), is_opening, room_ratio, reason, p }
+    Verdict { returns: ends.map(|i| ring.returns[i].number), is_opening, room_ratio, reason, p, measured: rests_on }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crosscut_scan::lies_across;
+use crosscut_stage::Measured;
 
 use super::gap::Gap;
 
@@ -38,17 +39,24 @@ const DOOR_TIMES: f64 = 1.75;
 /// Behind a door, as far as the sensor sees, the dark is no wider than this share of the place's size, about a tunnel.
 const BEHIND_DOOR_SHARE: f64 = 1.5;
 
+/// What the distance of the ends of a dark gap measures.
+const DARK: &str = "nothing is seen from end to end over";
+
 /// How much room there is in a dark door. No corner can be missing in the dark, so the gap is as wide as its ends are
 /// apart. The door is itself a place where beams are lost if the wall clearly continues behind it.
-pub(super) fn room_in_door(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_in_door(gap: &Gap<'_>) -> Option<Measured> {
     let is_door = !gap.turns_back() && !gap.context.lost.are_anywhere() && gap.is_door();
-    if is_door { gap.chord_m() / (DOOR_TIMES * gap.context.passage_m()) } else { 0.0 }
+    let room = || {
+        let needed_m = DOOR_TIMES * gap.context.passage_m();
+        Measured::metres("nothing is seen across a gap of", gap.chord_m(), "a door has at least", needed_m)
+    };
+    is_door.then(room)
 }
 
 /// How much room there is where nothing is seen over an angle, or far off over a patch, that no lost beams explain.
-pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_in_blank(gap: &Gap<'_>) -> Option<Measured> {
     if gap.turns_back() {
-        return 0.0;
+        return None;
     }
     let (ring, size_m) = (&gap.context.scan.ring, gap.context.scan.size_m);
     let (chord_m, dark_rad) = (gap.chord_m(), gap.dark_rad());
@@ -56,13 +64,15 @@ pub(super) fn room_in_blank(gap: &Gap<'_>) -> f64 {
     let is_wide = dark_rad > BLANK_RAD && (is_as_of_opening || gap.turns.whole_rad > DARK_TURN_RAD);
     let patch_m = if gap.near_m > FAR_OFF_SHARE * size_m { dark_rad * gap.near_m } else { 0.0 };
     let is_blank = is_wide || (patch_m > PATCH_SHARE * size_m && gap.is_not_lost());
-    if is_blank { chord_m / (BLANK_SHARE * size_m) } else { 0.0 }
+    let room = || Measured::metres(DARK, chord_m, "where beams get lost an opening needs", BLANK_SHARE * size_m);
+    is_blank.then(room)
 }
 
 /// How much room there is at the dark end of a tunnel.
-pub(super) fn room_at_dark_end(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_at_dark_end(gap: &Gap<'_>) -> Option<Measured> {
     let is_end = !gap.turns_back() && gap.is_dark_end();
-    if is_end { gap.chord_m() / (DARK_SHARE * gap.context.scan.size_m) } else { 0.0 }
+    let needed_m = DARK_SHARE * gap.context.scan.size_m;
+    is_end.then(|| Measured::metres(DARK, gap.chord_m(), "at the end of the range an opening needs", needed_m))
 }
 
 impl Gap<'_> {

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crosscut_scan::{Clearance, Directions, End, Position, direction, turn_rad};
+use crosscut_stage::Measured;
 
 use super::context::ScanContext;
 
@@ -165,8 +166,27 @@ impl<'p> Gap<'p> {
         self.is_corner = !self.context.thresholds.disabled.corners
             && self.turns_like_branch()
             && self.clear_m < INNER_CORNER_SHARE * self.context.scan.size_m
-            && self.step_m() < self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
+            && self.step_m() < self.corner_hides_m()
             && self.shows_other_side();
+    }
+
+    /// The step behind it, if it is an inner corner.
+    pub(super) fn in_corner(&self) -> Option<Measured> {
+        let hides_m = self.corner_hides_m();
+        let step = || {
+            Measured::metres(
+                "behind the nearer end the other side of the place needs a step of",
+                self.step_m(),
+                "a corner hides up to",
+                hides_m,
+            )
+        };
+        self.is_corner.then(step)
+    }
+
+    /// How deep the end of a wall before an inner corner hides what is behind it.
+    fn corner_hides_m(&self) -> f64 {
+        self.shadow_m(INNER_CORNER_HIDES_M, INNER_CORNER_HIDES_BUMPS)
     }
 
     /// How deep a bump at the end of the nearer wall hides the farther one: the deeper, the farther that is behind it.

@@ -122,7 +122,8 @@ impl<'s> Judge<'s> {
     pub(super) fn least_room(&mut self, a: &[usize], b: &[usize]) -> (Decision, Option<Measures>) {
         let Some(gap) = self.gap(a, b) else {
             let reason = "too little is seen for a direction";
-            return (Decision { room_ratio: ROOM_RATIO_WITHOUT_DIRECTION, reason }, None);
+            let room_ratio = ROOM_RATIO_WITHOUT_DIRECTION;
+            return (Decision { room_ratio, reason, measured: None, ratio_by_rules: room_ratio }, None);
         };
         let decision = gap.decide();
         let turned = [-DOUBT_RAD, DOUBT_RAD].map(|more_rad| gap.turned_by(more_rad).decide().room_ratio);

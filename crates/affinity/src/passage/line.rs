@@ -1,6 +1,7 @@
 //! Whether the nearer wall of a gap continues where the farther one begins, so that the gap hides nothing.
 
 use crosscut_scan::{Position, turn_rad};
+use crosscut_stage::Measured;
 
 use super::gap::Gap;
 
@@ -19,15 +20,22 @@ const LONG_M: f64 = 3.0;
 const LONG_BUMPS: f64 = 8.0;
 
 impl Gap<'_> {
-    /// Whether the next beam meets the line of the nearer wall, or something in front of it. So it is in the corner of
+    /// Where it goes on, if the next beam meets the line of the nearer wall, or something in front of it. So it is in the corner of
     /// a dead end, where returns are far apart only because the sides are seen at a grazing angle.
-    pub(super) fn is_in_line(&self) -> bool {
-        self.holds_one_beam_at_most() && self.goes_on_along(self.nearer_onward())
+    pub(super) fn in_line(&self) -> Option<Measured> {
+        let goes_on = self.holds_one_beam_at_most() && self.goes_on_along(self.nearer_onward());
+        goes_on.then(|| self.next_on_line("the next return lies on the line of the nearer wall, after"))
     }
 
-    /// Whether the next beam meets the line of the nearer wall over [`LONG_M`], if the wall is straight there.
-    pub(super) fn is_in_long_line(&self) -> bool {
-        self.holds_one_beam_at_most() && self.long_line().is_some_and(|onward| self.goes_on_along(onward))
+    /// Where it goes on, if the next beam meets the line of the nearer wall over [`LONG_M`], if the wall is straight there.
+    pub(super) fn in_long_line(&self) -> Option<Measured> {
+        let goes_on =
+            self.holds_one_beam_at_most() && self.long_line().is_some_and(|onward| self.goes_on_along(onward));
+        goes_on.then(|| self.next_on_line("the next return lies on the line of the nearer wall's last 3 m, after"))
+    }
+
+    fn next_on_line(&self, what: &'static str) -> Measured {
+        Measured::metres(what, self.chord_m(), "one is due within", self.reach_m())
     }
 
     /// Whether the farther wall begins about where the nearer one would continue if it ran on in this direction: in front
@@ -44,7 +52,12 @@ impl Gap<'_> {
     /// Whether the farther wall begins about where the next beam would meet the nearer one. Past the inner wall of a
     /// bend, along whose line it looks, a beam meets the outer one much farther away.
     fn is_in_reach(&self) -> bool {
-        self.chord_m() <= (REACH_TIMES * self.next_m()).min(REACH_SHARE * self.context.scan.size_m)
+        self.chord_m() <= self.reach_m()
+    }
+
+    /// How far from the nearer end its wall may go on until the next beam meets it.
+    fn reach_m(&self) -> f64 {
+        (REACH_TIMES * self.next_m()).min(REACH_SHARE * self.context.scan.size_m)
     }
 
     /// How far from the nearer end the farther one would be if the nearer wall went on with the same spacing.

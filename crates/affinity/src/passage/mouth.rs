@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crosscut_scan::{Doorway, beyond};
+use crosscut_stage::Measured;
 
 use super::gap::Gap;
 
@@ -25,49 +26,66 @@ const SLIT_RETURNS: u32 = 2;
 
 /// How much room there is where the farther wall is seen deep behind the nearer one, through a mouth or a doorway. It
 /// is another wall, however straight it continues, unless the wall turns back by more than a right angle.
-pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_behind_mouth(gap: &Gap<'_>) -> Option<Measured> {
     let (context, deep_m) = (gap.context, gap.step_m());
     let goes_on = (-FRAC_PI_2..context.thresholds.straight_rad).contains(&gap.turns.whole_rad);
     if gap.is_shaded || !goes_on || deep_m < context.passage_m() || gap.shows_other_side() {
-        return 0.0;
+        return None;
     }
     let bumps = if gap.turns.near_rad < -MOUTH_RAD { MOUTH_BUMPS } else { SLANT_BUMPS };
-    let room_ratio = deep_m / context.with_bumps_m(MOUTH_M, bumps);
-    if gap.turns.near_rad < -SLANT_RAD && room_ratio >= 1.0 && gap.fits_vehicle() {
-        return room_ratio;
+    let room = Measured::metres(
+        "a wall that closes this mouth would need a step of",
+        deep_m,
+        "bumps hide steps of up to",
+        context.with_bumps_m(MOUTH_M, bumps),
+    );
+    if gap.turns.near_rad < -SLANT_RAD && room.ratio() >= 1.0 && gap.fits_vehicle() {
+        return Some(room);
     }
-    if gap.is_dark {
-        return 0.0;
-    }
-    gap.behind_doorway_m().map_or(0.0, |behind_m| behind_m / (BEHIND_DOORWAY_TIMES * context.passage_m()))
+    let behind_m = if gap.is_dark { None } else { gap.behind_doorway_m() };
+    behind_m.map(|behind_m| {
+        let needed_m = BEHIND_DOORWAY_TIMES * context.passage_m();
+        Measured::metres("all that is seen through a door lies behind it by", behind_m, "a way on needs", needed_m)
+    })
 }
 
 impl Gap<'_> {
     /// Whether a vehicle fits between the end of the nearer wall and all that is seen from the end of the farther one
     /// on, as far as a quarter turn.
     pub(super) fn fits_vehicle(&self) -> bool {
-        self.fits_beyond().all(|fits| fits)
+        self.near_beyond().all(|(_, fits)| fits)
     }
 
-    /// Whether no vehicle passes between what is seen on the one side of it and on the other: beside the end of the nearer
-    /// wall, or where the way to it narrows.
-    pub(super) fn is_slit(&self) -> bool {
-        let mut in_a_row = 0;
-        let is_beside_end = self.fits_beyond().any(|fits| {
+    /// The room, if no vehicle passes between what is seen on the one side of it and on the other: beside the end of the
+    /// nearer wall, or where the way to it narrows. In the shadow of islands these are what stands beside it.
+    pub(super) fn in_slit(&self) -> Option<Measured> {
+        let width_m = if self.is_shaded { None } else { self.beside_end_m().or_else(|| self.in_neck_m()) };
+        let passage_m = self.context.passage_m();
+        width_m.map(|m| Measured::metres("what is seen on its two sides leaves", m, "the vehicle needs", passage_m))
+    }
+
+    /// The distance of the nearer end from the returns beyond the farther one, if [`SLIT_RETURNS`] of them in a row leave
+    /// no room for a vehicle.
+    fn beside_end_m(&self) -> Option<f64> {
+        let ring = &self.context.scan.ring;
+        let [end, _] = self.near_and_far_end();
+        let (mut in_a_row, mut least_m) = (0, f64::INFINITY);
+        self.near_beyond().find_map(|(other, fits)| {
             in_a_row = if fits { 0 } else { in_a_row + 1 };
-            in_a_row == SLIT_RETURNS
-        });
-        is_beside_end || self.is_behind_neck()
+            least_m = if fits { f64::INFINITY } else { least_m.min(ring.distance_m(end, other)) };
+            (in_a_row == SLIT_RETURNS).then_some(least_m)
+        })
     }
 
-    /// Whether two returns of each wall, as far as a quarter turn from the gap, leave no room for a vehicle between them.
-    fn is_behind_neck(&self) -> bool {
+    /// The distance between the two walls, if two returns of each, as far as a quarter turn from the gap, leave no room
+    /// for a vehicle between them.
+    fn in_neck_m(&self) -> Option<f64> {
         let (ring, passage_m) = (&self.context.scan.ring, self.context.passage_m());
         let ([before, after], [p, q]) = (self.pieces, self.ends);
         let beams = |angle_rad: f64| (angle_rad / ring.step_rad) as usize;
         let quarter_turn = beams(FRAC_PI_2);
         let mut first: Option<[usize; 2]> = None;
-        let mut are_others = [false; 2];
+        let (mut are_others, mut least_m) = ([false; 2], f64::INFINITY);
         for &a in before.iter().rev().take_while(|&&a| ring.beams_from(a, p) < quarter_turn) {
             // What is within a length of a return is seen within this angle of it.
             let share = passage_m / ring.range_m(a);
@@ -77,20 +95,18 @@ impl Gap<'_> {
                 if !ring.are_apart(a, b, passage_m) {
                     let [a_of_first, b_of_first] = *first.get_or_insert([a, b]);
                     are_others = [are_others[0] || a != a_of_first, are_others[1] || b != b_of_first];
+                    least_m = least_m.min(ring.distance_m(a, b));
                 }
             }
-            if are_others == [true; 2] {
-                return true;
-            }
         }
-        false
+        (are_others == [true; 2]).then_some(least_m)
     }
 
-    /// For each return after the farther end, whether a vehicle fits between it and the nearer end.
-    fn fits_beyond(&self) -> impl Iterator<Item = bool> {
+    /// Each return after the farther end, and whether a vehicle fits between it and the nearer end.
+    fn near_beyond(&self) -> impl Iterator<Item = (usize, bool)> {
         let (ring, ends, passage_m) = (&self.context.scan.ring, self.near_and_far_end(), self.context.passage_m());
         let onward = beyond(ring, ends, self.first_is_nearer, passage_m);
-        onward.map(move |other| ring.are_apart(ends[0], other, passage_m))
+        onward.map(move |other| (other, ring.are_apart(ends[0], other, passage_m)))
     }
 
     /// How far behind a doorway everything lies that is seen through it, metres; `None` if the nearer wall does not end

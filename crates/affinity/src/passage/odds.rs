@@ -6,6 +6,8 @@
 //! ```
 //! No f_i falls: more of a measurement never speaks against an opening.
 
+use crosscut_stage::Measured;
+
 use super::gap::{BUMP_HIDES_BUMPS_AT_CORNER, BUMP_HIDES_M, Gap};
 use super::rules::PLAIN_BUMPS;
 use super::terms::{CONSTANT, TERMS};
@@ -80,7 +82,19 @@ impl Gap<'_> {
             return decision;
         }
         let odds = odds(&self.measures(decision));
-        if odds < LEAST_ODDS { Decision { room_ratio: odds, reason: UNLIKELY } } else { decision }
+        let percent = |odds: f64| 100.0 * odds / (1.0 + odds);
+        let measured = || Measured {
+            what: "the share of openings among gaps that measure like this is",
+            value: percent(odds),
+            against: "an opening has at least",
+            limit: percent(LEAST_ODDS),
+            unit: "%",
+        };
+        if odds < LEAST_ODDS {
+            Decision { room_ratio: odds, reason: UNLIKELY, measured: Some(measured()), ..decision }
+        } else {
+            decision
+        }
     }
 
     /// What is measured from the nearer end. Ratios of lengths are logarithms, angles radians.
@@ -100,7 +114,7 @@ impl Gap<'_> {
             self.near_m / self.far_m,
             self.near_m / size_m,
             self.near_span_rad(),
-            ratio(decision.room_ratio, 1.0),
+            ratio(decision.ratio_by_rules, 1.0),
         ]
     }
 }

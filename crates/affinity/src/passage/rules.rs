@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crosscut_stage::Measured;
+
 use super::gap::{BUMP_HIDES_M, CORNER_RAD, Gap};
 use super::verdict::{Decision, RuleGroup, VetoPhase, WIDTH};
 
@@ -28,6 +30,13 @@ const PLAIN_STRAIGHT_BUMPS: f64 = 100.0;
 /// Where the walls hardly turn, a gap in plain sight need not be wider than this share of the place's size.
 const PLAIN_STRAIGHT_SHARE: f64 = 1.4;
 
+/// What the clear width measures.
+const LINES: &str = "the nearer end is off the line of the farther wall by";
+/// What the step measures.
+const STEP: &str = "a wall here would need, behind the nearer end, a step of";
+/// What the depth measures.
+const DEPTH: &str = "the farther wall is seen behind the line of the nearer one by";
+
 impl Gap<'_> {
     /// How much room there is, by the rules and vetoes that are left, and by the odds.
     pub(super) fn decide(&self) -> Decision {
@@ -37,23 +46,35 @@ impl Gap<'_> {
     /// How much room there is, by the rules and vetoes of the table.
     pub(super) fn decide_by_rules(&self) -> Decision {
         let disabled = self.context.thresholds.disabled;
-        if let Some(reason) = disabled.veto(VetoPhase::BeforeRules, self) {
-            return Decision::no_room(reason);
+        if let Some(none) = disabled.veto(VetoPhase::BeforeRules, self) {
+            return none;
         }
-        let clear = match disabled.veto(VetoPhase::OfClearRules, self) {
-            Some(reason) => Decision::no_room(reason),
-            None => {
-                let none = if self.opening_share().is_some() { WIDTH } else { "the wall turns too little" };
-                let most = Decision::no_room(none).or_by(disabled.rules(RuleGroup::Clear), self);
-                Decision { room_ratio: most.room_ratio.min(self.clear_m / self.context.passage_m()), ..most }
-            }
-        };
+        let clear = disabled.veto(VetoPhase::OfClearRules, self).unwrap_or_else(|| {
+            let most = self.without_room().or_by(disabled.rules(RuleGroup::Clear), self);
+            most.at_most(Measured::metres(LINES, self.clear_m, "the vehicle needs", self.context.passage_m()))
+        });
         let mut decision = clear.or_by(disabled.rules(RuleGroup::Dark), self);
         if !decision.is_opening() {
             decision = decision.or_by(disabled.rules(RuleGroup::Last), self);
         }
         let veto = if decision.is_opening() { disabled.veto(VetoPhase::OfOpenings, self) } else { None };
-        veto.map_or(decision, Decision::no_room)
+        veto.unwrap_or(decision)
+    }
+
+    /// What is decided if no rule finds room.
+    fn without_room(&self) -> Decision {
+        if self.opening_share().is_some() {
+            return Decision::no_room(WIDTH, None);
+        }
+        let turn_rad = self.turns.whole_rad;
+        let turn = Measured {
+            what: if turn_rad < 0.0 { "the wall turns back by" } else { "the wall turns away by" },
+            value: turn_rad.abs().to_degrees(),
+            against: "where it ends it turns away by at least",
+            limit: self.context.thresholds.straight_rad.to_degrees(),
+            unit: "°",
+        };
+        Decision::no_room("the wall turns too little", Some(turn))
     }
 
     /// How wide an opening is at least, as a share of the place's size, where the wall turns like this; `None` where the
@@ -68,54 +89,78 @@ impl Gap<'_> {
 }
 
 /// The clear width is enough for how much the walls turn.
-pub(super) fn room_in_width(gap: &Gap<'_>) -> f64 {
-    gap.opening_share().map_or(0.0, |share| gap.clear_m / (share * gap.context.scan.size_m))
+pub(super) fn room_in_width(gap: &Gap<'_>) -> Option<Measured> {
+    let needed_m = gap.opening_share()? * gap.context.scan.size_m;
+    Some(Measured::metres(LINES, gap.clear_m, "where walls turn like this an opening needs", needed_m))
 }
 
 /// The farther wall, the far side of a branch, is seen deep behind the nearer one: deeper than the clear width; or
 /// width and depth are both more than a bump hides, or large beside the place.
-pub(super) fn room_inside(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_inside(gap: &Gap<'_>) -> Option<Measured> {
     if !gap.turns_like_branch() {
-        return 0.0;
+        return None;
     }
-    let needed_m = gap.bump_hides_m.min(SEEN_INSIDE_SHARE * gap.context.scan.size_m);
-    (gap.depth_m / gap.clear_m).max(gap.step_m() / needed_m)
+    let hidden_m = gap.bump_hides_m.min(SEEN_INSIDE_SHARE * gap.context.scan.size_m);
+    let step = Measured::metres(STEP, gap.step_m(), "these walls hide steps of up to", hidden_m);
+    let deep = Measured::metres(
+        DEPTH,
+        gap.depth_m,
+        "one that is deeper than the gap's clear width is another wall; that width is",
+        gap.clear_m,
+    );
+    Some(if deep.ratio() > step.ratio() { deep } else { step })
 }
 
 /// The face of a corner is seen, the far side of a side passage, along the wall that it leaves. Behind the corner that
 /// wall continues as if it had only been hidden. Where nothing is seen, the width decides, if an opening there has one.
-pub(super) fn room_before_face(gap: &Gap<'_>) -> f64 {
-    let room_ratio = gap.chord_m() / (FACE_SHARE * gap.context.scan.size_m);
+pub(super) fn room_before_face(gap: &Gap<'_>) -> Option<Measured> {
+    let room = Measured::metres(
+        "the face of a corner is seen beyond a gap of",
+        gap.chord_m(),
+        "a wall that goes on hides no more than",
+        FACE_SHARE * gap.context.scan.size_m,
+    );
     let may_show_face = gap.is_clear() || gap.opening_share().is_none();
-    if room_ratio >= 1.0 && may_show_face && gap.turns_to_face() { room_ratio } else { 0.0 }
+    (room.ratio() >= 1.0 && may_show_face && gap.turns_to_face()).then_some(room)
 }
 
 /// A vehicle fits between the nearer wall and a face that begins deep behind it, deeper than the face of a corner, and no bump
 /// hides as much. The line of the farther wall shows little: it is the line of the face, or of the wall behind it.
-pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_into_side_passage(gap: &Gap<'_>) -> Option<Measured> {
     let is_deep = gap.is_clear() && !gap.is_corner && gap.depth_m > BUMP_HIDES_M;
-    let room_ratio = gap.chord_m() / gap.context.with_bumps_m(SIDE_TIMES * gap.context.passage_m(), PLAIN_BUMPS);
-    let is_passage = is_deep && room_ratio >= 1.0 && gap.turns_to_face() && gap.fits_vehicle();
-    if is_passage { room_ratio } else { 0.0 }
+    let room = Measured::metres(
+        "the face of a side passage is seen beyond a gap of",
+        gap.chord_m(),
+        "niches and bumps are no longer than",
+        gap.context.with_bumps_m(SIDE_TIMES * gap.context.passage_m(), PLAIN_BUMPS),
+    );
+    (is_deep && room.ratio() >= 1.0 && gap.turns_to_face() && gap.fits_vehicle()).then_some(room)
 }
 
 /// The farther wall of a dark gap begins so far in front of the nearer one that it is another wall.
-pub(super) fn room_behind_wall_in_front(gap: &Gap<'_>) -> f64 {
-    let is_straight_and_dark = gap.is_dark && gap.turns.whole_rad < CORNER_RAD;
-    if is_straight_and_dark { -gap.depth_m / (IN_FRONT_SHARE * gap.context.scan.size_m) } else { 0.0 }
+pub(super) fn room_behind_wall_in_front(gap: &Gap<'_>) -> Option<Measured> {
+    let room = || {
+        Measured::metres(
+            "the farther wall ends in front of the nearer one's line by",
+            -gap.depth_m,
+            "another wall does so by at least",
+            IN_FRONT_SHARE * gap.context.scan.size_m,
+        )
+    };
+    (gap.is_dark && gap.turns.whole_rad < CORNER_RAD).then(room)
 }
 
 /// Hardly a beam looks into the gap, so that its width is plain to see.
-pub(super) fn room_in_plain_sight(gap: &Gap<'_>) -> f64 {
+pub(super) fn room_in_plain_sight(gap: &Gap<'_>) -> Option<Measured> {
     let (context, turn_rad) = (gap.context, gap.turns.whole_rad);
     let turns_enough = (PLAIN_RAD..context.thresholds.way_rad).contains(&turn_rad);
     if !turns_enough || !gap.is_clear() || !gap.holds_one_beam_at_most() {
-        return 0.0;
+        return None;
     }
     let needed_m = if turn_rad < context.thresholds.straight_rad {
         context.with_bumps_m(context.passage_m(), PLAIN_STRAIGHT_BUMPS).min(PLAIN_STRAIGHT_SHARE * context.scan.size_m)
     } else {
         context.with_bumps_m(context.passage_m(), PLAIN_BUMPS)
     };
-    gap.clear_m / needed_m
+    Some(Measured::metres(LINES, gap.clear_m, "in plain sight an opening needs", needed_m))
 }

@@ -1,5 +1,7 @@
 //! The table of rules and vetoes, and the decision at a gap.
 
+use crosscut_stage::Measured;
+
 use super::gap::Gap;
 use super::{dark, mouth, rules};
 
@@ -11,8 +13,8 @@ pub(super) struct Rule {
     pub(super) words: &'static str,
     /// When it is asked.
     pub(super) group: RuleGroup,
-    /// The room that there is, divided by the room that an opening needs; 0 where the rule does not apply.
-    pub(super) room_ratio: fn(&Gap<'_>) -> f64,
+    /// The room that there is, and that an opening needs; `None` where the rule does not apply.
+    pub(super) room: fn(&Gap<'_>) -> Option<Measured>,
 }
 
 /// When a rule is asked, and what its room is limited by.
@@ -33,7 +35,8 @@ pub(super) struct Veto {
     /// The reason in a few words.
     words: &'static str,
     phase: VetoPhase,
-    holds: fn(&Gap<'_>) -> bool,
+    /// What it rests on where it holds.
+    holds: fn(&Gap<'_>) -> Option<Measured>,
 }
 
 /// When a veto is asked.
@@ -52,45 +55,40 @@ pub(super) const WIDTH: &str = "width for the turn";
 
 /// The rules. Of one group, the rule that finds the most room decides; of equal ones, the first.
 pub(super) const RULES: [Rule; 10] = [
-    Rule { name: "width", words: WIDTH, group: RuleGroup::Clear, room_ratio: rules::room_in_width },
-    Rule {
-        name: "inside",
-        words: "depth behind the nearer wall",
-        group: RuleGroup::Clear,
-        room_ratio: rules::room_inside,
-    },
-    Rule { name: "face", words: "the face of a corner", group: RuleGroup::Clear, room_ratio: rules::room_before_face },
+    Rule { name: "width", words: WIDTH, group: RuleGroup::Clear, room: rules::room_in_width },
+    Rule { name: "inside", words: "depth behind the nearer wall", group: RuleGroup::Clear, room: rules::room_inside },
+    Rule { name: "face", words: "the face of a corner", group: RuleGroup::Clear, room: rules::room_before_face },
     Rule {
         name: "in_front",
         words: "a wall in front",
         group: RuleGroup::Clear,
-        room_ratio: rules::room_behind_wall_in_front,
+        room: rules::room_behind_wall_in_front,
     },
     Rule {
         name: "plain_sight",
         words: "width in plain sight",
         group: RuleGroup::Clear,
-        room_ratio: rules::room_in_plain_sight,
+        room: rules::room_in_plain_sight,
     },
     Rule {
         name: "mouth",
         words: "depth behind a mouth or a door",
         group: RuleGroup::Clear,
-        room_ratio: mouth::room_behind_mouth,
+        room: mouth::room_behind_mouth,
     },
-    Rule { name: "doors", words: "nothing is seen in a door", group: RuleGroup::Dark, room_ratio: dark::room_in_door },
-    Rule { name: "blank", words: "nothing is seen", group: RuleGroup::Dark, room_ratio: dark::room_in_blank },
+    Rule { name: "doors", words: "nothing is seen in a door", group: RuleGroup::Dark, room: dark::room_in_door },
+    Rule { name: "blank", words: "nothing is seen", group: RuleGroup::Dark, room: dark::room_in_blank },
     Rule {
         name: "dark_end",
         words: "nothing is seen at the end of the range",
         group: RuleGroup::Dark,
-        room_ratio: dark::room_at_dark_end,
+        room: dark::room_at_dark_end,
     },
     Rule {
         name: "side_passage",
         words: "the face of a side passage",
         group: RuleGroup::Last,
-        room_ratio: rules::room_into_side_passage,
+        room: rules::room_into_side_passage,
     },
 ];
 
@@ -100,15 +98,15 @@ const VETOES: [Veto; 4] = [
         name: "line",
         words: "the line of the nearer wall goes on",
         phase: VetoPhase::BeforeRules,
-        holds: |gap| gap.is_in_line(),
+        holds: |gap| gap.in_line(),
     },
-    Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.is_corner },
-    Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| !gap.is_shaded && gap.is_slit() },
+    Veto { name: CORNER, words: "an inner corner", phase: VetoPhase::OfClearRules, holds: |gap| gap.in_corner() },
+    Veto { name: "slit", words: "a slit", phase: VetoPhase::OfOpenings, holds: |gap| gap.in_slit() },
     Veto {
         name: "long_line",
         words: "the line of the nearer wall over 3 m goes on",
         phase: VetoPhase::OfOpenings,
-        holds: |gap| gap.is_in_long_line(),
+        holds: |gap| gap.in_long_line(),
     },
 ];
 
@@ -155,11 +153,11 @@ impl DisabledRules {
             .filter_map(move |(rule, out)| (!out && rule.group == group).then_some(rule))
     }
 
-    /// The reason of the first enabled veto of a phase that holds.
-    pub(super) fn veto(self, phase: VetoPhase, gap: &Gap<'_>) -> Option<&'static str> {
+    /// The decision by the first enabled veto of a phase that holds.
+    pub(super) fn veto(self, phase: VetoPhase, gap: &Gap<'_>) -> Option<Decision> {
         let left = VETOES.iter().zip(&self.left_out[RULES.len()..]);
         let mut asked = left.filter(|(veto, out)| !**out && veto.phase == phase);
-        asked.find(|(veto, _)| (veto.holds)(gap)).map(|(veto, _)| veto.words)
+        asked.find_map(|(veto, _)| (veto.holds)(gap).map(|measured| Decision::no_room(veto.words, Some(measured))))
     }
 }
 
@@ -170,12 +168,25 @@ pub(super) struct Decision {
     pub(super) room_ratio: f64,
     /// What decides, in a few words: why it is an opening, or why it is none.
     pub(super) reason: &'static str,
+    /// What was measured.
+    pub(super) measured: Option<Measured>,
+    /// The room by the rules, whatever the odds make of it: one of the measurements that the odds rest on.
+    pub(super) ratio_by_rules: f64,
 }
 
 impl Decision {
     /// No room, for this reason.
-    pub(super) fn no_room(reason: &'static str) -> Self {
-        Self { room_ratio: 0.0, reason }
+    pub(super) fn no_room(reason: &'static str, measured: Option<Measured>) -> Self {
+        Self { room_ratio: 0.0, reason, measured, ratio_by_rules: 0.0 }
+    }
+
+    /// As much room as this at most.
+    pub(super) fn at_most(self, room: Measured) -> Self {
+        if room.ratio() < self.room_ratio {
+            Self { room_ratio: room.ratio(), measured: Some(room), ratio_by_rules: room.ratio(), ..self }
+        } else {
+            self
+        }
     }
 
     pub(super) fn is_opening(self) -> bool {
@@ -185,8 +196,9 @@ impl Decision {
     /// The decision of the rule that finds the most room; this one if none finds more.
     pub(super) fn or_by<'r>(self, rules: impl Iterator<Item = &'r Rule>, gap: &Gap<'_>) -> Self {
         rules.fold(self, |most, rule| {
-            let room_ratio = (rule.room_ratio)(gap);
-            if room_ratio > most.room_ratio { Self { room_ratio, reason: rule.words } } else { most }
+            let Some(room) = (rule.room)(gap).filter(|room| room.ratio() > most.room_ratio) else { return most };
+            let room_ratio = room.ratio();
+            Self { room_ratio, reason: rule.words, measured: Some(room), ratio_by_rules: room_ratio }
         })
     }
 }

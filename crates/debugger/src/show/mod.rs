@@ -147,17 +147,23 @@ fn gap_in_words(frame: &Frame, at: usize, verdict: &Verdict) -> String {
     let [from, to] = verdict.returns.map(|i| degrees(frame.revolution.bearing_rad(i as usize)));
     let what = if verdict.is_opening { "an opening" } else { "the wall continues" };
     let odds = verdict.p.map_or_else(String::new, |p| format!(", p = {p:.2}"));
-    let Verdict { room_ratio, reason, .. } = verdict;
+    let Verdict { room_ratio, reason, measured, .. } = verdict;
     let width_m = width_m(frame, verdict);
-    format!(
-        "gap {at}, {from} to {to}, {width_m:.2} m: {what}; {room_ratio:.2} times the room that an opening needs ({reason}){odds}"
-    )
+    let room = match measured {
+        Some(measured) => format!("{measured} ({reason}; {room_ratio:.2})"),
+        None => format!("{room_ratio:.2} times the room that an opening needs ({reason})"),
+    };
+    format!("gap {at}, {from} to {to}, {width_m:.2} m: {what}; {room}{odds}")
 }
 
 fn gap_as_value(frame: &Frame, verdict: &Verdict) -> Value {
     json!({
         "returns": verdict.returns, "width_m": width_m(frame, verdict), "opening": verdict.is_opening,
         "room_ratio": verdict.room_ratio, "p": verdict.p, "reason": verdict.reason,
+        "measured": verdict.measured.map(|measured| json!({
+            "what": measured.what, "value": measured.value, "against": measured.against, "limit": measured.limit,
+            "unit": measured.unit,
+        })),
     })
 }
 

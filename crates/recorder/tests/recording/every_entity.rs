@@ -37,8 +37,14 @@ fn flight() -> Vec<Frame> {
         frame.timings.flight_ns = Some(250_000);
         frame.revolution.odometry = Some(nalgebra::Isometry2::new([1.5, -2.5].into(), 0.7));
     }
-    let verdict =
-        |is_opening, room_ratio| Verdict { returns: [0, 9], is_opening, room_ratio, reason: "width", p: None };
+    let verdict = |is_opening, room_ratio| Verdict {
+        returns: [0, 9],
+        is_opening,
+        room_ratio,
+        reason: "width",
+        p: None,
+        measured: None,
+    };
     frames[0].affinity.verdicts = vec![verdict(true, 3.0), verdict(false, 0.5), verdict(false, 0.0)];
     frames
 }

@@ -52,7 +52,8 @@ fn verdicts(revolution: &Revolution, walls: &[Option<u32>]) -> Vec<Verdict> {
         pairs.extend(of_walls.last().map(|&last| [last, of_walls[0]]));
     }
     pairs.retain(|pair| walls[pair[0] as usize] != walls[pair[1] as usize]);
-    let opening = |returns| Verdict { returns, is_opening: true, room_ratio: 2.0, reason: "width", p: Some(P) };
+    let opening =
+        |returns| Verdict { returns, is_opening: true, room_ratio: 2.0, reason: "width", p: Some(P), measured: None };
     pairs.into_iter().map(opening).collect()
 }
 

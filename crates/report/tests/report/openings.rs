@@ -41,7 +41,7 @@ fn verdict(revolution: &Revolution, bearing_rad: f64, is_opening: bool) -> Verdi
     let returns = || 0..revolution.len() as u32;
     let by_turn = |a: &u32, b: &u32| turn_rad(*a).total_cmp(&turn_rad(*b));
     let (before, after) = (returns().max_by(by_turn).expect("a return"), returns().min_by(by_turn).expect("a return"));
-    Verdict { returns: [before, after], is_opening, room_ratio: 2.0, p: None, reason: "width" }
+    Verdict { returns: [before, after], is_opening, room_ratio: 2.0, p: None, reason: "width", measured: None }
 }
 
 fn dead_end() -> Vec<(Segment, u32)> {

@@ -3,7 +3,7 @@
 use crosscut_affinity::passage::KIND;
 use crosscut_stage::{Affinity, Notes, Revolution, Value, Verdict};
 
-use super::{LEAK, TUNNEL, all, bumps, components, scan, with_branch};
+use super::{LEAK, TUNNEL, all, bumps, components, scan, with_branch, with_branch_at};
 
 /// The edges weaker than any within a wall.
 fn leaks(revolution: &Revolution, settings: &[(&'static str, Value)]) -> Vec<f64> {
@@ -103,4 +103,18 @@ fn a_veto_left_out_by_name_is_no_reason_any_more() {
 fn a_rule_that_does_not_exist_is_refused_with_those_that_do() {
     let refused = KIND.with(&without("door")).err().expect("must be refused").to_string();
     assert!(refused.contains(r#"without = ["door"]"#) && refused.contains("doors, blank, dark_end"), "{refused}");
+}
+
+#[test]
+fn an_opening_measures_what_it_needs_and_a_slit_less_than_the_vehicle() {
+    for branch_m in [2.0, 3.0, 5.0] {
+        for way in verdicts(&scan(&with_branch(branch_m), bumps(0.02))).iter().filter(|verdict| verdict.is_opening) {
+            let measured = way.measured.expect("walls have directions");
+            assert!(measured.unit == "m" && measured.value >= measured.limit, "{branch_m} m: {measured}");
+        }
+    }
+    let verdicts = verdicts(&scan(&with_branch_at(2.0, 0.5), all));
+    let slit = verdicts.iter().find(|verdict| verdict.reason == "a slit").expect("the branch");
+    let measured = slit.measured.expect("a width");
+    assert!((measured.value - 0.5).abs() < 0.1 && measured.limit == 0.6 && !slit.is_opening, "{measured}");
 }
