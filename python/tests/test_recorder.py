@@ -147,3 +147,19 @@ def test_the_importer_leaves_other_files_to_others(tmp_path: Path) -> None:
     importer = Path(in_wheel()).with_name("rerun-importer-crosscut")
     done = subprocess.run([importer, picture, "--application-id", "viewer", "--recording-id", "one"], capture_output=True)
     assert (done.returncode, done.stdout) == (66, b"")
+
+
+def test_a_notebook_shows_a_recording_once(tee: Path, tmp_path: Path) -> None:
+    """In a kernel of Jupyter; the packages that this takes are no part of the development environment."""
+    nbformat, nbclient = (pytest.importorskip(name) for name in ("nbformat", "nbclient"))
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("rerun_notebook")
+    saved = tmp_path / "flight.rrd"
+    subprocess.run([in_wheel(), "run", tee, "--save", saved, "--quiet"], check=True)
+    cell = nbformat.v4.new_code_cell(f"import crosscut\ncrosscut.show({str(saved)!r})")
+    notebook = nbformat.v4.new_notebook(cells=[cell])
+    nbclient.NotebookClient(notebook, timeout=120).execute()
+    widgets = notebook.metadata["widgets"]["application/vnd.jupyter.widget-state+json"]["state"].values()
+    viewers = [widget for widget in widgets if widget["model_name"] == "AnyModel"]
+    assert len(viewers) == 1, "the viewer of rerun-notebook"
+    assert any("application/vnd.jupyter.widget-view+json" in output.get("data", {}) for output in cell.outputs)

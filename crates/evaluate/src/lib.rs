@@ -50,7 +50,7 @@
 //! the first as truth. [`Differences`] sums them over a flight and lists the stretches where the walls differ.
 //!
 //! **A verdict**: [`experiment`] says what a configuration mends and breaks against another one, and how likely that is by
-//! chance ([`verdict`]).
+//! chance ([`verdict`]); [`times`] how much longer it takes.
 //!
 //! **One configuration without a truth**: [`flips`] are the revolutions whose count differs from most of their
 //! neighbours.

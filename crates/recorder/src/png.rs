@@ -11,16 +11,22 @@ const FILTER_BYTES: usize = 1;
 /// The filter of a row that holds differences to the row above.
 const DIFFERENCE_TO_ROW_ABOVE: u8 = 2;
 
+/// A picture is bright if at least one pixel in so many was set.
+const BRIGHT: usize = 16;
+
 /// Encodes pictures.
 pub(crate) struct Encoder {
-    compress: Compress,
+    /// For pictures that are mostly dark: more effort makes them no smaller.
+    dark: Compress,
+    bright: Compress,
     /// Room for the compressed pixels.
     buffer: Vec<u8>,
 }
 
 impl Default for Encoder {
     fn default() -> Self {
-        Self { compress: Compress::new(Compression::new(6), true), buffer: Vec::new() }
+        let of_level = |level| Compress::new(Compression::new(level), true);
+        Self { dark: of_level(4), bright: of_level(5), buffer: Vec::new() }
     }
 }
 
@@ -31,12 +37,14 @@ pub(crate) struct Picture {
     height: usize,
     /// Rows, each with its filter byte in front.
     rows: Vec<u8>,
+    /// Pixels that were set one by one.
+    set: usize,
 }
 
 impl Picture {
     /// Makes all pixels of a picture of this width and height dark.
     pub(crate) fn clear(&mut self, width: usize, height: usize) {
-        (self.width, self.height) = (width, height);
+        (self.width, self.height, self.set) = (width, height, 0);
         self.rows.clear();
         self.rows.resize(height * (width + FILTER_BYTES), 0);
     }
@@ -44,6 +52,7 @@ impl Picture {
     /// Sets the pixel in row `i` and column `j`.
     pub(crate) fn set(&mut self, i: usize, j: usize, level: u8) {
         self.rows[i * (self.width + FILTER_BYTES) + FILTER_BYTES + j] = level;
+        self.set += 1;
     }
 
     /// Fills the rows `from` up to `to` with levels by column. All but the first are stored as equal to the row above.
@@ -66,7 +75,7 @@ impl Encoder {
         const GREY_8_BIT: [u8; 5] = [8, 0, 0, 0, 0]; // depth, colour, compression, filter, no interlace
         let bytes = |side| u32::try_from(side).expect("a picture has a few thousand pixels a side").to_be_bytes();
         let (width, height) = (bytes(picture.width), bytes(picture.height));
-        let pixels = self.compressed(&picture.rows);
+        let pixels = self.compressed(picture);
         let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
         add_chunk(&mut png, *b"IHDR", &[&width[..], &height, &GREY_8_BIT].concat());
         add_chunk(&mut png, *b"IDAT", pixels);
@@ -74,13 +83,16 @@ impl Encoder {
         png
     }
 
-    fn compressed(&mut self, bytes: &[u8]) -> &[u8] {
+    fn compressed(&mut self, picture: &Picture) -> &[u8] {
+        let bytes = &picture.rows[..];
+        let is_dark = picture.set < bytes.len() / BRIGHT;
+        let compress = if is_dark { &mut self.dark } else { &mut self.bright };
         let most = bytes.len() + bytes.len() / 8 + 64; // if they do not get smaller
         self.buffer.resize(most, 0);
-        self.compress.reset();
-        let status = self.compress.compress(bytes, &mut self.buffer, FlushCompress::Finish);
+        compress.reset();
+        let status = compress.compress(bytes, &mut self.buffer, FlushCompress::Finish);
         assert_eq!(status.expect("nothing but memory can fail"), Status::StreamEnd, "{most} bytes are room enough");
-        &self.buffer[..self.compress.total_out() as usize]
+        &self.buffer[..compress.total_out() as usize]
     }
 }
 

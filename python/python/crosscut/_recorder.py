@@ -65,7 +65,7 @@ class Recorder:
         show(self.path)
 
 
-def show(path: str | os.PathLike[str]) -> Any:
+def show(path: str | os.PathLike[str]) -> None:
     """Shows a recording in a notebook, with its pages; needs rerun-sdk with its extra ``notebook``."""
     from ._extras import importing
 
@@ -75,4 +75,3 @@ def show(path: str | os.PathLike[str]) -> Any:
     viewer = Viewer()
     viewer._flush_hook(Path(path).read_bytes())
     viewer.display()
-    return viewer
